@@ -1,0 +1,104 @@
+#include "kb_server/base/diagnostic.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+namespace {
+
+// The text of line `line` (from 1) without its end.
+std::string_view LineOf(std::string_view source, int line) {
+  size_t start = 0;
+  for (int i = 1; i < line; ++i) {
+    size_t end = source.find('\n', start);
+    if (end == std::string_view::npos) return {};
+    start = end + 1;
+  }
+  std::string_view text = source.substr(start, source.find('\n', start) - start);
+  if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
+  return text;
+}
+
+bool IsContinuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
+size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      size_t above = row[j];
+      size_t cost = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({above + 1, row[j - 1] + 1, cost});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+bool HasErrors(const Diagnostics& diagnostics) {
+  return std::any_of(diagnostics.begin(), diagnostics.end(),
+                     [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::kError; });
+}
+
+std::string Render(const Diagnostics& diagnostics, std::string_view source) {
+  std::string out;
+  for (const Diagnostic& d : diagnostics) {
+    if (!d.file.empty()) absl::StrAppend(&out, d.file, ":");
+    if (d.span.line > 0) absl::StrAppend(&out, d.span.line, ":", d.span.column, ": ");
+    else if (!d.file.empty()) out += " ";
+    absl::StrAppend(&out, d.severity == Diagnostic::Severity::kError ? "error: " : "warning: ", d.message, "\n");
+    std::string_view text = d.span.line > 0 ? LineOf(source, d.span.line) : std::string_view();
+    if (!text.empty()) {
+      absl::StrAppend(&out, "  ", text, "\n  ");
+      int column = 1;
+      for (size_t i = 0; i < text.size() && column < d.span.column; ++i) {
+        if (IsContinuation(text[i])) continue;
+        out += text[i] == '\t' ? '\t' : ' ';
+        ++column;
+      }
+      out += "^\n";
+    }
+    if (!d.hint.empty()) absl::StrAppend(&out, "  hint: ", d.hint, "\n");
+  }
+  return out;
+}
+
+absl::Status ToStatus(const Diagnostics& diagnostics, std::string_view source) {
+  if (!HasErrors(diagnostics)) return absl::OkStatus();
+  return absl::InvalidArgumentError(Render(diagnostics, source));
+}
+
+SourceSpan SpanAt(std::string_view source, size_t offset, size_t length) {
+  offset = std::min(offset, source.size());
+  SourceSpan span{1, 1, offset, length};
+  for (size_t i = 0; i < offset; ++i) {
+    if (source[i] == '\n') {
+      ++span.line;
+      span.column = 1;
+    } else if (!IsContinuation(source[i])) {
+      ++span.column;
+    }
+  }
+  return span;
+}
+
+std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  std::string best;
+  size_t best_distance = word.size() / 3 + 1;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() > word.size() + best_distance || word.size() > candidate.size() + best_distance) continue;
+    size_t distance = EditDistance(word, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace docent

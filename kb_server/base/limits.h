@@ -1,0 +1,49 @@
+// Every queue, loop, query, message and document has a named limit, and all of them stand here.
+// An error at a limit says its name and value. Each is tested at the limit and one past it.
+#ifndef DOCENT_KB_SERVER_BASE_LIMITS_H_
+#define DOCENT_KB_SERVER_BASE_LIMITS_H_
+
+#include <cstddef>
+#include <cstdint>
+
+namespace docent {
+
+struct Limits {
+  // door
+  size_t inbox_batches = 65536;           // waiting batches; beyond: RESOURCE_EXHAUSTED
+  size_t batch_operations = 100000;       // quads, readings and reports in one Assert batch
+  size_t batch_bytes = 16u << 20;         // text of one Assert batch
+  size_t load_operations = 20000000;      // quads in one load (files, ontologies)
+  size_t term_bytes = 1u << 20;           // text of one term
+  size_t request_ids_remembered = 100000; // newest request ids, for dropping repeats
+
+  // turn
+  int engine_rounds_per_turn = 64;        // store → rules → constraints → engine until quiet
+  int rule_rounds = 10000;                // fixpoint rounds of a rule set
+  size_t inferred_per_turn = 5000000;     // facts that one turn may infer
+  size_t turns_per_commit = 4096;         // turns that share one fdatasync
+
+  // queries
+  int query_timeout_ms = 30000;
+  size_t query_memory_bytes = 512u << 20;
+  size_t query_text_bytes = 1u << 20;
+  int query_nesting = 100;                // groups, expressions and sub-selects inside each other
+
+  // documents
+  size_t document_bytes = 64u << 20;
+  int xml_nesting = 64;
+
+  // network
+  size_t http_body_bytes = 64u << 20;
+  size_t http_connections = 1024;
+  size_t grpc_message_bytes = 16u << 20;
+
+  // workflow
+  int default_step_timeout_ms = 300000;   // a node without cawl-ext timeout
+  size_t runs_live = 10000;
+  int node_iterations = 10000;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_BASE_LIMITS_H_

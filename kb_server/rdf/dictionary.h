@@ -1,0 +1,46 @@
+// The dictionary: IRIs, blank nodes and literals that do not fit into an id ↔ TermId.
+//
+// Append-only. One thread (the writer) interns; any number of threads decode and find at the same time. Ids are
+// given in order of first interning, so replaying the same log gives the same ids.
+#ifndef DOCENT_KB_SERVER_RDF_DICTIONARY_H_
+#define DOCENT_KB_SERVER_RDF_DICTIONARY_H_
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "kb_server/rdf/term.h"
+#include "kb_server/rdf/term_id.h"
+
+namespace docent {
+
+class Dictionary {
+ public:
+  Dictionary();
+  ~Dictionary();
+  Dictionary(const Dictionary&) = delete;
+  Dictionary& operator=(const Dictionary&) = delete;
+
+  // The id of `term`, made if new. Writer thread only. Inline literals make no entry.
+  TermId Intern(const Term& term);
+  TermId InternIri(std::string_view iri);
+  // The id of `term` if it is known (or inline). Any thread.
+  std::optional<TermId> Find(const Term& term) const;
+  std::optional<TermId> FindIri(std::string_view iri) const;
+  // The term of `id`, which this dictionary gave, or which is inline. Any thread.
+  Term Decode(TermId id) const;
+  // The lexical form of a dictionary entry without a copy; the view lives as long as the dictionary.
+  // Requires id.InDictionary(). Any thread.
+  std::string_view Lexical(TermId id) const;
+
+  size_t size() const;   // entries
+  size_t bytes() const;  // memory held, estimated
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_RDF_DICTIONARY_H_

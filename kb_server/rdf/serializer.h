@@ -1,0 +1,22 @@
+// Term quads → RDF text, by Raptor2's N-Triples/N-Quads/RDF-XML writers and our own Turtle and TriG
+// (Raptor's pretty Turtle writer drops blank-node cycles silently). Any thread.
+#ifndef DOCENT_KB_SERVER_RDF_SERIALIZER_H_
+#define DOCENT_KB_SERVER_RDF_SERIALIZER_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/term.h"
+
+namespace docent {
+
+// INVALID_ARGUMENT where the format cannot say it (a named graph in Turtle, a predicate that RDF/XML cannot name).
+absl::StatusOr<std::string> SerializeRdf(const std::vector<TermQuad>& quads, RdfFormat format,
+                                         const std::vector<std::pair<std::string, std::string>>& prefixes = {});
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_RDF_SERIALIZER_H_

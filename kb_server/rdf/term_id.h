@@ -1,0 +1,67 @@
+// A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value itself.
+//
+// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when their
+// lexical form is canonical*, so that decoding gives back exactly the text that came in, and a stream of poses
+// never grows the dictionary. Equal terms have equal ids within one Dictionary. Values; any thread.
+#ifndef DOCENT_KB_SERVER_RDF_TERM_ID_H_
+#define DOCENT_KB_SERVER_RDF_TERM_ID_H_
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "kb_server/rdf/term.h"
+
+namespace docent {
+
+class TermId {
+ public:
+  enum class Tag : uint8_t {
+    kNone = 0,      // no term: unbound, or a wildcard in a pattern
+    kIri = 1,       // dictionary index
+    kBlank = 2,     // dictionary index
+    kLiteral = 3,   // dictionary index: strings, language strings, and whatever does not fit below
+    kInteger = 4,   // xsd:integer, 60-bit two's complement
+    kDecimal = 5,   // xsd:decimal, 55-bit mantissa and 5-bit scale (digits after the point), canonical form
+    kDouble = 6,    // xsd:double whose low 4 mantissa bits are 0 and whose lexical form is canonical
+    kBoolean = 7,   // xsd:boolean "true"/"false"
+    kDate = 8,      // xsd:date without zone or with Z
+    kDateTime = 9,  // xsd:dateTime, milliseconds since the epoch, without zone or with Z
+    kLocal = 15,    // made by one query (computed values); index into that query's own table, never stored
+  };
+
+  constexpr TermId() = default;
+  constexpr explicit TermId(uint64_t bits) : bits_(bits) {}
+  static constexpr TermId Make(Tag tag, uint64_t payload) {
+    return TermId((static_cast<uint64_t>(tag) << 60) | (payload & kPayloadMask));
+  }
+
+  constexpr uint64_t bits() const { return bits_; }
+  constexpr Tag tag() const { return static_cast<Tag>(bits_ >> 60); }
+  constexpr uint64_t payload() const { return bits_ & kPayloadMask; }
+  constexpr bool IsNone() const { return bits_ == 0; }
+  constexpr bool IsIri() const { return tag() == Tag::kIri; }
+  constexpr bool IsBlank() const { return tag() == Tag::kBlank; }
+  // Literal, whether in the dictionary or in the id. Local ids need their query's table and are not covered.
+  constexpr bool IsLiteral() const { return tag() >= Tag::kLiteral && tag() <= Tag::kDateTime; }
+  constexpr bool InDictionary() const { return tag() >= Tag::kIri && tag() <= Tag::kLiteral; }
+
+  friend constexpr auto operator<=>(TermId, TermId) = default;
+  template <typename H>
+  friend H AbslHashValue(H h, TermId id) {
+    return H::combine(std::move(h), id.bits_);
+  }
+
+ private:
+  static constexpr uint64_t kPayloadMask = (uint64_t{1} << 60) - 1;
+  uint64_t bits_ = 0;
+};
+
+// The id of a literal that fits into an id; nullopt if it needs the dictionary.
+std::optional<TermId> InlineLiteral(const Term& term);
+// The term of an id with an inline tag (kInteger … kDateTime), exactly as it came in.
+Term DecodeInline(TermId id);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_RDF_TERM_ID_H_
