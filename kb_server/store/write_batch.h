@@ -21,6 +21,8 @@ struct QuadOperation {
   enum class Kind : uint8_t { kAdd, kRemove };
   Kind kind = Kind::kAdd;
   TermQuad quad;
+
+  friend bool operator==(const QuadOperation&, const QuadOperation&) = default;
 };
 
 // A raw sensor reading (the paper's context: sensor, value, time). Readings become facts by the
@@ -29,6 +31,8 @@ struct SensorReading {
   std::string sensor;     // IRI
   Term value;             // literal or IRI
   TimeMicros time_us = 0; // when it was measured; 0: the batch's time
+
+  friend bool operator==(const SensorReading&, const SensorReading&) = default;
 };
 
 // A document that changes how the server behaves.
@@ -39,6 +43,8 @@ struct Document {
   Action action = Action::kPut;
   std::string name;  // unique within its kind; putting it again replaces it
   std::string text;  // as the user wrote it. Ontologies: empty, their quads are this batch's `operations`
+
+  friend bool operator==(const Document&, const Document&) = default;
 };
 
 // What a robot client proxy learnt of a command.
@@ -58,6 +64,8 @@ struct CommandReport {
   double progress = 0;      // 0..1
   std::string incarnation;  // the adapter's incarnation that reports
   std::vector<std::pair<std::string, Term>> results;  // named result values of a finished command
+
+  friend bool operator==(const CommandReport&, const CommandReport&) = default;
 };
 
 // What an operator or client wants of workflow runs.
@@ -66,6 +74,8 @@ struct RunRequest {
   Kind kind = Kind::kStart;
   std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL process; else a run id
   std::vector<std::pair<std::string, Term>> arguments;  // kStart, kInvokeService: variable or part name → value
+
+  friend bool operator==(const RunRequest&, const RunRequest&) = default;
 };
 
 struct WriteBatch {
@@ -89,6 +99,8 @@ struct WriteBatch {
   size_t OperationCount() const {
     return operations.size() + readings.size() + reports.size() + documents.size() + run_requests.size();
   }
+
+  friend bool operator==(const WriteBatch&, const WriteBatch&) = default;
 };
 
 }  // namespace docent
