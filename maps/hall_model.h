@@ -1,0 +1,81 @@
+// The hall as a robot knows it: an OctoMap (free, occupied, unknown voxels) and two distance fields made from it,
+// one in the plane of the laser (localisation) and one over the height of the robot (planning).
+//
+// Immutable and shared by all robots of a process as shared_ptr<const HallModel>; any thread.
+#ifndef DOCENT_MAPS_HALL_MODEL_H_
+#define DOCENT_MAPS_HALL_MODEL_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "maps/distance_grid.h"
+#include "maps/hall_layout.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace docent::maps {
+
+struct HallModelSettings {
+  double resolution_m = 0.05;     // 0.01..0.5: edge of a voxel (from a layout; an octree brings its own)
+  double laser_min_z_m = 0.275;   // slab that the laser sees: around ScannerSettings::height_m
+  double laser_max_z_m = 0.325;
+  double body_min_z_m = 0.10;     // band that the robot's body sweeps
+  double body_max_z_m = 1.20;
+  double max_distance_m = 2.0;    // distance fields are cut off here; beyond, planning does not care
+  double margin_m = 1.0;          // unknown space kept around the mapped space
+};
+
+class HallModel {
+ public:
+  ~HallModel();
+  HallModel(const HallModel&) = delete;
+  HallModel& operator=(const HallModel&) = delete;
+
+  // Voxelises the layout: a voxel is occupied if its centre lies in an obstacle or beyond the hall's outline (one
+  // wall's thickness of it), free inside the hall above and beside obstacles, unknown elsewhere.
+  // INVALID_ARGUMENT: settings out of range, or a hall of more than 10^8 columns at this resolution.
+  static absl::StatusOr<std::shared_ptr<const HallModel>> FromLayout(const HallLayout& layout,
+                                                                    double resolution_m = 0.05);
+  static absl::StatusOr<std::shared_ptr<const HallModel>> FromLayout(const HallLayout& layout,
+                                                                    const HallModelSettings& settings);
+
+  // From the map of a real building. Takes the tree. INVALID_ARGUMENT if the slab of the laser holds nothing.
+  static absl::StatusOr<std::shared_ptr<const HallModel>> FromOctoMap(std::unique_ptr<octomap::OcTree> tree,
+                                                                     const HallModelSettings& settings = {});
+
+  // Reads a binary octree (.bt). NOT_FOUND, or INVALID_ARGUMENT if it is not one.
+  static absl::StatusOr<std::shared_ptr<const HallModel>> Load(const std::string& bt_path,
+                                                              const HallModelSettings& settings = {});
+  // Writes the octree as .bt (through a temporary file in the same folder). PERMISSION_DENIED, or what the system says.
+  absl::Status Save(const std::string& bt_path) const;
+
+  // Clearance at a point: how far the robot's body may reach before it touches something, in metres, cut off at
+  // max_distance_m. 0 or less in occupied or unknown space and outside the map.
+  double DistanceAt(double x_m, double y_m) const { return clearance_.DistanceAt({x_m, y_m}); }
+
+  // Where the body band is free, distance to the nearest cell that is occupied or unknown.
+  const DistanceGrid& clearance() const { return clearance_; }
+  // The plane of the laser: distance to the nearest occupied cell; unknown cells do not attract.
+  const DistanceGrid& laser_field() const { return laser_field_; }
+
+  const octomap::OcTree& octree() const { return *tree_; }
+  const HallModelSettings& settings() const { return settings_; }
+  // A hash of voxels and settings: equal hashes, equal maps. Recorded in the log when a map is put to use.
+  uint64_t hash() const { return hash_; }
+
+ private:
+  HallModel(std::unique_ptr<octomap::OcTree> tree, const HallModelSettings& settings);
+
+  std::unique_ptr<octomap::OcTree> tree_;
+  HallModelSettings settings_;
+  DistanceGrid clearance_;
+  DistanceGrid laser_field_;
+  uint64_t hash_ = 0;
+};
+
+}  // namespace docent::maps
+
+#endif  // DOCENT_MAPS_HALL_MODEL_H_
