@@ -26,7 +26,7 @@ struct QuadOperation {
 };
 
 // A raw sensor reading (the paper's context: sensor, value, time). Readings become facts by the
-// docent:ReadingMapping resources of the graph (ontology/docent-place.ttl).
+// docent:ReadingMapping resources of the graph (ontology/sensor.ttl).
 struct SensorReading {
   std::string sensor;     // IRI
   Term value;             // literal or IRI
