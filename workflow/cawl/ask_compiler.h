@@ -1,0 +1,67 @@
+// A condition → SPARQL ASK texts, one for each alternative that may open it.
+//
+// constraint   subject verb object .            with `type`: subject rdf:type type .
+//              object "> 0.5":                  subject verb ?_1 . FILTER (?_1 > 0.5)
+// and, or, not joined, UNION, FILTER NOT EXISTS. `or` is carried to the outside (disjunctive normal form), so that a
+//              comparison or a `not` sees everything that its own alternative binds.
+// event        ?event_NAME rdf:type docent:Event ; docent:operation "NAME" .
+//
+// `$name` is replaced by its value; without a value it is the free variable ?name (see ast.h on how bindings flow).
+// Texts are self-contained: they declare the prefixes that they use. Functions without state; any thread.
+#ifndef DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_
+#define DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "workflow/cawl/ast.h"
+
+namespace docent::cawl {
+
+// The value of a variable ("name" or "name.part") now; nullopt: it has none yet.
+using VariableValues = std::function<std::optional<Term>(const std::string&)>;
+
+struct CompiledAsk {
+  std::string name;   // of the context or case; "condition" where the condition has an expression
+  std::string ask;    // SPARQL
+  int priority = 0;
+  // What a solution binds, without "?", in order of first use. A variable that stands only in some alternatives of
+  // an `or` may be left unbound. Names beginning with "_" and event variables are not among them.
+  std::vector<std::string> free_variables;
+  std::vector<std::string> unset;  // those of them that are written `$name` and have no value yet
+  // Not empty: the alternative needs an event and opens by edge, not by level: only a binding of these variables
+  // that appears in a turn during which the condition is awaited opens it. What was told before does not count,
+  // though it may complete an `and`. Arm the condition with these as key variables and look at what appeared.
+  std::vector<std::string> event_variables;
+
+  bool by_event() const { return !event_variables.empty(); }
+};
+
+// The alternatives in the order in which they are to be tried; none: the condition holds at once.
+// INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one), or the expression has more than
+// 256 alternatives.
+absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document, const Condition& condition,
+                                                          const VariableValues& values);
+
+// The ASK of one constraint (ext:while).
+absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Constraint& constraint,
+                                              const VariableValues& values);
+
+// The variables of which each new binding starts a run: those of the activator's own variables that `ask` binds; all
+// of ask.free_variables if it declares none; ask.event_variables in front when there are any.
+std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask);
+
+// A condition of a document as people see it (`docent check --ask`, Workflows.Check).
+struct ConditionText {
+  std::string place;  // "activator OnChoice / context C1", "flow BoothGuide / node Move2User / context C1"
+  std::string ask;    // SPARQL after comment lines that name the $variables shown as ?name
+};
+// All conditions of the document, in its order, no variable having a value.
+std::vector<ConditionText> ConditionTexts(const Document& document);
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_

@@ -1,0 +1,270 @@
+// The syntax tree of a CAWL document (Context-Aware Workflow Language; Choi et al., IJDSN 2014, in the structure that
+// the language's editors and engines read). One struct an element; its concrete syntax stands above it.
+//
+// Every Text knows its bytes in the source, so that editing is text editing. Made by ParseCawl, then never changed;
+// held by DocumentPtr, which runs keep (a run goes on with the version that started it). Any thread.
+//
+// How bindings flow. A `variable` lives in the scope that declares it (cawl, activator, flow, node) and inner scopes
+// see it. When a condition opens a node, each free variable ?x of its match is stored as variable x of the flow
+// (whether or not it is declared; declaring it makes `$x` legal elsewhere). From then on `$x` is that value. Before,
+// `$x` is like ?x: free, bound by the match. What an activator's match binds is stored in the flow that it starts.
+// An invocation's arguments: each input part of the operation takes the variable of the same name. The variable
+// `robot`, when set, decides which robot serves.
+#ifndef DOCENT_WORKFLOW_CAWL_AST_H_
+#define DOCENT_WORKFLOW_CAWL_AST_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/term.h"
+#include "workflow/cawl/expression.h"
+#include "workflow/xml/xml_document.h"
+
+namespace docent::cawl {
+
+using xml::Text;
+
+// Attributes in this namespace are Docent's extensions: timeout, retry, onFailure, compensate, forEach, while.
+inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
+
+// <part name="booth" type="docent:Booth" element="…"/>
+struct Part {
+  Text name;
+  Text type;     // a class or datatype as prefix:local; kept as written
+  Text element;
+  SourceSpan span;
+};
+
+// <message name="GuideRequest"> part* </message>
+struct Message {
+  Text name;
+  std::vector<Part> parts;
+  SourceSpan span;
+};
+
+// <initialize part="booth"> <from variable="request" part="booth"/> </initialize>
+// <initialize> <from expression="expo:B03"/> </initialize>
+// Without `part` the whole variable is meant. `expression` is one value: prefix:local, <iri>, "text", a number,
+// true, false, or $variable. Exactly one of `value` and `copy_of` is set in a correct document.
+struct Initialize {
+  Text part;
+  Text from_variable;
+  Text from_part;
+  Text from_expression;
+  std::optional<Term> value;  // the value of `expression`
+  std::string copy_of;        // or the variable to copy: "name" or "name.part"
+  SourceSpan span;
+};
+
+// <variable name="user" type="docent:Visitor"> initialize* </variable>
+// `type` is a message's name (the variable then has parts, written $name.part, kept under "name.part"), or a class
+// or datatype as prefix:local (for people and for checks).
+struct Variable {
+  Text name;
+  Text type;
+  std::vector<Initialize> initializers;
+  SourceSpan span;
+};
+
+// <ontology location="docent-place.ttl" namespace="https://w3id.org/docent#"/>
+struct Ontology {
+  Text location;
+  Text namespace_iri;
+  SourceSpan span;
+};
+
+// <service operation="moveToUser"/>
+struct Service {
+  Text operation;
+  SourceSpan span;
+};
+
+// <serviceProvider name="R01" location="…"> service* </serviceProvider>
+struct ServiceProvider {
+  Text name;
+  Text location;
+  std::vector<Service> services;
+  SourceSpan span;
+};
+
+// The word in a subject, verb or object.
+//   $name  $name.part   a variable of the symbol table
+//   ?name               a free variable that the match binds
+//   prefix:local <iri>  a resource; the verb `a` is rdf:type
+//   "text" "text"@en "1"^^xsd:int 3.5 true   a literal
+//   > 0.5   != <iri>   <= $limit             objects only: a comparison with one of the above
+// Prefixes are those of the XML namespaces in scope and the well-known ones of kb_server/rdf/vocabulary.h.
+struct Word {
+  enum class Kind { kMissing, kVariable, kFree, kTerm };
+  enum class Comparison { kNone, kEqual, kNotEqual, kLess, kLessOrEqual, kGreater, kGreaterOrEqual };
+  Kind kind = Kind::kMissing;
+  Comparison comparison = Comparison::kNone;
+  std::string name;  // kVariable ("name" or "name.part"), kFree
+  Term term;         // kTerm
+  Text text;         // as written
+  SourceSpan span;   // of the word itself, without the comparison
+  Text type;                   // @type as written
+  std::optional<Term> type_term;  // its IRI
+};
+
+// <constraint name="near"> <subject type="docent:Robot">?robot</subject> <verb>docent:isAt</verb>
+//                          <object>$place</object> </constraint>
+struct Constraint {
+  Text name;
+  Word subject;
+  Word verb;
+  Word object;
+  SourceSpan span;
+};
+
+// <rule name="standby" expression="near and not busy"> constraint* </rule>
+// Without expression all constraints must hold.
+struct Rule {
+  Text name;
+  Text expression_text;
+  std::optional<Expression> expression;
+  std::vector<Constraint> constraints;
+  SourceSpan span;
+};
+
+// <context name="C1" priority="1"> rule* </context>
+// All rules must hold, with the same bindings of their free variables.
+struct Context {
+  Text name;
+  Text priority_text;
+  int priority = 0;  // lower is tried first
+  std::vector<Rule> rules;
+  SourceSpan span;
+};
+
+// <event operation="doorbell"/>
+// An event is the fact `?e a docent:Event ; docent:operation "doorbell"`; it counts in the turn that tells it.
+struct Event {
+  Text operation;
+  SourceSpan span;
+};
+
+// <case name="rang" expression="doorbell or knock"> event* </case>
+// The names of the expression are the events' operations. Without expression all events are needed.
+struct Case {
+  Text name;
+  Text expression_text;
+  std::optional<Expression> expression;
+  std::vector<Event> events;
+  SourceSpan span;
+};
+
+// <condition expression="rang and C1"> case? context* </condition>
+// Without expression the contexts and the case are alternatives: contexts by priority (ties in document order),
+// then the case. With one, it is over the names of contexts and case, and the condition is a single alternative.
+// Without any child the condition holds at once.
+struct Condition {
+  Text expression_text;
+  std::optional<Expression> expression;
+  std::vector<Case> cases;  // at most one in a correct document
+  std::vector<Context> contexts;
+  std::optional<int64_t> timeout_ms;  // ext:timeout: the longest wait; then the node fails
+  SourceSpan span;
+};
+
+// <invoke operation="moveToUser"/>  or  <invoke subflow="BoothGuide"/>
+// `operation`: an RSEL process or, if there is none of that name, an operation that robots offer.
+// `subflow`: a flow of this document or a registered application service.
+struct Invoke {
+  Text operation;
+  Text subflow;
+  std::optional<int64_t> timeout_ms;  // ext:timeout: of each attempt
+  int retry = 0;                      // ext:retry: further attempts after a failure
+  SourceSpan span;
+};
+
+// <node name="Move2User" state="deActivate"> message* variable* wait* condition? invoke* </node>
+// <wait joinCondition="A and B"/>: names of predecessors; without it, all that can still come.
+// A node without invokes is done as soon as its condition opens it.
+struct Node {
+  Text name;
+  Text state;  // Activate | deActivate; kept for round trip
+  std::vector<Message> messages;
+  std::vector<Variable> variables;
+  Text join_text;                   // wait @joinCondition (several waits: joined by `and`)
+  std::optional<Expression> join;
+  std::optional<Condition> condition;
+  std::vector<Invoke> invokes;
+  std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
+  int retry = 0;                      // ext:retry: the whole node again after a failure
+  Text compensate;                    // ext:compensate: operation to invoke when the run fails after this node was done
+  Text for_each_text;                 // ext:forEach="?booth ?visitor": the invokes once for each binding of these
+  std::vector<std::string> for_each;  // without "?"
+  SourceSpan span;
+};
+
+// <link from="Move2User" to="Move2Booth"/>
+struct Link {
+  Text from;
+  Text to;
+  bool on_failure = false;  // ext:onFailure="true": followed when `from` fails, and only then
+  // ext:while="$user docent:selected ?booth": followed when `from` is done and this holds; the links without `while`
+  // out of the same node are followed when it does not. The only links that may close a cycle.
+  Text while_text;
+  std::optional<Constraint> while_constraint;
+  SourceSpan span;
+};
+
+// <flow name="BoothGuide"> message* variable* <source name="s"/> node* <sink name="t"/> link* </flow>
+struct Flow {
+  Text name;
+  std::vector<Message> messages;
+  std::vector<Variable> variables;
+  Text source;
+  Text sink;
+  std::vector<Node> nodes;
+  std::vector<Link> links;
+  SourceSpan span;
+
+  const Node* FindNode(std::string_view node_name) const;
+};
+
+// <activator name="OnChoice"> message* variable* <activate flow="BoothGuide"/> condition </activator>
+// One run of the flow for each new binding of the key variables: those of the activator's own variables that the
+// condition binds; if it declares none, all that the condition binds (see KeyVariables in ask_compiler.h).
+struct Activator {
+  Text name;
+  std::vector<Message> messages;
+  std::vector<Variable> variables;
+  Text flow;
+  Condition condition;
+  SourceSpan span;
+};
+
+// <CAWL name="BoothGuide" namespace="…" version="1.0">
+//   message* variable* baseOntologies( ontology* ) serviceProvider* activator? flow*
+// </CAWL>
+struct Document {
+  std::string file;    // as the user named it
+  std::string source;  // the text that all spans point into
+  Text name;
+  Text namespace_iri;
+  Text version;
+  std::vector<Message> messages;
+  std::vector<Variable> variables;
+  std::vector<Ontology> ontologies;
+  std::vector<ServiceProvider> providers;
+  std::optional<Activator> activator;
+  std::vector<Flow> flows;
+  // Prefixes of the root element's XML namespaces, for printing SPARQL the way the author writes.
+  std::map<std::string, std::string> prefixes;
+  SourceSpan span;
+
+  const Flow* FindFlow(std::string_view flow_name) const;
+};
+
+using DocumentPtr = std::shared_ptr<const Document>;
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_AST_H_

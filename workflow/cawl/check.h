@@ -1,0 +1,33 @@
+// Everything that can be said about a CAWL document before it runs: `docent check`, Workflows.Check, Workflows.Deploy.
+// Any thread.
+#ifndef DOCENT_WORKFLOW_CAWL_CHECK_H_
+#define DOCENT_WORKFLOW_CAWL_CHECK_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/base/limits.h"
+#include "workflow/cawl/ask_compiler.h"
+#include "workflow/cawl/environment.h"
+
+namespace docent::cawl {
+
+struct CheckReport {
+  DocumentPtr document;      // as ParsedCawl::document
+  Diagnostics diagnostics;   // errors and warnings, in order of the text
+  std::vector<ConditionText> conditions;  // empty when there are errors
+  bool ok() const { return document != nullptr && !HasErrors(diagnostics); }
+};
+
+// `environment` null: operations, services and ontology words are not checked. With one:
+//  error    an `invoke` that names neither an RSEL process nor an operation, or no flow
+//  error    an input part of an operation for which no variable of that name can have a value
+//  warning  a class, property or resource that the ontology does not have, with the nearest that it has
+CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
+                          const Limits& limits = {});
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_CHECK_H_

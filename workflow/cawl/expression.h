@@ -1,0 +1,46 @@
+// Boolean expressions over the names of child elements: condition, rule and case @expression, wait @joinCondition.
+//
+//   expression ::= conjunction ("or" conjunction)*
+//   conjunction ::= negation ("and" negation)*
+//   negation ::= "not" negation | "(" expression ")" | NAME
+//
+// `not` binds tighter than `and`, `and` tighter than `or`; the three words are reserved (any case). A NAME is
+// anything without blanks and parentheses. Values; any thread.
+#ifndef DOCENT_WORKFLOW_CAWL_EXPRESSION_H_
+#define DOCENT_WORKFLOW_CAWL_EXPRESSION_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kb_server/base/diagnostic.h"
+#include "workflow/xml/xml_document.h"
+
+namespace docent::cawl {
+
+struct Expression {
+  enum class Kind { kName, kNot, kAnd, kOr };
+  Kind kind = Kind::kName;
+  std::string name;                  // kName
+  std::vector<Expression> children;  // kNot: one; kAnd, kOr: two or more
+  SourceSpan span;                   // kName: the name in the source
+};
+
+// `text` is an attribute's value (its span is the raw text in `source`). On an error adds diagnostics with the
+// place inside of the expression and returns nullopt. Nesting is limited by `max_nesting`.
+std::optional<Expression> ParseExpression(const xml::Text& text, std::string_view source, const std::string& file,
+                                          int max_nesting, Diagnostics* diagnostics);
+
+// The value of the expression when `value_of` gives the value of a name.
+bool Evaluate(const Expression& expression, const std::function<bool(const std::string&)>& value_of);
+
+// Every kName of the expression, in order of writing.
+std::vector<const Expression*> NamesIn(const Expression& expression);
+
+// With the fewest parentheses that keep its meaning.
+std::string ToText(const Expression& expression);
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_EXPRESSION_H_
