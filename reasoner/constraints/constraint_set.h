@@ -1,0 +1,129 @@
+// Standing constraints: SPARQL ASK queries whose answer is known at every moment, and told when it changes.
+//
+// The comparator of the paper: a workflow node waits for a constraint to rise, an activator for each new binding. The cost of
+// an update depends on the constraints that it can touch, not on how many exist or how large the graph is:
+//
+//   - What does not hold watches the patterns through which it could begin to hold. A matching change is bound into the
+//     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that one alone is watched.
+//   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very solution.
+//
+// Patterns inside NOT EXISTS, MINUS, OPTIONAL, EXISTS are watched too, in the direction in which they count. What cannot be
+// analysed so (sub-SELECT, aggregates, recursive paths) is evaluated whole when one of its patterns is touched, and
+// NOW() or RAND() at every update: correct, slower, and visible in the counters.
+//
+// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. Writer thread only.
+#ifndef DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
+#define DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/algebra.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/delta.h"
+#include "kb_server/store/graph_version.h"
+
+namespace docent {
+
+// Never reused within one ConstraintSet.
+class ConstraintId {
+ public:
+  constexpr ConstraintId() = default;
+  constexpr explicit ConstraintId(uint64_t value) : value_(value) {}
+  constexpr uint64_t value() const { return value_; }
+  friend constexpr auto operator<=>(ConstraintId, ConstraintId) = default;
+  template <typename H>
+  friend H AbslHashValue(H h, ConstraintId id) {
+    return H::combine(std::move(h), id.value_);
+  }
+
+ private:
+  uint64_t value_ = 0;
+};
+
+// One solution: variable name (without "?") and value, in the query's order of variables; unbound ones are left out.
+// Ids are the dictionary's: computed values are interned.
+using Binding = std::vector<std::pair<std::string, TermId>>;
+
+// What an Update changed about one constraint.
+struct ConstraintChange {
+  enum class Edge : uint8_t {
+    kRose,             // did not hold, holds now
+    kFell,             // held, does not hold now
+    kBindingsChanged,  // holds as before, but with other key bindings (only where key variables are tracked)
+  };
+  ConstraintId id;
+  Edge edge = Edge::kRose;
+  // With key variables: the bindings of the keys that began and ceased to be answers, in term order.
+  std::vector<Binding> appeared;
+  std::vector<Binding> disappeared;
+};
+
+struct RegisterOptions {
+  // Variables whose distinct bindings are followed (an activator's). Empty: only whether it holds.
+  std::vector<std::string> key_variables;
+  TimeMicros now_us = 0;  // NOW()
+};
+
+class ConstraintSet {
+ public:
+  // `dictionary` interns the constants of queries and computed key values. Both must outlive the set.
+  explicit ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
+  ~ConstraintSet();
+  ConstraintSet(const ConstraintSet&) = delete;
+  ConstraintSet& operator=(const ConstraintSet&) = delete;
+
+  // Begins to follow `ask` (form ASK; the WHERE of a SELECT is taken likewise). `now` is the version that the next
+  // Update's delta starts from; the level on it is known at once and is not reported as a change.
+  // INVALID_ARGUMENT for a key variable that the query does not bind or another form of query; UNIMPLEMENTED for what
+  // the evaluator cannot do. Queries that are the same share their work.
+  absl::StatusOr<ConstraintId> Register(const sparql::Query& ask, const GraphVersion& now,
+                                        const RegisterOptions& options = {});
+  // Ends following; unknown ids are ignored.
+  void Remove(ConstraintId id);
+
+  // `delta` leads from the version of the last Update to `version`. The changes, in order of id.
+  // An error is one of the evaluator's limits; the caller then rolls back.
+  absl::StatusOr<std::vector<ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
+                                                       TimeMicros now_us = 0);
+
+  // Whether it holds as of the last Update. False for an unknown id.
+  bool Holds(ConstraintId id) const;
+  // The key bindings as of the last Update, in term order. One empty binding for a constraint without keys that holds.
+  std::vector<Binding> Keys(ConstraintId id) const;
+  // Solutions on `version` with all visible variables, distinct, in term order, the first `limit` of them. NOT_FOUND for an unknown id.
+  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, size_t limit,
+                                                 TimeMicros now_us = 0);
+
+  // The turn is done: what was registered, removed and learnt since the last Commit stays.
+  void Commit();
+  // The turn failed: back to the last Commit. Ids given since then are unknown.
+  void Rollback();
+
+  size_t size() const;  // constraints followed
+  // Since construction, for /metrics.
+  struct Counters {
+    uint64_t updates = 0;      // calls of Update
+    uint64_t candidates = 0;   // (constraint, changed quad) pairs that the index found
+    uint64_t evaluations = 0;  // queries or delta joins run by Update
+    uint64_t changes = 0;      // edges reported
+  };
+  const Counters& counters() const;
+  uint64_t candidates() const { return counters().candidates; }
+  uint64_t evaluations() const { return counters().evaluations; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
