@@ -1,0 +1,144 @@
+// docent tell: facts and sensor readings from the command line, as a robot, sensor or person would tell them.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "kb_server/app/client.h"
+#include "kb_server/app/commands.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/convert.h"
+
+namespace docent {
+namespace {
+
+struct TellArguments {
+  ClientOptions client;
+  std::string facts;
+  std::string withdraw;
+  std::vector<std::string> readings;
+  std::vector<std::string> prefixes;
+  std::string source;
+  std::string request_id;
+  uint64_t lifetime_ms = 0;
+};
+
+// "@prefix …" lines for the well-known prefixes and those that the user gave, all in one line so that the columns of
+// diagnostics stay right from the second line on.
+absl::StatusOr<std::string> Prologue(const std::vector<std::string>& prefixes) {
+  std::string text;
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) absl::StrAppend(&text, "@prefix ", prefix, ": <", iri, "> . ");
+  for (const std::string& given : prefixes) {
+    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
+    if (parts.first.empty() || parts.second.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
+    }
+    absl::StrAppend(&text, "@prefix ", parts.first, ": <", parts.second, "> . ");
+  }
+  return text + "\n";
+}
+
+// Turtle → quads. A missing last full stop is added: people forget it on a command line.
+absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text, const std::string& name) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
+  if (text.empty()) return std::vector<TermQuad>();
+  if (text.back() != '.') text += " .";
+  ParseRdfOptions options;
+  options.file = name;
+  ParsedRdf parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
+  if (!parsed.ok()) {
+    for (Diagnostic& d : parsed.diagnostics) {
+      if (d.span.line > 1) --d.span.line;
+      d.span.offset -= std::min(d.span.offset, prologue.size());
+    }
+    return ToStatus(parsed.diagnostics, text);
+  }
+  return std::move(parsed.quads);
+}
+
+void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
+  for (const TermQuad& quad : quads) {
+    v1::Quad* q = out->Add();
+    ToProto(quad.subject, q->mutable_subject());
+    ToProto(quad.predicate, q->mutable_predicate());
+    ToProto(quad.object, q->mutable_object());
+  }
+}
+
+// "SENSOR=VALUE": the sensor as an IRI or prefixed name, the value as plain text.
+absl::Status AddReading(const std::string& prologue, const std::string& text, v1::AssertRequest* request) {
+  size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0) {
+    return absl::InvalidArgumentError(absl::StrCat("--reading \"", text, "\" is not SENSOR=VALUE"));
+  }
+  std::string sensor = text.substr(0, equals);
+  auto quads = ParseFacts(prologue, absl::StrCat(sensor, " a ", sensor), "--reading");
+  if (!quads.ok()) return quads.status();
+  v1::SensorReading* reading = request->add_readings();
+  reading->set_sensor((*quads)[0].subject.lexical);
+  reading->mutable_value()->mutable_literal()->set_lexical(text.substr(equals + 1));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::AssertRequest> MakeRequest(const TellArguments& arguments) {
+  auto prologue = Prologue(arguments.prefixes);
+  if (!prologue.ok()) return prologue.status();
+  auto add = ParseFacts(*prologue, arguments.facts, "facts");
+  if (!add.ok()) return add.status();
+  auto remove = ParseFacts(*prologue, arguments.withdraw, "--withdraw");
+  if (!remove.ok()) return remove.status();
+  v1::AssertRequest request;
+  AddQuads(*add, request.mutable_add());
+  AddQuads(*remove, request.mutable_remove());
+  for (const std::string& reading : arguments.readings) {
+    if (absl::Status status = AddReading(*prologue, reading, &request); !status.ok()) return status;
+  }
+  if (request.add_size() + request.remove_size() + request.readings_size() == 0) {
+    return absl::InvalidArgumentError("nothing to tell; give facts, --withdraw or --reading");
+  }
+  request.set_source(arguments.source);
+  request.set_request_id(arguments.request_id);
+  request.set_lifetime_ms(arguments.lifetime_ms);
+  return request;
+}
+
+int RunTell(const TellArguments& arguments) {
+  auto request = MakeRequest(arguments);
+  if (!request.ok()) return Fail(request.status());
+  v1::AssertReply reply;
+  grpc::ClientContext context;
+  grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Assert(&context, *request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json) {
+    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added() << ",\"removed\":"
+              << reply.removed() << ",\"inferred\":" << reply.inferred()
+              << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
+  } else {
+    std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
+              << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddTellCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<TellArguments>();
+  CLI::App* command = app->add_subcommand(
+      "tell", "Tell facts, or what a sensor reads: a new value of a state property replaces the old one");
+  AddClientOptions(command, &arguments->client);
+  command->add_option("facts", arguments->facts, "Turtle, e.g. 'expo:John docent:selected expo:B03'");
+  command->add_option("--withdraw", arguments->withdraw, "Turtle: facts that no longer hold");
+  command->add_option("--reading", arguments->readings, "SENSOR=VALUE; the graph's reading mappings make it a fact");
+  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes");
+  command->add_option("--source", arguments->source, "IRI of who says it");
+  command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
+  command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time");
+  command->callback([arguments, exit_code] { *exit_code = RunTell(*arguments); });
+}
+
+}  // namespace docent
