@@ -54,7 +54,7 @@ std::string Render(const Diagnostics& diagnostics, std::string_view source) {
     absl::StrAppend(&out, d.severity == Diagnostic::Severity::kError ? "error: " : "warning: ", d.message, "\n");
     std::string_view text = d.span.line > 0 ? LineOf(source, d.span.line) : std::string_view();
     if (!text.empty()) {
-      absl::StrAppend(&out, "  ", text, "\n  ");
+      out.append("  ").append(text).append("\n  ");
       int column = 1;
       for (size_t i = 0; i < text.size() && column < d.span.column; ++i) {
         if (IsContinuation(text[i])) continue;
