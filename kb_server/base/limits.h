@@ -28,6 +28,7 @@ struct Limits {
   size_t query_memory_bytes = 512u << 20;
   size_t query_text_bytes = 1u << 20;
   int query_nesting = 100;                // groups, expressions and sub-selects inside each other
+  size_t query_elements = 4000;           // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
 
   // documents
   size_t document_bytes = 64u << 20;

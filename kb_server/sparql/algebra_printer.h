@@ -1,0 +1,34 @@
+// Algebra → SPARQL text: `docent check --ask`, error messages, tests (parse, print, parse again gives the same).
+// Any thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
+#define DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kb_server/sparql/algebra.h"
+
+namespace docent::sparql {
+
+struct PrintOptions {
+  // Used to shorten IRIs; those that are used are declared at the head of a printed query.
+  std::vector<std::pair<std::string, std::string>> prefixes;
+  bool declare_prefixes = true;
+};
+
+// A query that parses back to the same algebra. Indented, one triple a line. Hidden variables of blank nodes are
+// printed as _:label.
+std::string PrintQuery(const Query& query, const PrintOptions& options = {});
+// The inside of a group: "{ … }".
+std::string PrintPattern(const Algebra& algebra, const PrintOptions& options = {});
+std::string PrintExpression(const Expression& expression, const PrintOptions& options = {});
+std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options = {});
+
+// The algebra as an S-expression, in the notation of the SPARQL 1.1 examples: (join (bgp …) (filter …)). For tests and
+// for people who want to see what a query means.
+std::string PrintAlgebra(const Algebra& algebra);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
