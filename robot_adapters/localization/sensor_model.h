@@ -1,0 +1,56 @@
+// How likely is a scan from a pose? A table of tempered log-likelihoods over the plane of the laser, looked up at
+// every beam's end.
+//
+// Honest: a beam that ends outside the map or far from any surface gets log(z_random), never 0, so no pose gains by
+// looking at nothing. Immutable; any thread; no MRPT.
+#ifndef DOCENT_ROBOT_ADAPTERS_LOCALIZATION_SENSOR_MODEL_H_
+#define DOCENT_ROBOT_ADAPTERS_LOCALIZATION_SENSOR_MODEL_H_
+
+#include <vector>
+
+#include "maps/distance_grid.h"
+#include "maps/laser_scan.h"
+#include "robot_adapters/localization/localiser_settings.h"
+
+namespace docent::robot {
+
+// The ends of a scan's beams in the robot's frame, beams without return left out.
+struct BeamEnds {
+  std::vector<float> x_m;
+  std::vector<float> y_m;
+  maps::Point2 sensor;  // where the beams begin
+  size_t size() const { return x_m.size(); }
+};
+
+// At most `max_beams` beams, evenly thinned.
+BeamEnds EndsOf(const maps::LaserScan& scan, int max_beams);
+
+class SensorModel {
+ public:
+  SensorModel(const maps::DistanceGrid& laser_field, const SensorModelSettings& settings);
+
+  // temper * sum over the beams of log p(beam | pose), p scaled so that a beam that ends on a surface has p = 1.
+  // 0 is the best there is; the worst is ends.size() * worst_beam().
+  double LogLikelihood(const BeamEnds& ends, const maps::Pose2& robot_in_hall) const;
+
+  // The tempered log-likelihood of a beam that explains nothing.
+  double worst_beam() const { return worst_; }
+
+ private:
+  double origin_x_m_ = 0;
+  double origin_y_m_ = 0;
+  double cells_per_m_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+  float worst_ = 0;
+  std::vector<float> table_;
+};
+
+// The share of beams that end more than `margin_m` behind the first mapped surface on their way: 0 for the true
+// pose whatever people stand around, large for a wrong one. Rays are followed by sphere tracing on the field.
+double ShareThroughWalls(const maps::DistanceGrid& laser_field, const BeamEnds& ends,
+                         const maps::Pose2& robot_in_hall, double margin_m);
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_LOCALIZATION_SENSOR_MODEL_H_
