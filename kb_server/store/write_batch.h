@@ -70,7 +70,7 @@ struct CommandReport {
 
 // What an operator or client wants of workflow runs.
 struct RunRequest {
-  enum class Kind : uint8_t { kStart, kCancel, kPause, kResume, kInvokeService };
+  enum class Kind : uint8_t { kStart, kCancel, kInvokeService };
   Kind kind = Kind::kStart;
   std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL process; else a run id
   std::vector<std::pair<std::string, Term>> arguments;  // kStart, kInvokeService: variable or part name → value

@@ -1,0 +1,122 @@
+#include "kb_server/app/client.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/convert.h"
+
+namespace docent {
+namespace {
+
+Term FromProtoTrusted(const v1::Term& term) {
+  auto result = FromProto(term, "term");
+  return result.ok() ? *result : Term::Literal("");
+}
+
+// The object of `_:s <urn:p> TEXT .`, which is how a single term is read with the N-Triples parser.
+absl::StatusOr<Term> ParseNTriplesTerm(const std::string& text) {
+  ParsedRdf parsed = ParseRdf(absl::StrCat("_:s <urn:p> ", text, " .\n"), RdfFormat::kNTriples);
+  if (!parsed.ok() || parsed.quads.size() != 1) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not an RDF term"));
+  }
+  return parsed.quads[0].object;
+}
+
+}  // namespace
+
+void AddClientOptions(CLI::App* command, ClientOptions* options) {
+  command->add_option("--server", options->server, "gRPC address of the server")
+      ->envname("DOCENT_SERVER")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print JSON for machines");
+}
+
+std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(static_cast<int>(Limits().grpc_message_bytes));
+  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+}
+
+int Fail(const grpc::Status& status, const ClientOptions& options) {
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    std::cerr << "docent: no server answers at " << options.server << " (" << status.error_message()
+              << "); start one with `docent serve` or name it with --server\n";
+  } else {
+    std::cerr << "docent: " << status.error_message() << "\n";
+  }
+  return kExitBad;
+}
+
+int Fail(const absl::Status& status) {
+  std::cerr << "docent: " << status.message() << "\n";
+  return kExitBad;
+}
+
+absl::StatusOr<std::string> ReadText(const std::string& path) {
+  std::ostringstream text;
+  if (path == "-") {
+    text << std::cin.rdbuf();
+    return text.str();
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
+  text << file.rdbuf();
+  if (file.bad()) return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
+  return text.str();
+}
+
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text) {
+  size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not NAME=VALUE"));
+  }
+  std::string name = text.substr(0, equals);
+  std::string value = text.substr(equals + 1);
+  if (absl::StartsWith(value, "<") || absl::StartsWith(value, "\"")) {
+    auto term = ParseNTriplesTerm(value);
+    if (!term.ok()) return term.status();
+    return std::make_pair(name, *term);
+  }
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+    if (absl::StartsWith(value, absl::StrCat(prefix, ":"))) {
+      return std::make_pair(name, Term::Iri(absl::StrCat(iri, value.substr(prefix.size() + 1))));
+    }
+  }
+  int64_t integer = 0;
+  if (absl::SimpleAtoi(value, &integer)) return std::make_pair(name, Term::Integer(integer));
+  double number = 0;
+  if (absl::SimpleAtod(value, &number)) {
+    return std::make_pair(name, Term::Literal(value, std::string(kXsdDecimal)));
+  }
+  if (value == "true" || value == "false") return std::make_pair(name, Term::Boolean(value == "true"));
+  if (value.find("://") != std::string::npos || absl::StartsWith(value, "urn:")) {
+    return std::make_pair(name, Term::Iri(value));
+  }
+  return std::make_pair(name, Term::Literal(value));
+}
+
+std::string ToNTriples(const v1::Term& term) { return ToNTriples(FromProtoTrusted(term)); }
+std::string ToDisplay(const v1::Term& term) { return ToDisplay(FromProtoTrusted(term)); }
+
+std::string OneLine(std::string_view text, size_t width) {
+  std::string out;
+  size_t points = 0;
+  for (char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0) != 0x80 && ++points > width) return out + "…";
+    out += (c == '\n' || c == '\r' || c == '\t') ? ' ' : c;
+  }
+  return std::string(absl::StripTrailingAsciiWhitespace(out));
+}
+
+}  // namespace docent

@@ -1,0 +1,53 @@
+// What the client commands of `docent` share: reaching a server, printing errors, exit codes.
+#ifndef DOCENT_KB_SERVER_APP_CLIENT_H_
+#define DOCENT_KB_SERVER_APP_CLIENT_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "CLI/App.hpp"
+#include "absl/status/statusor.h"
+#include "docent/v1/term.pb.h"
+#include "kb_server/rdf/term.h"
+
+namespace docent {
+
+// Exit codes of every command.
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitNegative = 1;  // a negative answer: ASK is false, a run failed, a check found errors
+inline constexpr int kExitBad = 2;       // bad usage or input, or no server
+
+struct ClientOptions {
+  std::string server = "127.0.0.1:7400";  // also from the environment variable DOCENT_SERVER
+  bool json = false;
+};
+
+// Adds --server and --json to a command.
+void AddClientOptions(CLI::App* command, ClientOptions* options);
+
+std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
+
+// Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so.
+int Fail(const grpc::Status& status, const ClientOptions& options);
+int Fail(const absl::Status& status);
+
+// The whole file, or standard input for "-". NOT_FOUND and the like name the file.
+absl::StatusOr<std::string> ReadText(const std::string& path);
+
+// "name=value" where value is N-Triples (<iri>, "text"@en, "1"^^<…>), a prefixed name with a well-known prefix, a
+// number, true/false, or anything else as a plain string.
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text);
+
+// A term of the API as N-Triples, or shortened for people.
+std::string ToNTriples(const v1::Term& term);
+std::string ToDisplay(const v1::Term& term);
+
+// `text` cut to `width` code points with an ellipsis, line breaks as spaces.
+std::string OneLine(std::string_view text, size_t width);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_CLIENT_H_

@@ -1,0 +1,22 @@
+// The commands of `docent`, one file each. Every function adds its command to the command line; when it is given, it
+// runs and stores the exit code (client.h).
+#ifndef DOCENT_KB_SERVER_APP_COMMANDS_H_
+#define DOCENT_KB_SERVER_APP_COMMANDS_H_
+
+#include "CLI/App.hpp"
+
+namespace docent {
+
+void AddServeCommand(CLI::App* app, int* exit_code);
+void AddLoadCommand(CLI::App* app, int* exit_code);
+void AddTellCommand(CLI::App* app, int* exit_code);
+void AddQueryCommand(CLI::App* app, int* exit_code);
+void AddCheckCommand(CLI::App* app, int* exit_code);
+void AddRunCommand(CLI::App* app, int* exit_code);
+void AddRunsCommand(CLI::App* app, int* exit_code);
+void AddRobotsCommand(CLI::App* app, int* exit_code);
+void AddServicesCommand(CLI::App* app, int* exit_code);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_COMMANDS_H_

@@ -1,0 +1,28 @@
+// docent: the server and its command line.
+#include <CLI/CLI.hpp>
+
+#include "kb_server/app/client.h"
+#include "kb_server/app/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"Docent: a semantic context-reasoning server for service robots"};
+  app.set_version_flag("--version", std::string(DOCENT_VERSION));
+  app.require_subcommand(1);
+  int exit_code = docent::kExitOk;
+  docent::AddServeCommand(&app, &exit_code);
+  docent::AddLoadCommand(&app, &exit_code);
+  docent::AddTellCommand(&app, &exit_code);
+  docent::AddQueryCommand(&app, &exit_code);
+  docent::AddCheckCommand(&app, &exit_code);
+  docent::AddRunCommand(&app, &exit_code);
+  docent::AddRunsCommand(&app, &exit_code);
+  docent::AddRobotsCommand(&app, &exit_code);
+  docent::AddServicesCommand(&app, &exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    int code = app.exit(error);
+    return code == 0 ? docent::kExitOk : docent::kExitBad;
+  }
+  return exit_code;
+}

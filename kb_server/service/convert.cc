@@ -1,0 +1,155 @@
+#include "kb_server/service/convert.h"
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/parser.h"
+
+namespace docent {
+namespace {
+
+// Terms of a message are absolute: a scheme, a colon, and nothing that an IRI may not hold (RFC 3987, 2.2).
+bool IsAbsoluteIri(std::string_view iri) {
+  size_t colon = iri.find(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  for (char c : iri) {
+    if (static_cast<unsigned char>(c) <= 0x20 || std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
+      return false;
+    }
+  }
+  return true;
+}
+
+absl::Status CheckSize(size_t bytes, const Limits& limits, const std::string& what) {
+  if (bytes <= limits.term_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat(what, " has ", bytes, " bytes; the limit term_bytes is ", limits.term_bytes));
+}
+
+}  // namespace
+
+void ToProto(const Term& term, v1::Term* out) {
+  switch (term.kind) {
+    case TermKind::kIri:
+      out->set_iri(term.lexical);
+      break;
+    case TermKind::kBlank:
+      out->set_blank(term.lexical);
+      break;
+    case TermKind::kLiteral:
+      out->mutable_literal()->set_lexical(term.lexical);
+      out->mutable_literal()->set_datatype(term.datatype);
+      out->mutable_literal()->set_language(term.language);
+      break;
+  }
+}
+
+void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out) {
+  out->set_file(diagnostic.file);
+  out->set_line(diagnostic.span.line);
+  out->set_column(diagnostic.span.column);
+  out->set_message(diagnostic.message);
+  out->set_hint(diagnostic.hint);
+  out->set_warning(diagnostic.severity == Diagnostic::Severity::kWarning);
+}
+
+absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
+  switch (term.kind_case()) {
+    case v1::Term::kIri:
+      if (!IsAbsoluteIri(term.iri())) {
+        return absl::InvalidArgumentError(absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
+      }
+      return Term::Iri(term.iri());
+    case v1::Term::kBlank:
+      return Term::Blank(term.blank());
+    case v1::Term::kLiteral:
+      if (!term.literal().language().empty()) {
+        return Term::LangString(term.literal().lexical(), term.literal().language());
+      }
+      return Term::Literal(term.literal().lexical(), term.literal().datatype());
+    case v1::Term::KIND_NOT_SET:
+      break;
+  }
+  return absl::InvalidArgumentError(absl::StrCat(what, " is not set; give iri, blank or literal"));
+}
+
+absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what) {
+  TermQuad out;
+  auto subject = FromProto(quad.subject(), what + ".subject");
+  if (!subject.ok()) return subject.status();
+  auto predicate = FromProto(quad.predicate(), what + ".predicate");
+  if (!predicate.ok()) return predicate.status();
+  auto object = FromProto(quad.object(), what + ".object");
+  if (!object.ok()) return object.status();
+  out.subject = *std::move(subject);
+  out.predicate = *std::move(predicate);
+  out.object = *std::move(object);
+  if (quad.has_graph() && quad.graph().kind_case() != v1::Term::KIND_NOT_SET) {
+    auto graph = FromProto(quad.graph(), what + ".graph");
+    if (!graph.ok()) return graph.status();
+    out.graph = *std::move(graph);
+  }
+  return out;
+}
+
+absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits) {
+  if (request.request_id().size() > 256) {
+    return absl::InvalidArgumentError("request_id is longer than 256 bytes");
+  }
+  if (!request.source().empty() && !IsAbsoluteIri(request.source())) {
+    return absl::InvalidArgumentError(absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
+  }
+  WriteBatch batch;
+  batch.request_id = request.request_id();
+  batch.source = request.source();
+  batch.mode = request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
+  batch.lifetime_ms = request.lifetime_ms();
+  batch.operations.reserve(request.remove_size() + request.add_size());
+  auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
+    absl::StatusOr<TermQuad> out = FromProto(quad, what);
+    if (!out.ok()) return out.status();
+    for (const Term* term : {&out->subject, &out->predicate, &out->object}) {
+      if (absl::Status size = CheckSize(term->lexical.size(), limits, what); !size.ok()) return size;
+    }
+    batch.operations.push_back({kind, *std::move(out)});
+    return absl::OkStatus();
+  };
+  for (int i = 0; i < request.remove_size(); ++i) {
+    absl::Status status = append(request.remove(i), QuadOperation::Kind::kRemove, absl::StrCat("remove[", i, "]"));
+    if (!status.ok()) return status;
+  }
+  for (int i = 0; i < request.add_size(); ++i) {
+    absl::Status status = append(request.add(i), QuadOperation::Kind::kAdd, absl::StrCat("add[", i, "]"));
+    if (!status.ok()) return status;
+  }
+  if (!request.rdf().empty()) {
+    std::string media_type = request.rdf_media_type().empty() ? "text/turtle" : request.rdf_media_type();
+    auto format = FormatOfMediaType(media_type);
+    if (!format) {
+      return absl::InvalidArgumentError(absl::StrCat("rdf_media_type \"", media_type, "\" is not known; use text/turtle, "
+                                                     "application/trig, application/n-triples, application/n-quads or "
+                                                     "application/rdf+xml"));
+    }
+    ParseRdfOptions options;
+    options.file = "rdf";
+    ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
+    for (TermQuad& quad : parsed.quads) batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+  }
+  for (int i = 0; i < request.readings_size(); ++i) {
+    const v1::SensorReading& in = request.readings(i);
+    std::string what = absl::StrCat("readings[", i, "]");
+    if (!IsAbsoluteIri(in.sensor())) {
+      return absl::InvalidArgumentError(absl::StrCat(what, ".sensor: \"", in.sensor(), "\" is not an absolute IRI"));
+    }
+    auto value = FromProto(in.value(), what + ".value");
+    if (!value.ok()) return value.status();
+    batch.readings.push_back({in.sensor(), *std::move(value), in.time_us()});
+  }
+  return batch;
+}
+
+grpc::Status ToGrpc(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), std::string(status.message()));
+}
+
+}  // namespace docent

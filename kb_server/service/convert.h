@@ -1,0 +1,36 @@
+// Messages of proto/docent/v1 ↔ our own types. Pure functions; any thread.
+#ifndef DOCENT_KB_SERVER_SERVICE_CONVERT_H_
+#define DOCENT_KB_SERVER_SERVICE_CONVERT_H_
+
+#include <string>
+
+#include <grpcpp/support/status.h>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "docent/v1/context.pb.h"
+#include "docent/v1/term.pb.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/term.h"
+#include "kb_server/store/write_batch.h"
+
+namespace docent {
+
+void ToProto(const Term& term, v1::Term* out);
+void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out);
+
+// INVALID_ARGUMENT for an unset term or a relative IRI; `what` names the place, e.g. "add[3].subject".
+absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
+// As above; an unset graph gives a term with an empty IRI.
+absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
+// The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for `rdf`,
+// line and column; RESOURCE_EXHAUSTED names the limit.
+absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits);
+
+// The same code and message (absl codes are gRPC's).
+grpc::Status ToGrpc(const absl::Status& status);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_CONVERT_H_

@@ -1,0 +1,476 @@
+#include "workflow/engine/engine.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "workflow/engine/engine_core.h"
+#include "workflow/engine/run_facts.h"
+#include "workflow/engine/run_stepper.h"
+
+namespace docent {
+namespace {
+
+std::string KeyOf(const TermBinding& binding) {
+  return absl::StrJoin(binding, " ", [](std::string* out, const auto& pair) {
+    absl::StrAppend(out, pair.first, "=", ToNTriples(pair.second));
+  });
+}
+
+// The syntax of a workflow that only invokes one robot service: what RobotServices.Invoke runs.
+cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
+  auto document = std::make_shared<cawl::Document>();
+  document->name.value = absl::StrCat("service ", process);
+  cawl::Flow flow;
+  flow.name.value = process;
+  flow.source.value = "source";
+  flow.sink.value = "sink";
+  cawl::Node node;
+  node.name.value = process;
+  cawl::Invoke invoke;
+  invoke.operation.value = process;
+  node.invokes.push_back(std::move(invoke));
+  flow.nodes.push_back(std::move(node));
+  cawl::Link in, out;
+  in.from.value = "source";
+  in.to.value = process;
+  out.from.value = process;
+  out.to.value = "sink";
+  flow.links.push_back(std::move(in));
+  flow.links.push_back(std::move(out));
+  document->flows.push_back(std::move(flow));
+  return document;
+}
+
+void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* values) {
+  for (const cawl::Variable& variable : variables) {
+    for (const cawl::Initialize& initialize : variable.initializers) {
+      std::string name = initialize.part.value.empty() ? variable.name.value
+                                                       : absl::StrCat(variable.name.value, ".", initialize.part.value);
+      if (initialize.value) {
+        values->try_emplace(name, *initialize.value);
+      } else if (auto from = values->find(initialize.copy_of); from != values->end()) {
+        Term copy = from->second;
+        values->try_emplace(name, std::move(copy));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Run* Engine::Core::Mutable(const RunId& id) {
+  auto it = runs.find(id);
+  if (it == runs.end()) return nullptr;
+  undo_runs.try_emplace(id, it->second);
+  changed.insert(id);
+  return &it->second;
+}
+
+std::map<std::string, Deployment>& Engine::Core::MutableDeployments() {
+  if (!undo_deployments) undo_deployments = deployments;
+  return deployments;
+}
+
+ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
+                                  ConditionOwner owner) {
+  ConditionHandle handle = next_handle++;
+  owners.emplace(handle, std::move(owner));
+  output->arm.push_back({handle, ask.ask, std::move(key_variables)});
+  return handle;
+}
+
+void Engine::Core::Disarm(ConditionHandle handle) {
+  owners.erase(handle);
+  // armed and disarmed within one Step: nobody needs to hear of it
+  auto it = std::find_if(output->arm.begin(), output->arm.end(),
+                         [&](const ConditionRequest& request) { return request.handle == handle; });
+  if (it != output->arm.end()) output->arm.erase(it);
+  else output->disarm.push_back(handle);
+}
+
+void Engine::Core::Say(std::string subject, std::string_view from, std::string_view to, std::string cause) {
+  output->transitions.push_back({std::move(subject), std::string(from), std::string(to), std::move(cause)});
+}
+
+RunId Engine::Core::RootOf(const Run& run) const {
+  const Run* root = &run;
+  while (!root->parent.empty()) {
+    auto it = runs.find(root->parent);
+    if (it == runs.end()) break;
+    root = &it->second;
+  }
+  return root->id;
+}
+
+bool Engine::Core::IsFree(const RobotId& robot, const RunId& root) const {
+  auto holder = holders.find(robot);
+  return holder == holders.end() || holder->second == root;
+}
+
+std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
+                                                                           const std::string& name) const {
+  for (size_t i = 0; from != nullptr && i < from->flows.size(); ++i) {
+    if (from->flows[i].name.value == name) return std::make_pair(from, i);
+  }
+  std::pair<std::string, std::string> parts = absl::StrSplit(name, absl::MaxSplits('/', 1));
+  auto it = deployments.find(parts.first);
+  if (it == deployments.end()) return std::nullopt;
+  const cawl::DocumentPtr& document = it->second.document;
+  std::string flow = !parts.second.empty()      ? parts.second
+                     : document->activator ? document->activator->flow.value
+                                           : "";
+  for (size_t i = 0; i < document->flows.size(); ++i) {
+    if (flow.empty() || document->flows[i].name.value == flow) return std::make_pair(document, i);
+  }
+  return std::nullopt;
+}
+
+RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
+                          const std::string& cause, const CommandOwner* parent) {
+  Run run;
+  run.id = RunId(absl::StrCat(document->flows[flow].name.value, "-", next_run++));
+  run.document = document;
+  run.flow = flow;
+  run.started_us = input->now_us;
+  run.variables = std::move(variables);
+  Initialise(document->variables, &run.variables);
+  if (document->activator && document->activator->flow.value == document->flows[flow].name.value) {
+    Initialise(document->activator->variables, &run.variables);
+  }
+  Initialise(document->flows[flow].variables, &run.variables);
+  run.nodes.resize(document->flows[flow].nodes.size());
+  if (parent != nullptr) {
+    run.parent = parent->run;
+    run.parent_node = parent->node;
+    run.parent_invocation = parent->invocation;
+  }
+  RunId id = run.id;
+  undo_runs.try_emplace(id, std::nullopt);
+  changed.insert(id);
+  Run& stored = runs.emplace(id, std::move(run)).first->second;
+  RunStepper(this, &stored).Begin(cause);
+  return id;
+}
+
+void Engine::Core::Cancel(const RunId& id, const std::string& reason) {
+  if (Run* run = Mutable(id)) RunStepper(this, run).End(WorkState::kCancelled, reason);
+}
+
+void Engine::Core::RebuildDerived() {
+  owners.clear();
+  commands.clear();
+  timers.clear();
+  holders.clear();
+  pending.clear();
+  for (const auto& [name, deployment] : deployments) {
+    for (const ArmedCondition& armed : deployment.armed) owners[armed.handle] = {RunId(), 0, name};
+  }
+  for (const auto& [id, run] : runs) {
+    if (run.timer_us) timers.insert({*run.timer_us, id});
+    for (const RobotId& robot : run.robots) holders.emplace(robot, RootOf(run));
+    for (size_t n = 0; n < run.nodes.size(); ++n) {
+      for (const ArmedCondition& armed : run.nodes[n].armed) owners[armed.handle] = {id, n, ""};
+      for (const PendingLink& link : run.nodes[n].pending_links) owners[link.handle] = {id, n, ""};
+      for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
+        const InvocationState& invocation = run.nodes[n].invocations[i];
+        if (invocation.state == WorkState::kPending) pending.insert(id);
+        for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
+      }
+    }
+  }
+}
+
+Engine::Engine(const Limits& limits) : core_(std::make_unique<Core>(limits)) {}
+Engine::~Engine() = default;
+
+Diagnostics Engine::CheckSupported(const cawl::Document& document) {
+  Diagnostics diagnostics;
+  for (const cawl::Flow& flow : document.flows) {
+    for (const cawl::Node& node : flow.nodes) {
+      if (node.compensate.value.empty()) continue;
+      diagnostics.push_back({document.file, node.compensate.span,
+                             absl::StrCat("node ", node.name.value, " has ext:compensate, which this server cannot do yet"),
+                             "leave it out, or handle the failure with a link that has ext:onFailure=\"true\""});
+    }
+  }
+  return diagnostics;
+}
+
+void Engine::Deploy(cawl::DocumentPtr document) {
+  auto& deployments = core_->MutableDeployments();
+  Deployment& deployment = deployments[document->name.value];
+  for (const ArmedCondition& armed : deployment.armed) {
+    core_->owners.erase(armed.handle);
+    core_->deploy_disarm.push_back(armed.handle);
+  }
+  Deployment fresh;
+  fresh.document = document;
+  for (const auto& [key, count] : deployment.active) fresh.carried.insert(key);
+  if (document->activator) {
+    auto asks = cawl::CompileCondition(*document, document->activator->condition,
+                                       [](const std::string&) { return std::nullopt; });
+    if (asks.ok()) {
+      for (cawl::CompiledAsk& ask : *asks) {
+        ConditionHandle handle = core_->next_handle++;
+        core_->owners[handle] = {RunId(), 0, document->name.value};
+        core_->deploy_arm.push_back({handle, ask.ask, cawl::KeyVariables(*document->activator, ask)});
+        fresh.armed.push_back({handle, std::move(ask)});
+      }
+    }
+  }
+  deployment = std::move(fresh);
+}
+
+bool Engine::Undeploy(const std::string& workflow) {
+  auto& deployments = core_->MutableDeployments();
+  auto it = deployments.find(workflow);
+  if (it == deployments.end()) return false;
+  for (const ArmedCondition& armed : it->second.armed) {
+    core_->owners.erase(armed.handle);
+    core_->deploy_disarm.push_back(armed.handle);
+  }
+  deployments.erase(it);
+  return true;
+}
+
+Diagnostics Engine::PutServices(rsel::DocumentPtr document) {
+  if (!core_->undo_services) core_->undo_services = core_->services;
+  return core_->services.Put(std::move(document));
+}
+
+absl::Status Engine::RemoveServices(const std::string& document) {
+  if (!core_->undo_services) core_->undo_services = core_->services;
+  return core_->services.Remove(document);
+}
+
+absl::Status Engine::CheckRequest(const RunRequest& request) const {
+  if (request.kind != RunRequest::Kind::kCancel && core_->runs.size() >= core_->limits.runs_live) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("there are ", core_->runs.size(), " live runs; the limit runs_live is ", core_->limits.runs_live));
+  }
+  switch (request.kind) {
+    case RunRequest::Kind::kStart:
+      if (core_->FindFlow(nullptr, request.target)) return absl::OkStatus();
+      return absl::NotFoundError(absl::StrCat("no workflow \"", request.target, "\" is deployed"));
+    case RunRequest::Kind::kCancel:
+      if (core_->runs.count(RunId(request.target)) > 0) return absl::OkStatus();
+      return absl::NotFoundError(absl::StrCat("no live run \"", request.target, "\""));
+    case RunRequest::Kind::kInvokeService: {
+      rsel::PlanPtr plan = core_->services.Find(request.target);
+      if (plan == nullptr) return absl::NotFoundError(absl::StrCat("no robot service \"", request.target, "\" is registered"));
+      return rsel::InstructionHandler::Start(plan, rsel::Arguments(request.arguments.begin(), request.arguments.end())).status();
+    }
+  }
+  return absl::InvalidArgumentError("unknown kind of request");
+}
+
+namespace {
+
+// Requests and reports that this turn brings.
+void TakeRequests(Engine::Core* core) {
+  for (const RunRequest& request : *core->input->requests) {
+    TermBinding arguments(request.arguments.begin(), request.arguments.end());
+    switch (request.kind) {
+      case RunRequest::Kind::kStart:
+        if (auto flow = core->FindFlow(nullptr, request.target)) {
+          core->output->started.push_back(core->Start(flow->first, flow->second, std::move(arguments), "asked for", nullptr));
+        }
+        break;
+      case RunRequest::Kind::kCancel:
+        core->Cancel(RunId(request.target), "cancelled on request");
+        break;
+      case RunRequest::Kind::kInvokeService:
+        core->output->started.push_back(
+            core->Start(ServiceWorkflow(request.target), 0, std::move(arguments), "asked for", nullptr));
+        break;
+    }
+  }
+}
+
+void TakeReports(Engine::Core* core) {
+  for (const CommandReport& report : *core->input->reports) {
+    auto it = core->commands.find(report.command.value());
+    if (it == core->commands.end()) continue;  // late: the command was cancelled or has ended
+    CommandOwner owner = it->second;
+    if (Run* run = core->Mutable(owner.run)) {
+      RunStepper(core, run).Report(owner, report);
+      core->touched.insert(owner.run);
+    }
+  }
+}
+
+// A binding of an activator's key variables appeared: a run starts.
+void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
+  Deployment& deployment = core->MutableDeployments()[workflow];
+  for (const TermBinding& key : edge.disappeared) {
+    auto it = deployment.active.find(KeyOf(key));
+    if (it != deployment.active.end() && --it->second == 0) deployment.active.erase(it);
+  }
+  for (const TermBinding& key : edge.appeared) {
+    std::string text = KeyOf(key);
+    if (deployment.active[text]++ > 0 || deployment.carried.erase(text) > 0) continue;
+    if (core->runs.size() >= core->limits.runs_live) {
+      core->Say(workflow, "", "failed", absl::StrCat("no run was started for ", text, ": the limit runs_live is ", core->limits.runs_live));
+      continue;
+    }
+    TermBinding variables = key;
+    auto solutions = core->input->conditions->Solutions(edge.handle, key, 1);
+    if (solutions.ok() && !solutions->empty()) variables.insert(solutions->front().begin(), solutions->front().end());
+    auto flow = core->FindFlow(deployment.document, deployment.document->activator->flow.value);
+    if (!flow) continue;
+    std::string evidence = core->input->conditions->Evidence(edge.handle, variables);
+    std::replace(evidence.begin(), evidence.end(), '\n', ' ');
+    core->Start(flow->first, flow->second, std::move(variables),
+                absl::StrCat("activator ", deployment.document->activator->name.value, ": ", evidence), nullptr);
+  }
+}
+
+void TakeEdges(Engine::Core* core) {
+  for (const ConditionEdge& edge : core->input->conditions->edges()) {
+    auto it = core->owners.find(edge.handle);
+    if (it == core->owners.end()) continue;
+    core->edges[edge.handle] = &edge;
+    if (it->second.run.empty()) {
+      std::string workflow = it->second.workflow;
+      Activate(core, workflow, edge);
+    } else {
+      core->touched.insert(it->second.run);
+    }
+  }
+}
+
+// Takes runs as far as they go, parents after their children, and frees robots of runs that ended.
+void AdvanceAll(Engine::Core* core) {
+  std::set<RunId> settled;
+  while (true) {
+    std::set<RunId> work = std::move(core->touched);
+    core->touched.clear();
+    for (const RunId& id : work) {
+      if (Run* run = core->Mutable(id)) RunStepper(core, run).Advance();
+    }
+    bool freed = false;
+    for (const RunId& id : std::set<RunId>(core->changed)) {
+      auto it = core->runs.find(id);
+      if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second) continue;
+      const Run& ended = it->second;
+      std::erase_if(core->holders, [&](const auto& pair) { return pair.second == id; });
+      freed = true;
+      core->pending.erase(id);
+      if (!ended.parent.empty()) {
+        if (Run* parent = core->Mutable(ended.parent)) {
+          RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
+          core->touched.insert(ended.parent);
+        }
+      }
+    }
+    if (freed) {
+      // somebody may have waited for the robot
+      for (const auto& [id, run] : core->runs) {
+        if (run.state == WorkState::kRunning) core->touched.insert(id);
+      }
+    }
+    if (core->touched.empty()) return;
+  }
+}
+
+// Tells the graph what changed in runs, keeps the timers, and lets go of runs that ended.
+void TellChanges(Engine::Core* core) {
+  for (const RunId& id : core->changed) {
+    auto it = core->runs.find(id);
+    if (it == core->runs.end()) continue;
+    Run& run = it->second;
+    std::vector<TermQuad> facts = RunFacts(run);
+    DiffFacts(run.facts, facts, &core->output->add, &core->output->remove);
+    run.facts = std::move(facts);
+    if (run.timer_us) core->timers.erase({*run.timer_us, id});
+    run.timer_us = run.state == WorkState::kRunning ? RunStepper(core, &run).NextDeadline() : std::nullopt;
+    if (run.timer_us) core->timers.insert({*run.timer_us, id});
+    if (run.state != WorkState::kRunning) core->runs.erase(it);
+  }
+}
+
+}  // namespace
+
+EngineOutput Engine::Step(const EngineInput& input) {
+  EngineOutput output;
+  core_->input = &input;
+  core_->output = &output;
+  core_->edges.clear();
+  core_->touched = std::move(core_->awaiting);
+  core_->awaiting.clear();
+  core_->changed.clear();
+  std::swap(output.arm, core_->deploy_arm);
+  std::swap(output.disarm, core_->deploy_disarm);
+  if (input.requests != nullptr) TakeRequests(core_.get());
+  if (input.reports != nullptr) TakeReports(core_.get());
+  for (const auto& [deadline, run] : core_->timers) {
+    if (deadline > input.now_us) break;
+    core_->touched.insert(run);
+  }
+  TakeEdges(core_.get());
+  std::set<RunId> pending = std::move(core_->pending);
+  core_->pending.clear();
+  core_->touched.insert(pending.begin(), pending.end());
+  AdvanceAll(core_.get());
+  TellChanges(core_.get());
+  core_->edges.clear();
+  core_->input = nullptr;
+  core_->output = nullptr;
+  return output;
+}
+
+void Engine::Commit() {
+  core_->undo_runs.clear();
+  core_->undo_deployments.reset();
+  core_->undo_services.reset();
+  core_->committed_handle = core_->next_handle;
+  core_->committed_run = core_->next_run;
+}
+
+void Engine::Rollback() {
+  for (auto& [id, before] : core_->undo_runs) {
+    if (before) core_->runs.insert_or_assign(id, *std::move(before));
+    else core_->runs.erase(id);
+  }
+  if (core_->undo_deployments) core_->deployments = *std::move(core_->undo_deployments);
+  if (core_->undo_services) core_->services = *std::move(core_->undo_services);
+  core_->next_handle = core_->committed_handle;
+  core_->next_run = core_->committed_run;
+  core_->deploy_arm.clear();
+  core_->deploy_disarm.clear();
+  core_->awaiting.clear();
+  core_->RebuildDerived();
+  Commit();
+}
+
+std::optional<TimeMicros> Engine::NextDeadline() const {
+  if (core_->timers.empty()) return std::nullopt;
+  return core_->timers.begin()->first;
+}
+
+std::vector<RobotCommand> Engine::OpenCommands() const {
+  std::vector<RobotCommand> commands;
+  for (const auto& [id, run] : core_->runs) {
+    for (const NodeState& node : run.nodes) {
+      for (const InvocationState& invocation : node.invocations) {
+        for (const OpenCommand& open : invocation.commands) commands.push_back(open.command);
+      }
+    }
+  }
+  return commands;
+}
+
+const rsel::ServiceRegistry& Engine::services() const { return core_->services; }
+
+std::vector<cawl::DocumentPtr> Engine::workflows() const {
+  std::vector<cawl::DocumentPtr> documents;
+  for (const auto& [name, deployment] : core_->deployments) documents.push_back(deployment.document);
+  return documents;
+}
+
+size_t Engine::live_runs() const { return core_->runs.size(); }
+
+}  // namespace docent

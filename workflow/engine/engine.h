@@ -1,0 +1,83 @@
+// The workflow engine: runs of CAWL flows, driven by conditions that rise, reports of robots, requests and time.
+//
+// It is a deterministic state machine: the same documents, Steps and answers of the two ports give the same outputs,
+// so a replay of the log comes to the same decisions. It reads no clock, touches no graph and sends nothing; it
+// returns what is to be done. Semantics: design of CAWL in ARCHITECTURE.md; Choi et al. (IJDSN 2014), section 4.
+//
+// A turn: Deploy/PutServices (if it brings documents), then Step until the output is quiet, then Commit, or Rollback
+// at any point, which puts everything back as it was at the last Commit. Writer thread only.
+#ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_H_
+#define DOCENT_WORKFLOW_ENGINE_ENGINE_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/store/write_batch.h"
+#include "workflow/cawl/ast.h"
+#include "workflow/engine/ports.h"
+#include "workflow/rsel/ast.h"
+#include "workflow/rsel/service_registry.h"
+
+namespace docent {
+
+// What one Step reads. `reports` and `requests` are given in the first round of a turn only.
+struct EngineInput {
+  TimeMicros now_us = 0;
+  Revision revision;  // of the version that the turn makes
+  const std::vector<CommandReport>* reports = nullptr;
+  const std::vector<RunRequest>* requests = nullptr;
+  const ConditionView* conditions = nullptr;
+  const RobotDirectory* robots = nullptr;
+};
+
+class Engine {
+ public:
+  struct Core;  // engine_core.h
+
+  explicit Engine(const Limits& limits);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  // What Deploy refuses though the language has it: none of the words in it is ignored silently. Pure.
+  static Diagnostics CheckSupported(const cawl::Document& document);
+
+  // Arms the document's activator; replaces the document of the same name, whose live runs go on unchanged and whose
+  // bindings that already started a run do not start another. `document` is correct (cawl::ParseCawl).
+  void Deploy(cawl::DocumentPtr document);
+  // False: no such workflow. Live runs go on.
+  bool Undeploy(const std::string& workflow);
+  // Registers robot services; with errors nothing changed.
+  Diagnostics PutServices(rsel::DocumentPtr document);
+  absl::Status RemoveServices(const std::string& document);
+
+  // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT, RESOURCE_EXHAUSTED.
+  absl::Status CheckRequest(const RunRequest& request) const;
+
+  // One round. Deterministic.
+  EngineOutput Step(const EngineInput& input);
+
+  void Commit();
+  void Rollback();
+
+  // When a clock tick is needed, if ever.
+  std::optional<TimeMicros> NextDeadline() const;
+  // Commands without a final report, oldest run first: after a restart their adapters are asked about them.
+  std::vector<RobotCommand> OpenCommands() const;
+
+  const rsel::ServiceRegistry& services() const;
+  std::vector<cawl::DocumentPtr> workflows() const;  // by name
+  size_t live_runs() const;
+
+ private:
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_ENGINE_H_

@@ -1,0 +1,99 @@
+// The engine's inside, shared by engine.cc (documents, requests, reports, journal) and the run stepper (one run's
+// way through its flow). Not for other folders.
+#ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
+#define DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "workflow/engine/engine.h"
+#include "workflow/engine/run_state.h"
+
+namespace docent {
+
+// Whose condition a handle is: a run's node, or (run empty) a workflow's activator.
+struct ConditionOwner {
+  RunId run;
+  size_t node = 0;
+  std::string workflow;
+};
+
+struct CommandOwner {
+  RunId run;
+  size_t node = 0;
+  size_t invocation = 0;
+};
+
+struct Deployment {
+  cawl::DocumentPtr document;
+  std::vector<ArmedCondition> armed;   // the activator's alternatives
+  std::map<std::string, int> active;   // key binding → number of alternatives that give it
+  std::set<std::string> carried;       // of the version before: start no second run
+};
+
+struct Engine::Core {
+  explicit Core(const Limits& limits_in) : limits(limits_in) {}
+
+  const Limits limits;
+  std::map<RunId, Run> runs;  // live ones
+  std::map<std::string, Deployment> deployments;
+  rsel::ServiceRegistry services;
+  ConditionHandle next_handle = 1;
+  uint64_t next_run = 1;
+
+  // Derived from `runs` and `deployments`; made anew by Rollback.
+  absl::flat_hash_map<ConditionHandle, ConditionOwner> owners;
+  absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
+  std::set<std::pair<TimeMicros, RunId>> timers;
+  std::map<RobotId, RunId> holders;  // robot → the outermost run that uses it
+  std::set<RunId> pending;           // runs with an invocation that waits for a robot
+
+  // The journal: what Rollback puts back. Empty after Commit.
+  std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
+  std::optional<std::map<std::string, Deployment>> undo_deployments;
+  std::optional<rsel::ServiceRegistry> undo_services;
+  ConditionHandle committed_handle = 1;
+  uint64_t committed_run = 1;
+
+  // This Step's input and output.
+  const EngineInput* input = nullptr;
+  EngineOutput* output = nullptr;
+  std::map<ConditionHandle, const ConditionEdge*> edges;
+  std::set<RunId> touched;  // runs to be advanced
+  std::set<RunId> changed;  // runs whose facts and timers are to be told at the end of the Step
+  std::set<RunId> awaiting;  // runs that armed a `while` condition in the round before
+  // Output of Deploy and Undeploy, told with the next Step.
+  std::vector<ConditionRequest> deploy_arm;
+  std::vector<ConditionHandle> deploy_disarm;
+
+  // The run to be changed; journals it first. Null if it is not live.
+  Run* Mutable(const RunId& id);
+  std::map<std::string, Deployment>& MutableDeployments();
+
+  // Starts a run of `flow` with these variables. The caller gives the parent, if any.
+  RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
+              const CommandOwner* parent);
+  void Cancel(const RunId& id, const std::string& reason);
+  // The flow that `subflow` names, seen from `from`: a flow of that document, or a deployed document's first flow.
+  std::optional<std::pair<cawl::DocumentPtr, size_t>> FindFlow(const cawl::DocumentPtr& from,
+                                                               const std::string& name) const;
+
+  ConditionHandle Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables, ConditionOwner owner);
+  void Disarm(ConditionHandle handle);
+  void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
+
+  // The outermost run that a run belongs to.
+  RunId RootOf(const Run& run) const;
+  bool IsFree(const RobotId& robot, const RunId& root) const;
+
+  void RebuildDerived();
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_

@@ -1,0 +1,99 @@
+// What the engine reads and what it says, as plain values: it never touches the graph, the constraints or a robot.
+//
+// One Step per round of a turn: the turn gives a ConditionView (levels and edges of the conditions that the engine
+// armed) and a RobotDirectory, and carries out the EngineOutput. Writer thread only.
+#ifndef DOCENT_WORKFLOW_ENGINE_PORTS_H_
+#define DOCENT_WORKFLOW_ENGINE_PORTS_H_
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/ids.h"
+#include "kb_server/rdf/term.h"
+#include "workflow/rsel/robot_command.h"
+
+namespace docent {
+
+// Chosen by the engine, unique within a data folder.
+using ConditionHandle = uint64_t;
+
+// Variable name (without "?" or "$") → value.
+using TermBinding = std::map<std::string, Term>;
+
+// A condition to be kept true or false from now on.
+struct ConditionRequest {
+  ConditionHandle handle = 0;
+  std::string ask;  // SPARQL ASK
+  // Not empty: also tell which bindings of these variables appear and disappear (activators).
+  std::vector<std::string> key_variables;
+};
+
+// An edge since the last Step. A condition that was armed since then and holds already counts as risen.
+struct ConditionEdge {
+  ConditionHandle handle = 0;
+  bool rose = false;
+  bool fell = false;
+  std::vector<TermBinding> appeared;     // of the key variables, in term order
+  std::vector<TermBinding> disappeared;
+};
+
+// Levels and edges of armed conditions at this round's graph.
+class ConditionView {
+ public:
+  virtual ~ConditionView() = default;
+  virtual const std::vector<ConditionEdge>& edges() const = 0;
+  virtual bool Holds(ConditionHandle handle) const = 0;
+  // Solutions in term order, `fixed` variables bound beforehand; at most `limit`.
+  virtual absl::StatusOr<std::vector<TermBinding>> Solutions(ConditionHandle handle, const TermBinding& fixed,
+                                                             size_t limit) const = 0;
+  // The told and inferred facts that make the condition hold under `binding`, as N-Triples, one a line.
+  virtual std::string Evidence(ConditionHandle handle, const TermBinding& binding) const = 0;
+};
+
+// A robot that offers an operation, as the graph has it.
+struct RobotOffer {
+  RobotId robot;
+  std::string incarnation;  // of the robot's adapter
+  bool idempotent = false;  // the operation may be done twice
+  bool offline = false;     // its lease ran out
+};
+
+class RobotDirectory {
+ public:
+  virtual ~RobotDirectory() = default;
+  // In term order of the robots' IRIs.
+  virtual std::vector<RobotOffer> Offers(const std::string& operation) const = 0;
+};
+
+// A change of state, for the log (replay compares it), for Watch, and for people.
+struct EngineTransition {
+  std::string subject;  // "RUN", "RUN/NODE" or "RUN/NODE/ITERATION/OPERATION"
+  std::string from;
+  std::string to;
+  std::string cause;
+
+  friend bool operator==(const EngineTransition&, const EngineTransition&) = default;
+};
+
+struct EngineOutput {
+  std::vector<TermQuad> add;     // run facts, in graph docent:runs
+  std::vector<TermQuad> remove;
+  std::vector<ConditionRequest> arm;
+  std::vector<ConditionHandle> disarm;
+  std::vector<EngineTransition> transitions;
+  std::vector<RobotCommand> commands;
+  std::vector<CommandId> cancels;
+  std::vector<RunId> started;  // by this turn's RunRequests, in their order
+
+  bool quiet() const {
+    return add.empty() && remove.empty() && arm.empty() && transitions.empty() && commands.empty() && cancels.empty();
+  }
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_PORTS_H_

@@ -1,0 +1,108 @@
+// The state of one workflow run: a plain value. The engine copies a run before it first changes it in a turn, so a
+// turn that fails puts the copy back. Everything here also stands in the graph (run_facts.h). Writer thread only.
+#ifndef DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
+#define DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
+
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kb_server/base/clock.h"
+#include "kb_server/base/ids.h"
+#include "kb_server/rdf/term.h"
+#include "workflow/cawl/ask_compiler.h"
+#include "workflow/cawl/ast.h"
+#include "workflow/engine/ports.h"
+#include "workflow/rsel/instruction_handler.h"
+
+namespace docent {
+
+// The words of docent:runState, docent:nodeState and docent:invocationState.
+//   run:        running → done | failed | cancelled
+//   node:       inactive → waiting → running → done | failed | skipped | cancelled
+//   invocation: pending (no robot free yet) → running → done | failed | cancelled
+enum class WorkState : uint8_t { kInactive, kWaiting, kPending, kRunning, kDone, kFailed, kSkipped, kCancelled };
+std::string_view ToString(WorkState state);
+inline bool IsFinal(WorkState state) { return state >= WorkState::kDone; }
+
+// A command that went out (or goes out with this turn) and has no final report.
+struct OpenCommand {
+  RobotCommand command;
+  int step = 0;     // of the RSEL plan, from 1
+  int attempt = 0;  // of that step, from 1
+};
+
+// One invoke of a node, for one binding of forEach.
+struct InvocationState {
+  size_t invoke = 0;  // index in cawl::Node::invokes
+  TermBinding binding;  // forEach: the variables of this invocation, in front of the run's
+  WorkState state = WorkState::kPending;
+  int attempt = 1;    // of the whole invoke (ext:retry)
+  int resends = 0;    // commands sent again after an unknown outcome; part of their ids
+  std::optional<rsel::InstructionHandler> handler;
+  RobotId robot;
+  std::vector<OpenCommand> commands;
+  RunId child;        // subflow
+  std::string step;   // "2/4 moveToBooth", the latest given
+  double progress = 0;
+  std::string reason;
+  std::optional<TimeMicros> deadline_us;  // of this attempt
+};
+
+struct ArmedCondition {
+  ConditionHandle handle = 0;
+  cawl::CompiledAsk ask;
+};
+
+// A link with ext:while, waiting for the level of its condition.
+struct PendingLink {
+  size_t link = 0;  // index in cawl::Flow::links
+  ConditionHandle handle = 0;
+};
+
+struct NodeState {
+  WorkState state = WorkState::kInactive;
+  int iteration = 0;  // times it was entered again (ext:while)
+  int attempt = 1;    // ext:retry
+  TimeMicros since_us = 0;
+  std::set<std::string> arrived;  // predecessors whose link was followed
+  std::set<std::string> dead;     // predecessors from which nothing can come any more
+  std::vector<ArmedCondition> armed;
+  std::vector<PendingLink> pending_links;
+  std::optional<TimeMicros> deadline_us;  // of waiting, then of running
+  std::vector<InvocationState> invocations;
+  std::string waits_for;      // the ASK, while waiting
+  std::string fired_because;  // N-Triples, since it opened
+  TimeMicros fired_us = 0;
+  std::string reason;         // failed, skipped, cancelled: why
+};
+
+struct Run {
+  RunId id;
+  cawl::DocumentPtr document;
+  size_t flow = 0;  // index in document->flows
+  WorkState state = WorkState::kRunning;
+  std::string reason;
+  TimeMicros started_us = 0;
+  TimeMicros ended_us = 0;
+  TermBinding variables;
+  std::vector<NodeState> nodes;  // as cawl::Flow::nodes
+  bool sink_reached = false;
+  std::set<RobotId> robots;  // held by this run until it ends
+
+  // The invocation that this run is the subflow of.
+  RunId parent;
+  size_t parent_node = 0;
+  size_t parent_invocation = 0;
+
+  std::vector<TermQuad> facts;            // as last told to the graph, sorted
+  std::optional<TimeMicros> timer_us;     // as in the engine's timer queue
+
+  const cawl::Flow& Flow() const { return document->flows[flow]; }
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_

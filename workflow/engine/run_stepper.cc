@@ -1,0 +1,428 @@
+#include "workflow/engine/run_stepper.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "workflow/engine/flow_graph.h"
+
+namespace docent {
+namespace {
+
+// Solutions looked at to find one whose robot is free, and the most that forEach takes.
+constexpr size_t kSolutionLimit = 1000;
+
+std::string ShowBinding(const TermBinding& binding) {
+  return absl::StrJoin(binding, ", ", [](std::string* out, const auto& pair) {
+    absl::StrAppend(out, pair.first, " = ", ToDisplay(pair.second));
+  });
+}
+
+bool HasNot(const cawl::Expression& expression) {
+  return expression.kind == cawl::Expression::Kind::kNot ||
+         std::any_of(expression.children.begin(), expression.children.end(), HasNot);
+}
+
+}  // namespace
+
+void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause) {
+  NodeState& node = run_.nodes[index];
+  core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[index].name.value), ToString(node.state), ToString(state),
+            cause);
+  node.state = state;
+  node.since_us = core_.input->now_us;
+  node.deadline_us.reset();
+  if (state != WorkState::kWaiting) node.waits_for.clear();
+  if (state == WorkState::kFailed || state == WorkState::kCancelled || state == WorkState::kSkipped) {
+    node.reason = cause;
+  }
+}
+
+void RunStepper::SetVariables(const TermBinding& binding) {
+  bool changed = false;
+  for (const auto& [name, value] : binding) {
+    if (name.empty() || name[0] == '_') continue;
+    auto [it, inserted] = run_.variables.try_emplace(name, value);
+    if (!inserted && it->second != value) it->second = value;
+    else if (!inserted) continue;
+    changed = true;
+  }
+  if (!changed) return;
+  // what the other nodes wait for was written with the old values
+  for (size_t i = 0; i < run_.nodes.size(); ++i) {
+    if (run_.nodes[i].state != WorkState::kWaiting) continue;
+    DisarmNode(i);
+    ArmNode(i);
+  }
+}
+
+void RunStepper::Begin(const std::string& cause) {
+  core_.Say(run_.id.value(), "", ToString(WorkState::kRunning), cause);
+  for (size_t link : LinksFrom(flow_, flow_.source.value)) Arrive(flow_.source.value, flow_.links[link].to.value, false);
+  Advance();
+}
+
+void RunStepper::Arrive(const std::string& from, const std::string& to, bool closes_cycle) {
+  if (to == flow_.sink.value) {
+    run_.sink_reached = true;
+    return;
+  }
+  size_t index = NodeIndex(flow_, to);
+  if (index == flow_.nodes.size()) return;
+  if (closes_cycle) return Reenter(index);
+  run_.nodes[index].arrived.insert(from);
+  Resolve(index);
+}
+
+void RunStepper::DeadEnd(const std::string& from, const std::string& to) {
+  size_t index = NodeIndex(flow_, to);
+  if (index == flow_.nodes.size()) return;
+  run_.nodes[index].dead.insert(from);
+  Resolve(index);
+}
+
+// Does the join of an inactive node open, stay shut, or can it not open any more?
+void RunStepper::Resolve(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (node.state != WorkState::kInactive) return;
+  std::set<std::string> predecessors = Predecessors(flow_, index);
+  bool all_known = std::all_of(predecessors.begin(), predecessors.end(), [&](const std::string& name) {
+    return node.arrived.count(name) > 0 || node.dead.count(name) > 0;
+  });
+  const std::optional<cawl::Expression>& join = flow_.nodes[index].join;
+  bool open = join ? cawl::Evaluate(*join, [&](const std::string& name) { return node.arrived.count(name) > 0; })
+                   : all_known && !node.arrived.empty();
+  if (open && (all_known || !join || !HasNot(*join))) return Activate(index);
+  if (!all_known) return;
+  SetNode(index, WorkState::kSkipped, join ? "its joinCondition cannot become true" : "nothing leads to it any more");
+  for (size_t link : LinksFrom(flow_, flow_.nodes[index].name.value)) {
+    if (!ClosesCycle(flow_, flow_.links[link])) DeadEnd(flow_.nodes[index].name.value, flow_.links[link].to.value);
+  }
+}
+
+// A loop goes back to this node: it and what comes after it begin anew.
+void RunStepper::Reenter(size_t index) {
+  int iteration = run_.nodes[index].iteration + 1;
+  if (iteration >= core_.limits.node_iterations) {
+    return End(WorkState::kFailed, absl::StrCat("node ", flow_.nodes[index].name.value, " was entered ", iteration,
+                                                " times; the limit is node_iterations"));
+  }
+  std::set<size_t> again = Reachable(flow_, index);
+  for (size_t i : again) {
+    if (run_.nodes[i].state == WorkState::kWaiting || run_.nodes[i].state == WorkState::kRunning) {
+      CancelNode(i, "the loop begins again");
+    }
+    NodeState& node = run_.nodes[i];
+    std::string from(ToString(node.state));
+    NodeState fresh;
+    fresh.iteration = iteration;
+    // predecessors outside of the loop have come and stay
+    for (const std::string& name : node.arrived) {
+      if (again.count(NodeIndex(flow_, name)) == 0) fresh.arrived.insert(name);
+    }
+    node = std::move(fresh);
+    core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[i].name.value), from, "inactive", "the loop begins again");
+  }
+  run_.sink_reached = false;
+  Activate(index);
+}
+
+void RunStepper::Activate(size_t index) {
+  NodeState& node = run_.nodes[index];
+  const std::optional<cawl::Condition>& condition = flow_.nodes[index].condition;
+  if (!condition || (condition->contexts.empty() && condition->cases.empty())) {
+    return Open(index, {}, "", "it has no condition");
+  }
+  SetNode(index, WorkState::kWaiting, absl::StrCat("after ", absl::StrJoin(node.arrived, ", ")));
+  if (condition->timeout_ms) node.deadline_us = core_.input->now_us + *condition->timeout_ms * 1000;
+  ArmNode(index);
+}
+
+void RunStepper::ArmNode(size_t index) {
+  NodeState& node = run_.nodes[index];
+  auto asks = cawl::CompileCondition(*run_.document, *flow_.nodes[index].condition,
+                                     [this](const std::string& name) { return Value(name, nullptr); });
+  if (!asks.ok()) return NodeFailed(index, std::string(asks.status().message()));
+  node.waits_for.clear();
+  for (cawl::CompiledAsk& ask : *asks) {
+    if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
+    node.waits_for += ask.ask;
+    ConditionHandle handle = core_.Arm(ask, ask.event_variables, {run_.id, index, ""});
+    node.armed.push_back({handle, std::move(ask)});
+  }
+}
+
+void RunStepper::DisarmNode(size_t index) {
+  for (const ArmedCondition& armed : run_.nodes[index].armed) core_.Disarm(armed.handle);
+  run_.nodes[index].armed.clear();
+}
+
+bool RunStepper::TryOpen(size_t index) {
+  for (const ArmedCondition& armed : run_.nodes[index].armed) {
+    if (TryOpenWith(index, armed)) return true;
+  }
+  return false;
+}
+
+bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed) {
+  TermBinding fixed;
+  if (armed.ask.by_event()) {
+    auto edge = core_.edges.find(armed.handle);
+    if (edge == core_.edges.end() || edge->second->appeared.empty()) return false;
+    fixed = edge->second->appeared.front();
+  } else if (!core_.input->conditions->Holds(armed.handle)) {
+    return false;
+  }
+  auto solutions = core_.input->conditions->Solutions(armed.handle, fixed, kSolutionLimit);
+  if (!solutions.ok() || solutions->empty()) return false;
+
+  const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
+  RunId root = core_.RootOf(run_);
+  std::vector<TermBinding> chosen;
+  std::set<std::string> seen;
+  for (TermBinding& solution : *solutions) {
+    auto robot = solution.find("robot");
+    if (robot != solution.end() && !core_.IsFree(RobotId(robot->second.lexical), root)) continue;
+    std::string key;
+    for (const std::string& name : for_each) absl::StrAppend(&key, ToNTriples(solution[name]), " ");
+    if (!seen.insert(key).second) continue;
+    chosen.push_back(std::move(solution));
+    if (for_each.empty()) break;
+  }
+  if (chosen.empty()) return false;  // every robot that would do serves another run
+  std::string evidence = core_.input->conditions->Evidence(armed.handle, chosen.front());
+  std::string cause = absl::StrCat("condition ", armed.ask.name, " holds");
+  if (!chosen.front().empty()) absl::StrAppend(&cause, " with ", ShowBinding(chosen.front()));
+  Open(index, chosen, std::move(evidence), cause);
+  return true;
+}
+
+void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
+                      const std::string& cause) {
+  const cawl::Node& syntax = flow_.nodes[index];
+  NodeState& node = run_.nodes[index];
+  DisarmNode(index);
+  SetNode(index, WorkState::kRunning, cause);
+  node.fired_because = std::move(evidence);
+  node.fired_us = core_.input->now_us;
+  if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
+  if (!bindings.empty()) SetVariables(bindings.front());
+  node.invocations.clear();
+  std::vector<TermBinding> overlays;
+  if (syntax.for_each.empty()) overlays.emplace_back();
+  else overlays = bindings;
+  for (const TermBinding& overlay : overlays) {
+    for (size_t i = 0; i < syntax.invokes.size(); ++i) {
+      InvocationState invocation;
+      invocation.invoke = i;
+      invocation.binding = overlay;
+      node.invocations.push_back(std::move(invocation));
+    }
+  }
+  for (size_t i = 0; i < run_.nodes[index].invocations.size(); ++i) TryDispatch(index, i);
+}
+
+// True if the node came to an end.
+bool RunStepper::CheckNode(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (node.state != WorkState::kRunning || !node.pending_links.empty()) return false;
+  const InvocationState* failed = nullptr;
+  bool all_done = true;
+  for (const InvocationState& invocation : node.invocations) {
+    if (invocation.state == WorkState::kFailed || invocation.state == WorkState::kCancelled) failed = &invocation;
+    all_done = all_done && invocation.state == WorkState::kDone;
+  }
+  if (failed != nullptr) {
+    NodeFailed(index, failed->reason);
+    return true;
+  }
+  if (!all_done) return false;
+  NodeDone(index);
+  return true;
+}
+
+void RunStepper::NodeDone(size_t index) {
+  NodeState& node = run_.nodes[index];
+  std::vector<size_t> plain;
+  for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
+    const cawl::Link& link = flow_.links[i];
+    if (link.on_failure) continue;
+    if (!link.while_constraint) {
+      plain.push_back(i);
+      continue;
+    }
+    auto ask = cawl::CompileConstraint(*run_.document, *link.while_constraint,
+                                       [this](const std::string& name) { return Value(name, nullptr); });
+    if (!ask.ok()) return NodeFailed(index, std::string(ask.status().message()));
+    node.pending_links.push_back({i, core_.Arm(*ask, {}, {run_.id, index, ""})});
+  }
+  if (!node.pending_links.empty()) {
+    core_.awaiting.insert(run_.id);  // their levels come with the next round
+    return;
+  }
+  SetNode(index, WorkState::kDone, node.invocations.empty() ? "nothing to do" : "all its invocations are done");
+  FollowLinks(index, plain);
+}
+
+// The conditions of `while` links have a level by now: take those that hold, else the plain links.
+bool RunStepper::ResolvePendingLinks(size_t index) {
+  NodeState& node = run_.nodes[index];
+  if (node.pending_links.empty()) return false;
+  std::vector<size_t> taken;
+  for (const PendingLink& pending : node.pending_links) {
+    if (core_.owners.contains(pending.handle) && core_.input->conditions->Holds(pending.handle)) {
+      taken.push_back(pending.link);
+    }
+  }
+  for (const PendingLink& pending : node.pending_links) core_.Disarm(pending.handle);
+  node.pending_links.clear();
+  if (taken.empty()) {
+    for (size_t i : LinksFrom(flow_, flow_.nodes[index].name.value)) {
+      if (!flow_.links[i].on_failure && !flow_.links[i].while_constraint) taken.push_back(i);
+    }
+  }
+  SetNode(index, WorkState::kDone, "all its invocations are done");
+  FollowLinks(index, taken);
+  return true;
+}
+
+void RunStepper::FollowLinks(size_t index, const std::vector<size_t>& taken) {
+  const std::string& from = flow_.nodes[index].name.value;
+  for (size_t i : LinksFrom(flow_, from)) {
+    const cawl::Link& link = flow_.links[i];
+    bool follow = std::find(taken.begin(), taken.end(), i) != taken.end();
+    bool closes = ClosesCycle(flow_, link);
+    if (follow) Arrive(from, link.to.value, closes);
+    else if (!closes) DeadEnd(from, link.to.value);
+    if (run_.state != WorkState::kRunning) return;
+  }
+}
+
+void RunStepper::NodeFailed(size_t index, const std::string& reason) {
+  const cawl::Node& syntax = flow_.nodes[index];
+  NodeState& node = run_.nodes[index];
+  DisarmNode(index);
+  for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, "another invocation of the node failed");
+  if (node.state == WorkState::kRunning && node.attempt <= syntax.retry) {
+    ++node.attempt;
+    core_.Say(absl::StrCat(run_.id.value(), "/", syntax.name.value), "running", "running",
+              absl::StrCat("attempt ", node.attempt, " after: ", reason));
+    if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
+    for (InvocationState& old : node.invocations) {
+      InvocationState fresh;
+      fresh.invoke = old.invoke;
+      fresh.binding = old.binding;
+      fresh.attempt = old.attempt + 1;
+      old = std::move(fresh);
+    }
+    for (size_t i = 0; i < node.invocations.size(); ++i) TryDispatch(index, i);
+    return;
+  }
+  SetNode(index, WorkState::kFailed, reason);
+  std::vector<size_t> taken;
+  for (size_t i : LinksFrom(flow_, syntax.name.value)) {
+    if (flow_.links[i].on_failure) taken.push_back(i);
+  }
+  if (taken.empty()) return End(WorkState::kFailed, absl::StrCat("node ", syntax.name.value, ": ", reason));
+  FollowLinks(index, taken);
+}
+
+void RunStepper::CancelNode(size_t index, const std::string& reason) {
+  NodeState& node = run_.nodes[index];
+  if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) return;
+  DisarmNode(index);
+  for (const PendingLink& pending : node.pending_links) core_.Disarm(pending.handle);
+  node.pending_links.clear();
+  for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, reason);
+  SetNode(index, WorkState::kCancelled, reason);
+}
+
+bool RunStepper::CheckDeadlines(size_t index) {
+  NodeState& node = run_.nodes[index];
+  TimeMicros now = core_.input->now_us;
+  if (node.deadline_us && *node.deadline_us <= now) {
+    int64_t seconds = (now - node.since_us) / 1000000;
+    NodeFailed(index, node.state == WorkState::kWaiting
+                          ? absl::StrCat("its condition did not hold within ", seconds, " s")
+                          : absl::StrCat("it was not done within ", seconds, " s"));
+    return true;
+  }
+  for (size_t i = 0; i < node.invocations.size(); ++i) {
+    InvocationState& invocation = node.invocations[i];
+    if (IsFinal(invocation.state) || !invocation.deadline_us || *invocation.deadline_us > now) continue;
+    std::string what = invocation.state == WorkState::kPending ? "no robot became free for it" : invocation.step;
+    InvocationFailed(index, i, absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));
+    return true;
+  }
+  return false;
+}
+
+void RunStepper::Advance() {
+  bool changed = true;
+  while (changed && run_.state == WorkState::kRunning) {
+    changed = false;
+    for (size_t i = 0; i < run_.nodes.size() && run_.state == WorkState::kRunning; ++i) {
+      switch (run_.nodes[i].state) {
+        case WorkState::kWaiting:
+          changed = TryOpen(i) || CheckDeadlines(i) || changed;
+          break;
+        case WorkState::kRunning:
+          if (!run_.nodes[i].pending_links.empty()) {
+            // armed in an earlier round: the level is known; armed in this one: it is not yet
+            ConditionHandle first = run_.nodes[i].pending_links[0].handle;
+            bool known = std::none_of(core_.output->arm.begin(), core_.output->arm.end(),
+                                      [first](const ConditionRequest& request) { return request.handle == first; });
+            if (known) changed = ResolvePendingLinks(i) || changed;
+            break;
+          }
+          for (size_t k = 0; k < run_.nodes[i].invocations.size(); ++k) {
+            if (run_.nodes[i].invocations[k].state == WorkState::kPending) changed = TryDispatch(i, k) || changed;
+          }
+          changed = CheckNode(i) || CheckDeadlines(i) || changed;
+          break;
+        default:
+          break;
+      }
+    }
+    if (run_.state == WorkState::kRunning) changed = CheckEnd() || changed;
+  }
+}
+
+bool RunStepper::CheckEnd() {
+  for (const NodeState& node : run_.nodes) {
+    if (node.state == WorkState::kWaiting || node.state == WorkState::kRunning) return false;
+  }
+  if (run_.sink_reached) End(WorkState::kDone, "");
+  else End(WorkState::kFailed, "no path reached the sink");
+  return true;
+}
+
+void RunStepper::End(WorkState state, const std::string& reason) {
+  if (run_.state != WorkState::kRunning) return;
+  run_.state = state;  // first: what is cancelled below must not go on
+  for (size_t i = 0; i < run_.nodes.size(); ++i) {
+    CancelNode(i, state == WorkState::kDone ? "the sink was reached" : reason);
+  }
+  run_.reason = reason;
+  run_.ended_us = core_.input->now_us;
+  core_.Say(run_.id.value(), ToString(WorkState::kRunning), ToString(state), reason);
+}
+
+std::optional<TimeMicros> RunStepper::NextDeadline() const {
+  std::optional<TimeMicros> next;
+  auto consider = [&next](const std::optional<TimeMicros>& deadline) {
+    if (deadline && (!next || *deadline < *next)) next = deadline;
+  };
+  for (const NodeState& node : run_.nodes) {
+    if (node.state != WorkState::kWaiting && node.state != WorkState::kRunning) continue;
+    consider(node.deadline_us);
+    for (const InvocationState& invocation : node.invocations) {
+      if (!IsFinal(invocation.state)) consider(invocation.deadline_us);
+    }
+  }
+  return next;
+}
+
+}  // namespace docent
