@@ -1,14 +1,17 @@
 // A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value itself.
 //
-// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when their
-// lexical form is canonical*, so that decoding gives back exactly the text that came in, and a stream of poses
-// never grows the dictionary. Equal terms have equal ids within one Dictionary. Values; any thread.
+// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when decoding gives
+// back exactly the text that came in*; "01" or "+1" need the dictionary, "1.50" does not (its scale is kept). So a
+// stream of poses never grows the dictionary. Equal terms have equal ids within one Dictionary. Values; any thread.
 #ifndef DOCENT_KB_SERVER_RDF_TERM_ID_H_
 #define DOCENT_KB_SERVER_RDF_TERM_ID_H_
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
+
+#include "kb_server/base/clock.h"
 
 #include "kb_server/rdf/term.h"
 
@@ -22,11 +25,11 @@ class TermId {
     kBlank = 2,     // dictionary index
     kLiteral = 3,   // dictionary index: strings, language strings, and whatever does not fit below
     kInteger = 4,   // xsd:integer, 60-bit two's complement
-    kDecimal = 5,   // xsd:decimal, 55-bit mantissa and 5-bit scale (digits after the point), canonical form
-    kDouble = 6,    // xsd:double whose low 4 mantissa bits are 0 and whose lexical form is canonical
+    kDecimal = 5,   // xsd:decimal, 55-bit mantissa and 5-bit scale (digits after the point): "-1.250", "12"
+    kDouble = 6,    // xsd:double whose low 4 mantissa bits are 0 and whose lexical form is canonical: "1.5E0", "INF"
     kBoolean = 7,   // xsd:boolean "true"/"false"
-    kDate = 8,      // xsd:date without zone or with Z
-    kDateTime = 9,  // xsd:dateTime, milliseconds since the epoch, without zone or with Z
+    kDate = 8,      // xsd:date of the years 1 to 9999, without zone or with Z
+    kDateTime = 9,  // xsd:dateTime to the microsecond (about 828 to 3111), 0 to 6 digits of it, without zone or with Z
     kLocal = 15,    // made by one query (computed values); index into that query's own table, never stored
   };
 
@@ -61,6 +64,25 @@ class TermId {
 std::optional<TermId> InlineLiteral(const Term& term);
 // The term of an id with an inline tag (kInteger … kDateTime), exactly as it came in.
 Term DecodeInline(TermId id);
+// The IRI of the datatype of an id with an inline tag.
+std::string_view InlineDatatype(TermId id);
+
+// The value of an inline id without its text, for evaluation. Each requires the tag that it names.
+int64_t InlineInteger(TermId id);  // kInteger
+double InlineDouble(TermId id);    // kDouble
+bool InlineBoolean(TermId id);     // kBoolean
+// kDecimal: the value is mantissa / 10^scale, 0 <= scale <= 31.
+struct InlineDecimalValue {
+  int64_t mantissa;
+  int scale;
+};
+InlineDecimalValue InlineDecimal(TermId id);
+// kDate (its first instant) and kDateTime. A time without zone is taken as if it were UTC.
+struct InlineTimeValue {
+  TimeMicros time_us;
+  bool has_zone;
+};
+InlineTimeValue InlineTime(TermId id);
 
 }  // namespace docent
 

@@ -1,0 +1,298 @@
+#include "kb_server/rdf/dictionary.h"
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "absl/hash/hash.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+using Tag = TermId::Tag;
+
+// One term. Of a literal, `qualifier` is 0 for a plain string, else 1 + the index of another entry: the datatype
+// IRI, or with `is_language` the language tag (itself a plain string).
+struct Entry {
+  const char* text = nullptr;
+  uint32_t length = 0;
+  uint32_t qualifier : 29 = 0;
+  uint32_t is_language : 1 = 0;
+  uint32_t tag : 2 = 0;
+
+  std::string_view view() const { return {text, length}; }
+};
+static_assert(sizeof(Entry) == 16);
+
+// What an entry is found by.
+struct EntryKey {
+  Tag tag = Tag::kNone;
+  std::string_view text;
+  uint32_t qualifier = 0;
+  bool is_language = false;
+
+  bool Is(const Entry& e) const {
+    return e.tag == static_cast<uint32_t>(tag) && e.qualifier == qualifier && e.is_language == is_language &&
+           e.view() == text;
+  }
+  uint32_t Hash() const {
+    return static_cast<uint32_t>(absl::HashOf(static_cast<int>(tag), ToAbsl(text), qualifier, is_language) >> 16);
+  }
+};
+
+// Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a reader may
+// look at any index that it learnt through a synchronising operation (a published version, the hash table).
+class EntryArray {
+ public:
+  EntryArray() = default;
+  EntryArray(const EntryArray&) = delete;
+  EntryArray& operator=(const EntryArray&) = delete;
+  ~EntryArray() {
+    for (std::atomic<Entry*>& chunk : chunks_) delete[] chunk.load(std::memory_order_relaxed);
+  }
+
+  const Entry& operator[](uint64_t index) const {
+    auto [chunk, at] = Place(index);
+    return chunks_[chunk].load(std::memory_order_acquire)[at];
+  }
+
+  // `index` is the one after the newest. Returns the bytes allocated.
+  size_t Put(uint64_t index, const Entry& entry) {
+    auto [chunk, at] = Place(index);
+    Entry* entries = chunks_[chunk].load(std::memory_order_relaxed);
+    size_t allocated = 0;
+    if (entries == nullptr) {
+      entries = new Entry[kFirstChunk << chunk];
+      allocated = (kFirstChunk << chunk) * sizeof(Entry);
+      chunks_[chunk].store(entries, std::memory_order_release);
+    }
+    entries[at] = entry;
+    return allocated;
+  }
+
+ private:
+  static constexpr uint64_t kFirstChunk = 1024;
+
+  static std::pair<size_t, uint64_t> Place(uint64_t index) {
+    size_t chunk = static_cast<size_t>(std::bit_width(index / kFirstChunk + 1) - 1);
+    return {chunk, index - ((kFirstChunk << chunk) - kFirstChunk)};
+  }
+
+  std::array<std::atomic<Entry*>, 24> chunks_ = {};
+};
+
+// Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a slot
+// also give its place, so growing reads no entry. The writer publishes a slot after its entry; a grown table is
+// published whole and the old one kept, since a reader may be in it (all old ones together are no larger than the
+// newest).
+class HashTable {
+ public:
+  HashTable() { current_.store(NewTable(kFirstSlots), std::memory_order_release); }
+
+  template <typename Matches>  // bool Matches(index)
+  std::optional<uint64_t> Find(uint32_t hash, Matches matches) const {
+    const Table& table = *current_.load(std::memory_order_acquire);
+    for (uint64_t i = hash & table.mask;; i = (i + 1) & table.mask) {
+      uint64_t slot = table.slots[i].load(std::memory_order_acquire);
+      if (slot == 0) return std::nullopt;
+      if (slot >> 32 == hash && matches((slot & kIndexMask) - 1)) return (slot & kIndexMask) - 1;
+    }
+  }
+
+  // Writer.
+  void Insert(uint32_t hash, uint64_t index) {
+    const Table* table = current_.load(std::memory_order_relaxed);
+    if ((count_ + 1) * 3 > (table->mask + 1) * 2) {
+      Table* grown = NewTable((table->mask + 1) * 2);
+      for (uint64_t i = 0; i <= table->mask; ++i) {
+        uint64_t slot = table->slots[i].load(std::memory_order_relaxed);
+        if (slot != 0) Place(*grown, slot);
+      }
+      current_.store(grown, std::memory_order_release);
+      table = grown;
+    }
+    ++count_;
+    Place(*table, static_cast<uint64_t>(hash) << 32 | (index + 1));
+  }
+
+  size_t bytes() const { return 2 * sizeof(uint64_t) * (current_.load(std::memory_order_acquire)->mask + 1); }
+
+ private:
+  static constexpr uint64_t kFirstSlots = 4096;
+  static constexpr uint64_t kIndexMask = 0xFFFFFFFF;
+
+  struct Table {
+    explicit Table(uint64_t slot_count) : mask(slot_count - 1), slots(new std::atomic<uint64_t>[slot_count]()) {}
+    uint64_t mask;
+    std::unique_ptr<std::atomic<uint64_t>[]> slots;
+  };
+
+  Table* NewTable(uint64_t slot_count) {
+    tables_.push_back(std::make_unique<Table>(slot_count));
+    return tables_.back().get();
+  }
+
+  static void Place(const Table& table, uint64_t slot) {
+    uint64_t i = (slot >> 32) & table.mask;
+    while (table.slots[i].load(std::memory_order_relaxed) != 0) i = (i + 1) & table.mask;
+    table.slots[i].store(slot, std::memory_order_release);
+  }
+
+  std::atomic<const Table*> current_{nullptr};
+  std::vector<std::unique_ptr<Table>> tables_;  // writer
+  uint64_t count_ = 0;                          // writer
+};
+
+// Text in blocks that never move.
+class TextArena {
+ public:
+  // Returns the place of the copy; adds to `allocated` what it had to allocate.
+  const char* Put(std::string_view text, size_t* allocated) {
+    if (text.size() > left_) {
+      size_t block = text.size() > kBlock / 4 ? text.size() : kBlock;
+      blocks_.push_back(std::make_unique<char[]>(block));
+      *allocated += block;
+      if (block != kBlock) {  // a long text gets its own block; the one in use stays in use
+        std::memcpy(blocks_.back().get(), text.data(), text.size());
+        return blocks_.back().get();
+      }
+      next_ = blocks_.back().get();
+      left_ = kBlock;
+    }
+    char* place = next_;
+    if (!text.empty()) std::memcpy(place, text.data(), text.size());
+    next_ += text.size();
+    left_ -= text.size();
+    return place;
+  }
+
+ private:
+  static constexpr size_t kBlock = 64 << 10;
+  std::vector<std::unique_ptr<char[]>> blocks_;
+  char* next_ = nullptr;
+  size_t left_ = 0;
+};
+
+}  // namespace
+
+struct Dictionary::Impl {
+  EntryArray entries;
+  HashTable table;
+  TextArena arena;
+  std::atomic<uint64_t> count{0};
+  std::atomic<size_t> allocated{0};
+
+  std::optional<uint64_t> Find(const EntryKey& key) const {
+    return table.Find(key.Hash(), [&](uint64_t index) { return key.Is(entries[index]); });
+  }
+
+  uint64_t Intern(const EntryKey& key) {
+    if (std::optional<uint64_t> known = Find(key)) return *known;
+    uint64_t index = count.load(std::memory_order_relaxed);
+    Entry entry;
+    size_t grown = 0;
+    entry.text = arena.Put(key.text, &grown);
+    entry.length = static_cast<uint32_t>(key.text.size());
+    entry.qualifier = key.qualifier;
+    entry.is_language = key.is_language ? 1 : 0;
+    entry.tag = static_cast<uint32_t>(key.tag);
+    grown += entries.Put(index, entry);
+    table.Insert(key.Hash(), index);
+    count.store(index + 1, std::memory_order_release);
+    allocated.fetch_add(grown, std::memory_order_relaxed);
+    return index;
+  }
+
+  // The key of `term` when its datatype or language is known; `qualify(key)` finds or makes their entries.
+  template <typename Qualify>
+  static std::optional<EntryKey> KeyOf(const Term& term, Qualify qualify) {
+    switch (term.kind) {
+      case TermKind::kIri: return EntryKey{Tag::kIri, term.lexical};
+      case TermKind::kBlank: return EntryKey{Tag::kBlank, term.lexical};
+      case TermKind::kLiteral: break;
+    }
+    EntryKey key{Tag::kLiteral, term.lexical};
+    std::optional<uint64_t> qualifier;
+    if (!term.language.empty()) {
+      key.is_language = true;
+      qualifier = qualify(EntryKey{Tag::kLiteral, term.language});
+    } else if (!term.datatype.empty() && term.datatype != kXsdString) {
+      qualifier = qualify(EntryKey{Tag::kIri, term.datatype});
+    } else {
+      return key;
+    }
+    if (!qualifier) return std::nullopt;
+    key.qualifier = static_cast<uint32_t>(*qualifier + 1);
+    return key;
+  }
+};
+
+Dictionary::Dictionary() : impl_(std::make_unique<Impl>()) {}
+Dictionary::~Dictionary() = default;
+
+TermId Dictionary::Intern(const Term& term) {
+  if (std::optional<TermId> id = InlineLiteral(term)) return *id;
+  EntryKey key = *Impl::KeyOf(term, [this](const EntryKey& k) { return std::optional(impl_->Intern(k)); });
+  return TermId::Make(key.tag, impl_->Intern(key));
+}
+
+TermId Dictionary::InternIri(std::string_view iri) {
+  return TermId::Make(Tag::kIri, impl_->Intern(EntryKey{Tag::kIri, iri}));
+}
+
+std::optional<TermId> Dictionary::Find(const Term& term) const {
+  if (std::optional<TermId> id = InlineLiteral(term)) return id;
+  std::optional<EntryKey> key = Impl::KeyOf(term, [this](const EntryKey& k) { return impl_->Find(k); });
+  if (!key) return std::nullopt;
+  std::optional<uint64_t> index = impl_->Find(*key);
+  if (!index) return std::nullopt;
+  return TermId::Make(key->tag, *index);
+}
+
+std::optional<TermId> Dictionary::FindIri(std::string_view iri) const {
+  std::optional<uint64_t> index = impl_->Find(EntryKey{Tag::kIri, iri});
+  if (!index) return std::nullopt;
+  return TermId::Make(Tag::kIri, *index);
+}
+
+Term Dictionary::Decode(TermId id) const {
+  if (!id.InDictionary()) return DecodeInline(id);
+  const Entry& entry = impl_->entries[id.payload()];
+  std::string lexical(entry.view());
+  if (id.IsIri()) return Term::Iri(std::move(lexical));
+  if (id.IsBlank()) return Term::Blank(std::move(lexical));
+  if (entry.qualifier == 0) return Term::Literal(std::move(lexical));
+  std::string qualifier(impl_->entries[entry.qualifier - 1].view());
+  return entry.is_language != 0 ? Term{TermKind::kLiteral, std::move(lexical), "", std::move(qualifier)}
+                                : Term{TermKind::kLiteral, std::move(lexical), std::move(qualifier), ""};
+}
+
+std::string_view Dictionary::Lexical(TermId id) const { return impl_->entries[id.payload()].view(); }
+
+std::string_view Dictionary::Datatype(TermId id) const {
+  if (!id.InDictionary()) return InlineDatatype(id);
+  if (!id.IsLiteral()) return {};
+  const Entry& entry = impl_->entries[id.payload()];
+  if (entry.is_language != 0) return kRdfLangString;
+  return entry.qualifier == 0 ? kXsdString : impl_->entries[entry.qualifier - 1].view();
+}
+
+std::string_view Dictionary::Language(TermId id) const {
+  if (id.tag() != Tag::kLiteral) return {};
+  const Entry& entry = impl_->entries[id.payload()];
+  return entry.is_language != 0 ? impl_->entries[entry.qualifier - 1].view() : std::string_view();
+}
+
+size_t Dictionary::size() const { return impl_->count.load(std::memory_order_acquire); }
+
+size_t Dictionary::bytes() const {
+  return impl_->allocated.load(std::memory_order_relaxed) + impl_->table.bytes();
+}
+
+}  // namespace docent

@@ -1,0 +1,276 @@
+#include "kb_server/rdf/term_id.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+using Tag = TermId::Tag;
+
+constexpr int kScaleBits = 5;
+constexpr int64_t kMaxScale = (1 << kScaleBits) - 1;
+constexpr int64_t kMantissaLimit = int64_t{1} << 54;  // 55 bits, two's complement
+constexpr int64_t kIntegerLimit = int64_t{1} << 59;   // 60 bits, two's complement
+constexpr int64_t kTimeLimit = int64_t{1} << 55;      // 56 bits, two's complement
+constexpr TimeMicros kDayMicros = 86'400'000'000;
+
+int64_t SignExtend(uint64_t value, int bits) {
+  return static_cast<int64_t>(value << (64 - bits)) >> (64 - bits);
+}
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Reads a whole text of the form -?[0-9]+ without a leading zero or "-0".
+std::optional<int64_t> ParseCanonicalInteger(std::string_view text) {
+  std::string_view digits = text.starts_with('-') ? text.substr(1) : text;
+  if (digits.empty() || (digits[0] == '0' && text.size() > 1)) return std::nullopt;
+  int64_t value = 0;
+  auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::optional<TermId> EncodeInteger(std::string_view text) {
+  std::optional<int64_t> value = ParseCanonicalInteger(text);
+  if (!value || *value < -kIntegerLimit || *value >= kIntegerLimit) return std::nullopt;
+  return TermId::Make(Tag::kInteger, static_cast<uint64_t>(*value));
+}
+
+std::string FormatDecimal(InlineDecimalValue value) {
+  std::string digits = absl::StrCat(std::abs(value.mantissa));
+  if (value.scale > 0) {
+    size_t scale = static_cast<size_t>(value.scale);
+    if (digits.size() <= scale) digits.insert(0, scale + 1 - digits.size(), '0');
+    digits.insert(digits.size() - scale, 1, '.');
+  }
+  return value.mantissa < 0 ? "-" + digits : digits;
+}
+
+std::optional<TermId> EncodeDecimal(std::string_view text) {
+  std::array<char, 24> digits;
+  size_t count = 0;
+  int64_t scale = 0;
+  bool point = false;
+  for (char c : text) {
+    if (c == '.' && !point) {
+      point = true;
+      continue;
+    }
+    if (count == digits.size() || (!IsDigit(c) && !(c == '-' && count == 0))) return std::nullopt;
+    digits[count++] = c;
+    scale += point ? 1 : 0;
+  }
+  int64_t mantissa = 0;
+  auto [end, error] = std::from_chars(digits.data(), digits.data() + count, mantissa);
+  if (error != std::errc() || end != digits.data() + count || scale > kMaxScale) return std::nullopt;
+  if (mantissa < -kMantissaLimit || mantissa >= kMantissaLimit) return std::nullopt;
+  if (FormatDecimal({mantissa, static_cast<int>(scale)}) != text) return std::nullopt;
+  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(mantissa) << kScaleBits | static_cast<uint64_t>(scale));
+}
+
+// XML Schema 1.0 part 2, section 3.2.5.2: one digit before the point, at least one after it, "E", no plus sign.
+std::string FormatDouble(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "INF" : "-INF";
+  std::array<char, 40> buffer;
+  char* end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
+  std::string_view text(buffer.data(), static_cast<size_t>(end - buffer.data()));
+  size_t e = text.find('e');
+  std::string out(text.substr(0, e));
+  if (out.find('.') == std::string::npos) out += ".0";
+  out += 'E';
+  int exponent = 0;
+  std::string_view power = text.substr(e + 1);
+  if (power.starts_with('+')) power.remove_prefix(1);
+  std::from_chars(power.data(), power.data() + power.size(), exponent);
+  absl::StrAppend(&out, exponent);
+  return out;
+}
+
+std::optional<TermId> EncodeDouble(std::string_view text) {
+  double value = 0;
+  if (text == "NaN") {
+    value = std::numeric_limits<double>::quiet_NaN();
+  } else if (text == "INF" || text == "-INF") {
+    value = text[0] == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+  } else {
+    if (text.find('E') == std::string_view::npos) return std::nullopt;
+    auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  }
+  uint64_t bits = std::bit_cast<uint64_t>(value);
+  if ((bits & 15) != 0 || FormatDouble(value) != text) return std::nullopt;
+  return TermId::Make(Tag::kDouble, bits >> 4);
+}
+
+// Days since 1970-01-01 in the proleptic Gregorian calendar and back
+// (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms").
+int64_t DaysFromCivil(int64_t year, int month, int day) {
+  year -= month <= 2;
+  int64_t era = (year >= 0 ? year : year - 399) / 400;
+  int64_t year_of_era = year - era * 400;
+  int64_t day_of_year = (153 * (month > 2 ? month - 3 : month + 9) + 2) / 5 + day - 1;
+  int64_t day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
+  return era * 146097 + day_of_era - 719468;
+}
+
+struct Civil {
+  int64_t year;
+  int month;
+  int day;
+};
+
+Civil CivilFromDays(int64_t days) {
+  days += 719468;
+  int64_t era = (days >= 0 ? days : days - 146096) / 146097;
+  int64_t day_of_era = days - era * 146097;
+  int64_t year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36524 - day_of_era / 146096) / 365;
+  int64_t day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+  int64_t month_index = (5 * day_of_year + 2) / 153;
+  int day = static_cast<int>(day_of_year - (153 * month_index + 2) / 5 + 1);
+  int month = static_cast<int>(month_index < 10 ? month_index + 3 : month_index - 9);
+  return {year_of_era + era * 400 + (month <= 2), month, day};
+}
+
+// The number written in `text[at, at+width)`, -1 if a character there is not a digit. Requires that they exist.
+int Digits(std::string_view text, size_t at, size_t width) {
+  int value = 0;
+  for (size_t i = at; i < at + width; ++i) {
+    if (!IsDigit(text[i])) return -1;
+    value = value * 10 + (text[i] - '0');
+  }
+  return value;
+}
+
+// "YYYY-MM-DD" → days; nullopt for years outside 1..9999 and days that do not exist.
+std::optional<int64_t> ParseDate(std::string_view text) {
+  if (text.size() != 10 || text[4] != '-' || text[7] != '-') return std::nullopt;
+  int year = Digits(text, 0, 4), month = Digits(text, 5, 2), day = Digits(text, 8, 2);
+  if (year < 1 || month < 1 || month > 12 || day < 1) return std::nullopt;
+  int64_t days = DaysFromCivil(year, month, day);
+  Civil back = CivilFromDays(days);
+  if (back.month != month || back.day != day) return std::nullopt;
+  return days;
+}
+
+std::optional<TermId> EncodeDate(std::string_view text) {
+  bool zone = text.ends_with('Z');
+  if (zone) text.remove_suffix(1);
+  std::optional<int64_t> days = ParseDate(text);
+  if (!days) return std::nullopt;
+  return TermId::Make(Tag::kDate, static_cast<uint64_t>(*days) << 1 | (zone ? 1 : 0));
+}
+
+// Payload of kDateTime: 56 bits of microseconds, 3 bits of digits after the second's point, 1 bit of zone.
+std::optional<TermId> EncodeDateTime(std::string_view text) {
+  bool zone = text.ends_with('Z');
+  if (zone) text.remove_suffix(1);
+  if (text.size() < 19 || text[10] != 'T' || text[13] != ':' || text[16] != ':') return std::nullopt;
+  std::optional<int64_t> days = ParseDate(text.substr(0, 10));
+  int hour = Digits(text, 11, 2), minute = Digits(text, 14, 2), second = Digits(text, 17, 2);
+  if (!days || hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 59) return std::nullopt;
+  int64_t digits = 0, fraction_us = 0;
+  if (text.size() > 19) {
+    digits = static_cast<int64_t>(text.size()) - 20;
+    if (text[19] != '.' || digits < 1 || digits > 6) return std::nullopt;
+    fraction_us = Digits(text, 20, static_cast<size_t>(digits));
+    if (fraction_us < 0) return std::nullopt;
+    for (int64_t i = digits; i < 6; ++i) fraction_us *= 10;
+  }
+  int64_t time_us = *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us;
+  if (time_us < -kTimeLimit || time_us >= kTimeLimit) return std::nullopt;
+  return TermId::Make(Tag::kDateTime, static_cast<uint64_t>(time_us) << 4 | static_cast<uint64_t>(digits) << 1 |
+                                          (zone ? 1 : 0));
+}
+
+std::string FormatDate(int64_t days) {
+  Civil date = CivilFromDays(days);
+  return absl::StrFormat("%04d-%02d-%02d", date.year, date.month, date.day);
+}
+
+std::string FormatDateTime(TermId id) {
+  TimeMicros time_us = InlineTime(id).time_us;
+  int64_t days = time_us / kDayMicros - (time_us % kDayMicros < 0 ? 1 : 0);
+  int64_t of_day_us = time_us - days * kDayMicros;
+  int64_t seconds = of_day_us / 1'000'000;
+  std::string out = FormatDate(days);
+  absl::StrAppendFormat(&out, "T%02d:%02d:%02d", seconds / 3600, seconds / 60 % 60, seconds % 60);
+  size_t digits = id.payload() >> 1 & 7;
+  if (digits > 0) absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, digits));
+  if ((id.payload() & 1) != 0) out += 'Z';
+  return out;
+}
+
+}  // namespace
+
+std::optional<TermId> InlineLiteral(const Term& term) {
+  if (!term.IsLiteral() || !std::string_view(term.datatype).starts_with(kXsdNs)) return std::nullopt;
+  if (term.datatype == kXsdInteger) return EncodeInteger(term.lexical);
+  if (term.datatype == kXsdDecimal) return EncodeDecimal(term.lexical);
+  if (term.datatype == kXsdDouble) return EncodeDouble(term.lexical);
+  if (term.datatype == kXsdDateTime) return EncodeDateTime(term.lexical);
+  if (term.datatype == kXsdDate) return EncodeDate(term.lexical);
+  if (term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false")) {
+    return TermId::Make(Tag::kBoolean, term.lexical == "true" ? 1 : 0);
+  }
+  return std::nullopt;
+}
+
+std::string_view InlineDatatype(TermId id) {
+  switch (id.tag()) {
+    case Tag::kInteger: return kXsdInteger;
+    case Tag::kDecimal: return kXsdDecimal;
+    case Tag::kDouble: return kXsdDouble;
+    case Tag::kBoolean: return kXsdBoolean;
+    case Tag::kDate: return kXsdDate;
+    case Tag::kDateTime: return kXsdDateTime;
+    default: return {};
+  }
+}
+
+Term DecodeInline(TermId id) {
+  std::string lexical;
+  switch (id.tag()) {
+    case Tag::kInteger: lexical = absl::StrCat(InlineInteger(id)); break;
+    case Tag::kDecimal: lexical = FormatDecimal(InlineDecimal(id)); break;
+    case Tag::kDouble: lexical = FormatDouble(InlineDouble(id)); break;
+    case Tag::kBoolean: lexical = InlineBoolean(id) ? "true" : "false"; break;
+    case Tag::kDate:
+      lexical = FormatDate(SignExtend(id.payload(), 60) >> 1);
+      if ((id.payload() & 1) != 0) lexical += 'Z';
+      break;
+    case Tag::kDateTime: lexical = FormatDateTime(id); break;
+    default: break;
+  }
+  return Term::Literal(std::move(lexical), std::string(InlineDatatype(id)));
+}
+
+int64_t InlineInteger(TermId id) { return SignExtend(id.payload(), 60); }
+
+double InlineDouble(TermId id) { return std::bit_cast<double>(id.payload() << 4); }
+
+bool InlineBoolean(TermId id) { return id.payload() != 0; }
+
+InlineDecimalValue InlineDecimal(TermId id) {
+  return {SignExtend(id.payload(), 60) >> kScaleBits, static_cast<int>(id.payload() & kMaxScale)};
+}
+
+InlineTimeValue InlineTime(TermId id) {
+  bool has_zone = (id.payload() & 1) != 0;
+  int64_t value = SignExtend(id.payload(), 60);
+  if (id.tag() == Tag::kDate) return {(value >> 1) * kDayMicros, has_zone};
+  return {value >> 4, has_zone};
+}
+
+}  // namespace docent
