@@ -1,0 +1,148 @@
+#include "workflow/xml/well_formed.h"
+
+#include <libxml/parser.h>
+#include <libxml/parserInternals.h>
+#include <libxml/xmlerror.h>
+
+#include <climits>
+#include <memory>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+
+namespace docent::xml {
+namespace {
+
+constexpr size_t kMaxXmlDiagnostics = 5;  // after the first, libxml2's complaints are mostly consequences
+
+struct ContextDeleter {
+  void operator()(xmlParserCtxtPtr context) const { xmlFreeParserCtxt(context); }
+};
+using ContextPtr = std::unique_ptr<xmlParserCtxt, ContextDeleter>;
+
+// What the SAX callbacks share. libxml2 hands it back as the parser context's `_private`.
+struct Run {
+  std::string_view text;
+  const std::string* file;
+  int max_nesting;
+  int depth = 0;
+  bool stopped = false;
+  Diagnostics diagnostics;
+};
+
+Run* RunOf(void* context) { return static_cast<Run*>(static_cast<xmlParserCtxtPtr>(context)->_private); }
+
+size_t OffsetOf(void* context) {
+  auto* parser = static_cast<xmlParserCtxtPtr>(context);
+  if (parser->input == nullptr || parser->input->cur == nullptr) return 0;
+  size_t in_buffer = static_cast<size_t>(parser->input->cur - parser->input->base);
+  return std::min(parser->input->consumed + in_buffer, RunOf(context)->text.size());
+}
+
+void Stop(void* context, Diagnostic diagnostic) {
+  Run* run = RunOf(context);
+  if (!run->stopped) run->diagnostics.push_back(std::move(diagnostic));
+  run->stopped = true;
+  xmlStopParser(static_cast<xmlParserCtxtPtr>(context));
+}
+
+void OnDocumentType(void* context, const xmlChar* name, const xmlChar*, const xmlChar*) {
+  Run* run = RunOf(context);
+  size_t at = run->text.rfind("<!DOCTYPE", OffsetOf(context));
+  if (at == std::string_view::npos) at = OffsetOf(context);
+  Stop(context, {*run->file, SpanAt(run->text, at, 9),
+                 absl::StrCat("a document type definition is not accepted (<!DOCTYPE ",
+                              name != nullptr ? reinterpret_cast<const char*>(name) : "", ">)"),
+                 "remove it; entities are not expanded and nothing is loaded from elsewhere"});
+}
+
+void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int, const xmlChar**, int, int,
+             const xmlChar**) {
+  Run* run = RunOf(context);
+  if (++run->depth <= run->max_nesting) return;
+  size_t at = run->text.rfind('<', OffsetOf(context));
+  Stop(context, {*run->file, SpanAt(run->text, at == std::string_view::npos ? 0 : at),
+                 absl::StrCat("<", reinterpret_cast<const char*>(name), "> is nested deeper than the limit xml_nesting = ",
+                              run->max_nesting),
+                 ""});
+}
+
+void OnEnd(void* context, const xmlChar*, const xmlChar*, const xmlChar*) { --RunOf(context)->depth; }
+
+void OnError(void* context, xmlErrorPtr error) {
+  Run* run = RunOf(context);
+  // A prefix without declaration: names are compared without prefixes.
+  if (run->stopped || error->code == XML_NS_ERR_UNDEFINED_NAMESPACE || error->level < XML_ERR_ERROR) return;
+  if (run->diagnostics.size() >= kMaxXmlDiagnostics) return;
+  SourceSpan span = SpanAt(run->text, OffsetOf(context));
+  for (const Diagnostic& d : run->diagnostics) {
+    if (d.span.offset == span.offset) return;  // a consequence
+  }
+  std::string message(absl::StripAsciiWhitespace(error->message != nullptr ? error->message : "malformed XML"));
+  std::string hint;
+  if (error->code == XML_ERR_UNDECLARED_ENTITY) {
+    hint = "only &lt; &gt; &amp; &quot; &apos; and character references such as &#233; are known";
+  } else if (error->code == XML_ERR_LT_IN_ATTRIBUTE) {
+    hint = "write &lt; for <";
+  }
+  run->diagnostics.push_back({*run->file, span, "XML: " + message, hint});
+}
+
+// UTF-8 or its subset; anything else would make byte offsets lie.
+bool EncodingIsUtf8(std::string_view name) {
+  return absl::EqualsIgnoreCase(ToAbsl(name), "utf-8") || absl::EqualsIgnoreCase(ToAbsl(name), "utf8") ||
+         absl::EqualsIgnoreCase(ToAbsl(name), "us-ascii") || absl::EqualsIgnoreCase(ToAbsl(name), "ascii");
+}
+
+// The encoding of an XML declaration as written: <?xml version="1.0" encoding="UTF-8"?>
+std::string_view DeclaredEncoding(std::string_view text) {
+  if (!text.starts_with("<?xml")) return {};
+  std::string_view declaration = text.substr(0, text.find("?>"));
+  size_t at = declaration.find("encoding");
+  if (at == std::string_view::npos) return {};
+  size_t open = declaration.find_first_of("\"'", at);
+  if (open == std::string_view::npos) return {};
+  size_t close = declaration.find(declaration[open], open + 1);
+  if (close == std::string_view::npos) return {};
+  return declaration.substr(open + 1, close - open - 1);
+}
+
+}  // namespace
+
+Diagnostics CheckWellFormed(std::string_view text, const std::string& file, const Limits& limits) {
+  if (text.size() > static_cast<size_t>(INT_MAX)) {
+    return {{file, {}, absl::StrCat("the document has ", text.size(), " bytes; XML is read up to ", INT_MAX), ""}};
+  }
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    return {{file, SpanAt(text, 0), "the document is UTF-16; only UTF-8 is accepted", "save it as UTF-8"}};
+  }
+  std::string_view encoding = DeclaredEncoding(text);
+  if (!encoding.empty() && !EncodingIsUtf8(encoding)) {
+    return {{file, SpanAt(text, encoding.data() - text.data(), encoding.size()),
+             absl::StrCat("encoding \"", ToAbsl(encoding), "\" is not accepted"), "save the document as UTF-8"}};
+  }
+  // A byte order mark (EF BB BF) is stripped by libxml2 itself.
+  ContextPtr context(xmlNewParserCtxt());
+  if (context == nullptr) return {{file, {}, "out of memory", ""}};
+  Run run{text, &file, limits.xml_nesting};
+  context->_private = &run;
+  xmlSAXHandler& sax = *context->sax;
+  sax = {};
+  sax.initialized = XML_SAX2_MAGIC;
+  sax.internalSubset = OnDocumentType;
+  sax.startElementNs = OnStart;
+  sax.endElementNs = OnEnd;
+  sax.serror = OnError;
+  context->userData = context.get();
+  xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, "UTF-8", XML_PARSE_NONET);
+  if (context->myDoc != nullptr) xmlFreeDoc(context->myDoc);
+  context->myDoc = nullptr;
+  if (run.diagnostics.empty() && !context->wellFormed) {
+    run.diagnostics.push_back({file, SpanAt(text, 0), "XML: not well-formed", ""});
+  }
+  return run.diagnostics;
+}
+
+}  // namespace docent::xml
