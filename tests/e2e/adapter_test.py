@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""An adapter that is absent, hangs or dies: the step times out, the run says so and why, the server goes on."""
+import signal
+import unittest
+
+from docent_e2e import PATIENCE_S, SPEED, StageTest, journal, nodes, stage
+
+
+class Adapter(StageTest):
+    def impatient_s01(self):
+        """s01 whose steps time out after some seconds, so that a test need not wait for minutes."""
+        server = self.stage.server(arguments=["--step-timeout-ms", "4000"])
+        stage.load_s01(server)
+        return server
+
+    def arrive(self, server):
+        server.tell(readings=[("expo:DoorSensor", "tag-17")], source=stage.Visitor.SENSORS)
+        server.tell("expo:John docent:chose expo:BoothGuideService", source=stage.Visitor.PHONE)
+
+    def assert_failed(self, server, *words):
+        """The run failed, and node and run say why in these words. The server still takes and answers."""
+        self.wait_for_run(server, "failed")
+        failed = [row for row in nodes(server).values() if row["state"] == "failed"]
+        self.assertEqual(len(failed), 1, nodes(server))
+        for word in words:
+            self.assertIn(word, failed[0]["reason"])
+        server.tell("expo:John docent:selected expo:B07", source=stage.Visitor.PHONE)
+        self.assertTrue(server.ask("expo:John docent:selected expo:B07"))
+        self.assertIn("failed", server.command("runs"))
+
+    def test_absent_from_the_beginning(self):
+        server = self.impatient_s01()
+        self.arrive(server)
+        self.assert_failed(server, "robot")
+
+    def test_hangs(self):
+        server = self.impatient_s01()
+        robot = self.stage.robot(server, speed=SPEED)
+        server.wait_for("expo:R01 docent:status docent:Standby ; docent:localised true", PATIENCE_S)
+        robot.process.signal(signal.SIGSTOP)
+        self.addCleanup(robot.process.signal, signal.SIGCONT)
+        self.arrive(server)
+        self.assert_failed(server, "4")
+
+    def test_dies_while_it_drives(self):
+        server = self.impatient_s01()
+        robot = self.stage.robot(server, speed=0.5)
+        server.wait_for("expo:R01 docent:status docent:Standby ; docent:localised true", PATIENCE_S)
+        self.arrive(server)
+        stage.wait_until(lambda: journal(robot), PATIENCE_S, "the first command")
+        robot.kill()
+        self.assert_failed(server)
+        server.wait_for("expo:R01 docent:status docent:Offline", PATIENCE_S)
+
+    def test_dies_and_comes_back_as_another_incarnation(self):
+        """Its command's outcome is unknown; moving is idempotent, so the command is sent again and the run goes on."""
+        server, robot = self.start_s01()
+        before = server.select("SELECT ?i { expo:R01 docent:incarnation ?i }")
+        visitor = stage.Visitor(server, "B03", PATIENCE_S)
+        visitor.start()
+        stage.wait_until(lambda: journal(robot), PATIENCE_S, "the first command")
+        robot.kill()
+        robot.start()
+        run = self.wait_for_run(server)
+        self.assertIn("urn:docent:run:", run)
+        self.assertNotEqual(server.select("SELECT ?i { expo:R01 docent:incarnation ?i }"), before)
+
+
+if __name__ == "__main__":
+    unittest.main()

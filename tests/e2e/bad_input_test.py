@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Bad input through the command line and over HTTP: an error with its place and remedy, and the server goes on."""
+import os
+import socket
+import sqlite3
+import unittest
+import urllib.error
+import urllib.parse
+import urllib.request
+
+from docent_e2e import StageTest, stage
+
+GOOD = "@prefix : <http://example.org/> .\n:a :b :c .\n"
+
+
+class Documents(StageTest):
+    def setUp(self):
+        super().setUp()
+        self.server = self.stage.server()
+        stage.load_ontology(self.server)
+        self.server.load(self.file("good.ttl", GOOD))
+
+    def tearDown(self):
+        """Whatever was tried: nothing of it was applied, and the server answers."""
+        self.assertTrue(self.server.ask("<http://example.org/a> <http://example.org/b> <http://example.org/c>"))
+        self.assertFalse(self.server.ask("<http://example.org/a> <http://example.org/bad> ?x"))
+        self.assertTrue(self.server.process.running())
+
+    def assert_place(self, done, place, *words):
+        self.assert_refused(done, 2, place, *words)
+
+    def test_turtle(self):
+        file = self.file("bad.ttl", "@prefix : <http://example.org/> .\n:a :bad :c .\n:a :bad ,, .\n")
+        self.assert_place(self.server.run("load", file), "bad.ttl:3:")
+
+    def test_turtle_with_an_unknown_prefix(self):
+        file = self.file("prefix.ttl", "@prefix : <http://example.org/> .\n:a :bad nope:c .\n")
+        self.assert_place(self.server.run("load", file), "prefix.ttl:2:", "nope")
+
+    def test_sparql(self):
+        done = self.server.run("query", "SELECT ?x WHERE {\n  ?x docent:isAt ?y \n  FILTER(?y = )\n}")
+        self.assert_place(done, ":3:", "^")
+
+    def test_sparql_over_http(self):
+        url = f"http://{self.server.http}/sparql?" + urllib.parse.urlencode({"query": "SELECT ?x WHERE { ?x"})
+        with self.assertRaises(urllib.error.HTTPError) as caught:
+            urllib.request.urlopen(url, timeout=10)
+        with caught.exception as error:
+            self.assertEqual(error.code, 400)
+            self.assertIn(":1:", error.read().decode())
+
+    def test_rules(self):
+        file = self.file("bad.rules", "PREFIX docent: <https://w3id.org/docent#>\nRULE { ?a docent:isNear } WHERE { ?a ?b ?c }\n")
+        self.assert_place(self.server.run("load", file), "bad.rules:2:")
+
+    def test_cawl_that_is_no_xml(self):
+        file = self.file("bad.cawl.xml", "<CAWL name='x'>\n  <flow name='f'>\n</CAWL>\n")
+        self.assert_place(self.server.run("load", file), "bad.cawl.xml:")
+
+    def test_cawl_with_names_that_are_not_there(self):
+        text = next(stage.S01.glob("*.cawl.xml")).read_text().replace('to="Move2Booth"', 'to="Move2Both"', 1)
+        done = self.server.run("load", self.file("names.cawl.xml", text))
+        self.assert_place(done, "names.cawl.xml:", "Move2Both", "Move2Booth", "^")
+
+    def test_check_reports_the_same_without_deploying(self):
+        text = next(stage.S01.glob("*.cawl.xml")).read_text().replace('to="Move2Booth"', 'to="Move2Both"', 1)
+        done = self.server.run("check", self.file("names.cawl.xml", text))
+        self.assertEqual(done.returncode, 1, done.stderr + done.stdout)
+        self.assertIn("Move2Both", done.stderr + done.stdout)
+
+    def test_document_type_definitions_are_refused(self):
+        bomb = '<?xml version="1.0"?>\n<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]>\n<CAWL name="&b;"/>\n'
+        for name in ("bomb.cawl.xml", "bomb.rsel.xml"):
+            with self.subTest(name):
+                self.assert_place(self.server.run("load", self.file(name, bomb)), f"{name}:", "document type")
+
+    def test_an_external_entity_reads_no_file(self):
+        secret = self.file("secret.txt", "very-secret")
+        text = f'<!DOCTYPE x [<!ENTITY s SYSTEM "file://{secret}">]>\n<rsel name="&s;"/>\n'
+        done = self.server.run("load", self.file("entity.rsel.xml", text))
+        self.assert_place(done, "entity.rsel.xml:")
+        self.assertNotIn("very-secret", done.stdout + done.stderr)
+
+    def test_rsel(self):
+        file = self.file("bad.rsel.xml", '<rsel name="x">\n  <process>\n    <invoke/>\n  </process>\n</rsel>\n')
+        self.assert_place(self.server.run("load", file), "bad.rsel.xml:2:", "name")
+
+    def test_a_batch_beyond_the_limit_is_refused_whole(self):
+        lines = "".join(f"<http://example.org/a> <http://example.org/bad> {i} .\n" for i in range(100_001))
+        done = self.server.run("load", "--as", "facts", self.file("large.nt", lines))
+        self.assert_refused(done, 2, "batch_operations", "100000")
+
+    def test_a_term_beyond_the_limit_is_refused(self):
+        file = self.file("long.ttl", f'@prefix : <http://example.org/> .\n:a :bad "{"x" * (1 << 20)}x" .\n')
+        self.assert_refused(self.server.run("load", "--as", "facts", file), 2, "term_bytes")
+
+    def test_bytes_that_are_no_message(self):
+        """A client that talks nonsense to the gRPC and HTTP ports does not disturb the others."""
+        for address in (self.server.grpc, self.server.http):
+            host, port = address.rsplit(":", 1)
+            with socket.create_connection((host, int(port)), timeout=10) as connection:
+                connection.sendall(os.urandom(2000))
+                try:
+                    connection.shutdown(socket.SHUT_WR)
+                    while connection.recv(4096):
+                        pass
+                except OSError:
+                    pass  # hung up on us: fine
+
+    def test_http_from_another_site_is_refused(self):
+        for header, value in (("Host", "evil.example"), ("Origin", "http://evil.example")):
+            request = urllib.request.Request(f"http://{self.server.http}/sparql?query=ASK%7B%7D", headers={header: value})
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                urllib.request.urlopen(request, timeout=10)
+            with caught.exception as error:
+                self.assertEqual(error.code, 403, header)
+
+
+class Starting(StageTest):
+    def serve(self, *arguments):
+        return self.docent("serve", "--grpc", "127.0.0.1:0", "--http", "127.0.0.1:0", *arguments)
+
+    def assert_one_line(self, done, *words):
+        self.assertNotEqual(done.returncode, 0)
+        for word in words:
+            self.assertIn(word, done.stderr)
+        self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+
+    def test_port_in_use(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            address = f"127.0.0.1:{taken.getsockname()[1]}"
+            for option in ("--grpc", "--http"):
+                with self.subTest(option):
+                    done = self.docent("serve", "--data", self.stage.folder / "data", "--grpc", "127.0.0.1:0", "--http",
+                                       "127.0.0.1:0", option, address)
+                    self.assert_one_line(done, address)
+
+    def test_second_server_on_the_same_data(self):
+        server = self.stage.server()
+        self.assert_one_line(self.serve("--data", server.data), str(server.data))
+
+    def test_data_folder_that_cannot_be_used(self):
+        path = self.file("occupied", "a file, not a folder")
+        self.assert_one_line(self.serve("--data", path), str(path))
+
+    @unittest.skipIf(os.geteuid() == 0, "root reads everything")
+    def test_data_folder_without_permission(self):
+        path = self.stage.folder / "locked"
+        path.mkdir(mode=0)
+        self.addCleanup(path.chmod, 0o700)
+        self.assert_one_line(self.serve("--data", path), str(path))
+
+    def test_log_of_a_newer_format(self):
+        server = self.stage.server()
+        server.load(self.file("good.ttl", GOOD))
+        server.stop()
+        log = next(p for p in server.data.rglob("*") if p.is_file() and p.read_bytes()[:15] == b"SQLite format 3")
+        with sqlite3.connect(log) as db:
+            version = db.execute("PRAGMA user_version").fetchone()[0]
+            db.execute(f"PRAGMA user_version = {version + 1}")
+        db.close()
+        self.assert_one_line(self.serve("--data", server.data), "newer")
+
+    def test_a_flipped_byte_in_the_log_is_named(self):
+        server = self.stage.server()
+        for i in range(5):
+            server.tell(f"expo:John docent:x {i}.5")
+        server.stop()
+        log = next(p for p in server.data.rglob("*") if p.is_file() and p.read_bytes()[:15] == b"SQLite format 3")
+        with sqlite3.connect(log) as db:
+            seq, data = db.execute("SELECT seq, data FROM ctxlog ORDER BY seq LIMIT 1 OFFSET 3").fetchone()
+            middle = len(data) // 2
+            db.execute("UPDATE ctxlog SET data = ? WHERE seq = ?",
+                       (data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1:], seq))
+        db.close()
+        self.assert_one_line(self.serve("--data", server.data), str(seq))
+
+    def test_an_address_for_everyone_needs_insecure(self):
+        done = self.docent("serve", "--data", self.stage.folder / "data", "--grpc", "0.0.0.0:0", "--http", "127.0.0.1:0")
+        self.assert_one_line(done, "--insecure")
+
+    def test_no_server(self):
+        done = self.docent("query", "--server", "127.0.0.1:1", "ASK {}")
+        self.assert_refused(done, 2, "127.0.0.1:1")
+
+    def test_wrong_usage(self):
+        self.assertEqual(self.docent("no-such-command").returncode, 2)
+        self.assertEqual(self.docent("--help").returncode, 0)
+        self.assertIn("serve", self.docent("--help").stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
