@@ -11,6 +11,14 @@
 namespace docent {
 namespace {
 
+// The enums' values are written as they are: their order is part of the log's format. New values go to the end.
+static_assert(static_cast<int>(TermKind::kLiteral) == log::TermEntry::LITERAL);
+static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
+static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
+static_assert(static_cast<int>(Document::Action::kRemove) == 1);
+static_assert(static_cast<int>(CommandReport::Outcome::kUnreachable) == 6);
+static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
+
 // Gives each distinct term of a record its number.
 class TermTable {
  public:

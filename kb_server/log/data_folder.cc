@@ -1,0 +1,107 @@
+#include "kb_server/log/data_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "kb_server/log/record_chain.h"
+
+namespace docent {
+namespace {
+
+struct Mark {
+  uint64_t offset;
+  uint64_t crc;
+};
+
+// Who holds the lock wrote its process id into the lock file.
+std::string Holder(int fd) {
+  char text[32] = {};
+  const ssize_t read = pread(fd, text, sizeof(text) - 1, 0);
+  const std::string pid(absl::StripSuffix(read > 0 ? text : "", "\n"));
+  return pid.empty() ? "another process" : absl::StrCat("process ", pid);
+}
+
+}  // namespace
+
+absl::Status FileError(int error, const std::string& what) {
+  const std::string message = absl::StrCat(what, ": ", std::strerror(error));
+  switch (error) {
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return absl::PermissionDeniedError(message);
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return absl::ResourceExhaustedError(absl::StrCat(message, "; make room on the disk of the data folder"));
+    case ENOENT:
+      return absl::NotFoundError(message);
+    case ENOTDIR:
+      return absl::InvalidArgumentError(message);
+    default:
+      return absl::UnavailableError(message);
+  }
+}
+
+FileHandle& FileHandle::operator=(FileHandle&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+FileHandle::~FileHandle() {
+  if (fd_ >= 0) close(fd_);
+}
+
+absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
+  const std::string what = absl::StrCat("cannot use the data folder ", path);
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) {
+    if (std::filesystem::exists(path, error)) {
+      return absl::InvalidArgumentError(absl::StrCat(what, ": it is not a folder"));
+    }
+    std::filesystem::create_directories(path, error);
+    if (error) return FileError(error.value(), what);
+  }
+  if (access(path.c_str(), R_OK | W_OK | X_OK) != 0) return FileError(errno, what);
+
+  DataFolder folder;
+  folder.path_ = path;
+  folder.lock_ = FileHandle(open(folder.File("lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  if (!folder.lock_.valid()) return FileError(errno, what);
+  if (flock(folder.lock_.fd(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return FileError(errno, what);
+    return absl::FailedPreconditionError(
+        absl::StrCat(what, ": it is in use by ", Holder(folder.lock_.fd()), "; stop that one or choose another folder"));
+  }
+  // For the next one's message only: that it may not fit on a full disk does no harm.
+  const std::string pid = absl::StrCat(getpid(), "\n");
+  if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0) errno = 0;
+
+  folder.mark_ = FileHandle(open(folder.File("head").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  if (!folder.mark_.valid()) return FileError(errno, what);
+  return folder;
+}
+
+std::optional<uint64_t> DataFolder::HeadMark() const {
+  Mark mark;
+  if (pread(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark)) return std::nullopt;
+  if (mark.crc != Crc32c().Add(mark.offset).value()) return std::nullopt;
+  return mark.offset;
+}
+
+void DataFolder::SetHeadMark(uint64_t offset) {
+  const Mark mark = {offset, Crc32c().Add(offset).value()};
+  if (pwrite(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark) && ftruncate(mark_.fd(), 0) != 0) errno = 0;
+}
+
+void DataFolder::SyncHeadMark() { fdatasync(mark_.fd()); }
+
+}  // namespace docent

@@ -1,0 +1,61 @@
+// The folder in which a server keeps its log: made if absent, checked, and held by one process at a time.
+//
+// It also holds the *head mark*: a file of a few bytes that is overwritten, without a sync, after each commit. If the
+// database later ends before the mark, acknowledged records have been lost (a damaged write-ahead log looks to SQLite
+// like one that was cut off by a crash, and it drops the rest without a word). After a power cut the mark may be older
+// than the database, never newer. One thread at a time.
+#ifndef DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_
+#define DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace docent {
+
+// A file descriptor that is closed at the end of its life.
+class FileHandle {
+ public:
+  FileHandle() = default;
+  explicit FileHandle(int fd) : fd_(fd) {}
+  FileHandle(FileHandle&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  FileHandle& operator=(FileHandle&& other) noexcept;
+  ~FileHandle();
+  int fd() const { return fd_; }
+  bool valid() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+class DataFolder {
+ public:
+  // Makes `path` (with parents) if absent and takes its lock. Errors, each one line: INVALID_ARGUMENT (not a folder),
+  // PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in use, by which process).
+  static absl::StatusOr<DataFolder> Open(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  std::string File(const std::string& name) const { return path_ + "/" + name; }
+
+  // The offset last marked; nullopt if there is no readable mark.
+  std::optional<uint64_t> HeadMark() const;
+  // Best effort: a mark that cannot be written only loses the check.
+  void SetHeadMark(uint64_t offset);
+  // A lasting mark, for an orderly end.
+  void SyncHeadMark();
+
+ private:
+  std::string path_;
+  FileHandle lock_;
+  FileHandle mark_;
+};
+
+// The status of errno value `error` while doing `what`: as SqliteError.
+absl::Status FileError(int error, const std::string& what);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_

@@ -1,0 +1,139 @@
+#include "kb_server/log/snapshot_files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "kb_server/log/data_folder.h"
+#include "kb_server/log/record_chain.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kPrefix = "snapshot-";
+constexpr char kMagic[8] = {'D', 'O', 'C', 'S', 'N', 'A', 'P', '1'};
+
+struct Header {
+  char magic[8];
+  uint64_t offset;
+  uint64_t length;
+  ChainHash hash;  // SHA-256 of the content
+};
+
+absl::Status WriteAll(int fd, std::string_view bytes, const std::string& what) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return FileError(errno, what);
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+  return absl::OkStatus();
+}
+
+// Reads up to `size` bytes; fewer only at the end of the file.
+absl::StatusOr<size_t> ReadAll(int fd, char* to, size_t size, const std::string& what) {
+  size_t done = 0;
+  while (done < size) {
+    const ssize_t got = read(fd, to + done, size - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return FileError(errno, what);
+    if (got == 0) break;
+    done += static_cast<size_t>(got);
+  }
+  return done;
+}
+
+absl::Status WriteSynced(const std::string& path, std::string_view header, std::string_view data,
+                         const std::string& what) {
+  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  if (!file.valid()) return FileError(errno, what);
+  absl::Status status = WriteAll(file.fd(), header, what);
+  if (status.ok()) status = WriteAll(file.fd(), data, what);
+  if (status.ok() && fsync(file.fd()) != 0) status = FileError(errno, what);
+  return status;
+}
+
+absl::Status SyncFolder(const std::string& folder, const std::string& what) {
+  FileHandle directory(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!directory.valid() || fsync(directory.fd()) != 0) return FileError(errno, what);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::string SnapshotFiles::Path(uint64_t offset) const {
+  return absl::StrFormat("%s/%s%020d", folder_, std::string(kPrefix), offset);
+}
+
+absl::Status SnapshotFiles::Put(uint64_t offset, std::string_view data) {
+  const std::string what = absl::StrCat("cannot write the snapshot at offset ", offset);
+  Header header = {{}, offset, data.size(), Sha256(data)};
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  const std::string temporary = absl::StrCat(folder_, "/unfinished-snapshot");
+  absl::Status status =
+      WriteSynced(temporary, {reinterpret_cast<const char*>(&header), sizeof(header)}, data, what);
+  if (status.ok() && rename(temporary.c_str(), Path(offset).c_str()) != 0) status = FileError(errno, what);
+  if (!status.ok()) {
+    unlink(temporary.c_str());
+    return status;
+  }
+  status = SyncFolder(folder_, what);
+  if (!status.ok()) return status;
+  const absl::StatusOr<std::vector<uint64_t>> offsets = Offsets();
+  if (!offsets.ok()) return offsets.status();
+  for (size_t i = 0; i + kKept < offsets->size(); ++i) unlink(Path((*offsets)[i]).c_str());
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<uint64_t>> SnapshotFiles::Offsets() const {
+  std::vector<uint64_t> offsets;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    uint64_t offset = 0;
+    if (name.starts_with(kPrefix) && absl::SimpleAtoi(name.substr(kPrefix.size()), &offset)) offsets.push_back(offset);
+  }
+  if (error) return FileError(error.value(), absl::StrCat("cannot list the data folder ", folder_));
+  std::sort(offsets.begin(), offsets.end());
+  return offsets;
+}
+
+absl::StatusOr<std::optional<LogSnapshot>> SnapshotFiles::Get(uint64_t at_most) const {
+  const absl::StatusOr<std::vector<uint64_t>> offsets = Offsets();
+  if (!offsets.ok()) return offsets.status();
+  const auto after = std::upper_bound(offsets->begin(), offsets->end(), at_most);
+  if (after == offsets->begin()) return std::optional<LogSnapshot>();
+  LogSnapshot snapshot;
+  snapshot.offset = *std::prev(after);
+
+  const std::string what = absl::StrCat("cannot read the snapshot at offset ", snapshot.offset);
+  const absl::Status damaged =
+      absl::DataLossError(absl::StrCat("the snapshot at offset ", snapshot.offset, " is damaged: ", Path(snapshot.offset)));
+  FileHandle file(open(Path(snapshot.offset).c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) return FileError(errno, what);
+  struct stat facts;
+  if (fstat(file.fd(), &facts) != 0) return FileError(errno, what);
+  Header header;
+  if (static_cast<size_t>(facts.st_size) < sizeof(header)) return damaged;
+  absl::StatusOr<size_t> got = ReadAll(file.fd(), reinterpret_cast<char*>(&header), sizeof(header), what);
+  if (!got.ok()) return got.status();
+  if (*got != sizeof(header) || std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
+      header.offset != snapshot.offset || header.length != static_cast<size_t>(facts.st_size) - sizeof(header)) {
+    return damaged;
+  }
+  snapshot.data.resize(header.length);
+  got = ReadAll(file.fd(), snapshot.data.data(), snapshot.data.size(), what);
+  if (!got.ok()) return got.status();
+  if (*got != header.length || Sha256(snapshot.data) != header.hash) return damaged;
+  return std::optional<LogSnapshot>(std::move(snapshot));
+}
+
+}  // namespace docent

@@ -1,0 +1,96 @@
+#include "kb_server/log/sqlite_handles.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+
+absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
+  std::string detail = sqlite3_errstr(code);
+  if (db != nullptr && (sqlite3_errcode(db) & 0xFF) == (code & 0xFF)) detail = sqlite3_errmsg(db);
+  const std::string message = absl::StrCat(what, ": ", detail);
+  switch (code & 0xFF) {
+    case SQLITE_FULL:
+      return absl::ResourceExhaustedError(absl::StrCat(message, "; make room on the disk of the data folder"));
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+    case SQLITE_MISMATCH:
+      return absl::DataLossError(message);
+    case SQLITE_PERM:
+    case SQLITE_READONLY:
+    case SQLITE_CANTOPEN:
+      return absl::PermissionDeniedError(message);
+    case SQLITE_IOERR:
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_NOMEM:
+      return absl::UnavailableError(message);
+    default:
+      return absl::InternalError(message);
+  }
+}
+
+absl::Status Execute(sqlite3* db, const std::string& sql, const std::string& what) {
+  const int code = sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : SqliteError(db, code, what);
+}
+
+absl::StatusOr<Statement> Statement::Prepare(sqlite3* db, const char* sql) {
+  sqlite3_stmt* raw = nullptr;
+  const int code = sqlite3_prepare_v3(db, sql, -1, SQLITE_PREPARE_PERSISTENT, &raw, nullptr);
+  // The tables are made by us: a statement that does not compile means that the schema is not what we wrote.
+  if (code == SQLITE_ERROR) {
+    return absl::DataLossError(absl::StrCat("the log's tables are damaged: ", sqlite3_errmsg(db)));
+  }
+  if (code != SQLITE_OK) return SqliteError(db, code, "cannot read the log's tables");
+  Statement statement;
+  statement.statement_.reset(raw);
+  return statement;
+}
+
+Statement& Statement::Bind(int index, uint64_t value) {
+  sqlite3_bind_int64(statement_.get(), index, static_cast<int64_t>(value));
+  return *this;
+}
+
+Statement& Statement::Bind(int index, std::string_view bytes) {
+  sqlite3_bind_blob64(statement_.get(), index, bytes.data(), bytes.size(), SQLITE_STATIC);
+  return *this;
+}
+
+absl::StatusOr<bool> Statement::Step(const std::string& what) {
+  const int code = sqlite3_step(statement_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  const absl::Status status = SqliteError(sqlite3_db_handle(statement_.get()), code, what);
+  Reset();
+  return status;
+}
+
+absl::Status Statement::Run(const std::string& what) {
+  const absl::StatusOr<bool> row = Step(what);
+  if (!row.ok()) return row.status();
+  Reset();
+  return *row ? absl::InternalError(absl::StrCat(what, ": rows where none were expected")) : absl::OkStatus();
+}
+
+void Statement::Reset() {
+  sqlite3_reset(statement_.get());
+  sqlite3_clear_bindings(statement_.get());
+}
+
+uint64_t Statement::Integer(int column) const {
+  return static_cast<uint64_t>(sqlite3_column_int64(statement_.get(), column));
+}
+
+std::string_view Statement::Bytes(int column) const {
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  return {static_cast<const char*>(data), static_cast<size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+bool Statement::IsInteger(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_INTEGER;
+}
+
+bool Statement::IsBytes(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_BLOB; }
+
+}  // namespace docent

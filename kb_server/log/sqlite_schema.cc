@@ -1,0 +1,105 @@
+#include "kb_server/log/sqlite_schema.h"
+
+#include <cstring>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+namespace {
+
+// The value of a statement that gives one integer.
+absl::StatusOr<uint64_t> OneInteger(sqlite3* db, const char* sql) {
+  absl::StatusOr<Statement> statement = Statement::Prepare(db, sql);
+  if (!statement.ok()) return statement.status();
+  const absl::StatusOr<bool> row = statement->Step("cannot read the log's format");
+  if (!row.ok()) return row.status();
+  if (!*row) return absl::DataLossError(absl::StrCat("the log is damaged: no answer to ", sql));
+  return statement->Integer(0);
+}
+
+absl::Status MakeTables(sqlite3* db) {
+  const HeadRow empty;
+  absl::Status status = Execute(
+      db,
+      absl::StrCat("BEGIN IMMEDIATE;"
+                   "CREATE TABLE ctxlog(seq INTEGER PRIMARY KEY, epoch INTEGER NOT NULL, crc INTEGER NOT NULL,"
+                   " prev_hash BLOB NOT NULL, data BLOB NOT NULL);"
+                   "CREATE TABLE head(seq INTEGER NOT NULL, epoch INTEGER NOT NULL, hash BLOB NOT NULL,"
+                   " base_seq INTEGER NOT NULL, base_hash BLOB NOT NULL, crc INTEGER NOT NULL);"
+                   "INSERT INTO head VALUES(0, 0, zeroblob(32), 0, zeroblob(32), ",
+                   empty.Crc(), "); PRAGMA application_id=", kLogApplicationId, "; PRAGMA user_version=", kLogFormat,
+                   "; COMMIT"),
+      "cannot make the log");
+  return status;
+}
+
+bool ReadHash(const Statement& row, int column, ChainHash* hash) {
+  if (!row.IsBytes(column) || row.Bytes(column).size() != hash->size()) return false;
+  std::memcpy(hash->data(), row.Bytes(column).data(), hash->size());
+  return true;
+}
+
+}  // namespace
+
+uint32_t HeadRow::Crc() const {
+  return Crc32c().Add(offset).Add(epoch).Add(AsBytes(hash)).Add(base_offset).Add(AsBytes(base_hash)).value();
+}
+
+absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
+  sqlite3* raw = nullptr;
+  // Each connection is guarded by a mutex of ours.
+  const int code =
+      sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  DatabaseHandle db(raw);
+  const std::string what = absl::StrCat("cannot open the log ", path);
+  if (code != SQLITE_OK) return SqliteError(raw, code, what);
+  sqlite3_extended_result_codes(raw, 1);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_busy_timeout(raw, 10000);  // ms; only our own connections compete, for moments
+  const absl::Status status = Execute(raw,
+                                      "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0;"
+                                      "PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF; PRAGMA foreign_keys=OFF",
+                                      what);
+  if (!status.ok()) return status;
+  return db;
+}
+
+absl::Status PrepareSchema(sqlite3* db, const std::string& path) {
+  const absl::StatusOr<uint64_t> tables = OneInteger(db, "SELECT count(*) FROM sqlite_master");
+  if (!tables.ok()) return tables.status();
+  const absl::StatusOr<uint64_t> application = OneInteger(db, "PRAGMA application_id");
+  if (!application.ok()) return application.status();
+  const absl::StatusOr<uint64_t> format = OneInteger(db, "PRAGMA user_version");
+  if (!format.ok()) return format.status();
+  if (*tables == 0 && *application == 0 && *format == 0) return MakeTables(db);
+  if (*application != kLogApplicationId) {
+    return absl::InvalidArgumentError(absl::StrCat(path, " is not a Docent log (application id ", *application, ")"));
+  }
+  if (*format > kLogFormat) {
+    return absl::FailedPreconditionError(absl::StrCat("the log ", path, " has format ", *format,
+                                                      ", written by a newer Docent; this one knows formats up to ",
+                                                      kLogFormat, ": start the newer version"));
+  }
+  if (*format == 0) return absl::DataLossError(absl::StrCat("the log ", path, " is damaged: it has no format number"));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<HeadRow> ReadHead(sqlite3* db) {
+  absl::StatusOr<Statement> row =
+      Statement::Prepare(db, "SELECT seq, epoch, hash, base_seq, base_hash, crc FROM head");
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->Step("cannot read the log's head");
+  if (!found.ok()) return found.status();
+  HeadRow head;
+  const bool whole = *found && row->IsInteger(0) && row->IsInteger(1) && ReadHash(*row, 2, &head.hash) &&
+                     row->IsInteger(3) && ReadHash(*row, 4, &head.base_hash) && row->IsInteger(5);
+  if (whole) {
+    head.offset = row->Integer(0);
+    head.epoch = row->Integer(1);
+    head.base_offset = row->Integer(3);
+  }
+  if (!whole || row->Integer(5) != head.Crc()) return absl::DataLossError("the log's head row is damaged");
+  return head;
+}
+
+}  // namespace docent

@@ -1,0 +1,47 @@
+// The log's database file: tables, format number, settings. Only kb_server/log includes this.
+//
+//   ctxlog(seq, epoch, crc, prev_hash, data)   one row a record
+//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the hash of the
+//        newest record, and offset and hash of the last record that was trimmed away (0 and zeros: none)
+//
+// The format number is the file's user_version, and its application_id says that it is a Docent log.
+#ifndef DOCENT_KB_SERVER_LOG_SQLITE_SCHEMA_H_
+#define DOCENT_KB_SERVER_LOG_SQLITE_SCHEMA_H_
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "kb_server/log/record_chain.h"
+#include "kb_server/log/sqlite_handles.h"
+
+namespace docent {
+
+inline constexpr uint64_t kLogFormat = 1;
+inline constexpr uint64_t kLogApplicationId = 0x646F634C;  // "docL"
+
+// The row of table head.
+struct HeadRow {
+  uint64_t offset = 0;
+  uint64_t epoch = 0;
+  ChainHash hash{};
+  uint64_t base_offset = 0;
+  ChainHash base_hash{};
+
+  uint32_t Crc() const;
+};
+
+// A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
+absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);
+
+// Makes the tables in an empty file, or checks those of an existing one. FAILED_PRECONDITION for a newer format,
+// INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS for a damaged one.
+absl::Status PrepareSchema(sqlite3* db, const std::string& path);
+
+// Reads and verifies the head row.
+absl::StatusOr<HeadRow> ReadHead(sqlite3* db);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_LOG_SQLITE_SCHEMA_H_

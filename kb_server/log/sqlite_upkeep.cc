@@ -1,0 +1,103 @@
+// The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the database.
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/log/sqlite_log.h"
+
+namespace docent {
+
+absl::Status SqliteLog::Trim(uint64_t before) {
+  if (before == 0) return absl::OkStatus();
+  {
+    absl::MutexLock lock(&snapshot_mutex_);
+    const absl::StatusOr<std::vector<uint64_t>> offsets = snapshots_.Offsets();
+    if (!offsets.ok()) return offsets.status();
+    if (offsets->empty() || offsets->back() < before - 1) {
+      return absl::FailedPreconditionError(absl::StrCat("cannot drop the log records before ", before,
+                                                        ": there is no snapshot at or after offset ", before - 1));
+    }
+  }
+  while (true) {
+    const HeadRow head = CurrentHead();
+    const uint64_t last = std::min(before - 1, head.base_offset + options_.trim_step);
+    if (last <= head.base_offset) return absl::OkStatus();
+    absl::StatusOr<Verified> dropped;
+    {
+      absl::MutexLock lock(&read_mutex_);
+      dropped = At(last, head);
+    }
+    if (!dropped.ok()) return dropped.status();
+    const absl::Status status = TrimStep(*dropped);
+    if (!status.ok()) return status;
+  }
+}
+
+absl::Status SqliteLog::TrimStep(const Verified& last_dropped) {
+  absl::MutexLock lock(&append_mutex_);
+  const HeadRow old_head = CurrentHead();
+  if (last_dropped.offset <= old_head.base_offset) return absl::OkStatus();  // another thread was faster
+  HeadRow new_head = old_head;
+  new_head.base_offset = last_dropped.offset;
+  new_head.base_hash = last_dropped.hash;
+  absl::Status status = begin_.Run("cannot trim the log");
+  if (!status.ok()) return status;
+  status = delete_before_.Bind(1, last_dropped.offset).Run("cannot trim the log");
+  if (status.ok()) status = StoreHead(old_head, new_head);
+  status = Finish(std::move(status));
+  if (status.ok()) Publish(new_head);
+  return status;
+}
+
+void SqliteLog::StartCheckpoints() {
+  next_checkpoint_pages_ = options_.checkpoint_pages;
+  {
+    absl::MutexLock lock(&append_mutex_);
+    // Called after each commit with the length of the write-ahead log.
+    sqlite3_wal_hook(
+        writer_.get(),
+        [](void* self, sqlite3*, const char*, int pages) {
+          auto* log = static_cast<SqliteLog*>(self);
+          absl::MutexLock lock(&log->head_mutex_);
+          log->wal_pages_ = pages;
+          return SQLITE_OK;
+        },
+        this);
+  }
+  checkpoint_thread_ = std::thread([this] { CheckpointLoop(); });
+}
+
+void SqliteLog::StopCheckpoints() {
+  {
+    absl::MutexLock lock(&head_mutex_);
+    stopping_ = true;
+  }
+  if (checkpoint_thread_.joinable()) checkpoint_thread_.join();
+}
+
+void SqliteLog::CheckpointLoop() {
+  const auto due = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    return stopping_ || wal_pages_ >= next_checkpoint_pages_;
+  };
+  while (true) {
+    {
+      absl::MutexLock lock(&head_mutex_);
+      head_mutex_.Await(absl::Condition(&due));
+      if (stopping_) return;
+    }
+    // First beside the appends; then, for what came meanwhile, between two of them: only a write-ahead log that was
+    // carried over to its end starts again from the beginning instead of growing. An error (a full disk) leaves the
+    // records where they are, as durable as before.
+    int pages = 0;
+    int moved = 0;
+    sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+    absl::MutexLock append_lock(&append_mutex_);
+    const int code =
+        sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, &pages, &moved);
+    absl::MutexLock lock(&head_mutex_);
+    const bool whole = code == SQLITE_OK && pages == moved;
+    next_checkpoint_pages_ = (whole ? 0 : wal_pages_) + options_.checkpoint_pages;
+    wal_pages_ = 0;
+  }
+}
+
+}  // namespace docent
