@@ -23,8 +23,8 @@ struct MotionModelSettings {
   double xy_per_rad = 0.02;        // 0..1, m per rad turned (a2)
   double heading_per_m = 0.02;     // 0..1, rad per m driven (a3)
   double heading_per_rad = 0.06;   // 0..1, rad per rad turned (a4)
-  double min_xy_m = 0.004;         // 0..1, at each update (minStdXY)
-  double min_heading_rad = 0.0015; // 0..1, at each update (minStdPHI)
+  double min_xy_m = 0.004;         // 1e-6..1, at each update (minStdXY)
+  double min_heading_rad = 0.0015; // 1e-6..1, at each update (minStdPHI)
 };
 
 struct LocaliserSettings {
