@@ -31,7 +31,9 @@ struct TellArguments {
 // diagnostics stay right from the second line on.
 absl::StatusOr<std::string> Prologue(const std::vector<std::string>& prefixes) {
   std::string text;
-  for (const auto& [prefix, iri] : kWellKnownPrefixes) absl::StrAppend(&text, "@prefix ", prefix, ": <", iri, "> . ");
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+    absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
+  }
   for (const std::string& given : prefixes) {
     std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
     if (parts.first.empty() || parts.second.empty()) {

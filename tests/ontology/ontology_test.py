@@ -74,6 +74,19 @@ class Ontology(unittest.TestCase):
                     if re.fullmatch(r"docent:\w+", term):
                         self.assertIn(term, self.terms, f"{file.name}: {' '.join(triple)}")
 
+    def test_code_uses_only_declared_terms(self):
+        mention = re.compile(r'(?:DocentIri|SayDocent)\("(\w+)"|"https://w3id\.org/docent#(\w+)"')
+        found = 0
+        for top in ("kb_server", "reasoner", "workflow", "maps", "robot_adapters"):
+            for file in sorted((ROOT / top).rglob("*.cc")) + sorted((ROOT / top).rglob("*.h")):
+                for number, line in enumerate(file.read_text(errors="replace").splitlines(), 1):
+                    for match in [] if line.lstrip().startswith("//") else mention.finditer(line):
+                        found += 1
+                        term = "docent:" + (match[1] or match[2])
+                        with self.subTest(place=f"{file.relative_to(ROOT)}:{number}"):
+                            self.assertIn(term, self.terms)
+        self.assertGreater(found, 10)
+
     def test_state_properties_are_those_the_server_relies_on(self):
         states = {t for t in self.properties if "docent:StateProperty" in self.by_subject[t]["rdf:type"]}
         self.assertLessEqual({"docent:x", "docent:y", "docent:heading", "docent:isAt", "docent:status", "docent:incarnation",
