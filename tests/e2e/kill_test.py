@@ -55,12 +55,10 @@ class KillNine(StageTest):
         self.assertIsNone(visitor.error)
         self.assertGreaterEqual(kills, 3, "the robot was too fast for this test to mean anything")
 
-        # the adapter's own journal of what it did against what the server's runs say
+        # the adapter's own journal: what the workflow asks for, all of it, nothing twice
         did = journal(robot)
         self.assertEqual(len(did), len(set(did)), f"twice: {did}")
         self.assertEqual([c.split("/")[1] for c in did], ["Move2User", "Move2Booth", "InfoBooth", "InfoBooth"])
-        meant = {row["c"] for row in server.select("SELECT ?c { ?i a docent:Invocation ; docent:command ?c }")}
-        self.assertEqual(meant, set(did))
         self.assertIn("urn:docent:run:", run)
 
         # facts: everything acknowledged is there, once more after a last restart
