@@ -1,0 +1,227 @@
+#include "kb_server/sparql/grammar.h"
+
+#include <utility>
+
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/iri_resolver.h"
+#include "kb_server/sparql/text.h"
+
+namespace docent::sparql {
+namespace {
+
+constexpr size_t kMaxErrors = 20;  // more in one text are of no use to a person
+
+}  // namespace
+
+Grammar::Grammar(std::string_view text, const ParseOptions& options)
+    : options_(options), lexer_(text), base_iri_(options.base_iri) {
+  for (const auto& [prefix, iri] : options.prefixes) known_[prefix] = iri;
+}
+
+const Token& Grammar::Peek(size_t ahead) {
+  while (ahead_.size() <= ahead) {
+    Token token = lexer_.Next();
+    if (token.kind == TokenKind::kError) {
+      Error(token.span, token.text, token.prefix);
+      continue;
+    }
+    ahead_.push_back(std::move(token));
+  }
+  return ahead_[ahead];
+}
+
+Token Grammar::Take() {
+  Peek();
+  Token token = std::move(ahead_.front());
+  ahead_.pop_front();
+  return token;
+}
+
+bool Grammar::AtWord(std::string_view keyword, size_t ahead) {
+  const Token& token = Peek(ahead);
+  return token.kind == TokenKind::kWord && EqualsIgnoreCase(token.text, keyword);
+}
+
+bool Grammar::Accept(std::string_view punctuation) {
+  if (!At(punctuation)) return false;
+  Take();
+  return true;
+}
+
+bool Grammar::AcceptWord(std::string_view keyword) {
+  if (!AtWord(keyword)) return false;
+  Take();
+  return true;
+}
+
+bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
+  if (Accept(punctuation)) return true;
+  Expected(Concat({"'", punctuation, "' ", where}));
+  return false;
+}
+
+bool Grammar::ExpectWord(std::string_view keyword, std::string_view where) {
+  if (AcceptWord(keyword)) return true;
+  Expected(Concat({keyword, " ", where}));
+  return false;
+}
+
+void Grammar::Error(const SourceSpan& span, std::string message, std::string hint) {
+  if (diagnostics_.size() >= kMaxErrors || too_deep_) return;
+  for (const Diagnostic& d : diagnostics_) {
+    if (d.span.offset == span.offset) return;  // what follows from an error at the same place
+  }
+  diagnostics_.push_back({options_.file, span, std::move(message), std::move(hint)});
+}
+
+std::string Grammar::Describe(const Token& token) const {
+  switch (token.kind) {
+    case TokenKind::kEnd: return "the end of the text";
+    case TokenKind::kIri: return "<" + token.text + ">";
+    case TokenKind::kPrefixedName: return token.prefix + ":" + token.text;
+    case TokenKind::kBlankLabel: return "_:" + token.text;
+    case TokenKind::kVariable: return "?" + token.text;
+    case TokenKind::kString: return "the string \"" + token.text.substr(0, 40) + "\"";
+    case TokenKind::kLanguage: return "@" + token.text;
+    default: return "'" + token.text + "'";
+  }
+}
+
+void Grammar::Expected(std::string_view what, std::string hint) {
+  const Token& token = Peek();
+  if (hint.empty() && token.Is("<")) hint = "'<' begins no IRI here: an IRI holds no space and ends with '>'";
+  Error(token.span, Concat({"expected ", what, ", not ", Describe(token)}), std::move(hint));
+}
+
+Grammar::Nested::Nested(Grammar* grammar) : grammar_(grammar) {
+  const int limit = grammar->options_.limits.query_nesting;
+  ok_ = ++grammar->depth_ <= limit && !grammar->too_deep_;
+  if (!ok_ && !grammar->too_deep_) {
+    grammar->Error(grammar->Peek().span, "nested deeper than the limit query_nesting = " + std::to_string(limit),
+                   "split the query, or join the groups without nesting them");
+    grammar->too_deep_ = true;
+  }
+}
+
+bool Grammar::CountElement(const SourceSpan& span) {
+  const size_t limit = options_.limits.query_elements;
+  if (++elements_ <= limit) return !too_deep_;
+  Error(span, "more parts than the limit query_elements = " + std::to_string(limit),
+        "use VALUES for long lists of alternatives");
+  too_deep_ = true;
+  return false;
+}
+
+void Grammar::SkipPastBrace() {
+  for (int open = 0; Peek().kind != TokenKind::kEnd;) {
+    const Token token = Take();
+    if (token.Is("{")) ++open;
+    if (token.Is("}") && --open <= 0) return;
+  }
+}
+
+std::optional<std::string> Grammar::Resolve(const Token& iri) {
+  if (IsAbsoluteIri(iri.text)) return iri.text;
+  if (base_iri_.empty()) {
+    Error(iri.span, "<" + iri.text + "> is relative and no BASE is known",
+          iri.text.find(':') == std::string::npos ? "write BASE <http://…/> before the query, or the whole IRI" : "");
+    return std::nullopt;
+  }
+  return ResolveIri(base_iri_, iri.text);
+}
+
+std::optional<std::string> Grammar::Expand(const Token& name) {
+  const auto it = known_.find(name.prefix);
+  if (it != known_.end()) return it->second + name.text;
+  std::vector<std::string> names;
+  for (const auto& [prefix, iri] : known_) names.push_back(prefix);
+  std::string hint;
+  if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
+    hint = "did you mean " + near + ":?";
+  } else {
+    hint = "declare it: PREFIX " + name.prefix + ": <…>";
+    for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+      if (prefix == name.prefix) hint = Concat({"declare it: PREFIX ", prefix, ": <", iri, ">"});
+    }
+  }
+  Error(name.span, "the prefix '" + name.prefix + ":' is not declared", hint);
+  return std::nullopt;
+}
+
+std::optional<Term> Grammar::Iri() {
+  const Token& token = Peek();
+  if (token.kind != TokenKind::kIri && token.kind != TokenKind::kPrefixedName) {
+    Expected("an IRI");
+    return std::nullopt;
+  }
+  const Token taken = Take();
+  std::optional<std::string> iri = taken.kind == TokenKind::kIri ? Resolve(taken) : Expand(taken);
+  if (!iri) return std::nullopt;
+  return Term::Iri(*std::move(iri));
+}
+
+std::optional<std::string> Grammar::String() {
+  if (Peek().kind != TokenKind::kString) {
+    Expected("a string");
+    return std::nullopt;
+  }
+  return Take().text;
+}
+
+std::optional<Term> Grammar::LiteralTail(const Token& string) {
+  if (Peek().kind == TokenKind::kLanguage) return Term::LangString(string.text, LowerAscii(Take().text));
+  if (!Accept("^^")) return Term::Literal(string.text);
+  std::optional<Term> datatype = Iri();
+  if (!datatype) return std::nullopt;
+  return Term::Literal(string.text, datatype->lexical);
+}
+
+std::optional<Term> Grammar::NumericLiteral() {
+  std::string sign;
+  if (At("+") || At("-")) {
+    const Token token = Take();
+    if (Peek().span.offset != token.span.offset + 1) {
+      Expected("a number right after the sign");
+      return std::nullopt;
+    }
+    sign = token.text;
+  }
+  std::string_view datatype;
+  switch (Peek().kind) {
+    case TokenKind::kInteger: datatype = kXsdInteger; break;
+    case TokenKind::kDecimal: datatype = kXsdDecimal; break;
+    case TokenKind::kDouble: datatype = kXsdDouble; break;
+    default:
+      Expected("a number");
+      return std::nullopt;
+  }
+  return Term::Literal(sign + Take().text, std::string(datatype));
+}
+
+std::optional<Term> Grammar::GroundTerm() {
+  const Token& token = Peek();
+  switch (token.kind) {
+    case TokenKind::kIri:
+    case TokenKind::kPrefixedName:
+      return Iri();
+    case TokenKind::kString: {
+      const Token string = Take();
+      return LiteralTail(string);
+    }
+    case TokenKind::kInteger:
+    case TokenKind::kDecimal:
+    case TokenKind::kDouble:
+      return NumericLiteral();
+    case TokenKind::kWord:
+      if (AcceptWord("true")) return Term::Boolean(true);
+      if (AcceptWord("false")) return Term::Boolean(false);
+      break;
+    default:
+      if (token.Is("+") || token.Is("-")) return NumericLiteral();
+      break;
+  }
+  Expected("an IRI or a literal");
+  return std::nullopt;
+}
+
+}  // namespace docent::sparql

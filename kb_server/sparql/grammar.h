@@ -1,0 +1,212 @@
+// The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose number
+// stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc (groups, triples,
+// paths) and grammar_expression.cc. Not for use outside this folder; one thread.
+//
+// A production that fails has reported why, returns null, false or nullopt, and leaves the place near the error.
+#ifndef DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
+#define DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "kb_server/sparql/algebra.h"
+#include "kb_server/sparql/lexer.h"
+#include "kb_server/sparql/parser.h"
+
+namespace docent::sparql {
+
+class Grammar {
+ public:
+  Grammar(std::string_view text, const ParseOptions& options);
+
+  // grammar_query.cc
+  std::optional<Query> QueryUnit();  // [1]
+  bool Prologue();                   // [4]
+
+  // grammar_pattern.cc
+  AlgebraPtr GroupGraphPattern();  // [53], any filter wrapped around
+  std::optional<std::vector<TriplePattern>> TemplateInBraces();  // [73] ConstructTemplate
+
+  // grammar_expression.cc
+  ExpressionPtr ParseExpression();  // [110]
+
+  // terms
+  std::optional<Term> Iri();          // [136]
+  std::optional<Term> GroundTerm();   // [109] without blank nodes and variables
+  std::optional<std::string> String();
+
+  // tokens
+  const Token& Peek(size_t ahead = 0);
+  Token Take();
+  bool At(std::string_view punctuation) { return Peek().Is(punctuation); }
+  bool AtWord(std::string_view keyword, size_t ahead = 0);
+  bool Accept(std::string_view punctuation);
+  bool AcceptWord(std::string_view keyword);
+  // Reports "expected … here" if the next token is another.
+  bool Expect(std::string_view punctuation, std::string_view where);
+  bool ExpectWord(std::string_view keyword, std::string_view where);
+
+  void Error(const SourceSpan& span, std::string message, std::string hint = "");
+  // "expected WHAT, not TOKEN" at the next token.
+  void Expected(std::string_view what, std::string hint = "");
+  void SkipPastBrace();
+
+  const std::vector<std::pair<std::string, std::string>>& prefixes() const { return prefixes_; }
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+  bool failed() const { return !diagnostics_.empty(); }
+
+ private:
+  // Counts one more level of nesting while it lives; !ok() once the limit is passed (reported).
+  class Nested {
+   public:
+    explicit Nested(Grammar* grammar);
+    ~Nested() { --grammar_->depth_; }
+    bool ok() const { return ok_; }
+
+   private:
+    Grammar* grammar_;
+    bool ok_;
+  };
+  // Counts one more element of the query; false once the limit is passed (reported).
+  bool CountElement(const SourceSpan& span);
+
+  // grammar_query.cc
+  struct SelectItem {
+    Variable variable;
+    ExpressionPtr expression;  // null: a plain variable
+    SourceSpan span;
+  };
+  struct SelectClause {
+    bool distinct = false, reduced = false, all = false;
+    std::vector<SelectItem> items;
+    SourceSpan span;
+  };
+  struct Modifiers {
+    bool grouped = false;
+    std::vector<GroupKey> group_keys;
+    std::vector<std::pair<Variable, ExpressionPtr>> key_binds;  // GROUP BY (e AS ?v), kept for order
+    std::vector<ExpressionPtr> having;
+    std::vector<OrderCondition> order;
+    std::vector<SourceSpan> order_spans;
+    uint64_t offset = 0;
+    std::optional<uint64_t> limit;
+    AlgebraPtr values;
+  };
+  bool SelectQuery(Query* query);     // [7]
+  bool ConstructQuery(Query* query);  // [10]
+  bool DescribeQuery(Query* query);   // [11]
+  bool AskQuery(Query* query);        // [12]
+  std::optional<SelectClause> ParseSelectClause();  // [9]
+  bool DatasetClauses(Query* query);                // [13]
+  AlgebraPtr WhereClause();                         // [17]
+  std::optional<Modifiers> SolutionModifier();      // [18]
+  bool GroupClause(Modifiers* out);                 // [19]
+  bool HavingClause(Modifiers* out);                // [21]
+  bool OrderClause(Modifiers* out);                 // [23]
+  bool LimitOffsetClauses(Modifiers* out);          // [25]
+  bool ValuesClause(Modifiers* out);                // [28]
+  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers, std::vector<Aggregate> aggregates,
+                            std::vector<Variable>* projection);
+  AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers, std::vector<Aggregate> aggregates);
+  void CheckGrouped(const Expression& expression, const std::set<std::string>& allowed);
+  AlgebraPtr SubSelect();                           // [8]
+
+  // grammar_pattern.cc
+  struct Group {
+    AlgebraPtr pattern;
+    ExpressionPtr filter;  // conjunction of the group's own FILTERs; null: none
+  };
+  struct OpenGroup {
+    AlgebraPtr pattern;       // null: nothing yet
+    Algebra* bgp = nullptr;   // the BGP that further triples go to; null: the next triples begin one
+    std::vector<ExpressionPtr> filters;
+  };
+  std::optional<Group> GroupWithFilter();
+  bool GroupElement(OpenGroup* group);
+  bool TriplesBlock(OpenGroup* group);             // [55]
+  bool OptionalElement(OpenGroup* group);          // [57]
+  bool MinusElement(OpenGroup* group);             // [66]
+  bool GraphElement(OpenGroup* group);             // [58]
+  bool ServiceElement(OpenGroup* group);           // [59]
+  bool BindElement(OpenGroup* group);              // [60]
+  bool FilterElement(OpenGroup* group);            // [68]
+  bool GroupOrUnion(OpenGroup* group);             // [67]
+  AlgebraPtr DataBlock();                          // [62]
+  void AddToGroup(OpenGroup* group, AlgebraPtr element);
+  void CloseBgp(OpenGroup* group);
+  void RecoverInGroup();
+
+  // Triples; the sink is where they go.
+  struct TriplesSink {
+    std::vector<TriplePattern> triples;
+    std::vector<AlgebraPtr> paths;
+    bool template_mode = false;  // blank nodes stay terms, no paths
+  };
+  bool TriplesSameSubject(TriplesSink* sink);                              // [75] [81]
+  bool PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink);  // [77] [83]
+  bool ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb, TriplesSink* sink);
+  std::optional<PatternTerm> GraphNode(TriplesSink* sink);                 // [104] [105]
+  std::optional<PatternTerm> Collection(TriplesSink* sink);                // [102]
+  std::optional<PatternTerm> BlankNodePropertyList(TriplesSink* sink);     // [99]
+  std::optional<PatternTerm> VarOrTerm(TriplesSink* sink);                 // [106]
+  std::optional<PatternTerm> VarOrIri();                                   // [107]
+  PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
+  std::optional<PatternTerm> LabelledBlank(const Token& token, bool template_mode);
+  std::optional<Path> ParsePath();          // [88] [89]
+  std::optional<Path> PathSequence();       // [90]
+  std::optional<Path> PathEltOrInverse();   // [92]
+  std::optional<Path> PathPrimary();        // [94]
+  std::optional<Path> PathNegatedSet();     // [95]
+  // Section 18.2.2.4: what is not recursive becomes triples, UNIONs and hidden variables.
+  void TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object, TriplesSink* sink);
+  AlgebraPtr SinkToAlgebra(TriplesSink sink);
+
+  // grammar_expression.cc
+  ExpressionPtr AndExpression();             // [112]
+  ExpressionPtr RelationalExpression();      // [114]
+  ExpressionPtr AdditiveExpression();        // [116]
+  ExpressionPtr MultiplicativeExpression();  // [117]
+  ExpressionPtr UnaryExpression();           // [118]
+  ExpressionPtr PrimaryExpression();         // [119]
+  ExpressionPtr BracketedExpression();       // [120]
+  ExpressionPtr BuiltinCall();               // [121]
+  ExpressionPtr ExistsCall(bool negated);    // [125] [126]
+  ExpressionPtr AggregateCall(Aggregate::Function function);  // [127]
+  ExpressionPtr IriOrFunction();             // [128]
+  ExpressionPtr Constraint();                // [69]
+  bool ArgumentList(std::vector<ExpressionPtr>* out, bool* distinct);  // [71]
+  ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
+  friend class ProductionParser;
+
+  std::optional<Term> LiteralTail(const Token& string);
+  std::optional<Term> NumericLiteral();
+  std::optional<std::string> Resolve(const Token& iri);
+  std::optional<std::string> Expand(const Token& name);
+  std::string Describe(const Token& token) const;
+
+  ParseOptions options_;
+  Lexer lexer_;
+  std::deque<Token> ahead_;
+  std::string base_iri_;
+  std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
+  std::map<std::string, std::string, std::less<>> known_;      // all known
+  Diagnostics diagnostics_;
+  int depth_ = 0;
+  size_t elements_ = 0;
+  bool too_deep_ = false;
+  int counter_ = 0;  // hidden variables
+  int bgp_ = 0;      // number of the current basic graph pattern
+  std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
+  std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
+  bool in_aggregate_ = false;
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_

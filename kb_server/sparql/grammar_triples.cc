@@ -1,0 +1,352 @@
+#include <utility>
+
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/grammar.h"
+#include "kb_server/sparql/text.h"
+
+namespace docent::sparql {
+namespace {
+
+constexpr std::string_view kRdfFirst = "http://www.w3.org/1999/02/22-rdf-syntax-ns#first";
+constexpr std::string_view kRdfRest = "http://www.w3.org/1999/02/22-rdf-syntax-ns#rest";
+constexpr std::string_view kRdfNil = "http://www.w3.org/1999/02/22-rdf-syntax-ns#nil";
+
+PatternTerm IriTerm(std::string_view iri) { return PatternTerm::Of(Term::Iri(std::string(iri))); }
+
+Path PathOf(Term iri) {
+  Path path;
+  path.iri = std::move(iri);
+  return path;
+}
+
+Path PathOf(Path::Kind kind, Path child) {
+  Path path;
+  path.kind = kind;
+  path.children.push_back(std::move(child));
+  return path;
+}
+
+}  // namespace
+
+std::optional<std::vector<TriplePattern>> Grammar::TemplateInBraces() {
+  if (!Expect("{", "before triples")) return std::nullopt;
+  TriplesSink sink;
+  sink.template_mode = true;
+  bool ok = true;
+  while (!At("}") && Peek().kind != TokenKind::kEnd) {
+    if (!TriplesSameSubject(&sink)) {
+      ok = false;
+      RecoverInGroup();
+      continue;
+    }
+    if (!Accept(".") && !At("}")) {
+      Expected("'.' between triples, or '}'");
+      ok = false;
+      RecoverInGroup();
+    }
+  }
+  if (!Expect("}", "after the triples") || !ok) return std::nullopt;
+  return std::move(sink.triples);
+}
+
+PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
+  const std::string label = "." + std::to_string(counter_++);  // no label in a text begins with a dot
+  if (template_mode) return PatternTerm::Of(Term::Blank(label), span);
+  return PatternTerm::Of(Variable{".b" + label}, span);
+}
+
+std::optional<PatternTerm> Grammar::LabelledBlank(const Token& token, bool template_mode) {
+  if (template_mode) return PatternTerm::Of(Term::Blank(token.text), token.span);
+  const auto [it, added] = blank_bgp_.emplace(token.text, bgp_);
+  if (it->second != bgp_) {
+    Error(token.span, "_:" + token.text + " was used in another basic graph pattern",
+          "a blank node means something within one block of triples only; use a variable");
+    return std::nullopt;
+  }
+  return PatternTerm::Of(Variable{".b" + token.text}, token.span);
+}
+
+bool Grammar::TriplesSameSubject(TriplesSink* sink) {
+  const bool node = At("(") || At("[");
+  const bool node_may_stand_alone = At("(") ? !Peek(1).Is(")") : At("[") && !Peek(1).Is("]");
+  std::optional<PatternTerm> subject = node ? GraphNode(sink) : VarOrTerm(sink);
+  if (!subject) return false;
+  // ( 1 2 ) and [ :p 5 ] are complete in themselves
+  if (node_may_stand_alone && (At(".") || At("}"))) return true;
+  return PropertyListNotEmpty(*subject, sink);
+}
+
+bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink) {
+  while (true) {
+    const SourceSpan span = Peek().span;
+    Path path;
+    std::optional<PatternTerm> verb;  // where the predicate is a variable or plain IRI
+    if (Peek().kind == TokenKind::kVariable) {
+      verb = PatternTerm::Of(Variable{Take().text}, span);
+    } else if (AtWord("a") && Peek().text == "a" && sink->template_mode) {
+      Take();
+      verb = PatternTerm::Of(Term::Iri(std::string(kRdfType)), span);
+    } else if (sink->template_mode) {
+      std::optional<Term> iri = Iri();
+      if (!iri) return false;
+      verb = PatternTerm::Of(*std::move(iri), span);
+    } else {
+      std::optional<Path> parsed = ParsePath();
+      if (!parsed) return false;
+      path = *std::move(parsed);
+      if (path.kind == Path::Kind::kIri) verb = PatternTerm::Of(path.iri, span);
+    }
+    if (!ObjectList(subject, path, verb, sink)) return false;
+    if (!Accept(";")) return true;
+    while (Accept(";")) {
+    }
+    const Token& next = Peek();
+    const bool verb_follows = next.kind == TokenKind::kVariable || next.kind == TokenKind::kIri ||
+                              next.kind == TokenKind::kPrefixedName || (next.kind == TokenKind::kWord && next.text == "a") ||
+                              next.Is("^") || next.Is("!") || next.Is("(");
+    if (!verb_follows) return true;
+  }
+}
+
+bool Grammar::ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb,
+                         TriplesSink* sink) {
+  do {
+    std::optional<PatternTerm> object = GraphNode(sink);
+    if (!object) return false;
+    if (verb) {
+      sink->triples.push_back({subject, *verb, *std::move(object)});
+    } else {
+      TranslatePath(subject, path, *object, sink);
+    }
+  } while (Accept(","));
+  return true;
+}
+
+std::optional<PatternTerm> Grammar::GraphNode(TriplesSink* sink) {
+  if (At("(") && !Peek(1).Is(")")) return Collection(sink);
+  if (At("[") && !Peek(1).Is("]")) return BlankNodePropertyList(sink);
+  return VarOrTerm(sink);
+}
+
+std::optional<PatternTerm> Grammar::Collection(TriplesSink* sink) {
+  Nested nested(this);
+  if (!nested.ok()) return std::nullopt;
+  const SourceSpan span = Take().span;
+  PatternTerm head = NewBlank(span, sink->template_mode);
+  PatternTerm cell = head;
+  while (true) {
+    std::optional<PatternTerm> item = GraphNode(sink);
+    if (!item) return std::nullopt;
+    sink->triples.push_back({cell, IriTerm(kRdfFirst), *std::move(item)});
+    if (Accept(")")) break;
+    PatternTerm next = NewBlank(span, sink->template_mode);
+    sink->triples.push_back({cell, IriTerm(kRdfRest), next});
+    cell = std::move(next);
+  }
+  sink->triples.push_back({cell, IriTerm(kRdfRest), IriTerm(kRdfNil)});
+  return head;
+}
+
+std::optional<PatternTerm> Grammar::BlankNodePropertyList(TriplesSink* sink) {
+  Nested nested(this);
+  if (!nested.ok()) return std::nullopt;
+  PatternTerm blank = NewBlank(Take().span, sink->template_mode);
+  if (!PropertyListNotEmpty(blank, sink) || !Expect("]", "to close the blank node")) return std::nullopt;
+  return blank;
+}
+
+std::optional<PatternTerm> Grammar::VarOrTerm(TriplesSink* sink) {
+  const Token& token = Peek();
+  const SourceSpan span = token.span;
+  switch (token.kind) {
+    case TokenKind::kVariable:
+      return PatternTerm::Of(Variable{Take().text}, span);
+    case TokenKind::kBlankLabel: {
+      const Token label = Take();
+      return LabelledBlank(label, sink->template_mode);
+    }
+    case TokenKind::kPunctuation:
+      if (token.Is("[")) {
+        Take();
+        if (!Expect("]", "after '['")) return std::nullopt;
+        return NewBlank(span, sink->template_mode);
+      }
+      if (token.Is("(")) {
+        Take();
+        if (!Expect(")", "after '('")) return std::nullopt;
+        return PatternTerm::Of(Term::Iri(std::string(kRdfNil)), span);
+      }
+      if (!token.Is("+") && !token.Is("-")) {
+        Expected("a variable, IRI, literal or blank node");
+        return std::nullopt;
+      }
+      break;
+    case TokenKind::kWord:
+      if (!AtWord("true") && !AtWord("false")) {
+        Expected("a variable, IRI, literal or blank node", "a variable begins with '?', a name needs a prefix and ':'");
+        return std::nullopt;
+      }
+      break;
+    case TokenKind::kEnd:
+      Expected("a variable, IRI, literal or blank node");
+      return std::nullopt;
+    default:
+      break;
+  }
+  std::optional<Term> term = GroundTerm();
+  if (!term) return std::nullopt;
+  return PatternTerm::Of(*std::move(term), span);
+}
+
+std::optional<PatternTerm> Grammar::VarOrIri() {
+  const SourceSpan span = Peek().span;
+  if (Peek().kind == TokenKind::kVariable) return PatternTerm::Of(Variable{Take().text}, span);
+  std::optional<Term> iri = Iri();
+  if (!iri) return std::nullopt;
+  return PatternTerm::Of(*std::move(iri), span);
+}
+
+// Path ::= Sequence ('|' Sequence)*
+std::optional<Path> Grammar::ParsePath() {
+  Nested nested(this);
+  if (!nested.ok()) return std::nullopt;
+  std::optional<Path> first = PathSequence();
+  if (!first || !At("|")) return first;
+  Path path = PathOf(Path::Kind::kAlternative, *std::move(first));
+  while (Accept("|")) {
+    std::optional<Path> next = PathSequence();
+    if (!next) return std::nullopt;
+    path.children.push_back(*std::move(next));
+  }
+  return path;
+}
+
+std::optional<Path> Grammar::PathSequence() {
+  std::optional<Path> first = PathEltOrInverse();
+  if (!first || !At("/")) return first;
+  Path path = PathOf(Path::Kind::kSequence, *std::move(first));
+  while (Accept("/")) {
+    std::optional<Path> next = PathEltOrInverse();
+    if (!next) return std::nullopt;
+    path.children.push_back(*std::move(next));
+  }
+  return path;
+}
+
+std::optional<Path> Grammar::PathEltOrInverse() {
+  const bool inverse = Accept("^");
+  std::optional<Path> path = PathPrimary();
+  if (!path) return std::nullopt;
+  if (Accept("*")) {
+    path = PathOf(Path::Kind::kZeroOrMore, *std::move(path));
+  } else if (Accept("+")) {
+    path = PathOf(Path::Kind::kOneOrMore, *std::move(path));
+  } else if (Accept("?")) {
+    path = PathOf(Path::Kind::kZeroOrOne, *std::move(path));
+  }
+  return inverse ? PathOf(Path::Kind::kInverse, *std::move(path)) : path;
+}
+
+std::optional<Path> Grammar::PathPrimary() {
+  if (Accept("(")) {
+    std::optional<Path> path = ParsePath();
+    if (!path || !Expect(")", "to close the path")) return std::nullopt;
+    return path;
+  }
+  if (Accept("!")) return PathNegatedSet();
+  if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+    Take();
+    return PathOf(Term::Iri(std::string(kRdfType)));
+  }
+  if (Peek().kind != TokenKind::kIri && Peek().kind != TokenKind::kPrefixedName) {
+    Expected("a predicate", "a triple is subject, predicate, object");
+    return std::nullopt;
+  }
+  std::optional<Term> iri = Iri();
+  if (!iri) return std::nullopt;
+  return PathOf(*std::move(iri));
+}
+
+std::optional<Path> Grammar::PathNegatedSet() {
+  Path set;
+  set.kind = Path::Kind::kNegatedSet;
+  const auto one = [&]() -> bool {
+    const bool inverse = Accept("^");
+    std::optional<Term> iri;
+    if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+      Take();
+      iri = Term::Iri(std::string(kRdfType));
+    } else {
+      iri = Iri();
+    }
+    if (!iri) return false;
+    Path path = PathOf(*std::move(iri));
+    set.children.push_back(inverse ? PathOf(Path::Kind::kInverse, std::move(path)) : std::move(path));
+    return true;
+  };
+  if (!Accept("(")) {
+    if (!one()) return std::nullopt;
+    return set;
+  }
+  if (Accept(")")) return set;
+  do {
+    if (!one()) return std::nullopt;
+  } while (Accept("|"));
+  if (!Expect(")", "to close the negated set")) return std::nullopt;
+  return set;
+}
+
+void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object, TriplesSink* sink) {
+  switch (path.kind) {
+    case Path::Kind::kIri:
+      sink->triples.push_back({subject, PatternTerm::Of(path.iri, subject.span), object});
+      return;
+    case Path::Kind::kInverse:
+      TranslatePath(object, path.children[0], subject, sink);
+      return;
+    case Path::Kind::kSequence: {
+      PatternTerm from = subject;
+      for (size_t i = 0; i < path.children.size(); ++i) {
+        const bool last = i + 1 == path.children.size();
+        PatternTerm to = last ? object : PatternTerm::Of(Variable{".p" + std::to_string(counter_++)}, subject.span);
+        TranslatePath(from, path.children[i], to, sink);
+        from = std::move(to);
+      }
+      return;
+    }
+    case Path::Kind::kAlternative: {
+      auto all = std::make_unique<Algebra>(Algebra::Kind::kUnion, subject.span);
+      for (const Path& child : path.children) {
+        TriplesSink branch;
+        TranslatePath(subject, child, object, &branch);
+        all->children.push_back(SinkToAlgebra(std::move(branch)));
+      }
+      sink->paths.push_back(std::move(all));
+      return;
+    }
+    default: {
+      auto node = std::make_unique<Algebra>(Algebra::Kind::kPath, subject.span);
+      node->subject = subject;
+      node->path = path;
+      node->object = object;
+      sink->paths.push_back(std::move(node));
+      return;
+    }
+  }
+}
+
+AlgebraPtr Grammar::SinkToAlgebra(TriplesSink sink) {
+  AlgebraPtr bgp;
+  if (!sink.triples.empty() || sink.paths.empty()) {
+    bgp = std::make_unique<Algebra>(Algebra::Kind::kBgp);
+    bgp->triples = std::move(sink.triples);
+    if (sink.paths.empty()) return bgp;
+  }
+  if (!bgp && sink.paths.size() == 1) return std::move(sink.paths[0]);
+  auto join = std::make_unique<Algebra>(Algebra::Kind::kJoin);
+  if (bgp) join->children.push_back(std::move(bgp));
+  for (AlgebraPtr& path : sink.paths) join->children.push_back(std::move(path));
+  return join;
+}
+
+}  // namespace docent::sparql

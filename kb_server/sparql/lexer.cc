@@ -1,0 +1,376 @@
+#include "kb_server/sparql/lexer.h"
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace docent::sparql {
+namespace {
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsAlpha(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool IsHex(char c) { return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
+uint32_t HexValue(char c) { return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10; }
+
+// The code point at `at` of valid UTF-8 and its length.
+std::pair<uint32_t, size_t> CodePointAt(std::string_view text, size_t at) {
+  const auto byte = [&](size_t i) { return static_cast<uint8_t>(text[at + i]); };
+  const uint8_t lead = byte(0);
+  if (lead < 0x80) return {lead, 1};
+  if (lead < 0xE0) return {(lead & 0x1Fu) << 6 | (byte(1) & 0x3Fu), 2};
+  if (lead < 0xF0) return {(lead & 0x0Fu) << 12 | (byte(1) & 0x3Fu) << 6 | (byte(2) & 0x3Fu), 3};
+  return {(lead & 0x07u) << 18 | (byte(1) & 0x3Fu) << 12 | (byte(2) & 0x3Fu) << 6 | (byte(3) & 0x3Fu), 4};
+}
+
+// [164] PN_CHARS_BASE without ASCII
+bool IsWideNameStart(uint32_t c) {
+  return (c >= 0xC0 && c <= 0xD6) || (c >= 0xD8 && c <= 0xF6) || (c >= 0xF8 && c <= 0x2FF) ||
+         (c >= 0x370 && c <= 0x37D) || (c >= 0x37F && c <= 0x1FFF) || (c >= 0x200C && c <= 0x200D) ||
+         (c >= 0x2070 && c <= 0x218F) || (c >= 0x2C00 && c <= 0x2FEF) || (c >= 0x3001 && c <= 0xD7FF) ||
+         (c >= 0xF900 && c <= 0xFDCF) || (c >= 0xFDF0 && c <= 0xFFFD) || (c >= 0x10000 && c <= 0xEFFFF);
+}
+bool IsNameStart(uint32_t c) { return c < 0x80 ? IsAlpha(static_cast<char>(c)) : IsWideNameStart(c); }
+// [167] PN_CHARS
+bool IsNameChar(uint32_t c) {
+  if (c < 0x80) return IsAlpha(static_cast<char>(c)) || IsDigit(static_cast<char>(c)) || c == '_' || c == '-';
+  return c == 0xB7 || (c >= 0x300 && c <= 0x36F) || (c >= 0x203F && c <= 0x2040) || IsWideNameStart(c);
+}
+
+// \uXXXX or \UXXXXXXXX at `at` (which points at the backslash): its code and length.
+std::optional<std::pair<uint32_t, size_t>> CodePointEscape(std::string_view text, size_t at) {
+  if (at + 1 >= text.size() || (text[at + 1] != 'u' && text[at + 1] != 'U')) return std::nullopt;
+  const size_t digits = text[at + 1] == 'u' ? 4 : 8;
+  if (at + 2 + digits > text.size()) return std::nullopt;
+  uint32_t code = 0;
+  for (size_t i = 0; i < digits; ++i) {
+    const char c = text[at + 2 + i];
+    if (!IsHex(c)) return std::nullopt;
+    code = code << 4 | HexValue(c);
+  }
+  return std::make_pair(code, digits + 2);
+}
+
+std::optional<char> SimpleEscape(char c) {
+  switch (c) {
+    case 't': return '\t';
+    case 'b': return '\b';
+    case 'n': return '\n';
+    case 'r': return '\r';
+    case 'f': return '\f';
+    case '"': return '"';
+    case '\'': return '\'';
+    case '\\': return '\\';
+    default: return std::nullopt;
+  }
+}
+
+}  // namespace
+
+bool AppendUtf8(uint32_t code, std::string* out) {
+  if (code == 0 || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return false;
+  const auto put = [out](uint32_t byte) { out->push_back(static_cast<char>(byte)); };
+  if (code < 0x80) {
+    put(code);
+  } else if (code < 0x800) {
+    put(0xC0 | code >> 6);
+    put(0x80 | (code & 0x3F));
+  } else if (code < 0x10000) {
+    put(0xE0 | code >> 12);
+    put(0x80 | (code >> 6 & 0x3F));
+    put(0x80 | (code & 0x3F));
+  } else {
+    put(0xF0 | code >> 18);
+    put(0x80 | (code >> 12 & 0x3F));
+    put(0x80 | (code >> 6 & 0x3F));
+    put(0x80 | (code & 0x3F));
+  }
+  return true;
+}
+
+size_t FindInvalidUtf8(std::string_view text) {
+  for (size_t i = 0; i < text.size();) {
+    const uint8_t lead = static_cast<uint8_t>(text[i]);
+    const size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : (lead & 0xF0) == 0xE0 ? 3
+                          : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+    if (lead == 0 || length == 0 || i + length > text.size()) return i;
+    for (size_t k = 1; k < length; ++k) {
+      if ((static_cast<uint8_t>(text[i + k]) & 0xC0) != 0x80) return i;
+    }
+    const uint32_t code = CodePointAt(text, i).first;
+    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    if (overlong || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return i;
+    i += length;
+  }
+  return std::string_view::npos;
+}
+
+void Lexer::Advance(size_t bytes) {
+  for (const size_t end = at_ + bytes; at_ < end; ++at_) {
+    const uint8_t c = static_cast<uint8_t>(text_[at_]);
+    if (c == '\n') {
+      ++line_;
+      column_ = 1;
+    } else if ((c & 0xC0) != 0x80) {
+      ++column_;
+    }
+  }
+}
+
+SourceSpan Lexer::SpanOf(size_t length) const { return {line_, column_, at_, length}; }
+
+Token Lexer::Make(TokenKind kind, size_t length, std::string text, std::string prefix) {
+  Token token{kind, SpanOf(length), std::move(text), std::move(prefix)};
+  Advance(length);
+  return token;
+}
+
+Token Lexer::Error(size_t length, std::string message, std::string hint) {
+  return Make(TokenKind::kError, length, std::move(message), std::move(hint));
+}
+
+void Lexer::SkipSpaceAndComments() {
+  while (at_ < text_.size()) {
+    const char c = text_[at_];
+    if (c == ' ' || c == '\t' || c == '\n' || c == '\r') {
+      Advance(1);
+    } else if (c == '#') {
+      size_t end = text_.find_first_of("\n\r", at_);
+      Advance((end == std::string_view::npos ? text_.size() : end) - at_);
+    } else {
+      return;
+    }
+  }
+}
+
+Token Lexer::Next() {
+  SkipSpaceAndComments();
+  if (at_ >= text_.size()) return Make(TokenKind::kEnd, 0, "");
+  const char c = text_[at_];
+  const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
+  if (c == '"' || c == '\'') return LexString();
+  if (IsDigit(c) || (c == '.' && IsDigit(next))) return LexNumber();
+  if (c == '_' && next == ':') return LexBlankLabel();
+  if (c == '<') {
+    if (IriLength() > 0) return LexPunctuation();
+  }
+  if (c == '?' || c == '$') {
+    size_t end = at_ + 1;
+    while (end < text_.size()) {  // [166] VARNAME
+      const auto [code, length] = CodePointAt(text_, end);
+      const bool part = (IsNameChar(code) && code != '-') || (code < 0x80 && IsDigit(static_cast<char>(code)));
+      if (!part || (end == at_ + 1 && (code == 0xB7 || (code >= 0x300 && code <= 0x36F)))) break;
+      end += length;
+    }
+    if (end > at_ + 1) {
+      return Make(TokenKind::kVariable, end - at_, std::string(text_.substr(at_ + 1, end - at_ - 1)));
+    }
+    return LexPunctuation();
+  }
+  if (c == '@') {
+    size_t end = at_ + 1;
+    while (end < text_.size() && IsAlpha(text_[end])) ++end;
+    if (end == at_ + 1) return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
+    while (end + 1 < text_.size() && text_[end] == '-' && (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
+      ++end;
+      while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
+    }
+    return Make(TokenKind::kLanguage, end - at_, std::string(text_.substr(at_ + 1, end - at_ - 1)));
+  }
+  if (c == ':' || c == '\\' || IsNameStart(CodePointAt(text_, at_).first)) return LexWordOrName();
+  return LexPunctuation();
+}
+
+size_t Lexer::IriLength() const {
+  for (size_t i = at_ + 1; i < text_.size(); ++i) {
+    const char c = text_[i];
+    if (c == '>') return i + 1 - at_;
+    if (c == '\\') {
+      if (!CodePointEscape(text_, i)) return 0;
+      continue;
+    }
+    if (static_cast<uint8_t>(c) <= 0x20 || c == '<' || c == '"' || c == '{' || c == '}' || c == '|' || c == '^' ||
+        c == '`') {
+      return 0;
+    }
+  }
+  return 0;
+}
+
+Token Lexer::LexString() {
+  const char quote = text_[at_];
+  const bool is_long = text_.substr(at_, 3) == std::string(3, quote);
+  size_t i = at_ + (is_long ? 3 : 1);
+  std::string value;
+  std::optional<std::pair<size_t, std::string>> bad_escape;  // where, what
+  while (true) {
+    if (i >= text_.size() || (!is_long && (text_[i] == '\n' || text_[i] == '\r'))) {
+      return Error(i - at_, "this string is not closed",
+                   is_long ? "end it with three quotes" : "end it with the same quote on the same line, or use \"\"\"");
+    }
+    const char c = text_[i];
+    if (c == quote && (!is_long || text_.substr(i, 3) == std::string(3, quote))) break;
+    if (c != '\\') {
+      value.push_back(c);
+      ++i;
+      continue;
+    }
+    if (const auto escape = CodePointEscape(text_, i)) {
+      if (!AppendUtf8(escape->first, &value) && !bad_escape) bad_escape = {i, "is not a Unicode character"};
+      i += escape->second;
+    } else if (i + 1 < text_.size() && SimpleEscape(text_[i + 1])) {
+      value.push_back(*SimpleEscape(text_[i + 1]));
+      i += 2;
+    } else {
+      if (!bad_escape) bad_escape = {i, "is not an escape of SPARQL"};
+      ++i;
+    }
+  }
+  const size_t length = i + (is_long ? 3 : 1) - at_;
+  if (bad_escape) {
+    return Error(length, "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
+                 "a backslash itself is written \\\\");
+  }
+  return Make(TokenKind::kString, length, std::move(value));
+}
+
+Token Lexer::LexNumber() {
+  size_t end = at_;
+  TokenKind kind = TokenKind::kInteger;
+  while (end < text_.size() && IsDigit(text_[end])) ++end;
+  const auto exponent = [&](size_t at) -> size_t {  // length of [eE][+-]?[0-9]+ at `at`
+    if (at >= text_.size() || (text_[at] != 'e' && text_[at] != 'E')) return 0;
+    size_t i = at + 1;
+    if (i < text_.size() && (text_[i] == '+' || text_[i] == '-')) ++i;
+    const size_t digits = i;
+    while (i < text_.size() && IsDigit(text_[i])) ++i;
+    return i > digits ? i - at : 0;
+  };
+  if (end < text_.size() && text_[end] == '.') {
+    size_t fraction = end + 1;
+    while (fraction < text_.size() && IsDigit(text_[fraction])) ++fraction;
+    // "1." is an integer and the end of a triple, "1.e3" a double
+    if (fraction > end + 1 || exponent(fraction) > 0) {
+      end = fraction;
+      kind = TokenKind::kDecimal;
+    }
+  }
+  if (const size_t length = exponent(end)) {
+    end += length;
+    kind = TokenKind::kDouble;
+  }
+  return Make(kind, end - at_, std::string(text_.substr(at_, end - at_)));
+}
+
+Token Lexer::LexBlankLabel() {
+  size_t end = at_ + 2;
+  size_t good = end;  // a label does not end with '.'
+  while (end < text_.size()) {
+    const auto [code, length] = CodePointAt(text_, end);
+    const bool first = end == at_ + 2;
+    const bool part = first ? IsNameStart(code) || code == '_' || (code < 0x80 && IsDigit(static_cast<char>(code)))
+                            : IsNameChar(code) || code == '.';
+    if (!part) break;
+    end += length;
+    if (code != '.') good = end;
+  }
+  if (good == at_ + 2) return Error(2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
+  return Make(TokenKind::kBlankLabel, good - at_, std::string(text_.substr(at_ + 2, good - at_ - 2)));
+}
+
+Token Lexer::LexWordOrName() {
+  size_t end = at_;
+  while (end < text_.size()) {
+    const auto [code, length] = CodePointAt(text_, end);
+    if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
+    end += length;
+  }
+  if (end < text_.size() && text_[end] == ':' && (end == at_ || text_[end - 1] != '.')) return LexLocalName(end - at_);
+  // a keyword; in it code point escapes are allowed as everywhere (section 19.2)
+  std::string word;
+  for (end = at_; end < text_.size();) {
+    if (IsAlpha(text_[end]) || IsDigit(text_[end]) || text_[end] == '_') {
+      word.push_back(text_[end++]);
+    } else if (const auto escape = CodePointEscape(text_, end); escape && AppendUtf8(escape->first, &word)) {
+      end += escape->second;
+    } else {
+      break;
+    }
+  }
+  if (end == at_) {
+    const size_t length = CodePointAt(text_, at_).second;
+    return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+  }
+  return Make(TokenKind::kWord, end - at_, std::move(word));
+}
+
+// [169] PN_LOCAL after `prefix_length` bytes and a colon
+Token Lexer::LexLocalName(size_t prefix_length) {
+  std::string prefix(text_.substr(at_, prefix_length));
+  std::string local;
+  size_t end = at_ + prefix_length + 1;
+  size_t good_end = end, good_size = 0;  // the name does not end with '.'
+  while (end < text_.size()) {
+    const char c = text_[end];
+    if (c == '%') {
+      if (end + 2 >= text_.size() || !IsHex(text_[end + 1]) || !IsHex(text_[end + 2])) break;
+      local.append(text_.substr(end, 3));
+      end += 3;
+    } else if (c == '\\') {
+      if (const auto escape = CodePointEscape(text_, end)) {
+        if (!AppendUtf8(escape->first, &local)) break;
+        end += escape->second;
+      } else if (end + 1 < text_.size() &&
+                 std::string_view("_~.-!$&'()*+,;=/?#@%").find(text_[end + 1]) != std::string_view::npos) {
+        local.push_back(text_[end + 1]);
+        end += 2;
+      } else {
+        break;
+      }
+    } else {
+      const auto [code, length] = CodePointAt(text_, end);
+      const bool digit_or_colon = c == ':' || c == '_' || IsDigit(c);
+      const bool part = local.empty() ? IsNameStart(code) || digit_or_colon
+                                      : IsNameChar(code) || c == '.' || digit_or_colon;
+      if (!part) break;
+      local.append(text_.substr(end, length));
+      end += length;
+      if (c == '.') continue;
+    }
+    good_end = end;
+    good_size = local.size();
+  }
+  local.resize(good_size);
+  return Make(TokenKind::kPrefixedName, good_end - at_, std::move(local), std::move(prefix));
+}
+
+Token Lexer::LexPunctuation() {
+  if (text_[at_] == '<') {
+    if (const size_t length = IriLength()) {
+      std::string iri;
+      for (size_t i = at_ + 1; i + 1 < at_ + length;) {
+        if (text_[i] != '\\') {
+          iri.push_back(text_[i++]);
+          continue;
+        }
+        const auto escape = CodePointEscape(text_, i);  // IriLength saw that it is one
+        if (escape->first <= 0x20 || !AppendUtf8(escape->first, &iri)) {
+          return Error(length, "an escape in this IRI is not a character that an IRI may hold");
+        }
+        i += escape->second;
+      }
+      return Make(TokenKind::kIri, length, std::move(iri));
+    }
+  }
+  static constexpr std::string_view kTwo[] = {"^^", "&&", "||", "!=", "<=", ">="};
+  for (const std::string_view two : kTwo) {
+    if (text_.substr(at_, 2) == two) return Make(TokenKind::kPunctuation, 2, std::string(two));
+  }
+  static constexpr std::string_view kOne = "{}()[].,;=<>!*/+-|^?";
+  if (kOne.find(text_[at_]) != std::string_view::npos) {
+    return Make(TokenKind::kPunctuation, 1, std::string(1, text_[at_]));
+  }
+  const size_t length = CodePointAt(text_, at_).second;
+  return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+}
+
+}  // namespace docent::sparql

@@ -1,0 +1,74 @@
+// SPARQL text → tokens (SPARQL 1.1 section 19.8, productions [139] to [173]), one at a time. Escapes are decoded
+// and places counted here; names are not resolved. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_LEXER_H_
+#define DOCENT_KB_SERVER_SPARQL_LEXER_H_
+
+#include <string>
+#include <string_view>
+
+#include "kb_server/base/diagnostic.h"
+
+namespace docent::sparql {
+
+enum class TokenKind {
+  kEnd,
+  kIri,           // <…>             text: what stands between, escapes decoded
+  kPrefixedName,  // prefix:local    prefix, text: the local name, escapes decoded
+  kBlankLabel,    // _:label         text: label
+  kVariable,      // ?name $name     text: name
+  kString,        // "…" '''…'''     text: value
+  kLanguage,      // @en-GB          text: tag as written
+  kInteger,       // 12              text as written; a sign is its own token
+  kDecimal,       // 1.2
+  kDouble,        // 1.2e3
+  kWord,          // SELECT a true   text as written
+  kPunctuation,   // { && ^^ …       text
+  kError,         // text: what is wrong; prefix: hint
+};
+
+struct Token {
+  TokenKind kind = TokenKind::kEnd;
+  SourceSpan span;
+  std::string text;
+  std::string prefix;
+
+  bool Is(std::string_view punctuation) const { return kind == TokenKind::kPunctuation && text == punctuation; }
+};
+
+class Lexer {
+ public:
+  // `text` must outlive it and be valid UTF-8 (see FindInvalidUtf8).
+  explicit Lexer(std::string_view text) : text_(text) {}
+
+  // The next token; kEnd for ever after the last.
+  Token Next();
+
+ private:
+  void SkipSpaceAndComments();
+  void Advance(size_t bytes);
+  SourceSpan SpanOf(size_t length) const;
+  Token Make(TokenKind kind, size_t length, std::string text, std::string prefix = "");
+  Token Error(size_t length, std::string message, std::string hint = "");
+  Token LexString();
+  Token LexNumber();
+  Token LexWordOrName();
+  Token LexLocalName(size_t prefix_length);
+  Token LexBlankLabel();
+  Token LexPunctuation();
+  // Length of `<…>` from the current place, or 0 if it is not an IRI.
+  size_t IriLength() const;
+
+  std::string_view text_;
+  size_t at_ = 0;
+  int line_ = 1;
+  int column_ = 1;
+};
+
+// Offset of the first byte that is not UTF-8 or is U+0000; npos if there is none.
+size_t FindInvalidUtf8(std::string_view text);
+// `code` as UTF-8 appended to *out; false if it is not a Unicode scalar value.
+bool AppendUtf8(uint32_t code, std::string* out);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_LEXER_H_
