@@ -1,0 +1,169 @@
+#include "kb_server/app/condition_port.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/parser.h"
+
+namespace docent {
+
+ConditionPort::ConditionPort(Dictionary* dictionary, ConstraintSet* constraints,
+                             const sparql::FunctionRegistry* functions)
+    : dictionary_(dictionary), constraints_(constraints), functions_(functions) {}
+
+TermBinding ConditionPort::Decode(const Binding& binding) const {
+  TermBinding terms;
+  for (const auto& [name, id] : binding) {
+    if (!id.IsNone()) terms.emplace(name, dictionary_->Decode(id));
+  }
+  return terms;
+}
+
+absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
+                                TimeMicros now_us) {
+  for (const ConditionRequest& request : requests) {
+    sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
+    auto query = std::make_shared<const sparql::Query>(std::move(parsed.query));
+    RegisterOptions options;
+    options.key_variables = request.key_variables;
+    options.now_us = now_us;
+    auto id = constraints_->Register(*query, version, options);
+    if (!id.ok()) {
+      return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", request.ask));
+    }
+    conditions_[request.handle] = {*id, std::move(query)};
+    handles_[*id] = request.handle;
+    armed_.push_back(request.handle);
+    if (!constraints_->Holds(*id)) continue;
+    ConditionEdge edge;
+    edge.handle = request.handle;
+    edge.rose = true;
+    if (!request.key_variables.empty()) {
+      for (const Binding& key : constraints_->Keys(*id)) edge.appeared.push_back(Decode(key));
+    }
+    gathered_.push_back(std::move(edge));
+  }
+  return absl::OkStatus();
+}
+
+void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
+  for (ConditionHandle handle : handles) {
+    auto it = conditions_.find(handle);
+    if (it == conditions_.end()) continue;
+    constraints_->Remove(it->second.id);
+    handles_.erase(it->second.id);
+    disarmed_.emplace_back(handle, std::move(it->second));
+    conditions_.erase(it);
+  }
+}
+
+void ConditionPort::Take(const std::vector<ConstraintChange>& changes) {
+  for (const ConstraintChange& change : changes) {
+    auto it = handles_.find(change.id);
+    if (it == handles_.end()) continue;
+    ConditionEdge edge;
+    edge.handle = it->second;
+    edge.rose = change.edge == ConstraintChange::Edge::kRose;
+    edge.fell = change.edge == ConstraintChange::Edge::kFell;
+    for (const Binding& key : change.appeared) edge.appeared.push_back(Decode(key));
+    for (const Binding& key : change.disappeared) edge.disappeared.push_back(Decode(key));
+    gathered_.push_back(std::move(edge));
+  }
+}
+
+void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us) {
+  edges_ = std::move(gathered_);
+  gathered_.clear();
+  version_ = &version;
+  now_us_ = now_us;
+}
+
+bool ConditionPort::Holds(ConditionHandle handle) const {
+  auto it = conditions_.find(handle);
+  return it != conditions_.end() && constraints_->Holds(it->second.id);
+}
+
+absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle, const TermBinding& fixed,
+                                                                  size_t limit) const {
+  auto it = conditions_.find(handle);
+  if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
+  auto solutions = constraints_->Solutions(it->second.id, *version_, fixed.empty() ? limit : SIZE_MAX, now_us_);
+  if (!solutions.ok()) return solutions.status();
+  std::vector<TermBinding> bindings;
+  for (const Binding& solution : *solutions) {
+    TermBinding terms = Decode(solution);
+    bool agrees = std::all_of(fixed.begin(), fixed.end(), [&](const auto& pair) {
+      auto found = terms.find(pair.first);
+      return found != terms.end() && found->second == pair.second;
+    });
+    if (agrees) bindings.push_back(std::move(terms));
+    if (bindings.size() >= limit) break;
+  }
+  return bindings;
+}
+
+// The condition's own positive triple patterns as a CONSTRUCT template over its WHERE, for the first solution.
+std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
+  auto it = conditions_.find(handle);
+  if (it == conditions_.end()) return "";
+  sparql::Query query = it->second.query->Clone();
+  query.form = sparql::Query::Form::kConstruct;
+  for (const sparql::PatternOccurrence& occurrence : sparql::AllTriplePatterns(*query.algebra)) {
+    if (occurrence.monotone) query.construct_template.push_back(*occurrence.pattern);
+  }
+  auto slice = std::make_unique<sparql::Algebra>(sparql::Algebra::Kind::kSlice);
+  slice->limit = 1;
+  std::vector<sparql::Variable> in_scope = sparql::InScopeVariables(*query.algebra);
+  slice->children.push_back(std::move(query.algebra));
+  query.algebra = std::move(slice);
+
+  sparql::PrepareOptions options;
+  options.functions = functions_;
+  std::vector<TermId> values;
+  for (const auto& [name, term] : binding) {
+    std::optional<TermId> id = dictionary_->Find(term);
+    if (!id || std::find(in_scope.begin(), in_scope.end(), sparql::Variable{name}) == in_scope.end()) continue;
+    options.bound.push_back(name);
+    values.push_back(*id);
+  }
+  auto prepared = sparql::PreparedQuery::Prepare(query, *dictionary_, options);
+  if (!prepared.ok()) return "";
+  sparql::RunOptions run;
+  run.version = version_;
+  run.now_us = now_us_;
+  auto triples = (*prepared)->Construct(run, values);
+  if (!triples.ok()) return "";
+  std::string text;
+  for (const TermQuad& triple : *triples) {
+    absl::StrAppend(&text, ToNTriples(triple.subject), " ", ToNTriples(triple.predicate), " ",
+                    ToNTriples(triple.object), " .\n");
+  }
+  return text;
+}
+
+void ConditionPort::Commit() {
+  armed_.clear();
+  disarmed_.clear();
+}
+
+void ConditionPort::Rollback() {
+  for (ConditionHandle handle : armed_) {
+    auto it = conditions_.find(handle);
+    if (it == conditions_.end()) continue;
+    handles_.erase(it->second.id);
+    conditions_.erase(it);
+  }
+  for (auto& [handle, condition] : disarmed_) {
+    if (std::find(armed_.begin(), armed_.end(), handle) != armed_.end()) continue;
+    handles_[condition.id] = handle;
+    conditions_[handle] = std::move(condition);
+  }
+  gathered_.clear();
+  edges_.clear();
+  Commit();
+}
+
+}  // namespace docent

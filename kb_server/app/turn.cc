@@ -1,0 +1,157 @@
+#include "kb_server/app/turn.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/app/robot_directory.h"
+
+namespace docent {
+namespace {
+
+// Changes of several rounds, added up: what was added and then removed did not happen.
+class DeltaSum {
+ public:
+  void Add(const Delta& delta) {
+    for (const Quad& quad : delta.added) Count(quad, 1);
+    for (const Quad& quad : delta.removed) Count(quad, -1);
+  }
+  Delta Net() const {
+    Delta net;
+    for (const auto& [quad, count] : counts_) {
+      if (count > 0) net.added.push_back(quad);
+      if (count < 0) net.removed.push_back(quad);
+    }
+    return net;
+  }
+
+ private:
+  void Count(const Quad& quad, int by) {
+    auto [it, inserted] = counts_.try_emplace(quad, by);
+    if (!inserted && (it->second += by) == 0) counts_.erase(it);
+  }
+  absl::flat_hash_map<Quad, int> counts_;
+};
+
+// The engine's run facts into the graph.
+Delta WriteRunFacts(Stages* stages, const EngineOutput& output) {
+  auto intern = [stages](const TermQuad& quad) {
+    Dictionary& d = stages->dictionary;
+    return Quad{d.Intern(quad.subject), d.Intern(quad.predicate), d.Intern(quad.object), d.Intern(quad.graph)};
+  };
+  std::vector<Quad> add, remove;
+  for (const TermQuad& quad : output.add) add.push_back(intern(quad));
+  for (const TermQuad& quad : output.remove) remove.push_back(intern(quad));
+  return stages->writer.Apply(add, remove);
+}
+
+void Record(const EngineOutput& output, TurnResult* result) {
+  for (const EngineTransition& t : output.transitions) {
+    result->record.transitions.push_back({t.subject, t.from, t.to, t.cause});
+  }
+  for (const RobotCommand& c : output.commands) {
+    result->record.commands.push_back({c.id, c.robot, c.operation, c.arguments, c.expected_incarnation,
+                                       c.guard_revision, c.deadline_us, c.idempotent});
+  }
+  result->cancels.insert(result->cancels.end(), output.cancels.begin(), output.cancels.end());
+  result->started.insert(result->started.end(), output.started.begin(), output.started.end());
+}
+
+absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
+  for (const RunRequest& request : batch.run_requests) {
+    if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
+  }
+
+  WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
+  absl::Status documents = stages->documents.Apply(&input, Revision(offset), stages->dictionary,
+                                                   stages->writer.current(), &stages->rules, &stages->engine, stages->limits);
+  if (!documents.ok()) return documents;
+
+  absl::StatusOr<Delta> delta = stages->applier.Apply(input, stages->writer);  // store
+  if (!delta.ok()) return delta.status();
+
+  DeltaSum sum;
+  for (int round = 0;; ++round) {
+    if (round == stages->limits.engine_rounds_per_turn) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("workflows went on for ", round, " rounds in one turn; the limit engine_rounds_per_turn is ",
+                       stages->limits.engine_rounds_per_turn, "; look for a loop without a wait"));
+    }
+    size_t told = delta->size();
+    delta = stages->rules.Update(stages->writer, *delta);  // rules, to a fixpoint
+    if (!delta.ok()) return delta.status();
+    result->inferred += delta->size() - std::min(told, delta->size());
+    sum.Add(*delta);
+
+    const GraphVersion& graph = stages->writer.current();
+    auto changes = stages->constraints.Update(graph, *delta, batch.time_us);  // standing constraints
+    if (!changes.ok()) return changes.status();
+    stages->conditions.Take(*changes);
+    stages->conditions.BeginRound(graph, batch.time_us);
+
+    GraphRobotDirectory robots(stages->dictionary, graph);
+    EngineInput view;
+    view.now_us = batch.time_us;
+    view.revision = Revision(offset);
+    view.reports = round == 0 ? &batch.reports : nullptr;
+    view.requests = round == 0 ? &batch.run_requests : nullptr;
+    view.conditions = &stages->conditions;
+    view.robots = &robots;
+    EngineOutput output = stages->engine.Step(view);  // workflow engine
+    Record(output, result);
+    stages->conditions.Disarm(output.disarm);
+    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us); !armed.ok()) return armed;
+    if (output.quiet()) break;
+    delta = WriteRunFacts(stages, output);  // seen by rules and constraints in this same turn
+  }
+  result->delta = sum.Net();
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void Stages::Commit() {
+  applier.Commit();
+  rules.Commit();
+  constraints.Commit();
+  conditions.Commit();
+  engine.Commit();
+  documents.Commit();
+}
+
+void Stages::Rollback() {
+  writer.Rollback();
+  applier.Rollback();
+  rules.Rollback();
+  conditions.Rollback();
+  constraints.Rollback();
+  engine.Rollback();
+  documents.Rollback();
+}
+
+std::optional<TimeMicros> Stages::NextDeadline() const {
+  std::optional<TimeMicros> next = applier.NextDeadline();
+  std::optional<TimeMicros> timer = engine.NextDeadline();
+  if (!next || (timer && *timer < *next)) return timer;
+  return next;
+}
+
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset) {
+  TurnResult result;
+  absl::Status status = Decide(stages, batch, offset, &result);
+  if (!status.ok()) {
+    stages->Rollback();
+    return status;
+  }
+  stages->Commit();
+  result.version = stages->writer.Freeze(Revision(offset));
+  result.documents_changed = !batch.documents.empty();
+  result.record.offset = offset;
+  result.record.time_us = batch.time_us;
+  result.record.engine_version = kEngineVersion;
+  result.record.batch = std::move(batch);
+  return result;
+}
+
+}  // namespace docent

@@ -1,0 +1,77 @@
+// One batch in, one new graph version out: the whole product in one function.
+//
+//   store → rules → constraints → engine, again until the engine is quiet
+//
+// A turn decides; it makes nothing durable, visible or heard. The caller (kb_server/app/writer.h) appends the record to
+// the log, and only then publishes the version, answers the client and sends the commands. Replay calls the same function
+// with the batches of the log. Writer thread only.
+#ifndef DOCENT_KB_SERVER_APP_TURN_H_
+#define DOCENT_KB_SERVER_APP_TURN_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/app/condition_port.h"
+#include "kb_server/app/documents.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/log/turn_record.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/batch_applier.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/constraints/constraint_set.h"
+#include "reasoner/rules/rule_engine.h"
+#include "workflow/engine/engine.h"
+
+namespace docent {
+
+// Changes when the same log may lead to other decisions than before.
+inline constexpr char kEngineVersion[] = "1";
+
+// The state of the stages, in the order in which a batch passes them.
+struct Stages {
+  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions, const Limits& limits_in)
+      : limits(limits_in),
+        dictionary(*dictionary_in),
+        writer(std::make_shared<const GraphVersion>()),
+        applier(*dictionary_in, limits_in),
+        rules(*dictionary_in, limits_in, functions),
+        constraints(*dictionary_in, functions),
+        conditions(dictionary_in, &constraints, functions),
+        engine(limits_in) {}
+
+  const Limits limits;
+  Dictionary& dictionary;
+  GraphWriter writer;
+  BatchApplier applier;
+  RuleEngine rules;
+  ConstraintSet constraints;
+  ConditionPort conditions;
+  Engine engine;
+  Documents documents;
+
+  void Commit();
+  void Rollback();
+  // When the next clock tick is due, if ever.
+  std::optional<TimeMicros> NextDeadline() const;
+};
+
+struct TurnResult {
+  TurnRecord record;
+  GraphVersionPtr version;
+  Delta delta;                      // everything that changed in the graph, net
+  size_t inferred = 0;              // facts that rules added or withdrew
+  std::vector<CommandId> cancels;   // commands to be ended
+  std::vector<RunId> started;       // by the batch's run requests
+  bool documents_changed = false;
+};
+
+// INVALID_ARGUMENT (what the batch says is wrong, with its place), RESOURCE_EXHAUSTED (a limit, named),
+// FAILED_PRECONDITION, NOT_FOUND: nothing has changed. `offset`: of the record that this turn will be.
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_TURN_H_

@@ -1,0 +1,104 @@
+#include "kb_server/door/inbox.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+
+namespace docent {
+namespace {
+
+size_t BytesOf(const Term& term) { return term.lexical.size() + term.datatype.size() + term.language.size(); }
+
+size_t BytesOf(const WriteBatch& batch) {
+  size_t bytes = 0;
+  for (const QuadOperation& operation : batch.operations) {
+    const TermQuad& quad = operation.quad;
+    bytes += BytesOf(quad.subject) + BytesOf(quad.predicate) + BytesOf(quad.object) + BytesOf(quad.graph);
+  }
+  for (const SensorReading& reading : batch.readings) bytes += reading.sensor.size() + BytesOf(reading.value);
+  for (const Document& document : batch.documents) bytes += document.text.size();
+  return bytes;
+}
+
+absl::Status Beyond(std::string_view what, size_t value, std::string_view limit_name, size_t limit) {
+  return absl::ResourceExhaustedError(
+      absl::StrCat(what, " ", value, "; the limit ", limit_name, " is ", limit, "; nothing was applied"));
+}
+
+}  // namespace
+
+absl::Status Inbox::Refusal(const WriteBatch& batch) const {
+  if (closed_) return absl::UnavailableError("the server is shutting down");
+  bool load = batch.mode == WriteBatch::Mode::kLoad;
+  size_t operations_limit = load ? limits_.load_operations : limits_.batch_operations;
+  if (batch.OperationCount() > operations_limit) {
+    return Beyond("the batch has operations:", batch.OperationCount(), load ? "load_operations" : "batch_operations",
+                  operations_limit);
+  }
+  if (!load) {
+    if (size_t bytes = BytesOf(batch); bytes > limits_.batch_bytes && batch.documents.empty()) {
+      return Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes);
+    }
+  }
+  if (queue_.size() >= limits_.inbox_batches) {
+    return Beyond("batches that wait:", queue_.size(), "inbox_batches", limits_.inbox_batches);
+  }
+  return absl::OkStatus();
+}
+
+void Inbox::Push(WriteBatch batch, BatchCallback done) {
+  if (!done) done = [](const absl::StatusOr<BatchOutcome>&) {};
+  absl::Status refusal;
+  {
+    absl::MutexLock lock(&mutex_);
+    refusal = Refusal(batch);
+    if (refusal.ok()) {
+      queue_.push_back({std::move(batch), std::move(done)});
+      return;
+    }
+  }
+  done(refusal);
+}
+
+std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size_t max) {
+  std::vector<PendingBatch> taken;
+  absl::MutexLock lock(&mutex_);
+  auto ready = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !queue_.empty(); };
+  if (deadline) {
+    absl::Duration wait = absl::Microseconds(std::max<TimeMicros>(0, *deadline - clock_.Now()));
+    mutex_.AwaitWithTimeout(absl::Condition(&ready), wait);
+  } else {
+    mutex_.Await(absl::Condition(&ready));
+  }
+  last_stamp_us_ = std::max(last_stamp_us_, clock_.Now());
+  while (!queue_.empty() && taken.size() < max) {
+    queue_.front().batch.time_us = last_stamp_us_;
+    taken.push_back(std::move(queue_.front()));
+    queue_.pop_front();
+  }
+  return taken;
+}
+
+void Inbox::StartAfter(TimeMicros time_us) {
+  absl::MutexLock lock(&mutex_);
+  last_stamp_us_ = std::max(last_stamp_us_, time_us);
+}
+
+void Inbox::Close() {
+  absl::MutexLock lock(&mutex_);
+  closed_ = true;
+}
+
+bool Inbox::closed() const {
+  absl::MutexLock lock(&mutex_);
+  return closed_;
+}
+
+size_t Inbox::size() const {
+  absl::MutexLock lock(&mutex_);
+  return queue_.size();
+}
+
+}  // namespace docent

@@ -1,0 +1,73 @@
+// The one door: everything that may change the server's mind waits here, in order, for the writer thread.
+//
+// Bounded: Push never waits and never grows beyond the limits; it refuses and says which limit. Every batch pushed is
+// answered exactly once through its callback: by the writer, or with the refusal. Push from any thread, PopAll from the writer's.
+#ifndef DOCENT_KB_SERVER_DOOR_INBOX_H_
+#define DOCENT_KB_SERVER_DOOR_INBOX_H_
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/ids.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/store/write_batch.h"
+
+namespace docent {
+
+// What became of a batch, once it is durable and visible.
+struct BatchOutcome {
+  uint64_t offset = 0;    // of its log record = revision of the version that holds it
+  uint64_t added = 0;     // told quads that were new
+  uint64_t removed = 0;   // told quads that went
+  uint64_t inferred = 0;  // facts that rules added or withdrew because of it
+  bool repeated = false;  // its request id was known: applied before, at `offset`
+  std::vector<RunId> started;  // runs that its requests started
+};
+
+using BatchCallback = std::function<void(const absl::StatusOr<BatchOutcome>&)>;
+
+struct PendingBatch {
+  WriteBatch batch;
+  BatchCallback done;  // never null
+};
+
+class Inbox {
+ public:
+  Inbox(const Clock* clock, const Limits& limits) : clock_(*clock), limits_(limits) {}
+
+  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations, batch_bytes (kLoad:
+  // load_operations) or inbox_batches batches wait. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
+  void Push(WriteBatch batch, BatchCallback done);
+
+  // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max` batches, each
+  // stamped with the time of taking. Stamps never decrease, across restarts too (see StartAfter).
+  std::vector<PendingBatch> PopAll(std::optional<TimeMicros> deadline, size_t max);
+
+  // No stamp will be lower than this: the time of the newest record of the log.
+  void StartAfter(TimeMicros time_us);
+
+  // Pushes are refused from now on; what waits can still be taken.
+  void Close();
+  bool closed() const;
+  size_t size() const;
+
+ private:
+  absl::Status Refusal(const WriteBatch& batch) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const Clock& clock_;
+  const Limits limits_;
+  mutable absl::Mutex mutex_;
+  std::deque<PendingBatch> queue_ ABSL_GUARDED_BY(mutex_);
+  TimeMicros last_stamp_us_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_DOOR_INBOX_H_

@@ -1,0 +1,101 @@
+// Context.Query: SPARQL on the newest version, rows as they are found.
+#include "absl/strings/str_cat.h"
+#include "kb_server/service/convert.h"
+#include "kb_server/service/grpc_services.h"
+#include "kb_server/service/stream_reactor.h"
+#include "kb_server/sparql/parser.h"
+
+namespace docent {
+namespace {
+
+using Handle = std::shared_ptr<StreamHandle<v1::QueryReply>>;
+
+// The header, then all rows or triples.
+absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, const GraphVersion& version,
+                      Cancellation* cancellation, const Handle& out) {
+  sparql::PrepareOptions options;
+  options.default_graph = ports.default_graph;
+  options.functions = ports.functions;
+  options.memory_bytes = ports.limits.query_memory_bytes;
+  auto prepared = sparql::PreparedQuery::Prepare(query, *ports.dictionary, options);
+  if (!prepared.ok()) return prepared.status();
+  sparql::PreparedQuery& run = **prepared;
+  sparql::RunOptions run_options;
+  run_options.version = &version;
+  run_options.cancellation = cancellation;
+  run_options.now_us = ports.clock->Now();
+  run_options.seed = static_cast<uint64_t>(run_options.now_us);
+
+  v1::QueryReply header;
+  header.mutable_header()->set_revision(version.revision().value());
+  if (query.form == sparql::Query::Form::kAsk) {
+    auto answer = run.Ask(run_options);
+    if (!answer.ok()) return answer.status();
+    header.mutable_header()->set_is_boolean(true);
+    header.mutable_header()->set_boolean(*answer);
+    out->Push(std::move(header));
+    return absl::OkStatus();
+  }
+  if (query.form == sparql::Query::Form::kConstruct) {
+    auto triples = run.Construct(run_options);
+    if (!triples.ok()) return triples.status();
+    out->Push(std::move(header));
+    for (const TermQuad& triple : *triples) {
+      v1::QueryReply reply;
+      ToProto(triple.subject, reply.mutable_quad()->mutable_subject());
+      ToProto(triple.predicate, reply.mutable_quad()->mutable_predicate());
+      ToProto(triple.object, reply.mutable_quad()->mutable_object());
+      if (!out->Push(std::move(reply))) break;
+    }
+    return absl::OkStatus();
+  }
+  for (const std::string& name : run.variables()) header.mutable_header()->add_variables(name);
+  out->Push(std::move(header));
+  return run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
+    v1::QueryReply reply;
+    for (TermId id : row) {
+      v1::Term* value = reply.mutable_row()->add_values();
+      if (!id.IsNone()) ToProto(run.Decode(id), value);
+    }
+    return out->Push(std::move(reply));
+  });
+}
+
+absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
+                    const Handle& out) {
+  if (request.query().size() > ports.limits.query_text_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("the query has ", request.query().size(),
+                                                     " bytes; the limit query_text_bytes is ",
+                                                     ports.limits.query_text_bytes));
+  }
+  sparql::ParseOptions options;
+  options.prefixes = sparql::WellKnownPrefixes();
+  options.limits = ports.limits;
+  sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
+  absl::Time deadline = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms);
+  auto version = ports.queries->WaitForRevision(Revision(request.min_revision()), deadline);
+  if (!version.ok()) return version.status();
+  return Evaluate(ports, parsed.query, **version, cancellation, out);
+}
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackServerContext*,
+                                                                const v1::QueryRequest* request) {
+  auto* reactor = new StreamReactor<v1::QueryReply>();
+  Handle handle = reactor->handle();
+  int timeout_ms = ports_.limits.query_timeout_ms;
+  if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+  handle->OnGone([cancellation] { cancellation->Cancel(); });
+  bool accepted = ports_.workers->Submit([this, handle, cancellation, request = *request] {
+    handle->End(ToGrpc(Answer(ports_, request, cancellation.get(), handle)));
+  });
+  if (!accepted) {
+    handle->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too many queries wait; try again"));
+  }
+  return reactor;
+}
+
+}  // namespace docent

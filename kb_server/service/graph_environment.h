@@ -1,0 +1,21 @@
+// What a CAWL document is checked against on the server: the words of the live graph's ontologies, the operations
+// that robots offer, the registered robot services and workflows.
+#ifndef DOCENT_KB_SERVER_SERVICE_GRAPH_ENVIRONMENT_H_
+#define DOCENT_KB_SERVER_SERVICE_GRAPH_ENVIRONMENT_H_
+
+#include <memory>
+
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/service/catalog.h"
+#include "kb_server/store/graph_version.h"
+#include "workflow/cawl/environment.h"
+
+namespace docent {
+
+// Copies what it needs; the arguments may go afterwards.
+std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, const GraphVersion& version,
+                                                    const Catalog* catalog);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_GRAPH_ENVIRONMENT_H_

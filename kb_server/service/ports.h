@@ -1,0 +1,33 @@
+// What a handler may reach: the door in, the newest version out, and pictures that the writer publishes. Handlers never
+// touch a stage. All of it is safe from any thread and outlives the handlers.
+#ifndef DOCENT_KB_SERVER_SERVICE_PORTS_H_
+#define DOCENT_KB_SERVER_SERVICE_PORTS_H_
+
+#include "kb_server/base/clock.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/door/inbox.h"
+#include "kb_server/door/query_port.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/service/catalog.h"
+#include "kb_server/service/run_feed.h"
+#include "kb_server/service/worker_pool.h"
+#include "kb_server/sparql/evaluator.h"
+
+namespace docent {
+
+struct ServicePorts {
+  Inbox* inbox = nullptr;
+  QueryPort* queries = nullptr;
+  const Dictionary* dictionary = nullptr;
+  const sparql::FunctionRegistry* functions = nullptr;
+  CatalogPort* catalog = nullptr;
+  RunFeed* feed = nullptr;
+  WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
+  const Clock* clock = nullptr;
+  Limits limits;
+  sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_PORTS_H_

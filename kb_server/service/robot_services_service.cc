@@ -1,0 +1,173 @@
+// RobotServices: composite robot services (RSEL processes); register, list, invoke and follow.
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/convert.h"
+#include "kb_server/service/graph_reader.h"
+#include "kb_server/service/grpc_services.h"
+#include "kb_server/service/stream_reactor.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent {
+namespace {
+
+grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(status);
+  return reactor;
+}
+
+// Robots that offer every operation of the plan.
+std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) {
+  std::optional<std::vector<std::string>> able;
+  for (const rsel::PlanStep& step : plan.steps) {
+    std::vector<std::string> offering =
+        graph.Subjects(DocentIri("offers"), Term::Iri(absl::StrCat("urn:docent:operation:", step.operation)));
+    if (!able) {
+      able = std::move(offering);
+      continue;
+    }
+    std::vector<std::string> both;
+    std::set_intersection(able->begin(), able->end(), offering.begin(), offering.end(), std::back_inserter(both));
+    able = std::move(both);
+  }
+  return able.value_or(std::vector<std::string>());
+}
+
+void Describe(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* out) {
+  out->set_name(plan.process);
+  out->set_document(plan.document);
+  out->set_version(plan.version);
+  for (const std::string& input : plan.inputs) out->add_inputs(input);
+  for (const rsel::PlanStep& step : plan.steps) {
+    v1::ServiceStep* service_step = out->add_steps();
+    service_step->set_operation(step.operation);
+    service_step->set_service(step.service);
+  }
+  for (const std::string& robot : Able(graph, plan)) out->add_robots(robot);
+}
+
+// Follows one run for one client. Events may come before the run's id is known; they are kept until then.
+class InvokeFollower {
+ public:
+  explicit InvokeFollower(std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out)
+      : out_(std::move(out)) {}
+
+  bool OnEvent(const RunEvent& event) {
+    absl::MutexLock lock(&mutex_);
+    if (ended_) return false;
+    if (!run_) early_.push_back(event);
+    else if (event.run == *run_) Forward(event);
+    return !ended_;
+  }
+  void Started(const std::string& run) {
+    absl::MutexLock lock(&mutex_);
+    run_ = run;
+    for (const RunEvent& event : early_) {
+      if (event.run == run && !ended_) Forward(event);
+    }
+    early_.clear();
+  }
+  void Refused(const grpc::Status& status) {
+    absl::MutexLock lock(&mutex_);
+    ended_ = true;
+    out_->End(status);
+  }
+
+ private:
+  void Forward(const RunEvent& event) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    v1::InvokeServiceReply reply;
+    reply.set_run(event.run);
+    reply.set_step(event.node);
+    reply.set_state(event.to);
+    reply.set_message(event.detail);
+    bool final = event.kind == "run" && event.to != "running";
+    reply.set_final(final);
+    if (!out_->TryPush(std::move(reply))) ended_ = true;
+    if (!final) return;
+    ended_ = true;
+    out_->End(grpc::Status::OK);
+  }
+
+  std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out_;
+  absl::Mutex mutex_;
+  std::optional<std::string> run_ ABSL_GUARDED_BY(mutex_);
+  std::vector<RunEvent> early_ ABSL_GUARDED_BY(mutex_);
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
+                                                         const v1::RegisterRequest* request,
+                                                         v1::RegisterReply* reply) {
+  rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
+  if (!parsed.ok()) return Finish(context, ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+  for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+  for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
+  WriteBatch batch;
+  batch.documents.push_back({Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) reply->set_revision(outcome->offset);
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
+                                                     const v1::ListServicesRequest*, v1::ListServicesReply* reply) {
+  GraphVersionPtr version = ports_.queries->Newest();
+  GraphReader graph(*ports_.dictionary, *version);
+  for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
+    Describe(graph, *plan, reply->add_services());
+  }
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerContext* context,
+                                                         const v1::DescribeServiceRequest* request,
+                                                         v1::RobotService* reply) {
+  rsel::PlanPtr plan = ports_.catalog->Get()->services.Find(request->name());
+  if (plan == nullptr) {
+    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND, absl::StrCat("no robot service \"", request->name(), "\" is registered")));
+  }
+  GraphVersionPtr version = ports_.queries->Newest();
+  docent::Describe(GraphReader(*ports_.dictionary, *version), *plan, reply);
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
+    grpc::CallbackServerContext*, const v1::InvokeServiceRequest* request) {
+  auto* reactor = new StreamReactor<v1::InvokeServiceReply>();
+  auto handle = reactor->handle();
+  WriteBatch batch;
+  batch.request_id = request->request_id();
+  RunRequest invoke;
+  invoke.kind = RunRequest::Kind::kInvokeService;
+  invoke.target = request->name();
+  for (const v1::NamedTerm& argument : request->arguments()) {
+    auto term = FromProto(argument.value(), "arguments." + argument.name());
+    if (!term.ok()) {
+      handle->End(ToGrpc(term.status()));
+      return reactor;
+    }
+    invoke.arguments.emplace_back(argument.name(), *std::move(term));
+  }
+  if (!request->robot().empty()) invoke.arguments.emplace_back("robot", Term::Iri(request->robot()));
+  batch.run_requests.push_back(std::move(invoke));
+  auto follower = std::make_shared<InvokeFollower>(handle);
+  uint64_t id = ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
+  handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
+  ports_.inbox->Push(std::move(batch), [follower](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (!outcome.ok()) follower->Refused(ToGrpc(outcome.status()));
+    else if (!outcome->started.empty()) follower->Started(outcome->started.front().value());
+    else follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS, "this request_id was served before; see docent runs"));
+  });
+  return reactor;
+}
+
+}  // namespace docent

@@ -1,0 +1,148 @@
+// Workflows: check, deploy, start, look at and end runs.
+#include "absl/strings/str_cat.h"
+#include "kb_server/service/convert.h"
+#include "kb_server/service/graph_environment.h"
+#include "kb_server/service/grpc_services.h"
+#include "kb_server/service/run_reader.h"
+#include "kb_server/service/stream_reactor.h"
+#include "workflow/cawl/check.h"
+
+namespace docent {
+namespace {
+
+grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(status);
+  return reactor;
+}
+
+cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
+  auto environment = GraphEnvironment(*ports.dictionary, *ports.queries->Newest(), ports.catalog->Get().get());
+  return cawl::CheckDocument(text, name, environment.get(), ports.limits);
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
+                                                  const v1::CheckRequest* request, v1::CheckReply* reply) {
+  cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+  for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+  for (const cawl::ConditionText& condition : report.conditions) {
+    v1::CompiledCondition* out = reply->add_conditions();
+    out->set_place(condition.place);
+    out->set_ask(condition.ask);
+  }
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
+                                                   const v1::DeployRequest* request, v1::DeployReply* reply) {
+  cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+  if (!report.ok()) return Finish(context, ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+  for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+  reply->set_workflow(report.document->name.value);
+  WriteBatch batch;
+  batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) reply->set_revision(outcome->offset);
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
+                                                 const v1::ListWorkflowsRequest*, v1::ListWorkflowsReply* reply) {
+  for (const auto& [document, revision] : ports_.catalog->Get()->workflows) {
+    v1::Workflow* out = reply->add_workflows();
+    out->set_name(document->name.value);
+    out->set_version(document->version.value);
+    for (const cawl::Flow& flow : document->flows) out->add_flows(flow.name.value);
+    if (document->activator) out->set_activated_flow(document->activator->flow.value);
+    out->set_revision(revision.value());
+  }
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
+                                                  const v1::StartRequest* request, v1::StartReply* reply) {
+  WriteBatch batch;
+  batch.request_id = request->request_id();
+  RunRequest start;
+  start.kind = RunRequest::Kind::kStart;
+  start.target = request->workflow();
+  if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());
+  for (const v1::NamedTerm& variable : request->variables()) {
+    auto term = FromProto(variable.value(), "variables." + variable.name());
+    if (!term.ok()) return Finish(context, ToGrpc(term.status()));
+    start.arguments.emplace_back(variable.name(), *std::move(term));
+  }
+  batch.run_requests.push_back(std::move(start));
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) {
+      reply->set_revision(outcome->offset);
+      if (!outcome->started.empty()) reply->set_run(outcome->started.front().value());
+    }
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* context, const v1::GetRunRequest* request,
+                                                v1::Run* reply) {
+  GraphVersionPtr version = ports_.queries->Newest();
+  if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
+    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND, absl::StrCat("there is no run \"", request->run(), "\"")));
+  }
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
+                                                     const v1::ListRunsRequest* request, v1::ListRunsReply* reply) {
+  GraphVersionPtr version = ports_.queries->Newest();
+  GraphReader graph(*ports_.dictionary, *version);
+  for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
+  return Finish(context, grpc::Status::OK);
+}
+
+grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackServerContext*,
+                                                                const v1::WatchRequest* request) {
+  auto* reactor = new StreamReactor<v1::RunEvent>();
+  auto handle = reactor->handle();
+  std::string run = request->run();
+  uint64_t id = ports_.feed->Subscribe([handle, run](const RunEvent& event) {
+    if (!run.empty() && event.run != run) return !handle->gone();
+    v1::RunEvent out;
+    out.set_revision(event.revision.value());
+    out.set_time_us(event.time_us);
+    out.set_run(event.run);
+    out.set_node(event.node);
+    out.set_kind(event.kind);
+    out.set_from(event.from);
+    out.set_to(event.to);
+    out.set_detail(event.detail);
+    if (handle->TryPush(std::move(out))) return true;
+    handle->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too slow: events were dropped; watch again"));
+    return false;
+  });
+  handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,
+                                                   const v1::CancelRunRequest* request, v1::Run* reply) {
+  WriteBatch batch;
+  batch.run_requests.push_back({RunRequest::Kind::kCancel, request->run(), {}});
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [this, reactor, reply, run = request->run()](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) {
+      GraphVersionPtr version = ports_.queries->Newest();
+      ReadRun(GraphReader(*ports_.dictionary, *version), run, reply);
+    }
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+}  // namespace docent
