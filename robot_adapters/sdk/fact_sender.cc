@@ -1,0 +1,186 @@
+#include "robot_adapters/sdk/fact_sender.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "robot_adapters/sdk/term_proto.h"
+
+namespace docent::robot {
+namespace {
+
+// Errors that say nothing about the batch itself: the same batch may be accepted later.
+bool IsTransient(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kDeadlineExceeded:
+    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kAborted:
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnimplemented:  // something else listens there, for now
+      return true;
+    default:
+      return false;
+  }
+}
+
+TermQuad StateQuad(const std::string& subject, const std::string& predicate, const Term& value) {
+  return {Term::Iri(subject), Term::Iri(predicate), value, Term::Iri("")};
+}
+
+}  // namespace
+
+FactSender::FactSender(FactSenderOptions options, AssertCall call)
+    : options_(std::move(options)), call_(std::move(call)), thread_([this] { Run(); }) {}
+
+FactSender::~FactSender() {
+  Stop(absl::ZeroDuration());
+}
+
+void FactSender::Set(const std::string& subject, const std::string& predicate, Term value) {
+  absl::MutexLock lock(&mutex_);
+  StateKey key(subject, predicate);
+  auto told = told_.find(key);
+  if (told != told_.end() && told->second == value) return;
+  told_[key] = value;
+  PutState(std::move(key), std::move(value));
+}
+
+void FactSender::Clear(const std::string& subject, const std::string& predicate) {
+  absl::MutexLock lock(&mutex_);
+  StateKey key(subject, predicate);
+  auto told = told_.find(key);
+  if (told == told_.end() || !told->second) return;
+  told->second.reset();
+  PutState(std::move(key), std::nullopt);
+}
+
+// Into the last batch if it holds nothing but states, so that no state overtakes another batch.
+void FactSender::PutState(StateKey key, std::optional<Term> value) {
+  if (queue_.empty() || !queue_.back().StatesOnly()) queue_.emplace_back();
+  queue_.back().states[std::move(key)] = std::move(value);
+}
+
+absl::Status FactSender::Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove, std::vector<Reading> readings) {
+  absl::MutexLock lock(&mutex_);
+  if (queue_.size() >= options_.queue_limit) {
+    return absl::ResourceExhaustedError(absl::StrCat("the server has not taken the last queue_limit = ",
+                                                     options_.queue_limit, " batches of facts"));
+  }
+  Batch batch;
+  batch.add = std::move(add);
+  batch.remove = std::move(remove);
+  batch.readings = std::move(readings);
+  queue_.push_back(std::move(batch));
+  return absl::OkStatus();
+}
+
+void FactSender::ResendStates() {
+  absl::MutexLock lock(&mutex_);
+  for (const auto& [key, value] : told_) {
+    if (value) PutState(key, value);
+  }
+}
+
+v1::AssertRequest FactSender::Build(const Batch& batch) {
+  v1::AssertRequest request;
+  request.set_request_id(absl::StrCat(options_.request_id_prefix, "/", ++requests_));
+  request.set_source(options_.source);
+  for (const auto& [key, value] : batch.states) {
+    if (value) {
+      ToProto(StateQuad(key.first, key.second, *value), request.add_add());
+      sent_[key] = *value;
+    } else if (auto sent = sent_.find(key); sent != sent_.end()) {
+      ToProto(StateQuad(key.first, key.second, sent->second), request.add_remove());
+      sent_.erase(sent);
+    }
+  }
+  for (const TermQuad& quad : batch.add) ToProto(quad, request.add_add());
+  for (const TermQuad& quad : batch.remove) ToProto(quad, request.add_remove());
+  for (const Reading& reading : batch.readings) {
+    v1::SensorReading* out = request.add_readings();
+    out->set_sensor(reading.sensor);
+    ToProto(reading.value, out->mutable_value());
+  }
+  return request;
+}
+
+void FactSender::Run() {
+  auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return stopped_ || !queue_.empty();
+  };
+  while (true) {
+    v1::AssertRequest request;
+    {
+      absl::MutexLock lock(&mutex_);
+      mutex_.Await(absl::Condition(&has_work));
+      if (stopped_ || queue_.empty()) return;
+      request = Build(queue_.front());
+      queue_.pop_front();
+      if (request.add_size() + request.remove_size() + request.readings_size() == 0) continue;
+      sending_ = true;
+    }
+    if (!SendUntilAnswered(request)) return;  // what was on its way stays counted as such
+    absl::MutexLock lock(&mutex_);
+    sending_ = false;
+  }
+}
+
+bool FactSender::Interrupted() const {
+  return stopped_;
+}
+
+// False: stopped before the server answered.
+bool FactSender::SendUntilAnswered(const v1::AssertRequest& request) {
+  absl::Duration retry = options_.first_retry;
+  for (bool said = false;; said = true) {
+    v1::AssertReply reply;
+    absl::Status status = call_(request, &reply);
+    absl::MutexLock lock(&mutex_);
+    if (status.ok()) {
+      revision_ = std::max(revision_, reply.offset());
+      if (said) spdlog::info("the server takes facts again");
+      return true;
+    }
+    if (!IsTransient(status)) {
+      ++refused_;
+      spdlog::error("the server refused facts ({}): {}", request.request_id(), std::string(status.message()));
+      return true;
+    }
+    if (!said) spdlog::warn("the server does not take facts, trying on: {}", std::string(status.message()));
+    if (mutex_.AwaitWithTimeout(absl::Condition(this, &FactSender::Interrupted), retry)) return false;
+    retry = std::min(2 * retry, options_.last_retry);
+  }
+}
+
+bool FactSender::Flush(absl::Duration timeout) {
+  auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return stopped_ || (queue_.empty() && !sending_);
+  };
+  absl::MutexLock lock(&mutex_);
+  return mutex_.AwaitWithTimeout(absl::Condition(&idle), timeout) && queue_.empty() && !sending_;
+}
+
+void FactSender::Stop(absl::Duration linger) {
+  if (linger > absl::ZeroDuration()) Flush(linger);
+  {
+    absl::MutexLock lock(&mutex_);
+    stopped_ = true;
+  }
+  if (thread_.joinable()) thread_.join();
+}
+
+uint64_t FactSender::refused() const {
+  absl::MutexLock lock(&mutex_);
+  return refused_;
+}
+
+uint64_t FactSender::acknowledged_revision() const {
+  absl::MutexLock lock(&mutex_);
+  return revision_;
+}
+
+}  // namespace docent::robot

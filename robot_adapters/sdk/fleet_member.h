@@ -1,0 +1,39 @@
+// Keeps the robot's lease: calls Fleet.Join again and again, well before each lease runs out, and goes on for ever when
+// the server is away. One thread of its own; thread-safe.
+#ifndef DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_
+#define DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_
+
+#include <functional>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "docent/v1/fleet.pb.h"
+#include "robot_adapters/sdk/server_link.h"
+
+namespace docent::robot {
+
+class FleetMember {
+ public:
+  // `link` must outlive it. `on_return` is called after each Join that follows a failed one (and after the first).
+  FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return);
+  // The link must have been shut down, or a call may keep this waiting for its timeout.
+  ~FleetMember();
+
+  bool joined() const;
+
+ private:
+  void Run();
+
+  ServerLink* const link_;
+  const v1::JoinRequest request_;
+  const std::function<void()> on_return_;
+  mutable absl::Mutex mutex_;
+  bool joined_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_

@@ -1,0 +1,125 @@
+// A docent server for tests of adapters: takes facts and joins, answers every query with what the test laid down.
+#ifndef DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
+#define DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/fleet.grpc.pb.h"
+
+namespace docent::robot {
+
+class FakeServer final : public v1::Context::Service, public v1::Fleet::Service {
+ public:
+  FakeServer() { Start(0); }
+  ~FakeServer() override { Stop(); }
+
+  // At the port it had before, unless `port` is another.
+  void Start(int port) {
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(absl::StrCat("127.0.0.1:", port), grpc::InsecureServerCredentials(), &port_);
+    builder.RegisterService(static_cast<v1::Context::Service*>(this));
+    builder.RegisterService(static_cast<v1::Fleet::Service*>(this));
+    server_ = builder.BuildAndStart();
+  }
+  void Stop() {
+    if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now());
+    server_.reset();
+  }
+  int port() const { return port_; }
+  std::string address() const { return absl::StrCat("127.0.0.1:", port_); }
+
+  grpc::Status Assert(grpc::ServerContext*, const v1::AssertRequest* request, v1::AssertReply* reply) override {
+    absl::MutexLock lock(&mutex_);
+    for (size_t i = 0; i < batches_.size(); ++i) {
+      if (batches_[i].request_id() != request->request_id()) continue;
+      reply->set_offset(i + 1);
+      reply->set_repeated(true);
+      return grpc::Status::OK;
+    }
+    batches_.push_back(*request);
+    for (const v1::Quad& quad : request->remove()) values_.erase({quad.subject().iri(), quad.predicate().iri()});
+    for (const v1::Quad& quad : request->add()) {
+      values_[{quad.subject().iri(), quad.predicate().iri()}] =
+          quad.object().has_iri() ? quad.object().iri() : quad.object().literal().lexical();
+    }
+    reply->set_offset(batches_.size());
+    return grpc::Status::OK;
+  }
+  grpc::Status Query(grpc::ServerContext*, const v1::QueryRequest* request,
+                     grpc::ServerWriter<v1::QueryReply>* writer) override {
+    absl::MutexLock lock(&mutex_);
+    queries_.push_back(request->query());
+    for (const v1::QueryReply& reply : answer_) writer->Write(reply);
+    return grpc::Status::OK;
+  }
+  grpc::Status Join(grpc::ServerContext*, const v1::JoinRequest* request, v1::JoinReply* reply) override {
+    absl::MutexLock lock(&mutex_);
+    joins_.push_back(*request);
+    reply->set_lease_ms(lease_ms_);
+    return grpc::Status::OK;
+  }
+
+  // Waits until `subject predicate` has this value (IRI or lexical form); false after half a minute.
+  bool AwaitValue(const std::string& subject, const std::string& predicate, const std::string& value) {
+    absl::MutexLock lock(&mutex_);
+    auto holds = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      auto found = values_.find({subject, predicate});
+      return found == values_.end() ? value.empty() : found->second == value;
+    };
+    return mutex_.AwaitWithTimeout(absl::Condition(&holds), absl::Seconds(30));
+  }
+  bool AwaitJoins(size_t n) {
+    absl::MutexLock lock(&mutex_);
+    auto enough = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return joins_.size() >= n; };
+    return mutex_.AwaitWithTimeout(absl::Condition(&enough), absl::Seconds(30));
+  }
+  std::string Value(const std::string& subject, const std::string& predicate) {
+    absl::MutexLock lock(&mutex_);
+    auto found = values_.find({subject, predicate});
+    return found == values_.end() ? "" : found->second;
+  }
+  std::vector<v1::AssertRequest> batches() {
+    absl::MutexLock lock(&mutex_);
+    return batches_;
+  }
+  std::vector<v1::JoinRequest> joins() {
+    absl::MutexLock lock(&mutex_);
+    return joins_;
+  }
+  std::vector<std::string> queries() {
+    absl::MutexLock lock(&mutex_);
+    return queries_;
+  }
+  void SetAnswer(std::vector<v1::QueryReply> answer) {
+    absl::MutexLock lock(&mutex_);
+    answer_ = std::move(answer);
+  }
+  void SetLease(uint32_t lease_ms) {
+    absl::MutexLock lock(&mutex_);
+    lease_ms_ = lease_ms;
+  }
+
+ private:
+  int port_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+  absl::Mutex mutex_;
+  uint32_t lease_ms_ = 3000;
+  std::vector<v1::AssertRequest> batches_;
+  std::vector<v1::JoinRequest> joins_;
+  std::vector<std::string> queries_;
+  std::vector<v1::QueryReply> answer_;
+  std::map<std::pair<std::string, std::string>, std::string> values_;
+};
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
