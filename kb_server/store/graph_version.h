@@ -3,14 +3,16 @@
 // A version is held by shared_ptr<const GraphVersion>; any number of threads read it, nothing changes it, and
 // making the next version copies only the path to what changed.
 //
-// Three index orders: SPOG, POSG, OSPG. Each scan walks the order in which the pattern's bound positions are a
-// prefix, so the matches come as one contiguous run; the graph, if bound, filters where it is not in the prefix.
+// Four index orders: SPOG, POSG, OSPG and GSPO. Each scan walks the order in which the pattern's bound positions are
+// a prefix, so the matches come as one contiguous run; where no order has them all as a prefix (a graph bound besides
+// a predicate or an object), the rest filters.
 #ifndef DOCENT_KB_SERVER_STORE_GRAPH_VERSION_H_
 #define DOCENT_KB_SERVER_STORE_GRAPH_VERSION_H_
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "kb_server/base/ids.h"
@@ -19,17 +21,24 @@
 
 namespace docent {
 
-enum class IndexOrder : uint8_t { kSpog = 0, kPosg = 1, kOspg = 2 };
+enum class IndexOrder : uint8_t { kSpog = 0, kPosg = 1, kOspg = 2, kGspo = 3 };
+inline constexpr int kIndexOrders = 4;
 
 // A position in a scan. Usage: for (auto c = version.Scan(p); c.Valid(); c.Next()) use(c.quad());
-// Holds a pointer into the version, which must outlive it. One thread.
+// Holds a pointer into the version, which must outlive it; a change by the writer whose current() it reads makes it
+// invalid. One thread.
 class QuadCursor {
  public:
   QuadCursor() = default;
-  bool Valid() const { return valid_; }
-  void Next();
-  // Moves forward to the first match whose key in this cursor's order is >= the key of `target` (galloping).
+  bool Valid() const { return iterator_.Valid(); }
+  void Next() {
+    iterator_.Next();
+    Settle();
+  }
+  // Moves forward to the first match whose key in this cursor's order is >= the key of `target`; stays if the
+  // current one is. O(log distance).
   void Seek(const Quad& target);
+  // Requires Valid().
   const Quad& quad() const { return quad_; }
   IndexOrder order() const { return order_; }
 
@@ -38,50 +47,56 @@ class QuadCursor {
   void Settle();
 
   QuadTree::Iterator iterator_;
-  IndexOrder order_ = IndexOrder::kSpog;
   QuadPattern pattern_;
-  std::array<uint64_t, 4> last_key_ = {};  // end of the run, inclusive
   Quad quad_;
-  bool filter_ = false;
-  bool valid_ = false;
+  IndexOrder order_ = IndexOrder::kSpog;
+  bool filter_ = false;  // bound positions beyond the prefix
 };
 
 class GraphVersion {
  public:
-  GraphVersion() = default;
+  GraphVersion() = default;  // the empty graph, revision 0
+  GraphVersion& operator=(const GraphVersion&) = delete;
 
   Revision revision() const { return revision_; }
   // Quads in all graphs, inferred ones included.
   uint64_t size() const { return trees_[0].size(); }
 
   bool Contains(const Quad& quad) const;
-  // Matches in index order; a triple that stands in two graphs comes twice (adjacent).
+  // Matches in the order that suits the pattern. A triple that stands in two graphs comes twice: adjacent, since
+  // where no graph is bound the graph is the last word of the order.
   QuadCursor Scan(const QuadPattern& pattern) const;
-  // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins).
+  // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo the
+  // copies of a triple are not adjacent.
   QuadCursor ScanInOrder(const QuadPattern& pattern, IndexOrder order) const;
-  // Exact number of matches where the bound positions form a prefix of an order (every combination without the
-  // graph, and SPO+G); with a graph bound besides fewer positions it is the count without the graph: an upper bound.
-  // O(log n).
+  // The number of matches. Exact, but for a graph bound together with a predicate or an object and not all of S, P
+  // and O (and not S, or S and P, alone): then the smaller of the counts without the graph and of the graph, an upper
+  // bound. O(log n).
   uint64_t Count(const QuadPattern& pattern) const;
-  // Calls `visit(quad)` for each match until it returns false. Faster than a cursor for full runs.
+  // Calls `visit(quad)` for each match until it returns false.
   template <typename Visit>
   void ForEach(const QuadPattern& pattern, Visit visit) const {
     for (QuadCursor c = Scan(pattern); c.Valid(); c.Next()) {
       if (!visit(c.quad())) return;
     }
   }
-  // The distinct graphs that hold at least one quad.
-  const std::vector<TermId>& graphs() const;
+  // The distinct graphs that hold at least one quad, ascending. O(graphs * log n).
+  std::vector<TermId> graphs() const;
 
-  // Memory of nodes that this version holds, shared or not; estimated.
+  // Memory of the index nodes that this version holds, shared with others or not. O(1).
   size_t bytes() const;
+  // Aborts if an index is broken or the indexes differ in size. For tests; O(n).
+  void CheckInvariants() const;
 
  private:
   friend class GraphWriter;
-  std::array<QuadTree, 3> trees_;  // by IndexOrder
+  // For the writer: shares all nodes.
+  GraphVersion(const GraphVersion&) = default;
+
+  const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
+
+  std::array<QuadTree, kIndexOrders> trees_;  // by IndexOrder
   Revision revision_;
-  std::shared_ptr<const std::vector<std::pair<TermId, uint64_t>>> graph_sizes_;  // sorted by graph
-  mutable std::vector<TermId> graph_list_;
 };
 
 using GraphVersionPtr = std::shared_ptr<const GraphVersion>;

@@ -2,10 +2,14 @@
 //
 // A writer starts from a version and changes a private copy (nodes made by this writer are changed in place).
 // `current()` is readable at any time by the writer thread: rules and constraints read the unpublished state
-// through it. `Freeze` makes it immutable; `Rollback` goes back to the start. Between them nothing is visible to others.
+// through it. `Freeze` makes it immutable; `Rollback` goes back to the start. Between them nothing is visible to
+// others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
+// Several writers may start from one version; they do not see each other.
 #ifndef DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
 #define DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kb_server/store/delta.h"
@@ -15,17 +19,21 @@ namespace docent {
 
 class GraphWriter {
  public:
+  // `start` may be null: the empty graph.
   explicit GraphWriter(GraphVersionPtr start);
+  GraphWriter(const GraphWriter&) = delete;
+  GraphWriter& operator=(const GraphWriter&) = delete;
 
   // True if the graph changed.
   bool Add(const Quad& quad);
   bool Remove(const Quad& quad);
-  // Adds then removes as listed, returns the net change.
+  // Adds then removes as listed, returns the net change. A quad in both lists ends up absent.
   Delta Apply(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  // Replaces the empty graph by these quads at once: sorts and builds full nodes. Requires current().size() == 0.
+  // Fills the empty graph with these quads at once: sorts, drops repeats and builds full nodes; several times faster
+  // than Add. Requires current().size() == 0.
   void BulkLoad(std::vector<Quad> quads);
 
-  const GraphVersion& current() const { return version_; }
+  const GraphVersion& current() const { return *version_; }
 
   // The version made so far, as revision `revision`; the writer goes on from it.
   GraphVersionPtr Freeze(Revision revision);
@@ -34,7 +42,7 @@ class GraphWriter {
 
  private:
   GraphVersionPtr start_;
-  GraphVersion version_;
+  std::unique_ptr<GraphVersion> version_;
   uint64_t epoch_;  // nodes with this epoch are ours to change
 };
 

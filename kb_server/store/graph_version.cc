@@ -1,0 +1,98 @@
+#include "kb_server/store/graph_version.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "kb_server/store/index_order.h"
+
+namespace docent {
+namespace {
+
+// The order whose prefix is S, P and O as far as they are bound.
+IndexOrder OrderWithoutGraph(const QuadPattern& p) {
+  bool s = !p.subject.IsNone(), o = !p.object.IsNone();
+  if (!p.predicate.IsNone()) return s ? IndexOrder::kSpog : IndexOrder::kPosg;
+  return o ? IndexOrder::kOspg : IndexOrder::kSpog;
+}
+
+}  // namespace
+
+void QuadCursor::Settle() {
+  for (; iterator_.Valid(); iterator_.Next()) {
+    quad_ = QuadOf(iterator_.key(), order_);
+    if (!filter_ || pattern_.Matches(quad_)) return;
+  }
+}
+
+void QuadCursor::Seek(const Quad& target) {
+  iterator_.Seek(KeyOf(target, order_));
+  Settle();
+}
+
+bool GraphVersion::Contains(const Quad& quad) const {
+  return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
+}
+
+QuadCursor GraphVersion::Scan(const QuadPattern& pattern) const {
+  IndexOrder order = OrderWithoutGraph(pattern);
+  if (pattern.graph.IsNone()) return ScanInOrder(pattern, order);
+  if (RangeOf(pattern, IndexOrder::kGspo).exact) return ScanInOrder(pattern, IndexOrder::kGspo);
+  KeyRange without = RangeOf(pattern, order);
+  if (without.exact) return ScanInOrder(pattern, order);
+  // Neither covers all that is bound: walk the shorter run.
+  KeyRange within = RangeOf(pattern, IndexOrder::kGspo);
+  bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <
+                     tree(order).CountRange(without.first, without.last);
+  return ScanInOrder(pattern, graph_first ? IndexOrder::kGspo : order);
+}
+
+QuadCursor GraphVersion::ScanInOrder(const QuadPattern& pattern, IndexOrder order) const {
+  KeyRange range = RangeOf(pattern, order);
+  QuadCursor cursor;
+  cursor.order_ = order;
+  cursor.pattern_ = pattern;
+  cursor.filter_ = !range.exact;
+  cursor.iterator_ = tree(order).Range(range.first, range.last);
+  cursor.Settle();
+  return cursor;
+}
+
+uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
+  IndexOrder order = OrderWithoutGraph(pattern);
+  KeyRange without = RangeOf(pattern, order);
+  if (without.exact && pattern.graph.IsNone()) {
+    if (pattern.subject.IsNone() && pattern.predicate.IsNone() && pattern.object.IsNone()) return size();
+    return tree(order).CountRange(without.first, without.last);
+  }
+  KeyRange within = RangeOf(pattern, IndexOrder::kGspo);
+  uint64_t in_graph = tree(IndexOrder::kGspo).CountRange(within.first, within.last);
+  if (within.exact) return in_graph;
+  return std::min(in_graph, tree(order).CountRange(without.first, without.last));
+}
+
+std::vector<TermId> GraphVersion::graphs() const {
+  std::vector<TermId> graphs;
+  constexpr uint64_t kMax = ~uint64_t{0};
+  QuadTree::Iterator i = tree(IndexOrder::kGspo).Range({}, {kMax, kMax, kMax, kMax});
+  while (i.Valid()) {
+    uint64_t graph = i.key()[0];
+    graphs.push_back(TermId(graph));
+    i.Seek({graph, kMax, kMax, kMax});  // no quad is all ones, so this is past the graph
+  }
+  return graphs;
+}
+
+size_t GraphVersion::bytes() const {
+  size_t bytes = 0;
+  for (const QuadTree& tree : trees_) bytes += tree.bytes();
+  return bytes;
+}
+
+void GraphVersion::CheckInvariants() const {
+  for (const QuadTree& tree : trees_) {
+    tree.CheckInvariants();
+    if (tree.size() != size()) std::abort();
+  }
+}
+
+}  // namespace docent

@@ -1,0 +1,72 @@
+#include "kb_server/store/graph_writer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "kb_server/store/index_order.h"
+
+namespace docent {
+
+GraphWriter::GraphWriter(GraphVersionPtr start)
+    : start_(start != nullptr ? std::move(start) : std::make_shared<GraphVersion>()),
+      version_(new GraphVersion(*start_)),
+      epoch_(QuadTree::NewEpoch()) {}
+
+bool GraphWriter::Add(const Quad& quad) {
+  if (!version_->trees_[0].Insert(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
+  for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_);
+  return true;
+}
+
+bool GraphWriter::Remove(const Quad& quad) {
+  if (!version_->trees_[0].Erase(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
+  for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_);
+  return true;
+}
+
+Delta GraphWriter::Apply(const std::vector<Quad>& add, const std::vector<Quad>& remove) {
+  Delta delta;
+  for (const Quad& quad : add) {
+    if (Add(quad)) delta.added.push_back(quad);
+  }
+  if (remove.empty()) return delta;
+  absl::flat_hash_set<Quad> added(delta.added.begin(), delta.added.end());
+  bool cancelled = false;
+  for (const Quad& quad : remove) {
+    if (!Remove(quad)) continue;
+    if (added.erase(quad) == 0) delta.removed.push_back(quad);
+    else cancelled = true;
+  }
+  if (cancelled) {
+    std::erase_if(delta.added, [&](const Quad& quad) { return !added.contains(quad); });
+  }
+  return delta;
+}
+
+void GraphWriter::BulkLoad(std::vector<Quad> quads) {
+  assert(version_->size() == 0);
+  std::sort(quads.begin(), quads.end());
+  quads.erase(std::unique(quads.begin(), quads.end()), quads.end());
+  std::vector<QuadTree::Key> keys(quads.size());
+  for (int i = 0; i < kIndexOrders; ++i) {
+    for (size_t j = 0; j < quads.size(); ++j) keys[j] = KeyOf(quads[j], IndexOrder(i));
+    if (i > 0) std::sort(keys.begin(), keys.end());
+    version_->trees_[i] = QuadTree::Build(keys, epoch_);
+  }
+}
+
+GraphVersionPtr GraphWriter::Freeze(Revision revision) {
+  version_->revision_ = revision;
+  start_.reset(new GraphVersion(*version_));
+  epoch_ = QuadTree::NewEpoch();
+  return start_;
+}
+
+void GraphWriter::Rollback() {
+  version_.reset(new GraphVersion(*start_));
+  epoch_ = QuadTree::NewEpoch();
+}
+
+}  // namespace docent

@@ -1,0 +1,212 @@
+#include "kb_server/store/quad_tree.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <utility>
+
+#include "kb_server/store/quad_tree_edit.h"
+#include "kb_server/store/quad_tree_node.h"
+
+namespace docent {
+
+struct QuadTree::Path {
+  struct Step {
+    Inner* node;
+    int index;
+  };
+  std::array<Step, kMaxHeight> steps;
+  Leaf* leaf = nullptr;
+  int position = 0;
+  bool found = false;
+};
+
+uint64_t QuadTree::NewEpoch() {
+  static std::atomic<uint64_t> next{1};
+  return next.fetch_add(1, std::memory_order_relaxed);
+}
+
+QuadTree::QuadTree(const QuadTree& other)
+    : root_(other.root_), size_(other.size_), bytes_(other.bytes_), height_(other.height_) {
+  if (root_ != nullptr) Edit::Acquire(root_);
+}
+
+QuadTree::QuadTree(QuadTree&& other) noexcept
+    : root_(std::exchange(other.root_, nullptr)),
+      size_(std::exchange(other.size_, 0)),
+      bytes_(std::exchange(other.bytes_, 0)),
+      height_(std::exchange(other.height_, 0)) {}
+
+QuadTree& QuadTree::operator=(const QuadTree& other) {
+  QuadTree copy(other);
+  return *this = std::move(copy);
+}
+
+QuadTree& QuadTree::operator=(QuadTree&& other) noexcept {
+  std::swap(root_, other.root_);
+  std::swap(size_, other.size_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(height_, other.height_);
+  return *this;
+}
+
+QuadTree::~QuadTree() {
+  if (root_ != nullptr) Edit::Release(root_);
+}
+
+QuadTree QuadTree::Build(const std::vector<Key>& keys, uint64_t epoch) {
+  // Nodes an eighth empty, so that the first insert into each does not split it.
+  constexpr size_t kLeafFill = Leaf::kMaxKeys * 7 / 8;
+  constexpr size_t kInnerFill = Inner::kMaxChildren * 7 / 8;
+  QuadTree tree;
+  if (keys.empty()) return tree;
+  Edit edit(epoch);
+  std::vector<Edit::Right> level;
+  for (size_t i = 0; i < keys.size(); i += kLeafFill) {
+    std::span<const Key> run(keys.data() + i, std::min(kLeafFill, keys.size() - i));
+    level.push_back({edit.NewLeaf(run, 0), run[0], run.size()});
+  }
+  while (level.size() > 1) {
+    std::vector<Edit::Right> above;
+    for (size_t i = 0; i < level.size(); i += kInnerFill) {
+      Inner* inner = edit.NewInner();
+      uint64_t size = 0;
+      for (size_t j = i; j < std::min(i + kInnerFill, level.size()); ++j) {
+        inner->keys[inner->count] = level[j].first;
+        inner->counts[inner->count] = level[j].size;
+        inner->children[inner->count++] = level[j].node;
+        size += level[j].size;
+      }
+      above.push_back({inner, level[i].first, size});
+    }
+    level = std::move(above);
+    ++tree.height_;
+  }
+  tree.root_ = level[0].node;
+  tree.size_ = keys.size();
+  tree.bytes_ = static_cast<size_t>(edit.bytes_change());
+  return tree;
+}
+
+QuadTree::Path QuadTree::Descend(const Key& key) const {
+  Path path;
+  Node* node = root_;
+  for (int level = 0; level < height_; ++level) {
+    Inner* inner = static_cast<Inner*>(node);
+    int index = inner->ChildFor(key);
+    path.steps[level] = {inner, index};
+    node = inner->children[index];
+  }
+  path.leaf = static_cast<Leaf*>(node);
+  path.position = path.leaf->LowerBound(key, 0, path.leaf->count);
+  path.found = path.position < path.leaf->count && path.leaf->KeyAt(path.position) == key;
+  return path;
+}
+
+void QuadTree::MakeWritable(Edit& edit, Path* path) {
+  Node** slot = &root_;
+  for (int level = 0; level < height_; ++level) {
+    auto& [node, index] = path->steps[level];
+    node = edit.Writable(node);
+    *slot = node;
+    slot = &node->children[index];
+  }
+}
+
+bool QuadTree::Insert(const Key& key, uint64_t epoch) {
+  Edit edit(epoch);
+  if (root_ == nullptr) {
+    root_ = edit.NewLeaf(std::span<const Key>(&key, 1), 3);
+    size_ = 1;
+    bytes_ = static_cast<size_t>(edit.bytes_change());
+    return true;
+  }
+  Path path = Descend(key);
+  if (path.found) return false;
+  MakeWritable(edit, &path);
+  Edit::Right right;
+  Node* changed = edit.InsertIntoLeaf(path.leaf, path.position, key, &right);
+  for (int level = height_ - 1; level >= 0; --level) {
+    auto [inner, index] = path.steps[level];
+    inner->children[index] = changed;
+    inner->counts[index] += 1;
+    changed = inner;
+    if (right.node == nullptr) continue;
+    inner->counts[index] -= right.size;
+    Edit::Right above;
+    edit.InsertChild(inner, index, right, &above);
+    right = above;
+  }
+  root_ = changed;
+  if (right.node != nullptr) {
+    if (height_ + 1 == kMaxHeight) std::abort();  // 32^15 leaves do not fit into memory
+    Inner* top = edit.NewInner();
+    top->count = 1;
+    top->keys[0] = right.first;  // not read
+    top->counts[0] = Edit::SizeOf(changed);
+    top->children[0] = changed;
+    Edit::Right none;
+    edit.InsertChild(top, 0, right, &none);
+    root_ = top;
+    ++height_;
+  }
+  ++size_;
+  bytes_ = static_cast<size_t>(static_cast<int64_t>(bytes_) + edit.bytes_change());
+  return true;
+}
+
+bool QuadTree::Erase(const Key& key, uint64_t epoch) {
+  if (root_ == nullptr) return false;
+  Path path = Descend(key);
+  if (!path.found) return false;
+  Edit edit(epoch);
+  MakeWritable(edit, &path);
+  Node* changed = edit.EraseFromLeaf(path.leaf, path.position);
+  for (int level = height_ - 1; level >= 0; --level) {
+    auto [inner, index] = path.steps[level];
+    inner->children[index] = changed;
+    inner->counts[index] -= 1;
+    changed = inner;
+    if (inner->children[index] == nullptr) {
+      edit.RemoveChild(inner, index);
+      if (inner->count == 0) changed = edit.DropEmpty(inner);
+    } else {
+      edit.MergeChild(inner, index);
+    }
+  }
+  root_ = changed;
+  while (height_ > 0 && root_ != nullptr && root_->count == 1) {
+    root_ = edit.TakeOnlyChild(static_cast<Inner*>(root_));
+    --height_;
+  }
+  if (root_ == nullptr) height_ = 0;
+  --size_;
+  bytes_ = static_cast<size_t>(static_cast<int64_t>(bytes_) + edit.bytes_change());
+  return true;
+}
+
+bool QuadTree::Contains(const Key& key) const { return root_ != nullptr && Descend(key).found; }
+
+uint64_t QuadTree::CountBelow(const Key& key, bool inclusive) const {
+  if (root_ == nullptr) return 0;
+  uint64_t below = 0;
+  const Node* node = root_;
+  for (int level = 0; level < height_; ++level) {
+    const Inner* inner = static_cast<const Inner*>(node);
+    int index = inner->ChildFor(key);
+    for (int i = 0; i < index; ++i) below += inner->counts[i];
+    node = inner->children[index];
+  }
+  const Leaf* leaf = static_cast<const Leaf*>(node);
+  int position = leaf->LowerBound(key, 0, leaf->count);
+  bool equal = position < leaf->count && leaf->KeyAt(position) == key;
+  return below + static_cast<uint64_t>(position) + (inclusive && equal ? 1 : 0);
+}
+
+uint64_t QuadTree::CountRange(const Key& first, const Key& last) const {
+  return last < first ? 0 : CountBelow(last, true) - CountBelow(first, false);
+}
+
+}  // namespace docent

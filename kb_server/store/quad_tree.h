@@ -1,0 +1,110 @@
+// A persistent B+-tree over keys of four 64-bit words: one index order of a graph version.
+//
+// Copying a tree costs one reference count; the copies share all nodes. A change copies the nodes on the path to
+// it, except those that were made under the same `epoch`: they belong to the one writer that uses this epoch and
+// are changed in place. So a transaction of many changes copies each node at most once, and a published tree never
+// changes. Every inner node knows the number of keys beneath each child, which gives exact counts of any range.
+//
+// A leaf holds up to 256 keys, each word as its distance from the leaf's smallest in as few bytes as the leaf
+// needs (0 to 8): neighbours share most of a key, so a key takes about 5 to 12 bytes instead of 32.
+//
+// Threads: any number of readers of trees that nobody changes; one writer per tree object. Node reference counts
+// are atomic, so trees that share nodes may be dropped on any thread.
+#ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
+#define DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace docent {
+
+class QuadTree {
+ public:
+  using Key = std::array<uint64_t, 4>;
+  struct Node;
+  struct Leaf;
+  struct Inner;
+  class Iterator;
+  class Edit;
+
+  QuadTree() = default;
+  QuadTree(const QuadTree& other);
+  QuadTree& operator=(const QuadTree& other);
+  QuadTree(QuadTree&& other) noexcept;
+  QuadTree& operator=(QuadTree&& other) noexcept;
+  ~QuadTree();
+
+  // A number that no other caller gets: the epoch of a writer's next unpublished changes. Any thread.
+  static uint64_t NewEpoch();
+  // A tree of these keys, which must be sorted and distinct, in well filled nodes.
+  static QuadTree Build(const std::vector<Key>& keys, uint64_t epoch);
+
+  // True if the tree changed. Iterators over this tree become invalid; those over copies of it do not.
+  bool Insert(const Key& key, uint64_t epoch);
+  bool Erase(const Key& key, uint64_t epoch);
+
+  bool Contains(const Key& key) const;
+  // Number of keys k with first <= k <= last. O(log n).
+  uint64_t CountRange(const Key& first, const Key& last) const;
+  // The keys k with first <= k <= last, in order. The tree must outlive the iterator.
+  Iterator Range(const Key& first, const Key& last) const;
+
+  uint64_t size() const { return size_; }
+  // Memory of all nodes reachable from this tree, shared or not. O(1).
+  size_t bytes() const { return bytes_; }
+  // Aborts if a structural rule is broken (order, counts, separators, byte count). For tests; O(n).
+  void CheckInvariants() const;
+
+ private:
+  static constexpr int kMaxHeight = 16;
+  struct Path;
+
+  Path Descend(const Key& key) const;
+  void MakeWritable(Edit& edit, Path* path);
+  uint64_t CountBelow(const Key& key, bool inclusive) const;
+
+  Node* root_ = nullptr;  // null: empty
+  uint64_t size_ = 0;
+  size_t bytes_ = 0;
+  int height_ = 0;  // inner levels above the leaves
+};
+
+// A position in a range of a tree. Usage: for (auto i = tree.Range(a, b); i.Valid(); i.Next()) use(i.key());
+// One thread.
+class QuadTree::Iterator {
+ public:
+  Iterator() = default;
+  bool Valid() const { return position_ < limit_; }
+  // Requires Valid(), as do the next two.
+  Key key() const;
+  void Next() {
+    if (++position_ == limit_) NextLeaf();
+  }
+  // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
+  void Seek(const Key& target);
+
+ private:
+  friend class QuadTree;
+  void NextLeaf();
+  void EnterLeaf(const Leaf* leaf, const Key& from);
+  void SetLimit();
+  void DescendFrom(int level, const Node* node, const Key& target);
+
+  struct Step {
+    const Inner* node;
+    int index;  // the child on the path
+  };
+  std::array<Step, kMaxHeight> path_;  // from the root down; the first height_ are set
+  const Leaf* leaf_ = nullptr;
+  int height_ = 0;
+  int position_ = 0;
+  int limit_ = 0;  // one past the last position of this leaf that is within the range
+  bool last_leaf_ = true;  // the range ends in this leaf
+  Key last_ = {};
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_STORE_QUAD_TREE_H_

@@ -1,0 +1,63 @@
+// Making, sharing and changing the nodes of a QuadTree: the steps of Insert, Erase and Build.
+// Included only by quad_tree*.cc. Writer thread of the tree.
+#ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_EDIT_H_
+#define DOCENT_KB_SERVER_STORE_QUAD_TREE_EDIT_H_
+
+#include <span>
+
+#include "kb_server/store/quad_tree_node.h"
+
+namespace docent {
+
+// Changes under one epoch. Node arguments are owned by the caller's slot: a function that returns a node has taken
+// over the reference of the one that it was given, and the caller stores what it gets back.
+class QuadTree::Edit {
+ public:
+  // A node split off to the right of another, with the smallest key that belongs there.
+  struct Right {
+    Node* node = nullptr;
+    Key first = {};
+    uint64_t size = 0;  // keys beneath it
+  };
+
+  explicit Edit(uint64_t epoch) : epoch_(epoch) {}
+
+  static void Acquire(Node* node);
+  static void Release(Node* node);  // frees the node and what hangs on it alone
+  static size_t BytesOf(const Node* node);
+  static uint64_t SizeOf(const Node* node);
+
+  // A leaf of these sorted keys with room for `spare` more.
+  Leaf* NewLeaf(std::span<const Key> keys, int spare);
+  Inner* NewInner();
+
+  // `position` is where `key` belongs. If the leaf is full, its upper part moves into `right`.
+  Leaf* InsertIntoLeaf(Leaf* leaf, int position, const Key& key, Right* right);
+  Leaf* EraseFromLeaf(Leaf* leaf, int position);  // null when it became empty
+  // This inner node, or a copy that may be changed.
+  Inner* Writable(Inner* inner);
+  // Puts `child` behind child `index` of a writable node, which is split if full.
+  void InsertChild(Inner* inner, int index, const Right& child, Right* right);
+  void RemoveChild(Inner* inner, int index);
+  Node* DropEmpty(Inner* inner);      // frees a writable node without children; null
+  Node* TakeOnlyChild(Inner* inner);  // frees a writable node with one child; the child
+  // If child `index` of a writable node is small and fits together with a neighbour, makes one of the two.
+  void MergeChild(Inner* inner, int index);
+
+  int64_t bytes_change() const { return bytes_change_; }
+
+ private:
+  // Forgets a node that left the tree.
+  void Drop(Node* node);
+  Leaf* Allocate(size_t capacity, size_t stride);
+  // A copy with room for `capacity` keys, for the writer.
+  Leaf* CopyLeaf(const Leaf* leaf, int capacity);
+  void Append(Inner* to, const Inner* from, const Key& first);
+
+  uint64_t epoch_;
+  int64_t bytes_change_ = 0;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_STORE_QUAD_TREE_EDIT_H_

@@ -1,0 +1,99 @@
+#include <algorithm>
+
+#include "kb_server/store/quad_tree_node.h"
+
+namespace docent {
+
+QuadTree::Iterator QuadTree::Range(const Key& first, const Key& last) const {
+  Iterator iterator;
+  if (root_ == nullptr || last < first) return iterator;
+  iterator.last_ = last;
+  iterator.height_ = height_;
+  iterator.DescendFrom(0, root_, first);
+  return iterator;
+}
+
+QuadTree::Key QuadTree::Iterator::key() const { return leaf_->KeyAt(position_); }
+
+// Walks from `node`, which stands at `level`, to the leaf where `target` belongs.
+void QuadTree::Iterator::DescendFrom(int level, const Node* node, const Key& target) {
+  for (; level < height_; ++level) {
+    const Inner* inner = static_cast<const Inner*>(node);
+    int index = inner->ChildFor(target);
+    path_[level] = {inner, index};
+    node = inner->children[index];
+  }
+  EnterLeaf(static_cast<const Leaf*>(node), target);
+}
+
+void QuadTree::Iterator::EnterLeaf(const Leaf* leaf, const Key& from) {
+  leaf_ = leaf;
+  position_ = leaf->LowerBound(from, 0, leaf->count);
+  SetLimit();
+  if (position_ >= limit_) {
+    position_ = limit_;
+    NextLeaf();
+  }
+}
+
+void QuadTree::Iterator::SetLimit() {
+  last_leaf_ = last_ < leaf_->KeyAt(leaf_->count - 1);
+  if (!last_leaf_) {
+    limit_ = leaf_->count;
+    return;
+  }
+  limit_ = leaf_->LowerBound(last_, position_, leaf_->count);
+  if (leaf_->KeyAt(limit_) == last_) ++limit_;  // a later key exists, so limit_ < count
+}
+
+void QuadTree::Iterator::NextLeaf() {
+  if (last_leaf_) return;
+  int level = height_ - 1;
+  while (level >= 0 && path_[level].index + 1 == path_[level].node->count) --level;
+  if (level < 0) {
+    last_leaf_ = true;
+    return;
+  }
+  const Node* node = path_[level].node->children[++path_[level].index];
+  while (++level < height_) {
+    path_[level] = {static_cast<const Inner*>(node), 0};
+    node = path_[level].node->children[0];
+  }
+  leaf_ = static_cast<const Leaf*>(node);
+  position_ = 0;
+  SetLimit();
+}
+
+void QuadTree::Iterator::Seek(const Key& target) {
+  if (!Valid() || !leaf_->LessAt(position_, target)) return;
+  if (last_ < target) {
+    position_ = limit_;
+    last_leaf_ = true;
+    return;
+  }
+  if (last_leaf_ || !leaf_->LessAt(limit_ - 1, target)) {
+    // Galloping: the target is more often near than far.
+    int step = 1, low = position_ + 1;
+    while (low + step < limit_ && leaf_->LessAt(low + step, target)) {
+      low += step;
+      step *= 2;
+    }
+    position_ = leaf_->LowerBound(target, low, std::min(low + step, limit_));
+    return;
+  }
+  // Up to the lowest node beneath which the target can lie, and down again.
+  int level = height_ - 1;
+  while (level > 0) {
+    const Step& step = path_[level];
+    if (step.index + 1 < step.node->count && target < step.node->keys[step.node->count - 1]) break;
+    --level;
+  }
+  if (level < 0) {
+    position_ = limit_;
+    last_leaf_ = true;
+    return;
+  }
+  DescendFrom(level, path_[level].node, target);
+}
+
+}  // namespace docent
