@@ -74,15 +74,15 @@ HallModel::HallModel(std::unique_ptr<octomap::OcTree> tree, const HallModelSetti
     : tree_(std::move(tree)), settings_(settings) {
   settings_.resolution_m = tree_->getResolution();
   clearance_ = SliceOctree(*tree_, {settings.body_min_z_m, settings.body_max_z_m, settings.max_distance_m,
-                                    settings.margin_m, true});
+                                    settings.margin_m, true, false});
   laser_field_ = SliceOctree(*tree_, {settings.laser_min_z_m, settings.laser_max_z_m, settings.max_distance_m,
-                                      settings.margin_m, false});
+                                      settings.margin_m, false, settings.measured});
   std::ostringstream voxels;
   tree_->writeBinaryNode(voxels, tree_->getRoot());
   hash_ = Fingerprint(std::move(voxels).str());
-  hash_ = Fingerprint(absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g", settings_.resolution_m,
+  hash_ = Fingerprint(absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %d", settings_.resolution_m,
                                       settings_.laser_min_z_m, settings_.laser_max_z_m, settings_.body_min_z_m,
-                                      settings_.body_max_z_m, settings_.max_distance_m),
+                                      settings_.body_max_z_m, settings_.max_distance_m, settings_.measured),
                       hash_);
 }
 
@@ -128,6 +128,33 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromOctoMap(std::uni
   }
   return absl::InvalidArgumentError(absl::StrFormat("hall model: nothing is occupied between z %g and %g m",
                                                     settings.laser_min_z_m, settings.laser_max_z_m));
+}
+
+absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromScans(const std::vector<PosedScan>& scans,
+                                                                     double max_range_m,
+                                                                     const HallModelSettings& settings) {
+  if (absl::Status s = Validate(settings); !s.ok()) return s;
+  auto tree = std::make_unique<octomap::OcTree>(settings.resolution_m);
+  const double z_m = (settings.laser_min_z_m + settings.laser_max_z_m) / 2;
+  for (const PosedScan& posed : scans) {
+    const Pose2 sensor = Compose(posed.robot_in_hall, posed.scan.sensor_in_robot);
+    octomap::Pointcloud ends;
+    for (size_t i = 0; i < posed.scan.range_m.size(); ++i) {
+      const double range = posed.scan.range_m[i];
+      if (!(range > 0) || range >= std::min(max_range_m, posed.scan.max_range_m)) continue;
+      const double bearing = sensor.heading_rad + posed.scan.first_bearing_rad +
+                             static_cast<double>(i) * posed.scan.bearing_step_rad;
+      ends.push_back(static_cast<float>(sensor.x_m + range * std::cos(bearing)),
+                     static_cast<float>(sensor.y_m + range * std::sin(bearing)), static_cast<float>(z_m));
+    }
+    const octomap::point3d origin(static_cast<float>(sensor.x_m), static_cast<float>(sensor.y_m),
+                                  static_cast<float>(z_m));
+    tree->insertPointCloud(ends, origin, -1, true);
+  }
+  tree->updateInnerOccupancy();
+  tree->toMaxLikelihood();  // what a .bt file can hold: the saved map is this map
+  tree->prune();
+  return FromOctoMap(std::move(tree), settings);
 }
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::Load(const std::string& bt_path,

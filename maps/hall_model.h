@@ -7,10 +7,12 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "maps/distance_grid.h"
 #include "maps/hall_layout.h"
+#include "maps/laser_scan.h"
 
 namespace octomap {
 class OcTree;
@@ -26,6 +28,15 @@ struct HallModelSettings {
   double body_max_z_m = 1.20;
   double max_distance_m = 2.0;    // distance fields are cut off here; beyond, planning does not care
   double margin_m = 1.0;          // unknown space kept around the mapped space
+  // Where surfaces lie: false, along the faces of occupied voxels (a drawn layout); true, through the middle of them
+  // (a map made from measured points, which lie anywhere in their voxel). Used for the plane of the laser.
+  bool measured = false;
+};
+
+// A scan taken at a known pose: what a map of a real building is made from.
+struct PosedScan {
+  Pose2 robot_in_hall;
+  LaserScan scan;
 };
 
 class HallModel {
@@ -45,6 +56,13 @@ class HallModel {
   // From the map of a real building. Takes the tree. INVALID_ARGUMENT if the slab of the laser holds nothing.
   static absl::StatusOr<std::shared_ptr<const HallModel>> FromOctoMap(std::unique_ptr<octomap::OcTree> tree,
                                                                      const HallModelSettings& settings = {});
+
+  // Maps a real building: every beam frees the voxels that it passes at the height of the laser's slab and occupies
+  // the one it ends in (OctoMap's insertion of point clouds, with its default probabilities). Beams longer than
+  // `max_range_m` are not used. INVALID_ARGUMENT if no beam is.
+  static absl::StatusOr<std::shared_ptr<const HallModel>> FromScans(const std::vector<PosedScan>& scans,
+                                                                   double max_range_m,
+                                                                   const HallModelSettings& settings);
 
   // Reads a binary octree (.bt). NOT_FOUND, or INVALID_ARGUMENT if it is not one.
   static absl::StatusOr<std::shared_ptr<const HallModel>> Load(const std::string& bt_path,

@@ -87,6 +87,7 @@ DistanceGrid SliceOctree(const octomap::OcTree& tree, const SliceSettings& setti
     return s == CellState::kOccupied || (unknown && s == CellState::kUnknown);
   };
   grid.distance_m = CenterDistances(grid, settings.max_distance_m, obstacle);
+  if (settings.surface_at_centers) return grid;
   const std::vector<float> inside =
       CenterDistances(grid, settings.max_distance_m, [&obstacle](CellState s) { return !obstacle(s); });
   // The surface lies half a cell before the centre of the outermost obstacle cell.

@@ -1,0 +1,45 @@
+// What a real robot recorded: its odometry and laser scans (an MRPT rawlog), and the map of its building (an MRPT
+// simple map: scans at known poses). MRPT reads the files; its types do not show here. Free functions; any thread.
+#ifndef DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
+#define DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/clock.h"
+#include "maps/hall_model.h"
+#include "maps/laser_scan.h"
+
+namespace docent::robot {
+
+struct RecordedStep {
+  TimeMicros time_us = 0;  // of the scan
+  maps::Pose2 odometry;    // increment since the step before, in the robot's frame
+  maps::LaserScan scan;
+};
+
+struct RecordedDrive {
+  std::string file;
+  std::vector<RecordedStep> steps;  // in the order of recording
+};
+
+// Where Debian's mrpt-common (or an own build of MRPT) has put the data set `name`, e.g.
+// "localization_demo.rawlog": <prefix>/share/mrpt/datasets for /usr, /usr/local and /opt/mrpt.
+// NOT_FOUND names the package to install.
+absl::StatusOr<std::string> FindMrptDataset(const std::string& name);
+
+// A rawlog of action and observation pairs with a 2D laser. Where an observation holds several scans the first is
+// taken; movements without a scan are added to the next. NOT_FOUND; INVALID_ARGUMENT: not a rawlog, or no scan in it.
+absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path);
+
+// The scans of a simple map (.simplemap, .simplemap.gz) with their mean poses. Errors as ReadRawlog.
+absl::StatusOr<std::vector<maps::PosedScan>> ReadSimplemap(const std::string& path);
+
+// The building of a simple map as the model to localise in: OctoMap from its scans, voxels of 5 cm.
+absl::StatusOr<std::shared_ptr<const maps::HallModel>> BuildingFromSimplemap(const std::string& path);
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
