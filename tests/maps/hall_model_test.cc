@@ -9,6 +9,7 @@
 #include <fstream>
 #include <random>
 
+#include "maps/analytic_scan.h"
 #include "tests/maps/layout_quads.h"
 
 namespace docent::maps {
@@ -123,6 +124,33 @@ TEST(HallModel, AnotherLayoutHasAnotherHash) {
   LayoutQuads quads = LayoutQuads::SmallHall();
   quads.Thing("More", "Counter", "POLYGON((1 1, 1.2 1, 1.2 1.2, 1 1))");
   EXPECT_NE((*HallModel::FromLayout(*HallLayout::FromQuads(quads.quads())))->hash(), Model().hash());
+}
+
+TEST(HallModel, AMapFromScansHasItsSurfacesWhereTheBeamsEnded) {
+  const AnalyticScanner scanner(Layout(), {});
+  std::vector<PosedScan> scans;
+  for (const Pose2 pose : {Pose2{2, 4, 0}, Pose2{2, 4, 3.1}, Pose2{8, 4.5, 1}, Pose2{8, 4.5, -2}}) {
+    scans.push_back({pose, scanner.ExactScan(pose)});
+  }
+  HallModelSettings settings;
+  settings.measured = true;
+  const auto model = HallModel::FromScans(scans, 20, settings);
+  ASSERT_TRUE(model.ok()) << model.status();
+  double sum = 0;
+  int beams = 0;
+  for (const PosedScan& posed : scans) {
+    for (size_t i = 0; i < posed.scan.range_m.size(); ++i) {
+      const double bearing =
+          posed.robot_in_hall.heading_rad + posed.scan.first_bearing_rad + static_cast<double>(i) * posed.scan.bearing_step_rad;
+      const Pose2 end = Compose({posed.robot_in_hall.x_m, posed.robot_in_hall.y_m, bearing}, {posed.scan.range_m[i], 0, 0});
+      sum += (*model)->laser_field().DistanceAt(end.position());
+      ++beams;
+    }
+  }
+  EXPECT_LT(sum / beams, 0.03) << "mean distance of a beam's end from the surface";
+  EXPECT_EQ((*model)->laser_field().StateAt({3, 4}), CellState::kFree);
+  EXPECT_EQ((*model)->laser_field().StateAt({11.45, 1}), CellState::kUnknown) << "inside the booth's wall";
+  EXPECT_EQ(HallModel::FromScans({}, 20, settings).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 TEST(HallModel, RefusesSettingsOutOfRange) {
