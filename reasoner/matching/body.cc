@@ -1,0 +1,339 @@
+#include "reasoner/matching/body.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "reasoner/matching/body_plan.h"
+
+namespace docent {
+namespace {
+
+using sparql::Algebra;
+using sparql::Expression;
+using sparql::PatternTerm;
+
+void InternConstants(const Algebra& algebra, Dictionary& dictionary);
+
+void InternConstants(const Expression& expression, Dictionary& dictionary) {
+  if (expression.kind == Expression::Kind::kTerm) dictionary.Intern(expression.term);
+  for (const auto& argument : expression.arguments) InternConstants(*argument, dictionary);
+  if (expression.pattern) InternConstants(*expression.pattern, dictionary);
+}
+
+void InternConstant(const PatternTerm& term, Dictionary& dictionary) {
+  if (!term.IsVariable() && !(term.term.IsIri() && term.term.lexical.empty())) dictionary.Intern(term.term);
+}
+
+void InternConstants(const sparql::Path& path, Dictionary& dictionary) {
+  if (path.kind == sparql::Path::Kind::kIri) dictionary.Intern(path.iri);
+  for (const sparql::Path& child : path.children) InternConstants(child, dictionary);
+}
+
+// A query made ready keeps the ids of its constants, so they must have ids before anyone says them.
+void InternConstants(const Algebra& algebra, Dictionary& dictionary) {
+  for (const sparql::TriplePattern& triple : algebra.triples) {
+    InternConstant(triple.subject, dictionary);
+    InternConstant(triple.predicate, dictionary);
+    InternConstant(triple.object, dictionary);
+  }
+  InternConstant(algebra.subject, dictionary);
+  InternConstant(algebra.object, dictionary);
+  InternConstant(algebra.name, dictionary);
+  if (algebra.kind == Algebra::Kind::kPath) InternConstants(algebra.path, dictionary);
+  for (const auto& row : algebra.rows) {
+    for (const auto& term : row) {
+      if (term) dictionary.Intern(*term);
+    }
+  }
+  if (algebra.expression) InternConstants(*algebra.expression, dictionary);
+  for (const auto& key : algebra.group_keys) {
+    if (key.expression) InternConstants(*key.expression, dictionary);
+  }
+  for (const auto& aggregate : algebra.aggregates) {
+    if (aggregate.expression) InternConstants(*aggregate.expression, dictionary);
+  }
+  for (const auto& child : algebra.children) InternConstants(*child, dictionary);
+}
+
+std::optional<Comparison> ComparisonOf(Expression::Kind kind) {
+  switch (kind) {
+    case Expression::Kind::kLess: return Comparison::kLess;
+    case Expression::Kind::kLessOrEqual: return Comparison::kLessOrEqual;
+    case Expression::Kind::kGreater: return Comparison::kGreater;
+    case Expression::Kind::kGreaterOrEqual: return Comparison::kGreaterOrEqual;
+    default: return std::nullopt;
+  }
+}
+
+Comparison Mirror(Comparison op) {
+  switch (op) {
+    case Comparison::kLess: return Comparison::kGreater;
+    case Comparison::kLessOrEqual: return Comparison::kGreaterOrEqual;
+    case Comparison::kGreater: return Comparison::kLess;
+    case Comparison::kGreaterOrEqual: return Comparison::kLessOrEqual;
+  }
+  return op;
+}
+
+void CollectConjuncts(const Expression& expression, std::vector<const Expression*>& conjuncts) {
+  if (expression.kind != Expression::Kind::kAnd) {
+    conjuncts.push_back(&expression);
+    return;
+  }
+  for (const auto& argument : expression.arguments) CollectConjuncts(*argument, conjuncts);
+}
+
+}  // namespace
+
+// Makes a Body from a query.
+class BodyBuilder {
+ public:
+  BodyBuilder(Body& body, Dictionary& dictionary, const sparql::FunctionRegistry* functions)
+      : body_(body), dictionary_(dictionary), functions_(functions) {}
+
+  absl::Status Build(const sparql::Query& query) {
+    const Algebra& where = WithoutModifiers(*query.algebra);
+    InternConstants(where, dictionary_);
+    const TriggerAnalysis analysis = AnalyseTriggers(where);
+    body_.is_volatile_ = analysis.is_volatile;
+    const bool plain_dataset = query.from.empty() && query.from_named.empty();
+    const bool flat = plain_dataset && Flatten(where, /*outermost=*/true) && !patterns_.empty() &&
+                      patterns_.size() <= Body::FlatPlan::kMaxPatterns;
+    if (!flat) {
+      body_.columns_.clear();
+      for (const sparql::Variable& v : sparql::InScopeVariables(where)) {
+        if (!v.IsHidden()) AddColumn(v);
+      }
+    }
+    for (Body::Column& column : body_.columns_) {
+      column.seedable = analysis.seedable.contains(column.name);
+      column.certain = analysis.certain.contains(column.name);
+    }
+    CollectTests(where);
+    AddTriggers(analysis);
+    return flat ? BuildFlat() : BuildGeneral(query, where);
+  }
+
+ private:
+
+  int16_t AddColumn(const sparql::Variable& variable) {
+    const int known = body_.ColumnOf(variable.name);
+    if (known >= 0) return static_cast<int16_t>(known);
+    body_.columns_.push_back({variable.name, !variable.IsHidden(), false});
+    return static_cast<int16_t>(body_.columns_.size() - 1);
+  }
+
+  // Takes `node` apart into patterns_ and filters_; false if it is not a conjunction.
+  bool Flatten(const Algebra& node, bool outermost) {
+    switch (node.kind) {
+      case Algebra::Kind::kBgp:
+        for (const sparql::TriplePattern& triple : node.triples) AddPattern(triple);
+        return true;
+      case Algebra::Kind::kJoin:
+        return std::all_of(node.children.begin(), node.children.end(),
+                           [&](const auto& child) { return Flatten(*child, false); });
+      case Algebra::Kind::kFilter: {
+        if (!outermost) {
+          // A filter of an inner group sees that group's variables only.
+          const auto scope = CertainVariables(*node.children[0]);
+          for (const sparql::Variable& v : sparql::MentionedVariables(*node.expression)) {
+            if (!scope.contains(v.name)) return false;
+          }
+        }
+        CollectConjuncts(*node.expression, filters_);
+        return Flatten(*node.children[0], outermost);
+      }
+      default:
+        return false;
+    }
+  }
+
+  void AddPattern(const sparql::TriplePattern& triple) {
+    Body::FlatPlan::Pattern pattern;
+    const std::array<const PatternTerm*, 3> terms = {&triple.subject, &triple.predicate, &triple.object};
+    for (int i = 0; i < 3; ++i) {
+      const bool variable = terms[i]->IsVariable();
+      pattern.columns[i] = variable ? AddColumn(*terms[i]->variable) : int16_t{Trigger::kNoColumn};
+      pattern.constants[i] = variable ? TermId() : dictionary_.Intern(terms[i]->term);
+    }
+    patterns_.push_back(pattern);
+  }
+
+  std::optional<NumberTest> TestOf(const Expression& expression) const {
+    const std::optional<Comparison> op = ComparisonOf(expression.kind);
+    if (!op) return std::nullopt;
+    const Expression& a = *expression.arguments[0];
+    const Expression& b = *expression.arguments[1];
+    const bool a_variable = a.kind == Expression::Kind::kVariable;
+    const bool b_variable = b.kind == Expression::Kind::kVariable;
+    if (!a_variable && !b_variable) return std::nullopt;
+    NumberTest test{0, a_variable ? *op : Mirror(*op), Trigger::kNoColumn, TermId()};
+    const int left = body_.ColumnOf(a_variable ? a.variable.name : b.variable.name);
+    if (left < 0) return std::nullopt;
+    test.left = static_cast<int16_t>(left);
+    if (a_variable && b_variable) {
+      const int right = body_.ColumnOf(b.variable.name);
+      if (right < 0) return std::nullopt;
+      test.right = static_cast<int16_t>(right);
+      return test;
+    }
+    const Expression& other = a_variable ? b : a;
+    if (other.kind != Expression::Kind::kTerm) return std::nullopt;
+    test.constant = dictionary_.Intern(other.term);
+    if (ViewNumber(test.constant).kind != NumberView::Kind::kNumber) return std::nullopt;
+    return test;
+  }
+
+  // Comparisons with a number that stand in the outermost filters.
+  void CollectTests(const Algebra& where) {
+    for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get()) {
+      std::vector<const Expression*> conjuncts;
+      CollectConjuncts(*node->expression, conjuncts);
+      for (const Expression* conjunct : conjuncts) {
+        if (const auto test = TestOf(*conjunct)) body_.tests_.push_back(*test);
+      }
+    }
+  }
+
+  void AddTriggers(const TriggerAnalysis& analysis) {
+    for (const TriggerSource& source : analysis.triggers) {
+      Trigger trigger;
+      trigger.polarity = source.polarity;
+      trigger.required = source.required;
+      const std::array<const PatternTerm*, 4> terms = {&source.pattern.subject, &source.pattern.predicate,
+                                                       &source.pattern.object, &source.graph};
+      QuadPattern& constants = trigger.match.constants;
+      const std::array<TermId*, 4> ids = {&constants.subject, &constants.predicate, &constants.object, &constants.graph};
+      for (int i = 0; i < 4; ++i) {
+        if (!terms[i]->IsVariable()) {
+          *ids[i] = dictionary_.Intern(terms[i]->term);
+        } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable->name) != source.seeds.end()) {
+          trigger.columns[i] = static_cast<int16_t>(body_.ColumnOf(terms[i]->variable->name));
+        }
+      }
+      trigger.match.equal = EqualPositions(terms);
+      AddGuard(trigger);
+      body_.triggers_.push_back(trigger);
+    }
+  }
+
+  static uint8_t EqualPositions(const std::array<const PatternTerm*, 4>& terms) {
+    static constexpr std::array<std::array<int, 3>, 6> kPairs = {{{0, 1, MatchPattern::kSubjectPredicate},
+                                                                   {0, 2, MatchPattern::kSubjectObject},
+                                                                   {1, 2, MatchPattern::kPredicateObject},
+                                                                   {0, 3, MatchPattern::kSubjectGraph},
+                                                                   {1, 3, MatchPattern::kPredicateGraph},
+                                                                   {2, 3, MatchPattern::kObjectGraph}}};
+    uint8_t equal = 0;
+    for (const auto& [a, b, flag] : kPairs) {
+      if (terms[a]->IsVariable() && terms[a]->variable == terms[b]->variable) equal |= static_cast<uint8_t>(flag);
+    }
+    return equal;
+  }
+
+  void AddGuard(Trigger& trigger) const {
+    if (trigger.columns[2] == Trigger::kNoColumn) return;
+    for (const NumberTest& test : body_.tests_) {
+      if (test.left != trigger.columns[2] || test.right != Trigger::kNoColumn) continue;
+      trigger.match.object_guard = NumberGuard{test.op, ViewNumber(test.constant).value};
+      return;
+    }
+  }
+
+  absl::Status BuildFlat() {
+    std::vector<Body::FlatPlan::Filter> filters;
+    for (const Expression* conjunct : filters_) {
+      Body::FlatPlan::Filter filter;
+      filter.test = TestOf(*conjunct);
+      filter.source = conjunct->Clone();
+      filters.push_back(std::move(filter));
+    }
+    std::vector<std::string> names;
+    for (const Body::Column& column : body_.columns_) names.push_back(column.name);
+    auto plan = std::make_unique<Body::FlatPlan>(dictionary_, functions_);
+    absl::Status status = plan->Build(std::move(patterns_), std::move(filters), std::move(names));
+    body_.plan_ = std::move(plan);
+    return status;
+  }
+
+  absl::Status BuildGeneral(const sparql::Query& query, const Algebra& where) {
+    sparql::Query ask;
+    ask.form = sparql::Query::Form::kAsk;
+    ask.from = query.from;
+    ask.from_named = query.from_named;
+    ask.algebra = where.Clone();
+    auto plan = Body::GeneralPlan::Make(std::move(ask), dictionary_, functions_, body_.columns_);
+    if (!plan.ok()) return plan.status();
+    body_.plan_ = *std::move(plan);
+    return absl::OkStatus();
+  }
+
+  Body& body_;
+  Dictionary& dictionary_;
+  const sparql::FunctionRegistry* functions_;
+  std::vector<Body::FlatPlan::Pattern> patterns_;
+  std::vector<const Expression*> filters_;
+};
+
+std::optional<bool> TestNumbers(const NumberTest& test, absl::Span<const TermId> row) {
+  const TermId left = row[test.left];
+  const TermId right = test.right == Trigger::kNoColumn ? test.constant : row[test.right];
+  if (left.IsNone() || right.IsNone()) return std::nullopt;
+  return CompareNumbers(left, test.op, right);
+}
+
+Body::Body() = default;
+Body::~Body() = default;
+
+absl::StatusOr<std::unique_ptr<Body>> Body::Compile(const sparql::Query& query, Dictionary& dictionary,
+                                                    const sparql::FunctionRegistry* functions) {
+  std::unique_ptr<Body> body(new Body());
+  if (absl::Status status = BodyBuilder(*body, dictionary, functions).Build(query); !status.ok()) return status;
+  return body;
+}
+
+int Body::ColumnOf(const std::string& name) const {
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    if (columns_[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void Body::SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId>& seed) const {
+  seed.assign(columns_.size(), TermId());
+  const std::array<TermId, 4> terms = {quad.subject, quad.predicate, quad.object, quad.graph};
+  for (int i = 0; i < 4; ++i) {
+    if (trigger.columns[i] != Trigger::kNoColumn) seed[trigger.columns[i]] = terms[i];
+  }
+}
+
+MatchPattern Body::Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const {
+  MatchPattern match = trigger.match;
+  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate, &match.constants.object,
+                                      &match.constants.graph};
+  for (int i = 0; i < 4; ++i) {
+    if (trigger.columns[i] != Trigger::kNoColumn) *ids[i] = row[trigger.columns[i]];
+  }
+  if (!match.constants.object.IsNone()) match.object_guard.reset();
+  return match;
+}
+
+absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+  bool ignored = false;
+  for (size_t i = 0; i < columns_.size(); ++i) ignored = ignored || (!seed[i].IsNone() && !columns_[i].seedable);
+  if (!ignored) return EvaluateSeeded(run, seed, visit);
+  std::vector<TermId> usable(seed.begin(), seed.end());
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    if (!columns_[i].seedable) usable[i] = TermId();
+  }
+  return EvaluateSeeded(run, usable, visit);
+}
+
+absl::Status Body::EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+  for (const NumberTest& test : tests_) {
+    if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
+  }
+  return plan_->Evaluate(run, seed, visit);
+}
+
+}  // namespace docent

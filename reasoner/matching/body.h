@@ -1,0 +1,107 @@
+// A pattern made ready to be asked again and again: the body of a rule, or a standing constraint.
+//
+// It knows its triggers (which changed quads can matter to it, in index form) and evaluates itself with some of its columns
+// bound. Most bodies are *flat*, a conjunction of triple patterns with filters: those are joined here, on
+// ids, by index nested loops in the order of exact counts, and a comparison with a number rejects before anything is joined.
+// Every other body goes through the SPARQL evaluator, prepared once for each set of bound columns.
+//
+// Patterns match the union of all graphs; a triple that stands in two graphs is one match.
+// Writer thread only. Not re-entrant: while Evaluate runs, its visitor must not call Evaluate of the same body.
+#ifndef DOCENT_REASONER_MATCHING_BODY_H_
+#define DOCENT_REASONER_MATCHING_BODY_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/algebra.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/matching/pattern_index.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent {
+
+// A triple pattern of a body, in ids and columns.
+struct Trigger {
+  static constexpr int kNoColumn = -1;
+  MatchPattern match;  // constants of the query; the guard where a filter compares its object with a number
+  // For subject, predicate, object, graph: the column that a matching quad gives a value for; kNoColumn for a
+  // constant and for a variable that must not be bound from here.
+  std::array<int16_t, 4> columns = {kNoColumn, kNoColumn, kNoColumn, kNoColumn};
+  Polarity polarity = Polarity::kPositive;
+  bool required = false;  // every solution contains a match
+};
+
+// ?a < 5, 5 <= ?a, ?a >= ?b: a comparison that ids may be able to decide.
+struct NumberTest {
+  int16_t left = 0;                     // column
+  Comparison op = Comparison::kLess;
+  int16_t right = Trigger::kNoColumn;   // column, or
+  TermId constant;                      // a number
+};
+
+// nullopt where a column is open or ids cannot decide.
+std::optional<bool> TestNumbers(const NumberTest& test, absl::Span<const TermId> row);
+
+class Body {
+ public:
+  struct Column {
+    std::string name;       // of the variable, without "?"
+    bool visible = true;    // false: made by the parser for a blank node
+    bool seedable = false;  // may be given as a seed; the others are ignored in a seed
+    // Bound in every solution. A seed in a column that is seedable but not certain (of one branch of a UNION) also finds
+    // solutions that leave it open, and shows it in them: good for "is there one?", not for "which?".
+    bool certain = false;
+  };
+
+  // Of `query`: its WHERE (Project, Distinct, Reduced and OrderBy around it left out) and its dataset.
+  // Interns all constants. Errors as of PreparedQuery::Prepare. `dictionary` and `functions` (may be null) must outlive it.
+  static absl::StatusOr<std::unique_ptr<Body>> Compile(const sparql::Query& query, Dictionary& dictionary,
+                                                       const sparql::FunctionRegistry* functions);
+  ~Body();
+
+  const std::vector<Column>& columns() const { return columns_; }
+  // -1 if there is none.
+  int ColumnOf(const std::string& name) const;
+  const std::vector<Trigger>& triggers() const { return triggers_; }
+  bool is_volatile() const { return is_volatile_; }
+
+  // The seed that `quad`, which matches `trigger`, gives: none in the columns that stay open.
+  void SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId>& seed) const;
+  // What a quad must look like to matter to the solution `row` through `trigger`.
+  MatchPattern Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const;
+
+  // Calls `visit` for each solution that agrees with `seed` (one id a column, none where open), until it returns
+  // false. A row has one id a column; computed values are interned. Rows may repeat. `run` as for PreparedQuery.
+  using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
+  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
+
+ private:
+  friend class BodyBuilder;
+  class Plan;
+  class FlatPlan;
+  class GeneralPlan;
+
+  Body();
+  absl::Status EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
+
+  std::vector<Column> columns_;
+  std::vector<Trigger> triggers_;
+  std::vector<NumberTest> tests_;  // necessary conditions of every solution
+  bool is_volatile_ = false;
+  std::unique_ptr<Plan> plan_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_MATCHING_BODY_H_

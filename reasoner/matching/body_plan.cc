@@ -1,0 +1,196 @@
+#include "reasoner/matching/body_plan.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace docent {
+
+struct Body::FlatPlan::Run {
+  const sparql::RunOptions& options;
+  Visitor visit;
+  absl::Status status;
+};
+
+absl::Status Body::FlatPlan::Prepare(Filter& filter) {
+  auto prepared = sparql::PreparedExpression::Prepare(*filter.source, names_, dictionary_, {.functions = functions_});
+  if (!prepared.ok()) return prepared.status();
+  filter.expression = *std::move(prepared);
+  filter.source.reset();
+  return absl::OkStatus();
+}
+
+absl::Status Body::FlatPlan::Build(std::vector<Pattern> patterns, std::vector<Filter> filters,
+                                   std::vector<std::string> names) {
+  patterns_ = std::move(patterns);
+  filters_ = std::move(filters);
+  names_ = std::move(names);
+  for (Filter& filter : filters_) {
+    if (filter.test) continue;
+    if (absl::Status status = Prepare(filter); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+QuadPattern Body::FlatPlan::Bind(const Pattern& pattern) const {
+  const auto at = [&](int i) {
+    return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i] : row_[pattern.columns[i]];
+  };
+  return {at(0), at(1), at(2), TermId()};
+}
+
+uint32_t Body::FlatPlan::PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const {
+  if ((open & (open - 1)) == 0) return static_cast<uint32_t>(__builtin_ctz(open));
+  uint32_t best = 0;
+  uint64_t fewest = std::numeric_limits<uint64_t>::max();
+  for (uint32_t rest = open; rest != 0; rest &= rest - 1) {
+    const auto i = static_cast<uint32_t>(__builtin_ctz(rest));
+    const uint64_t count = version.Count(Bind(patterns_[i]));
+    if (count < fewest) {
+      fewest = count;
+      best = i;
+    }
+    if (count == 0) {
+      impossible = true;
+      break;
+    }
+  }
+  return best;
+}
+
+bool Body::FlatPlan::TestBound(int16_t column) const {
+  for (const Filter& filter : filters_) {
+    if (!filter.test || (filter.test->left != column && filter.test->right != column)) continue;
+    if (TestNumbers(*filter.test, row_) == std::optional<bool>(false)) return false;
+  }
+  return true;
+}
+
+// False: stop.
+bool Body::FlatPlan::Leaf(Run& run) {
+  for (Filter& filter : filters_) {
+    if (filter.test) {
+      const std::optional<bool> decided = TestNumbers(*filter.test, row_);
+      if (decided == std::optional<bool>(true)) continue;
+      if (decided == std::optional<bool>(false)) return true;
+      if (!filter.expression) {
+        run.status = Prepare(filter);
+        if (!run.status.ok()) return false;
+      }
+    }
+    const absl::StatusOr<bool> holds = filter.expression->Test(run.options, row_);
+    if (!holds.ok()) {
+      run.status = holds.status();
+      return false;
+    }
+    if (!*holds) return true;
+  }
+  return run.visit(row_);
+}
+
+bool Body::FlatPlan::Join(Run& run, uint32_t open) {
+  if (open == 0) return Leaf(run);
+  if (run.options.cancellation != nullptr) {
+    run.status = run.options.cancellation->Check();
+    if (!run.status.ok()) return false;
+  }
+  bool impossible = false;
+  const uint32_t next = PickNext(*run.options.version, open, impossible);
+  if (impossible) return true;
+  const Pattern& pattern = patterns_[next];
+  const QuadPattern bound = Bind(pattern);
+  std::array<int16_t, 3> fresh;  // columns that this pattern binds
+  int fresh_count = 0;
+  const std::array<TermId, 3> given = {bound.subject, bound.predicate, bound.object};
+  for (int i = 0; i < 3; ++i) {
+    if (!given[i].IsNone()) continue;
+    if (std::find(fresh.begin(), fresh.begin() + fresh_count, pattern.columns[i]) == fresh.begin() + fresh_count) {
+      fresh[fresh_count++] = pattern.columns[i];
+    }
+  }
+  bool go_on = true;
+  Quad last;
+  for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.Next()) {
+    const Quad& q = c.quad();
+    if (q.subject == last.subject && q.predicate == last.predicate && q.object == last.object) continue;
+    last = q;
+    for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
+    const std::array<TermId, 3> found = {q.subject, q.predicate, q.object};
+    bool fits = true;
+    for (int i = 0; fits && i < 3; ++i) {
+      if (!given[i].IsNone()) continue;
+      TermId& value = row_[pattern.columns[i]];
+      if (value.IsNone()) value = found[i];
+      fits = value == found[i];  // ?x ex:knows ?x
+    }
+    for (int i = 0; fits && i < fresh_count; ++i) fits = TestBound(fresh[i]);
+    if (fits) go_on = Join(run, open & ~(1u << next));
+    if (fresh_count == 0) break;
+  }
+  for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
+  return go_on;
+}
+
+absl::Status Body::FlatPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+  row_.assign(seed.begin(), seed.end());
+  for (size_t i = 0; i < row_.size(); ++i) {
+    if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
+  }
+  Run state{run, visit, absl::OkStatus()};
+  Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1));
+  return state.status;
+}
+
+absl::StatusOr<std::unique_ptr<Body::GeneralPlan>> Body::GeneralPlan::Make(sparql::Query query, Dictionary& dictionary,
+                                                                           const sparql::FunctionRegistry* functions,
+                                                                           const std::vector<Column>& columns) {
+  std::unique_ptr<GeneralPlan> plan(new GeneralPlan(std::move(query), dictionary, functions, columns));
+  const std::vector<TermId> nothing(columns.size());
+  if (auto variant = plan->VariantFor(nothing); !variant.ok()) return variant.status();
+  return plan;
+}
+
+absl::StatusOr<Body::GeneralPlan::Variant*> Body::GeneralPlan::VariantFor(absl::Span<const TermId> seed) {
+  std::vector<int16_t> bound;
+  for (size_t i = 0; i < seed.size(); ++i) {
+    if (!seed[i].IsNone()) bound.push_back(static_cast<int16_t>(i));
+  }
+  for (Variant& variant : variants_) {
+    if (variant.bound == bound) return &variant;
+  }
+  sparql::PrepareOptions options;
+  options.functions = functions_;
+  for (const int16_t column : bound) options.bound.push_back(columns_[column].name);
+  auto prepared = sparql::PreparedQuery::Prepare(query_, dictionary_, options);
+  if (!prepared.ok()) return prepared.status();
+  Variant variant{std::move(bound), {}, *std::move(prepared)};
+  for (const std::string& name : variant.query->variables()) {
+    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
+    variant.columns.push_back(found == columns_.end() ? int16_t{Trigger::kNoColumn}
+                                                      : static_cast<int16_t>(found - columns_.begin()));
+  }
+  variants_.push_back(std::move(variant));
+  return &variants_.back();
+}
+
+absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+  absl::StatusOr<Variant*> variant = VariantFor(seed);
+  if (!variant.ok()) return variant.status();
+  sparql::PreparedQuery& query = *(*variant)->query;
+  std::vector<TermId> bound;
+  for (const int16_t column : (*variant)->bound) bound.push_back(seed[column]);
+  if (absl::Status status = query.Start(run, bound); !status.ok()) return status;
+  while (query.Next()) {
+    row_.assign(seed.begin(), seed.end());
+    const absl::Span<const TermId> found = query.row();
+    for (size_t i = 0; i < found.size(); ++i) {
+      const int16_t column = (*variant)->columns[i];
+      if (column == Trigger::kNoColumn || found[i].IsNone()) continue;
+      const bool computed = found[i].tag() == TermId::Tag::kLocal;
+      row_[column] = computed ? dictionary_.Intern(query.Decode(found[i])) : found[i];
+    }
+    if (!visit(row_)) return absl::OkStatus();
+  }
+  return query.status();
+}
+
+}  // namespace docent

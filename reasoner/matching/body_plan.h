@@ -1,0 +1,92 @@
+// How a Body finds its solutions. Private to this folder.
+#ifndef DOCENT_REASONER_MATCHING_BODY_PLAN_H_
+#define DOCENT_REASONER_MATCHING_BODY_PLAN_H_
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "reasoner/matching/body.h"
+
+namespace docent {
+
+class Body::Plan {
+ public:
+  virtual ~Plan() = default;
+  // As Body::Evaluate; `seed` holds nothing in columns that are not seedable.
+  virtual absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) = 0;
+};
+
+// A conjunction of triple patterns and filters.
+class Body::FlatPlan final : public Body::Plan {
+ public:
+  struct Pattern {
+    std::array<TermId, 3> constants;
+    std::array<int16_t, 3> columns;  // kNoColumn where constant
+  };
+  // A filter: decided on ids where `test` can, by `expression` otherwise. One of the two may be missing.
+  struct Filter {
+    std::optional<NumberTest> test;
+    sparql::ExpressionPtr source;  // made ready when first needed, where there is a test
+    std::unique_ptr<sparql::PreparedExpression> expression;
+  };
+  static constexpr size_t kMaxPatterns = 32;
+
+  FlatPlan(const Dictionary& dictionary, const sparql::FunctionRegistry* functions)
+      : dictionary_(dictionary), functions_(functions) {}
+  // Filters that need the evaluator are prepared. `names`: the columns.
+  absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters, std::vector<std::string> names);
+  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override;
+
+ private:
+  struct Run;
+  QuadPattern Bind(const Pattern& pattern) const;
+  uint32_t PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const;
+  bool Join(Run& run, uint32_t open);
+  // False: the filter rejects the row as far as it is bound.
+  bool TestBound(int16_t column) const;
+  bool Leaf(Run& run);
+  absl::Status Prepare(Filter& filter);
+
+  const Dictionary& dictionary_;
+  const sparql::FunctionRegistry* functions_;
+  std::vector<Pattern> patterns_;
+  std::vector<Filter> filters_;
+  std::vector<std::string> names_;
+  std::vector<TermId> row_;  // of the running evaluation
+};
+
+// Anything else: the SPARQL evaluator.
+class Body::GeneralPlan final : public Body::Plan {
+ public:
+  // Prepares the unseeded form at once, so that errors show here. `columns` outlives the plan.
+  static absl::StatusOr<std::unique_ptr<GeneralPlan>> Make(sparql::Query query, Dictionary& dictionary,
+                                                           const sparql::FunctionRegistry* functions,
+                                                           const std::vector<Column>& columns);
+  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override;
+
+ private:
+  struct Variant {
+    std::vector<int16_t> bound;    // columns, ascending
+    std::vector<int16_t> columns;  // of the prepared query's rows → ours
+    std::unique_ptr<sparql::PreparedQuery> query;
+  };
+  GeneralPlan(sparql::Query query, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+              const std::vector<Column>& columns)
+      : query_(std::move(query)), dictionary_(dictionary), functions_(functions), columns_(columns) {}
+  absl::StatusOr<Variant*> VariantFor(absl::Span<const TermId> seed);
+
+  sparql::Query query_;
+  Dictionary& dictionary_;
+  const sparql::FunctionRegistry* functions_;
+  const std::vector<Column>& columns_;
+  std::vector<Variant> variants_;
+  std::vector<TermId> row_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_MATCHING_BODY_PLAN_H_

@@ -1,0 +1,109 @@
+// The discrimination index: given a changed quad, the patterns that it matches.
+//
+// Patterns are kept by hash of their constants. A quad is looked up once for each *shape* in use (which of subject,
+// predicate and object are constants: at most eight), so the cost does not depend on how many patterns exist that do not match.
+// Patterns that look at the same quads and ask besides that the object be above or below a number are kept ordered by that
+// number: those that the quad does not reach are not visited.
+//
+// Writer thread only.
+#ifndef DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_
+#define DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
+#include "kb_server/store/quad.h"
+#include "reasoner/matching/number_range.h"
+
+namespace docent {
+
+// A quad pattern with what else one quad alone can decide.
+struct MatchPattern {
+  QuadPattern constants;  // none: a variable
+  // Positions that hold the same variable, as pairs: ?x ex:knows ?x is kSubjectObject.
+  enum Equal : uint8_t {
+    kSubjectPredicate = 1,
+    kSubjectObject = 2,
+    kPredicateObject = 4,
+    kSubjectGraph = 8,
+    kPredicateGraph = 16,
+    kObjectGraph = 32,
+  };
+  uint8_t equal = 0;
+  std::optional<NumberGuard> object_guard;  // necessary for the object; may let too much through, never too little
+
+  bool Matches(const Quad& quad) const;
+};
+
+class PatternIndex {
+ public:
+  // Names a registered pattern until it is removed; then the number is used again.
+  using Handle = uint32_t;
+  // What the owner wants back: who it is and which of its patterns.
+  struct Reference {
+    uint32_t owner = 0;
+    uint32_t pattern = 0;
+    friend bool operator==(const Reference&, const Reference&) = default;
+  };
+
+  Handle Add(const MatchPattern& pattern, Reference reference);
+  // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
+  void Remove(Handle handle);
+
+  // Calls `visit` for each pattern that matches `quad`, in no particular order. `visit` must not change the index.
+  void ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
+
+  size_t size() const { return entries_.size() - free_.size(); }
+
+ private:
+  struct Key {
+    TermId subject, predicate, object;
+    friend bool operator==(const Key&, const Key&) = default;
+    template <typename H>
+    friend H AbslHashValue(H h, const Key& k) {
+      return H::combine(std::move(h), k.subject, k.predicate, k.object);
+    }
+  };
+  struct Bound {
+    double value;
+    Handle handle;
+    friend auto operator<=>(const Bound&, const Bound&) = default;
+  };
+  struct Guarded {
+    absl::btree_set<Bound> at_least;  // object >= value (and >): all up to the object's number are visited
+    absl::btree_set<Bound> at_most;
+  };
+  struct Bucket {
+    std::vector<Handle> plain;
+    std::unique_ptr<Guarded> guarded;
+    bool empty() const { return plain.empty() && !guarded; }
+  };
+  struct Entry {
+    Key key;
+    TermId graph;
+    Reference reference;
+    uint32_t place = 0;  // in Bucket::plain
+    uint8_t equal = 0;
+    int8_t side = 0;     // 0: plain, +1: at_least, -1: at_most
+    double bound = 0;
+  };
+
+  static unsigned ShapeOf(const Key& key);
+  void VisitGuarded(const Guarded& guarded, const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
+  void VisitEntry(Handle handle, const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
+
+  std::vector<Entry> entries_;  // by handle
+  std::vector<Handle> free_;
+  absl::flat_hash_map<Key, Bucket> buckets_;
+  std::array<size_t, 8> shape_counts_ = {};  // buckets of each shape; bit 0 subject, 1 predicate, 2 object
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_

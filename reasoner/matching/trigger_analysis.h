@@ -1,0 +1,55 @@
+// Which changes of the graph can change the answer of a pattern, and what is known when one does.
+//
+// Reads the algebra of a rule body or standing constraint and lists its triple patterns, wherever they stand, as triggers.
+// Pure analysis of text-level algebra, no store. Any thread.
+#ifndef DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_
+#define DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
+#include "kb_server/sparql/algebra.h"
+
+namespace docent {
+
+// In which direction a pattern counts.
+enum class Polarity : uint8_t {
+  kPositive,  // another match can only add solutions: { ?r ex:at ?b }, FILTER EXISTS { … }
+  kNegative,  // another match can only take solutions away: NOT EXISTS { … }, MINUS { … }
+  kBoth,      // OPTIONAL, aggregates, EXISTS inside an expression
+};
+
+struct TriggerSource {
+  sparql::TriplePattern pattern;  // of a path: its IRI as predicate with variables beside it, or three variables
+  sparql::PatternTerm graph;      // inside GRAPH; a variable with an empty name elsewhere
+  Polarity polarity = Polarity::kPositive;
+  // Every solution contains a match of this pattern (it stands in the conjunction of the outermost group).
+  bool required = false;
+  // Variables that a matching quad may bind in the whole query without losing or inventing a solution that rests
+  // on this match. Empty: the query has to be evaluated whole.
+  std::vector<std::string> seeds;
+};
+
+struct TriggerAnalysis {
+  std::vector<TriggerSource> triggers;
+  // Variables in scope that are safe to give as initial bindings when asking whether there is a solution.
+  absl::flat_hash_set<std::string> seedable;
+  // Those of them that every solution binds: initial bindings for them select solutions and change none.
+  absl::flat_hash_set<std::string> certain;
+  bool is_volatile = false;  // NOW(), RAND(), UUID(), STRUUID() or BNODE(): answers change without a change of the graph
+};
+
+TriggerAnalysis AnalyseTriggers(const sparql::Algebra& where);
+
+// Variables that every solution of `algebra` binds by a triple pattern or GRAPH name.
+absl::flat_hash_set<std::string> CertainVariables(const sparql::Algebra& algebra);
+
+// `algebra` without what does not matter for whether there is a solution, and which: Project, Distinct, Reduced and OrderBy
+// at the outside.
+const sparql::Algebra& WithoutModifiers(const sparql::Algebra& algebra);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_

@@ -1,0 +1,114 @@
+#include "reasoner/rules/rule_engine.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/rules/materialiser.h"
+#include "reasoner/rules/rule_program.h"
+
+namespace docent {
+
+struct RuleEngine::Impl {
+  // The rules that are put, made ready, and the rules that the inferred graph follows.
+  struct State {
+    RuleSets sets;
+    std::shared_ptr<RuleProgram> wanted;   // null: no rules
+    std::shared_ptr<RuleProgram> applied;  // other than wanted: the next Update computes anew
+  };
+
+  Impl(Dictionary& d, const Limits& l, const sparql::FunctionRegistry* f)
+      : dictionary(d), limits(l), functions(f), inferred_graph(d.InternIri(kInferredGraph)) {}
+
+  absl::Status CheckTold(const Delta& told) const {
+    for (const auto* quads : {&told.added, &told.removed}) {
+      for (const Quad& quad : *quads) {
+        if (quad.graph != inferred_graph) continue;
+        return absl::InvalidArgumentError(absl::StrCat(
+            "the graph <", std::string(kInferredGraph), "> holds what rules derive; write the fact to another graph (subject ",
+            ToNTriples(dictionary.Decode(quad.subject)), ")"));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  Dictionary& dictionary;
+  const Limits limits;
+  const sparql::FunctionRegistry* functions;
+  const TermId inferred_graph;
+  RuleProgram no_rules;
+  State state;
+  State committed;
+  size_t inferred_since_commit = 0;
+  Counters counters;
+};
+
+RuleEngine::RuleEngine(Dictionary& dictionary, const Limits& limits, const sparql::FunctionRegistry* functions)
+    : impl_(std::make_unique<Impl>(dictionary, limits, functions)) {}
+RuleEngine::~RuleEngine() = default;
+
+Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text) {
+  ParsedRules parsed = ParseRules(text, name, impl_->limits);
+  Diagnostics diagnostics = std::move(parsed.diagnostics);
+  if (HasErrors(diagnostics)) return diagnostics;
+  RuleSets sets = impl_->state.sets;
+  sets[std::string(name)] = std::make_shared<const ParsedRules>(std::move(parsed));
+  auto program = RuleProgram::Build(sets, impl_->dictionary, impl_->functions, diagnostics);
+  if (program == nullptr) return diagnostics;
+  impl_->state.sets = std::move(sets);
+  impl_->state.wanted = std::move(program);
+  return diagnostics;
+}
+
+bool RuleEngine::RemoveRules(std::string_view name) {
+  RuleSets sets = impl_->state.sets;
+  if (sets.erase(std::string(name)) == 0) return false;
+  // Fewer rules need nothing that more of them did not: this cannot fail.
+  Diagnostics diagnostics;
+  impl_->state.wanted =
+      sets.empty() ? nullptr : RuleProgram::Build(sets, impl_->dictionary, impl_->functions, diagnostics);
+  impl_->state.sets = std::move(sets);
+  return true;
+}
+
+absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told) {
+  Impl& impl = *impl_;
+  ++impl.counters.updates;
+  if (absl::Status status = impl.CheckTold(told); !status.ok()) return status;
+  const bool rebuild = impl.state.wanted != impl.state.applied;
+  if (!rebuild && (told.empty() || impl.state.wanted == nullptr)) return told;
+  RuleProgram& program = impl.state.wanted != nullptr ? *impl.state.wanted : impl.no_rules;
+  Materialiser materialiser(program, writer, told, impl.inferred_graph, impl.limits, impl.inferred_since_commit,
+                            impl.counters);
+  if (rebuild) ++impl.counters.rebuilds;
+  if (absl::Status status = rebuild ? materialiser.Rebuild() : materialiser.Maintain(); !status.ok()) return status;
+  impl.state.applied = impl.state.wanted;
+  Delta delta = materialiser.InferredChange();
+  impl.counters.inferred += delta.added.size();
+  impl.counters.retracted += delta.removed.size();
+  delta.added.insert(delta.added.begin(), told.added.begin(), told.added.end());
+  delta.removed.insert(delta.removed.begin(), told.removed.begin(), told.removed.end());
+  return delta;
+}
+
+void RuleEngine::Commit() {
+  impl_->committed = impl_->state;
+  impl_->inferred_since_commit = 0;
+}
+
+void RuleEngine::Rollback() {
+  impl_->state = impl_->committed;
+  impl_->inferred_since_commit = 0;
+}
+
+size_t RuleEngine::rule_count() const { return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size(); }
+
+std::vector<std::string> RuleEngine::names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, rules] : impl_->state.sets) names.push_back(name);
+  return names;
+}
+
+const RuleEngine::Counters& RuleEngine::counters() const { return impl_->counters; }
+
+}  // namespace docent

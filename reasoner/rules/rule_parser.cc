@@ -1,0 +1,253 @@
+#include "reasoner/rules/rule_parser.h"
+
+#include <optional>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/sparql/parser.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent {
+namespace {
+
+using sparql::Algebra;
+using sparql::Builtin;
+using sparql::Expression;
+using sparql::PatternTerm;
+using Names = absl::flat_hash_set<std::string>;
+
+struct Refusal {
+  std::string_view what;
+  std::string_view hint;
+};
+
+// What a body may not contain, and what to do instead.
+std::optional<Refusal> RefusalOf(Algebra::Kind kind) {
+  switch (kind) {
+    case Algebra::Kind::kLeftJoin:
+      return Refusal{"OPTIONAL", "write one rule with the optional part and one without it"};
+    case Algebra::Kind::kGraph:
+      return Refusal{"GRAPH", "rules match the union of all graphs; leave GRAPH out"};
+    case Algebra::Kind::kPath:
+      return Refusal{"this property path", "write the closure as a recursive rule: RULE { ?a p ?c } WHERE { ?a p ?b . ?b p ?c }"};
+    case Algebra::Kind::kService:
+      return Refusal{"SERVICE", "load the data first"};
+    case Algebra::Kind::kGroup:
+      return Refusal{"an aggregate", ""};
+    case Algebra::Kind::kProject:
+    case Algebra::Kind::kOrderBy:
+    case Algebra::Kind::kDistinct:
+    case Algebra::Kind::kReduced:
+    case Algebra::Kind::kSlice:
+      return Refusal{"a sub-SELECT", "write its pattern into the body, or derive it by a rule of its own"};
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string_view VolatileName(Builtin builtin) {
+  switch (builtin) {
+    case Builtin::kNow: return "NOW";
+    case Builtin::kRand: return "RAND";
+    case Builtin::kUuid: return "UUID";
+    case Builtin::kStrUuid: return "STRUUID";
+    case Builtin::kBnode: return "BNODE";
+    default: return "";
+  }
+}
+
+class Checker {
+ public:
+  Checker(std::string_view file, Diagnostics& diagnostics) : file_(file), diagnostics_(diagnostics) {}
+
+  void Check(const Rule& rule) {
+    const Algebra& body = *rule.body.algebra;
+    CheckBody(body);
+    Names bound = CertainVariables(body);
+    AddAssigned(body, bound);
+    Names in_scope;
+    for (const sparql::Variable& v : sparql::InScopeVariables(body)) in_scope.insert(v.name);
+    for (const sparql::TriplePattern& triple : rule.head) {
+      CheckHeadTerm(triple.subject, rule, bound, in_scope);
+      CheckHeadTerm(triple.predicate, rule, bound, in_scope);
+      CheckHeadTerm(triple.object, rule, bound, in_scope);
+      if (!triple.subject.IsVariable() && triple.subject.term.IsLiteral()) {
+        Report(triple.subject.span, rule, "a literal cannot be the subject of a triple", "");
+      }
+      if (!triple.predicate.IsVariable() && !triple.predicate.term.IsIri()) {
+        Report(triple.predicate.span, rule, "the predicate of a triple is an IRI", "");
+      }
+    }
+  }
+
+ private:
+  void Report(const SourceSpan& span, const Rule& rule, std::string message, std::string_view hint) {
+    Report(span.line > 0 ? span : rule.span, std::move(message), hint);
+  }
+  void Report(const SourceSpan& span, std::string message, std::string_view hint) {
+    diagnostics_.push_back({std::string(file_), span, std::move(message), std::string(hint)});
+  }
+
+  void CheckHeadTerm(const PatternTerm& term, const Rule& rule, const Names& bound, const Names& in_scope) {
+    if (!term.IsVariable()) {
+      if (term.term.IsBlank()) {
+        Report(term.span, rule, "a blank node in a rule head would be made anew without end",
+               "name the thing by an IRI, or bind one: BIND(IRI(CONCAT(…)) AS ?new)");
+      }
+      return;
+    }
+    const std::string& name = term.variable->name;
+    if (bound.contains(name)) return;
+    if (term.variable->IsHidden()) {
+      Report(term.span, rule, "a blank node in a rule head would be made anew without end", "name the thing by an IRI");
+    } else if (in_scope.contains(name)) {
+      Report(term.span, rule, absl::StrCat("?", name, " of the head is not bound in every solution of the body"),
+             absl::StrCat("bind ?", name, " in every branch of the UNION, or write one rule for each"));
+    } else {
+      Report(term.span, rule, absl::StrCat("?", name, " of the head does not occur in the body"),
+             absl::StrCat("add a pattern or BIND that binds ?", name));
+    }
+  }
+
+  // Variables that BIND assigns in the conjunction.
+  void AddAssigned(const Algebra& node, Names& names) {
+    switch (node.kind) {
+      case Algebra::Kind::kExtend:
+        names.insert(node.variable.name);
+        return AddAssigned(*node.children[0], names);
+      case Algebra::Kind::kFilter:
+      case Algebra::Kind::kMinus:
+        return AddAssigned(*node.children[0], names);
+      case Algebra::Kind::kJoin:
+        for (const auto& child : node.children) AddAssigned(*child, names);
+        return;
+      case Algebra::Kind::kValues:
+        for (size_t i = 0; i < node.variables.size(); ++i) {
+          bool always = true;
+          for (const auto& row : node.rows) always = always && row[i].has_value();
+          if (always) names.insert(node.variables[i].name);
+        }
+        return;
+      default:
+        return;
+    }
+  }
+
+  void CheckBody(const Algebra& node) {
+    if (const std::optional<Refusal> refusal = RefusalOf(node.kind)) {
+      Report(node.span, absl::StrCat("a rule body cannot contain ", std::string(refusal->what)), refusal->hint);
+      return;
+    }
+    for (const auto& child : node.children) CheckBody(*child);
+    if (!node.expression) return;
+    Names scope;
+    for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) scope.insert(v.name);
+    CheckExpression(*node.expression, scope, node.kind == Algebra::Kind::kExtend ? "BIND" : "FILTER");
+  }
+
+  // `outer` variables may stand in an expression; inside EXISTS also those of its own pattern, by CheckBody.
+  void CheckExpression(const Expression& expression, const Names& scope, std::string_view where) {
+    if (expression.kind == Expression::Kind::kVariable && !scope.contains(expression.variable.name) && depth_ == 0) {
+      Report(expression.span, absl::StrCat("?", expression.variable.name, " is not bound where the ", std::string(where), " uses it"),
+             "bind it by a pattern in the same group");
+    }
+    if (expression.kind == Expression::Kind::kBuiltin && !VolatileName(expression.builtin).empty()) {
+      Report(expression.span,
+             absl::StrCat(std::string(VolatileName(expression.builtin)), "() in a rule: what it derives would not be a function of the facts"),
+             "assert the value as a fact and match it");
+    }
+    if (expression.pattern) {
+      ++depth_;
+      CheckBody(*expression.pattern);
+      --depth_;
+    }
+    for (const auto& argument : expression.arguments) CheckExpression(*argument, scope, where);
+  }
+
+  std::string_view file_;
+  Diagnostics& diagnostics_;
+  int depth_ = 0;  // of EXISTS
+};
+
+class RulesReader {
+ public:
+  RulesReader(std::string_view text, const sparql::ParseOptions& options) : parser_(text, options) {}
+
+  void Read(ParsedRules& out) {
+    parser_.Prologue();
+    while (!parser_.AtEnd()) {
+      const SourceSpan start = parser_.Here();
+      if (parser_.AcceptKeyword("RULE")) {
+        ReadRule(start, out);
+      } else if (parser_.AcceptKeyword("DATA")) {
+        ReadData(start, out);
+      } else if (parser_.AtKeyword("PREFIX") || parser_.AtKeyword("BASE")) {
+        parser_.Prologue();
+      } else {
+        parser_.Error("expected RULE, DATA, PREFIX or BASE", "a rule is RULE { head } WHERE { body }");
+        parser_.SkipPastBrace();
+      }
+      if (parser_.Here().offset == start.offset && !parser_.AtEnd()) parser_.SkipPastBrace();
+      if (parser_.Here().offset == start.offset) break;
+    }
+    out.diagnostics = parser_.diagnostics();
+  }
+
+ private:
+  void ReadRule(const SourceSpan& start, ParsedRules& out) {
+    auto head = parser_.TriplesTemplateInBraces();
+    if (!head) return Recover();
+    if (!parser_.AcceptKeyword("WHERE")) {
+      parser_.Error("expected WHERE after the head of the rule", "a rule is RULE { head } WHERE { body }");
+      return Recover();
+    }
+    sparql::AlgebraPtr body = parser_.GroupGraphPattern();
+    if (!body) return Recover();
+    Add(start, *std::move(head), std::move(body), out);
+  }
+
+  void ReadData(const SourceSpan& start, ParsedRules& out) {
+    auto facts = parser_.TriplesTemplateInBraces();
+    if (!facts) return Recover();
+    Add(start, *std::move(facts), std::make_unique<Algebra>(Algebra::Kind::kBgp), out);
+  }
+
+  static void Add(const SourceSpan& start, std::vector<sparql::TriplePattern> head, sparql::AlgebraPtr body,
+                  ParsedRules& out) {
+    Rule rule;
+    rule.head = std::move(head);
+    rule.body.form = sparql::Query::Form::kAsk;
+    rule.body.algebra = std::move(body);
+    rule.span = start;
+    out.rules.push_back(std::move(rule));
+  }
+
+  // To the next rule.
+  void Recover() {
+    while (!parser_.AtEnd() && !parser_.AtKeyword("RULE") && !parser_.AtKeyword("DATA")) {
+      const size_t before = parser_.Here().offset;
+      parser_.SkipPastBrace();
+      if (parser_.Here().offset == before) return;
+    }
+  }
+
+  sparql::ProductionParser parser_;
+};
+
+}  // namespace
+
+ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits) {
+  sparql::ParseOptions options;
+  options.file = std::string(file);
+  options.prefixes = sparql::WellKnownPrefixes();
+  options.limits = limits;
+  options.limits.query_text_bytes = limits.document_bytes;
+  ParsedRules result;
+  RulesReader(text, options).Read(result);
+  for (const Rule& rule : result.rules) Checker(file, result.diagnostics).Check(rule);
+  if (!result.ok()) result.rules.clear();
+  return result;
+}
+
+}  // namespace docent

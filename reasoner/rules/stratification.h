@@ -1,0 +1,32 @@
+// Strata of a rule program: a rule is evaluated after those that it negates (datalog with stratified negation).
+//
+// Rule A depends on rule B if a head of B can make a triple that a pattern of A's body matches, constants compared
+// position by position. So `?r a ex:Free` may negate `?r a ex:Busy`, although both are about rdf:type.
+#ifndef DOCENT_REASONER_RULES_STRATIFICATION_H_
+#define DOCENT_REASONER_RULES_STRATIFICATION_H_
+
+#include <cstdint>
+#include <vector>
+
+namespace docent {
+
+// rules[a] needs what rules[b] derives.
+struct RuleDependency {
+  uint32_t from = 0;  // a
+  uint32_t to = 0;    // b
+  bool negative = false;
+};
+
+struct Stratification {
+  std::vector<int> stratum;  // by rule; dependencies lie in the same or a lower one
+  int count = 0;
+  // Empty, or rules r0, r1, …, each depending on the next and the last on the first, r0 negatively on r1: there are no strata.
+  std::vector<uint32_t> negative_cycle;
+};
+
+// Strata are the strongly connected components (Tarjan, SIAM J. Comput. 1972) in the order of dependency. Iterative, any size.
+Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& dependencies);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_RULES_STRATIFICATION_H_
