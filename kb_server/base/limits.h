@@ -33,6 +33,7 @@ struct Limits {
   // documents
   size_t document_bytes = 64u << 20;
   int xml_nesting = 64;
+  size_t xml_elements = 100000;           // in one CAWL or RSEL document
 
   // network
   size_t http_body_bytes = 64u << 20;

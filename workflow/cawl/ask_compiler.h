@@ -4,7 +4,7 @@
 //              object "> 0.5":                  subject verb ?_1 . FILTER (?_1 > 0.5)
 // and, or, not joined, UNION, FILTER NOT EXISTS. `or` is carried to the outside (disjunctive normal form), so that a
 //              comparison or a `not` sees everything that its own alternative binds.
-// event        ?event_NAME rdf:type docent:Event ; docent:operation "NAME" .
+// event        ?_event_1 rdf:type docent:Event . ?_event_1 docent:operation "NAME" .
 //
 // `$name` is replaced by its value; without a value it is the free variable ?name (see ast.h on how bindings flow).
 // Texts are self-contained: they declare the prefixes that they use. Functions without state; any thread.
@@ -31,7 +31,8 @@ struct CompiledAsk {
   // What a solution binds, without "?", in order of first use. A variable that stands only in some alternatives of
   // an `or` may be left unbound. Names beginning with "_" and event variables are not among them.
   std::vector<std::string> free_variables;
-  std::vector<std::string> unset;  // those of them that are written `$name` and have no value yet
+  // Those that are written `$name` and have no value yet (for `$name.part`: "name_part").
+  std::vector<std::string> unset;
   // Not empty: the alternative needs an event and opens by edge, not by level: only a binding of these variables
   // that appears in a turn during which the condition is awaited opens it. What was told before does not count,
   // though it may complete an `and`. Arm the condition with these as key variables and look at what appeared.
@@ -41,8 +42,8 @@ struct CompiledAsk {
 };
 
 // The alternatives in the order in which they are to be tried; none: the condition holds at once.
-// INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one), or the expression has more than
-// 256 alternatives.
+// INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one) or a literal where a resource has to
+// stand, or the expression has more than 256 alternatives.
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document, const Condition& condition,
                                                           const VariableValues& values);
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "kb_server/base/diagnostic.h"
-#include "workflow/xml/xml_document.h"
+#include "workflow/xml/element_reader.h"
 
 namespace docent::cawl {
 
@@ -27,10 +27,9 @@ struct Expression {
   SourceSpan span;                   // kName: the name in the source
 };
 
-// `text` is an attribute's value (its span is the raw text in `source`). On an error adds diagnostics with the
-// place inside of the expression and returns nullopt. Nesting is limited by `max_nesting`.
-std::optional<Expression> ParseExpression(const xml::Text& text, std::string_view source, const std::string& file,
-                                          int max_nesting, Diagnostics* diagnostics);
+// `text` is an attribute's value. On an error reports it with the place inside of the expression and returns
+// nullopt. Parentheses and `not` inside each other are limited by `max_nesting`.
+std::optional<Expression> ParseExpression(const xml::Text& text, int max_nesting, xml::ElementReader* reader);
 
 // The value of the expression when `value_of` gives the value of a name.
 bool Evaluate(const Expression& expression, const std::function<bool(const std::string&)>& value_of);

@@ -27,7 +27,9 @@ struct Run {
   std::string_view text;
   const std::string* file;
   int max_nesting;
+  size_t max_elements;
   int depth = 0;
+  size_t elements = 0;
   bool stopped = false;
   Diagnostics diagnostics;
 };
@@ -61,11 +63,16 @@ void OnDocumentType(void* context, const xmlChar* name, const xmlChar*, const xm
 void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int, const xmlChar**, int, int,
              const xmlChar**) {
   Run* run = RunOf(context);
-  if (++run->depth <= run->max_nesting) return;
+  bool too_deep = ++run->depth > run->max_nesting;
+  bool too_many = ++run->elements > run->max_elements;
+  if (!too_deep && !too_many) return;
   size_t at = run->text.rfind('<', OffsetOf(context));
-  Stop(context, {*run->file, SpanAt(run->text, at == std::string_view::npos ? 0 : at),
-                 absl::StrCat("<", reinterpret_cast<const char*>(name), "> is nested deeper than the limit xml_nesting = ",
-                              run->max_nesting),
+  SourceSpan span = SpanAt(run->text, at == std::string_view::npos ? 0 : at);
+  std::string_view element = reinterpret_cast<const char*>(name);
+  Stop(context, {*run->file, span,
+                 too_deep ? absl::StrCat("<", ToAbsl(element), "> is nested deeper than the limit xml_nesting = ",
+                                         run->max_nesting)
+                          : absl::StrCat("more elements than the limit xml_elements = ", run->max_elements),
                  ""});
 }
 
@@ -126,7 +133,7 @@ Diagnostics CheckWellFormed(std::string_view text, const std::string& file, cons
   // A byte order mark (EF BB BF) is stripped by libxml2 itself.
   ContextPtr context(xmlNewParserCtxt());
   if (context == nullptr) return {{file, {}, "out of memory", ""}};
-  Run run{text, &file, limits.xml_nesting};
+  Run run{text, &file, limits.xml_nesting, limits.xml_elements};
   context->_private = &run;
   xmlSAXHandler& sax = *context->sax;
   sax = {};

@@ -64,7 +64,7 @@ struct ParsedXml {
 };
 
 // UTF-8 only. Refused, each with its place: text over limits.document_bytes, a document type definition,
-// elements deeper than limits.xml_nesting, an encoding other than UTF-8, whatever is not well-formed.
+// elements deeper than limits.xml_nesting or more than limits.xml_elements, an encoding other than UTF-8, whatever is not well-formed.
 ParsedXml ParseXml(std::string_view text, const std::string& file, const Limits& limits = {});
 
 // "30s", "500ms", "5min", "1.5h" (a number and a unit; blanks between them allowed) → milliseconds.

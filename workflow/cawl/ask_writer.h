@@ -1,0 +1,62 @@
+// Writes alternatives as the text of one SPARQL ASK. For ask_compiler.cc; one writer a text; one thread.
+#ifndef DOCENT_WORKFLOW_CAWL_ASK_WRITER_H_
+#define DOCENT_WORKFLOW_CAWL_ASK_WRITER_H_
+
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "workflow/cawl/ask_compiler.h"
+#include "workflow/cawl/formula.h"
+
+namespace docent::cawl {
+
+class AskWriter {
+ public:
+  // Both must outlive the writer.
+  AskWriter(const Document& document, const VariableValues& values);
+
+  absl::Status Write(const std::vector<Conjunction>& alternatives);
+
+  // Prefix declarations and the query.
+  std::string Text() const;
+  // As in CompiledAsk.
+  const std::vector<std::string>& free_variables() const { return free_variables_; }
+  const std::vector<std::string>& unset() const { return unset_; }
+  const std::vector<std::string>& event_variables() const { return event_variables_; }
+
+ private:
+  // A group's triples and filters before they are laid out; a line each.
+  struct Group {
+    std::vector<std::string> triples;
+    std::vector<std::string> filters;
+  };
+
+  absl::Status WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent, bool negated, std::string* out);
+  absl::Status WriteConjunction(const Conjunction& conjunction, int indent, bool negated, std::string* out);
+  absl::Status AddConstraint(const Constraint& constraint, bool negated, Group* group);
+  absl::Status AddType(const Word& word, const std::string& value, Group* group);
+  void AddEvent(const Event& event, bool negated, Group* group);
+  // The term that the word stands for now; nullopt: a free variable.
+  std::optional<Term> ValueOf(const Word& word) const;
+  // The word as SPARQL: the value, the variable, or the term.
+  absl::StatusOr<std::string> Value(const Word& word, bool negated);
+  absl::StatusOr<std::string> TermText(const Term& term);
+  std::string Short(const std::string& iri);
+  void Note(const std::string& name, std::vector<std::string>* list);
+
+  const VariableValues& values_;
+  std::vector<std::pair<std::string, std::string>> prefixes_;  // namespace → prefix, longest namespace first
+  std::set<std::pair<std::string, std::string>> used_prefixes_;  // prefix, namespace
+  std::map<const Constraint*, int> compared_;  // number of the ?_N that stands for a compared object
+  std::map<const Event*, int> events_;
+  std::string body_;
+  std::vector<std::string> free_variables_, unset_, event_variables_;
+};
+
+}  // namespace docent::cawl
+
+#endif  // DOCENT_WORKFLOW_CAWL_ASK_WRITER_H_

@@ -1,0 +1,29 @@
+#include "workflow/cawl/check.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "workflow/cawl/environment_checks.h"
+#include "workflow/cawl/parser.h"
+
+namespace docent::cawl {
+
+CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
+                          const Limits& limits) {
+  ParsedCawl parsed = ParseCawl(text, file, limits);
+  CheckReport out;
+  out.document = std::move(parsed.document);
+  out.diagnostics = std::move(parsed.diagnostics);
+  if (out.document == nullptr) return out;
+  if (environment != nullptr) {
+    xml::ElementReader reader(out.document->source, file, kExtensionNs);
+    CheckAgainst(*out.document, *environment, &reader);
+    for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
+    std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),
+                     [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
+  }
+  if (out.ok()) out.conditions = ConditionTexts(*out.document);
+  return out;
+}
+
+}  // namespace docent::cawl

@@ -1,0 +1,136 @@
+#include "workflow/cawl/condition_reader.h"
+
+#include <algorithm>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "kb_server/base/text.h"
+#include "workflow/cawl/word_reader.h"
+
+namespace docent::cawl {
+namespace {
+
+std::optional<Expression> ReadExpression(const Text& text, const Limits& limits, xml::ElementReader* reader) {
+  if (!text.given()) return std::nullopt;
+  return ParseExpression(text, limits.query_nesting, reader);
+}
+
+Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reader) {
+  Constraint out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"name"});
+  out.name = reader->Attribute(element, "name");
+  int subjects = 0, verbs = 0, objects = 0;
+  auto once = [&](int* count, Word* word, WordRole role) {
+    return [count, word, role, reader, &element](const xml::Element& child) {
+      if ((*count)++ > 0) {
+        reader->Error(child.name_span, Concat("a second <", child.name, "> in a <constraint>"),
+                      "one constraint is one subject, verb and object; write another constraint");
+        return;
+      }
+      *word = ReadWord(child, role, reader);
+      for (const auto& grandchild : child.children) {
+        if (grandchild->name != "documentation") reader->UnknownChild(child, *grandchild, {});
+      }
+    };
+  };
+  ReadChildren(element, reader,
+               {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
+                {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
+                {"object", once(&objects, &out.object, WordRole::kObject)}});
+  if (subjects == 0) reader->Error(element.name_span, "<constraint> has no <subject>");
+  if (verbs == 0) reader->Error(element.name_span, "<constraint> has no <verb>");
+  if (objects == 0) reader->Error(element.name_span, "<constraint> has no <object>");
+  return out;
+}
+
+Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
+  Rule out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"name", "expression"});
+  out.name = reader->Attribute(element, "name");
+  out.expression_text = reader->Attribute(element, "expression");
+  out.expression = ReadExpression(out.expression_text, limits, reader);
+  ReadChildren(element, reader, {{"constraint", [&](const xml::Element& child) {
+                                    out.constraints.push_back(ReadConstraint(child, reader));
+                                  }}});
+  return out;
+}
+
+Context ReadContext(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
+  Context out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"name", "priority"});
+  out.name = reader->Attribute(element, "name");
+  out.priority_text = reader->Attribute(element, "priority");
+  if (out.priority_text.given() && !absl::SimpleAtoi(out.priority_text.value, &out.priority)) {
+    reader->Error(out.priority_text.span, Concat("priority \"", out.priority_text.value, "\" is not a whole number"),
+                  "lower numbers are tried first");
+  }
+  ReadChildren(element, reader, {{"rule", [&](const xml::Element& child) {
+                                    out.rules.push_back(ReadRule(child, limits, reader));
+                                  }}});
+  return out;
+}
+
+Case ReadCase(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
+  Case out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"name", "expression"});
+  out.name = reader->Attribute(element, "name");
+  out.expression_text = reader->Attribute(element, "expression");
+  out.expression = ReadExpression(out.expression_text, limits, reader);
+  ReadChildren(element, reader, {{"event", [&](const xml::Element& child) {
+                                    reader->CheckAttributes(child, {"operation"});
+                                    out.events.push_back({reader->Required(child, "operation"), child.span});
+                                    ReadChildren(child, reader, {});
+                                  }}});
+  if (out.events.empty()) {
+    reader->Error(element.name_span, "<case> has no <event>", "write <event operation=\"…\"/>");
+  }
+  return out;
+}
+
+}  // namespace
+
+void ReadChildren(const xml::Element& element, xml::ElementReader* reader, const ChildTable& table) {
+  for (const auto& child : element.children) {
+    if (child->name == "documentation") continue;
+    auto it = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.first == child->name; });
+    if (it != table.end()) {
+      it->second(*child);
+      continue;
+    }
+    std::vector<std::string> known;
+    for (const auto& [name, unused] : table) known.emplace_back(name);
+    reader->UnknownChild(element, *child, known);
+  }
+  if (element.text.given()) {
+    reader->Error(element.text.span, Concat("text in <", element.name, ">"),
+                  "write remarks in <documentation> or in a comment");
+  }
+}
+
+Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
+  Condition out;
+  out.span = element.span;
+  reader->CheckAttributes(element, {"expression"}, {"timeout"});
+  out.expression_text = reader->Attribute(element, "expression");
+  out.expression = ReadExpression(out.expression_text, limits, reader);
+  out.timeout_ms = reader->Timeout(element);
+  ReadChildren(element, reader,
+               {{"case",
+                 [&](const xml::Element& child) {
+                   if (!out.cases.empty()) {
+                     reader->Error(child.name_span, "a second <case> in a <condition>",
+                                   "put its events into the first and say how they belong together in its expression");
+                   }
+                   out.cases.push_back(ReadCase(child, limits, reader));
+                 }},
+                {"context", [&](const xml::Element& child) {
+                   out.contexts.push_back(ReadContext(child, limits, reader));
+                 }}});
+  return out;
+}
+
+}  // namespace docent::cawl

@@ -1,0 +1,302 @@
+#include "workflow/cawl/document_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "kb_server/base/text.h"
+#include "workflow/cawl/condition_reader.h"
+#include "workflow/cawl/word_reader.h"
+
+namespace docent::cawl {
+namespace {
+
+class DocumentReader {
+ public:
+  DocumentReader(const Limits& limits, xml::ElementReader* reader) : limits_(limits), reader_(*reader) {}
+
+  void Read(const xml::Element& root, Document* out) {
+    out->span = root.span;
+    if (root.namespaces != nullptr) out->prefixes = *root.namespaces;
+    out->prefixes.erase("");
+    reader_.CheckAttributes(root, {"name", "namespace", "version"});
+    out->name = reader_.Required(root, "name");
+    out->namespace_iri = reader_.Attribute(root, "namespace");
+    out->version = reader_.Attribute(root, "version");
+    ReadChildren(root, &reader_,
+                 {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
+                  {"variable", [&](const xml::Element& e) { out->variables.push_back(ReadVariable(e)); }},
+                  {"baseOntologies", [&](const xml::Element& e) { ReadOntologies(e, out); }},
+                  {"serviceProvider", [&](const xml::Element& e) { out->providers.push_back(ReadProvider(e)); }},
+                  {"activator",
+                   [&](const xml::Element& e) {
+                     if (out->activator) return Second(e, root);
+                     out->activator = ReadActivator(e);
+                   }},
+                  {"flow", [&](const xml::Element& e) { out->flows.push_back(ReadFlow(e)); }}});
+  }
+
+ private:
+  void Second(const xml::Element& element, const xml::Element& parent) {
+    reader_.Error(element.name_span, Concat("a second <", element.name, "> in <", parent.name, ">"), "one may stand here");
+  }
+  void Nothing(const xml::Element& element) { ReadChildren(element, &reader_, {}); }
+
+  // A variable's or part's name: it must be usable as $name.
+  Text ReadVariableName(const xml::Element& element) {
+    Text name = reader_.Required(element, "name");
+    if (!name.empty() && !IsVariableName(name.value)) {
+      reader_.Error(name.span, Concat("\"", name.value, "\" cannot name a ", element.name),
+                    "use letters (a-z), digits and _, beginning with a letter");
+    }
+    return name;
+  }
+
+  Message ReadMessage(const xml::Element& element) {
+    Message out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name"});
+    out.name = reader_.Required(element, "name");
+    ReadChildren(element, &reader_, {{"part", [&](const xml::Element& e) {
+                                        reader_.CheckAttributes(e, {"name", "type", "element"});
+                                        out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
+                                                             reader_.Attribute(e, "element"), e.span});
+                                        Nothing(e);
+                                      }}});
+    return out;
+  }
+
+  Variable ReadVariable(const xml::Element& element) {
+    Variable out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name", "type"});
+    out.name = ReadVariableName(element);
+    out.type = reader_.Attribute(element, "type");
+    if (out.type.value.find(':') != std::string::npos) reader_.TermOf(element, out.type);
+    ReadChildren(element, &reader_,
+                 {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
+    return out;
+  }
+
+  Initialize ReadInitialize(const xml::Element& element) {
+    Initialize out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"part"});
+    out.part = reader_.Attribute(element, "part");
+    int froms = 0;
+    ReadChildren(element, &reader_, {{"from", [&](const xml::Element& e) {
+                                        if (froms++ > 0) return Second(e, element);
+                                        ReadFrom(e, &out);
+                                      }}});
+    if (froms == 0) {
+      reader_.Error(element.name_span, "<initialize> has no <from>",
+                    "write <from expression=\"…\"/> or <from variable=\"…\"/>");
+    }
+    return out;
+  }
+
+  void ReadFrom(const xml::Element& element, Initialize* out) {
+    reader_.CheckAttributes(element, {"variable", "part", "expression"});
+    out->from_variable = reader_.Attribute(element, "variable");
+    out->from_part = reader_.Attribute(element, "part");
+    out->from_expression = reader_.Attribute(element, "expression");
+    Nothing(element);
+    if (out->from_variable.given() == out->from_expression.given()) {
+      reader_.Error(element.name_span, "<from> needs either variable or expression");
+    } else if (out->from_variable.given()) {
+      out->copy_of = out->from_variable.value;
+      if (out->from_part.given()) out->copy_of += "." + out->from_part.value;
+    } else if (out->from_part.given()) {
+      reader_.Error(out->from_part.span, "part belongs to a variable, and <from> has an expression");
+    } else if (out->from_expression.value.starts_with("$")) {
+      out->copy_of = out->from_expression.value.substr(1);
+    } else {
+      out->value = reader_.TermOf(element, out->from_expression);
+    }
+  }
+
+  void ReadOntologies(const xml::Element& element, Document* out) {
+    reader_.CheckAttributes(element, {});
+    ReadChildren(element, &reader_, {{"ontology", [&](const xml::Element& e) {
+                                        reader_.CheckAttributes(e, {"location", "namespace"});
+                                        out->ontologies.push_back(
+                                            {reader_.Attribute(e, "location"), reader_.Attribute(e, "namespace"), e.span});
+                                        Nothing(e);
+                                      }}});
+  }
+
+  ServiceProvider ReadProvider(const xml::Element& element) {
+    ServiceProvider out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name", "location"});
+    out.name = reader_.Required(element, "name");
+    out.location = reader_.Attribute(element, "location");
+    ReadChildren(element, &reader_, {{"service", [&](const xml::Element& e) {
+                                        reader_.CheckAttributes(e, {"operation"});
+                                        out.services.push_back({reader_.Required(e, "operation"), e.span});
+                                        Nothing(e);
+                                      }}});
+    return out;
+  }
+
+  Activator ReadActivator(const xml::Element& element) {
+    Activator out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name"});
+    out.name = reader_.Attribute(element, "name");
+    bool has_condition = false;
+    int activates = 0;
+    ReadChildren(element, &reader_,
+                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+                  {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
+                  {"activate",
+                   [&](const xml::Element& e) {
+                     if (activates++ > 0) return Second(e, element);
+                     reader_.CheckAttributes(e, {"flow"});
+                     out.flow = reader_.Required(e, "flow");
+                     Nothing(e);
+                   }},
+                  {"condition", [&](const xml::Element& e) {
+                     if (has_condition) return Second(e, element);
+                     has_condition = true;
+                     out.condition = ReadCondition(e, limits_, &reader_);
+                   }}});
+    if (activates == 0) reader_.Error(element.name_span, "<activator> has no <activate flow=\"…\"/>");
+    if (!has_condition || (out.condition.contexts.empty() && out.condition.cases.empty())) {
+      reader_.Error(element.name_span, "<activator> has no condition: it would start its flow again and again",
+                    "write a <condition> with a <context> or a <case>");
+    }
+    return out;
+  }
+
+  Flow ReadFlow(const xml::Element& element) {
+    Flow out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name"});
+    out.name = reader_.Required(element, "name");
+    auto end = [&](Text* name) {
+      return [this, name, &element](const xml::Element& e) {
+        if (name->given()) return Second(e, element);
+        reader_.CheckAttributes(e, {"name"});
+        *name = reader_.Required(e, "name");
+        Nothing(e);
+      };
+    };
+    ReadChildren(element, &reader_,
+                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+                  {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
+                  {"source", end(&out.source)},
+                  {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
+                  {"sink", end(&out.sink)},
+                  {"link", [&](const xml::Element& e) { out.links.push_back(ReadLink(e)); }}});
+    if (!out.source.given()) reader_.Error(element.name_span, "<flow> has no <source name=\"…\"/>");
+    if (!out.sink.given()) reader_.Error(element.name_span, "<flow> has no <sink name=\"…\"/>");
+    return out;
+  }
+
+  Node ReadNode(const xml::Element& element) {
+    Node out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"name", "state"}, {"timeout", "retry", "compensate", "forEach"});
+    out.name = reader_.Required(element, "name");
+    out.state = reader_.Attribute(element, "state");
+    if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
+      reader_.Error(out.state.span, Concat("state \"", out.state.value, "\" is unknown"), "write Activate or deActivate");
+    }
+    out.timeout_ms = reader_.Timeout(element);
+    out.retry = reader_.Retry(element);
+    out.compensate = reader_.Extension(element, "compensate");
+    out.for_each_text = reader_.Extension(element, "forEach");
+    ReadForEach(&out);
+    ReadChildren(element, &reader_,
+                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+                  {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
+                  {"wait", [&](const xml::Element& e) { ReadWait(e, &out); }},
+                  {"condition",
+                   [&](const xml::Element& e) {
+                     if (out.condition) return Second(e, element);
+                     out.condition = ReadCondition(e, limits_, &reader_);
+                   }},
+                  {"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }}});
+    return out;
+  }
+
+  void ReadForEach(Node* node) {
+    const std::string& text = node->for_each_text.value;
+    for (size_t at = 0; at < text.size();) {
+      size_t end = std::min(text.find(' ', at), text.size());
+      std::string word = text.substr(at, end - at);
+      if (word.size() > 1 && word[0] == '?' && IsVariableName(word.substr(1))) {
+        node->for_each.push_back(word.substr(1));
+      } else if (!word.empty()) {
+        reader_.Error(reader_.Within(node->for_each_text, at, word.size()),
+                      Concat("forEach: ", word, " is not a free variable"), "e.g. ext:forEach=\"?booth\"");
+      }
+      at = end + 1;
+    }
+  }
+
+  void ReadWait(const xml::Element& element, Node* node) {
+    reader_.CheckAttributes(element, {"joinCondition"});
+    Text text = reader_.Attribute(element, "joinCondition");
+    Nothing(element);
+    if (!text.given()) return;
+    std::optional<Expression> join = ParseExpression(text, limits_.query_nesting, &reader_);
+    if (!join) return;
+    if (!node->join) {
+      node->join_text = text;
+      node->join = std::move(join);
+      return;
+    }
+    Expression both;
+    both.kind = Expression::Kind::kAnd;
+    both.children.push_back(std::move(*node->join));
+    both.children.push_back(std::move(*join));
+    node->join = std::move(both);
+  }
+
+  Invoke ReadInvoke(const xml::Element& element) {
+    Invoke out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"operation", "subflow"}, {"timeout", "retry"});
+    out.operation = reader_.Attribute(element, "operation");
+    out.subflow = reader_.Attribute(element, "subflow");
+    out.timeout_ms = reader_.Timeout(element);
+    out.retry = reader_.Retry(element);
+    Nothing(element);
+    if (out.operation.empty() == out.subflow.empty()) {
+      reader_.Error(element.name_span, "<invoke> needs either operation or subflow",
+                    "operation: a robot service or operation; subflow: a flow or an application service");
+    }
+    return out;
+  }
+
+  Link ReadLink(const xml::Element& element) {
+    Link out;
+    out.span = element.span;
+    reader_.CheckAttributes(element, {"from", "to"}, {"onFailure", "while"});
+    out.from = reader_.Required(element, "from");
+    out.to = reader_.Required(element, "to");
+    out.on_failure = reader_.Flag(element, "onFailure");
+    out.while_text = reader_.Extension(element, "while");
+    if (out.while_text.given()) out.while_constraint = ReadConstraintText(element, out.while_text, &reader_);
+    Nothing(element);
+    return out;
+  }
+
+  const Limits& limits_;
+  xml::ElementReader& reader_;
+};
+
+}  // namespace
+
+bool ReadDocument(const xml::Element& root, const Limits& limits, xml::ElementReader* reader, Document* document) {
+  if (!absl::EqualsIgnoreCase(root.name, "cawl")) {
+    reader->Error(root.name_span, Concat("<", root.name, "> is not a CAWL document"), "its root element is <CAWL>");
+    return false;
+  }
+  DocumentReader(limits, reader).Read(root, document);
+  return true;
+}
+
+}  // namespace docent::cawl

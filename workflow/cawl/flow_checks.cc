@@ -1,0 +1,214 @@
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "kb_server/base/text.h"
+#include "workflow/cawl/structure_checks.h"
+
+namespace docent::cawl {
+namespace {
+
+using Graph = std::map<std::string, std::set<std::string>>;
+
+std::set<std::string> Reachable(const Graph& graph, const std::string& start) {
+  std::set<std::string> seen{start};
+  std::vector<std::string> todo{start};
+  while (!todo.empty()) {
+    std::string here = std::move(todo.back());
+    todo.pop_back();
+    auto it = graph.find(here);
+    if (it == graph.end()) continue;
+    for (const std::string& next : it->second) {
+      if (seen.insert(next).second) todo.push_back(next);
+    }
+  }
+  return seen;
+}
+
+// The way of a cycle from `start` back to it; empty if there is none.
+std::vector<std::string> CycleThrough(const Graph& graph, const std::string& start) {
+  std::map<std::string, std::string> came_from;
+  std::vector<std::string> todo{start};
+  for (size_t i = 0; i < todo.size(); ++i) {
+    auto it = graph.find(todo[i]);
+    if (it == graph.end()) continue;
+    for (const std::string& next : it->second) {
+      if (next == start) {
+        std::vector<std::string> way{start};
+        for (std::string at = todo[i]; at != start; at = came_from[at]) way.push_back(at);
+        way.push_back(start);
+        std::reverse(way.begin(), way.end());
+        return way;
+      }
+      if (came_from.emplace(next, todo[i]).second) todo.push_back(next);
+    }
+  }
+  return {};
+}
+
+std::string Arrows(const std::vector<std::string>& way) {
+  std::string out;
+  for (const std::string& name : way) out += (out.empty() ? "" : " → ") + name;
+  return out;
+}
+
+class FlowChecker {
+ public:
+  FlowChecker(const Flow& flow, xml::ElementReader* reader) : flow_(flow), reader_(*reader) {}
+
+  void Check() {
+    if (flow_.source.empty() || flow_.sink.empty()) return;
+    if (flow_.source.value == flow_.sink.value) {
+      reader_.Error(flow_.sink.span, Concat("source and sink have the same name ", flow_.sink.value));
+      return;
+    }
+    for (const Node& node : flow_.nodes) nodes_.insert(node.name.value);
+    for (const Link& link : flow_.links) CheckLink(link);
+    CheckReachable();
+    CheckCycles();
+    for (const Node& node : flow_.nodes) CheckJoin(node);
+  }
+
+ private:
+  void CheckLink(const Link& link) {
+    if (link.from.empty() || link.to.empty()) return;
+    bool good = End(link.from, flow_.source.value, flow_.sink.value, "from", "the sink: nothing comes after it");
+    good = End(link.to, flow_.sink.value, flow_.source.value, "to", "the source: nothing comes before it") && good;
+    if (!good) return;
+    if (!seen_.insert({link.from.value, link.to.value}).second) {
+      reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value));
+      return;
+    }
+    if (link.from.value == flow_.source.value && (link.on_failure || link.while_text.given())) {
+      reader_.Error(link.from.span, "a link out of the source has neither onFailure nor while",
+                    "the source cannot fail and is done at once");
+    }
+    all_[link.from.value].insert(link.to.value);
+    back_[link.to.value].insert(link.from.value);
+    if (!link.while_text.given()) forward_[link.from.value].insert(link.to.value);
+  }
+
+  bool End(const Text& name, const std::string& allowed, const std::string& wrong_end, std::string_view attribute,
+           std::string_view why) {
+    if (nodes_.contains(name.value) || name.value == allowed) return true;
+    if (name.value == wrong_end) {
+      reader_.Error(name.span, Concat(attribute, "=\"", name.value, "\" is ", why));
+      return false;
+    }
+    if (reader_.full()) return false;
+    std::vector<std::string> known(nodes_.begin(), nodes_.end());
+    known.push_back(allowed);
+    reader_.Error(name.span, Concat("there is no node ", name.value, " in flow ", flow_.name.value),
+                  reader_.DidYouMean(name.value, known, Concat("known here: ", xml::ListOf(known))));
+    return false;
+  }
+
+  void CheckReachable() {
+    std::set<std::string> from_source = Reachable(all_, flow_.source.value);
+    std::set<std::string> to_sink = Reachable(back_, flow_.sink.value);
+    for (const Node& node : flow_.nodes) {
+      if (node.name.empty()) continue;
+      if (!from_source.contains(node.name.value)) {
+        reader_.Error(node.name.span, Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
+                      "link it, or remove it");
+      } else if (!to_sink.contains(node.name.value)) {
+        reader_.Error(node.name.span, Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),
+                      "a run would never end; link it on");
+      }
+    }
+    if (!from_source.contains(flow_.sink.value)) {
+      reader_.Error(flow_.sink.span, Concat("no path leads from the source ", flow_.source.value, " to the sink ", flow_.sink.value));
+    }
+  }
+
+  // The nodes that no order of the forward links can place: those of cycles, and those behind a cycle.
+  std::set<std::string> NotInOrder() const {
+    std::map<std::string, int> before;
+    for (const auto& [from, targets] : forward_) {
+      before.emplace(from, 0);
+      for (const std::string& to : targets) ++before[to];
+    }
+    std::vector<std::string> free;
+    for (const auto& [name, count] : before) {
+      if (count == 0) free.push_back(name);
+    }
+    while (!free.empty()) {
+      std::string here = std::move(free.back());
+      free.pop_back();
+      before.erase(here);
+      auto it = forward_.find(here);
+      if (it == forward_.end()) continue;
+      for (const std::string& to : it->second) {
+        if (--before[to] == 0) free.push_back(to);
+      }
+    }
+    std::set<std::string> out;
+    for (const auto& [name, unused] : before) out.insert(name);
+    return out;
+  }
+
+  // Reported once a cycle, at the link that closes it in document order.
+  void CheckCycles() {
+    constexpr size_t kMaxReported = 10;
+    std::set<std::set<std::string>> reported;
+    std::set<std::string> suspects = NotInOrder();
+    for (const Node& node : flow_.nodes) {
+      if (reported.size() == kMaxReported) return;
+      if (!suspects.contains(node.name.value)) continue;
+      std::vector<std::string> way = CycleThrough(forward_, node.name.value);
+      if (way.empty() || !reported.insert(std::set<std::string>(way.begin(), way.end())).second) continue;
+      const Text* place = &node.name;
+      for (const Link& link : flow_.links) {
+        if (link.from.value == way[way.size() - 2] && link.to.value == way.back()) place = &link.from;
+      }
+      reader_.Error(place->span, Concat("the links form a cycle without while: ", Arrows(way)),
+                    "say on the link that leads back how long to repeat: ext:while=\"subject verb object\"");
+    }
+  }
+
+  void CheckJoin(const Node& node) {
+    if (!node.join) return;
+    auto it = back_.find(node.name.value);
+    std::vector<std::string> before;
+    if (it != back_.end()) before.assign(it->second.begin(), it->second.end());
+    for (const Expression* e : NamesIn(*node.join)) {
+      if (std::find(before.begin(), before.end(), e->name) != before.end()) continue;
+      if (reader_.full()) return;
+      reader_.Error(e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
+                    reader_.DidYouMean(e->name, before, before.empty() ? "no link leads here"
+                                                                       : Concat("links lead here from ", xml::ListOf(before))));
+    }
+  }
+
+  const Flow& flow_;
+  xml::ElementReader& reader_;
+  std::set<std::string> nodes_;
+  std::set<std::pair<std::string, std::string>> seen_;
+  Graph all_, back_, forward_;  // forward_: without `while` links
+};
+
+}  // namespace
+
+void CheckFlows(const Document& document, xml::ElementReader* reader) {
+  Graph contains;
+  std::set<std::string> flows;
+  for (const Flow& flow : document.flows) flows.insert(flow.name.value);
+  for (const Flow& flow : document.flows) {
+    FlowChecker(flow, reader).Check();
+    for (const Node& node : flow.nodes) {
+      for (const Invoke& invoke : node.invokes) {
+        if (flows.contains(invoke.subflow.value)) contains[flow.name.value].insert(invoke.subflow.value);
+      }
+    }
+  }
+  std::set<std::set<std::string>> reported;
+  for (const Flow& flow : document.flows) {
+    if (reader->full()) return;
+    std::vector<std::string> way = CycleThrough(contains, flow.name.value);
+    if (way.empty() || !reported.insert(std::set<std::string>(way.begin(), way.end())).second) continue;
+    reader->Error(flow.name.span, Concat("flow ", flow.name.value, " contains itself: ", Arrows(way)),
+                  "repeat with a while link instead");
+  }
+}
+
+}  // namespace docent::cawl

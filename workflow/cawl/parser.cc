@@ -1,0 +1,30 @@
+#include "workflow/cawl/parser.h"
+
+#include <utility>
+
+#include "workflow/cawl/document_reader.h"
+#include "workflow/cawl/structure_checks.h"
+
+namespace docent::cawl {
+
+ParsedCawl ParseCawl(std::string_view text, const std::string& file, const Limits& limits) {
+  ParsedCawl out;
+  xml::ParsedXml parsed = xml::ParseXml(text, file, limits);
+  if (parsed.root == nullptr) {
+    out.diagnostics = std::move(parsed.diagnostics);
+    return out;
+  }
+  auto document = std::make_shared<Document>();
+  document->file = file;
+  document->source = text;
+  xml::ElementReader reader(document->source, file, kExtensionNs);
+  if (ReadDocument(*parsed.root, limits, &reader, document.get())) {
+    CheckNames(*document, &reader);
+    CheckFlows(*document, &reader);
+    out.document = std::move(document);
+  }
+  out.diagnostics = reader.TakeDiagnostics();
+  return out;
+}
+
+}  // namespace docent::cawl

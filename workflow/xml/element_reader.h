@@ -1,0 +1,80 @@
+// What the readers of CAWL and RSEL share: attributes and children against what the language knows, each mistake
+// reported with its place and the nearest known word. One reader a document; one thread.
+#ifndef DOCENT_WORKFLOW_XML_ELEMENT_READER_H_
+#define DOCENT_WORKFLOW_XML_ELEMENT_READER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kb_server/base/diagnostic.h"
+#include "workflow/xml/scanner.h"
+#include "workflow/xml/term_text.h"
+#include "workflow/xml/xml_document.h"
+
+namespace docent::xml {
+
+class ElementReader {
+ public:
+  static constexpr size_t kMaxDiagnostics = 200;  // of one document; what follows is counted only
+
+  // `extension_ns` is the namespace of the language's extension attributes. The views must outlive the reader.
+  ElementReader(std::string_view source, const std::string& file, std::string_view extension_ns)
+      : source_(source), lines_(source), file_(file), extension_ns_(extension_ns) {}
+
+  void Error(const SourceSpan& span, std::string message, std::string hint = "");
+  void Warning(const SourceSpan& span, std::string message, std::string hint = "");
+  // So many mistakes that no further one will be shown: what costs time for a message may be left out.
+  bool full() const { return diagnostics_.size() >= kMaxDiagnostics; }
+  // "did you mean X?" with the nearest of `known`, or `otherwise` where none is near.
+  std::string DidYouMean(std::string_view word, const std::vector<std::string>& known, std::string otherwise) const;
+  // All reports so far in order of the text, and a last one that tells how many are left out.
+  Diagnostics TakeDiagnostics();
+
+  // Reports each attribute that is neither in `known`, nor an extension in `extensions`, nor of a foreign namespace
+  // (an editor's own; kept in the text, not looked at). Also attributes that stand twice.
+  void CheckAttributes(const Element& element, const std::vector<std::string>& known,
+                       const std::vector<std::string>& extensions = {});
+  // Reports `child` as unknown in its parent. `known` are the names that may stand there.
+  void UnknownChild(const Element& parent, const Element& child, const std::vector<std::string>& known);
+
+  // The attribute, trimmed; not given() when absent. Required: absent or blank is an error.
+  Text Attribute(const Element& element, std::string_view name) const;
+  Text Required(const Element& element, std::string_view name);
+  Text Extension(const Element& element, std::string_view name) const;
+  // ext:timeout as milliseconds, ext:retry (0..100), ext:NAME="true|false"; malformed is an error.
+  std::optional<int64_t> Timeout(const Element& element);
+  int Retry(const Element& element);
+  bool Flag(const Element& element, std::string_view name);
+
+  // The RDF term in `text`, an attribute's value; malformed is an error at its place.
+  std::optional<Term> TermOf(const Element& element, const Text& text);
+
+  // The span of bytes of the source.
+  SourceSpan Span(size_t offset, size_t length) const { return lines_.Span(offset, length); }
+  // The span of bytes [offset, offset+length) of an attribute's value; all of it where it holds references.
+  SourceSpan Within(const Text& text, size_t offset, size_t length) const;
+
+  std::string_view source() const { return source_; }
+  const std::string& file() const { return file_; }
+
+ private:
+  Text Trimmed(const Text& text) const;
+  void Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message, std::string hint);
+
+  std::string_view source_;
+  LineIndex lines_;
+  std::string file_;
+  std::string_view extension_ns_;
+  Diagnostics diagnostics_;
+  size_t left_out_ = 0;
+};
+
+// "a, b and c".
+std::string ListOf(const std::vector<std::string>& words);
+
+}  // namespace docent::xml
+
+#endif  // DOCENT_WORKFLOW_XML_ELEMENT_READER_H_
