@@ -1,0 +1,154 @@
+// A QuadTree against std::set under random inserts and erases, with old versions kept and compared again later.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "kb_server/store/quad_tree.h"
+
+namespace docent {
+namespace {
+
+using Key = QuadTree::Key;
+constexpr uint64_t kMax = ~uint64_t{0};
+constexpr Key kLowest = {0, 0, 0, 0};
+constexpr Key kHighest = {kMax, kMax, kMax, kMax};
+
+std::vector<Key> All(const QuadTree& tree) {
+  std::vector<Key> keys;
+  for (auto i = tree.Range(kLowest, kHighest); i.Valid(); i.Next()) keys.push_back(i.key());
+  return keys;
+}
+
+// Key words of several shapes: dense, spread over tags, and of all 64 bits.
+struct KeySource {
+  explicit KeySource(uint64_t seed) : random(seed), shape(seed % 4), words(20 + seed * 37 % 400) {}
+
+  uint64_t Word(int column) {
+    uint64_t n = random() % words;
+    switch (shape) {
+      case 0: return n;
+      case 1: return column == 2 ? random() : n + (uint64_t{1} << 60);
+      case 2: return (n % 9 + 1) << 60 | n * 1000003;
+      default: return n % 3 == 0 ? kMax - n : n << (n % 50);
+    }
+  }
+  Key Next() { return {Word(0), Word(1) % 50 + 1, Word(2), Word(3) % 3}; }
+
+  std::mt19937_64 random;
+  uint64_t shape;
+  uint64_t words;
+};
+
+void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySource* source) {
+  for (int i = 0; i < 20; ++i) {
+    Key first = source->Next(), last = source->Next();
+    if (i % 3 == 0) first = {first[0], 0, 0, 0}, last = {first[0], kMax, kMax, kMax};
+    auto from = model.lower_bound(first);
+    auto to = last < first ? from : model.upper_bound(last);
+    std::vector<Key> expected(from, to), found;
+    for (auto it = tree.Range(first, last); it.Valid(); it.Next()) found.push_back(it.key());
+    ASSERT_EQ(found, expected);
+    ASSERT_EQ(tree.CountRange(first, last), expected.size());
+    // Seeking visits what a walk over the model visits.
+    auto it = tree.Range(first, last);
+    Key at = first;
+    for (int hop = 0; hop < 10; ++hop) {
+      Key target = hop % 2 == 0 ? source->Next() : Key{at[0], at[1], at[2] + 1, 0};
+      bool was_valid = it.Valid();
+      it.Seek(target);
+      if (target > at) at = target;
+      auto expect = model.lower_bound(at);
+      if (!was_valid || last < first || expect == model.end() || last < *expect) {
+        ASSERT_FALSE(it.Valid());
+        break;
+      }
+      ASSERT_TRUE(it.Valid());
+      ASSERT_EQ(it.key(), *expect);
+      at = *expect;
+    }
+  }
+}
+
+class StoreTreeProperty : public testing::TestWithParam<uint64_t> {};
+
+TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
+  SCOPED_TRACE(testing::Message() << "seed " << GetParam());
+  KeySource source(GetParam());
+  QuadTree tree;
+  std::set<Key> model;
+  std::vector<std::pair<QuadTree, std::vector<Key>>> versions;
+  uint64_t epoch = QuadTree::NewEpoch();
+  for (int round = 0; round < 60; ++round) {
+    bool growing = source.random() % 3 != 0;
+    int changes = static_cast<int>(source.random() % 400);
+    for (int i = 0; i < changes; ++i) {
+      Key key = source.Next();
+      if (!growing && !model.empty() && i % 4 != 0) {
+        auto near = model.lower_bound(key);
+        key = near == model.end() ? *model.begin() : *near;
+      }
+      if (growing == (source.random() % 8 != 0)) {
+        ASSERT_EQ(tree.Insert(key, epoch), model.insert(key).second);
+      } else {
+        ASSERT_EQ(tree.Erase(key, epoch), model.erase(key) == 1);
+      }
+      ASSERT_EQ(tree.Contains(key), model.contains(key));
+    }
+    ASSERT_EQ(tree.size(), model.size());
+    tree.CheckInvariants();
+    if (round % 5 == 0) {
+      versions.emplace_back(tree, std::vector<Key>(model.begin(), model.end()));
+      epoch = QuadTree::NewEpoch();
+    }
+    if (round % 20 == 19) versions.erase(versions.begin());
+    ExpectSameRanges(tree, model, &source);
+  }
+  ASSERT_EQ(All(tree), std::vector<Key>(model.begin(), model.end()));
+  for (const auto& [version, keys] : versions) {
+    version.CheckInvariants();
+    ASSERT_EQ(All(version), keys);
+  }
+  // Down to nothing, in random order.
+  std::vector<Key> rest(model.begin(), model.end());
+  std::shuffle(rest.begin(), rest.end(), source.random);
+  for (const Key& key : rest) ASSERT_TRUE(tree.Erase(key, epoch));
+  EXPECT_EQ(tree.size(), 0u);
+  EXPECT_EQ(tree.bytes(), 0u);
+  for (const auto& [version, keys] : versions) ASSERT_EQ(All(version), keys);
+}
+
+TEST_P(StoreTreeProperty, BuildEqualsInserts) {
+  KeySource source(GetParam());
+  std::set<Key> model;
+  for (uint64_t i = 0; i < GetParam() * 300; ++i) model.insert(source.Next());
+  QuadTree tree = QuadTree::Build({model.begin(), model.end()}, QuadTree::NewEpoch());
+  tree.CheckInvariants();
+  ASSERT_EQ(All(tree), std::vector<Key>(model.begin(), model.end()));
+  uint64_t epoch = QuadTree::NewEpoch();
+  QuadTree changed = tree;
+  for (int i = 0; i < 500; ++i) {
+    Key key = source.Next();
+    bool known = model.contains(key);
+    ASSERT_EQ(changed.Insert(key, epoch), !known);
+    if (!known) ASSERT_TRUE(changed.Erase(key, epoch));
+  }
+  changed.CheckInvariants();
+  ASSERT_EQ(All(changed), All(tree));
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, StoreTreeProperty, testing::Range<uint64_t>(1, 17));
+
+TEST(StoreTreeGrowth, KeysInOrderFillTheLeaves) {
+  QuadTree tree;
+  uint64_t epoch = QuadTree::NewEpoch();
+  for (uint64_t i = 0; i < 200000; ++i) tree.Insert({1, 2, i, 3}, epoch);
+  tree.CheckInvariants();
+  EXPECT_EQ(tree.size(), 200000u);
+  EXPECT_LT(tree.bytes() / tree.size(), 6u);  // three bytes of the third word, and the nodes
+}
+
+}  // namespace
+}  // namespace docent
