@@ -31,10 +31,10 @@ class Timeline:
                 print(f"{'':22}{DIM}{detail}{PLAIN}", flush=True)
 
     def event(self, event):
-        """One RunEvent of `docent runs watch --json`."""
-        at = int(event["time_us"]) / 1e6
+        """One RunEvent (proto/docent/v1/workflows.proto) as `docent runs --watch --json` prints it."""
+        at = int(event["timeUs"]) / 1e6
         kind, detail = event["kind"], event.get("detail", "").strip().splitlines()
-        place = "/".join(filter(None, [event["run"], event.get("node", "")]))
+        place = "/".join(filter(None, [event.get("run"), event.get("node")]))
         change = f"{event.get('from') or '·'} → {event['to']}" if event.get("to") else ""
         head = " ".join(filter(None, [place, change]))
         if len(detail) == 1 and len(detail[0]) < 90:
@@ -56,7 +56,7 @@ def shorten_text(text):
 
 def watch(server, timeline, ended):
     """Follows all runs until the first ends; its state goes to `ended`."""
-    process = server.stage.start("watch", [server.stage.bin / "docent", "runs", "watch", "--json", "--server", server.grpc])
+    process = server.stage.start("watch", [server.stage.bin / "docent", "runs", "--watch", "--json", "--server", server.grpc])
     seen = 0
     while not ended.get("state"):
         lines = process.output().splitlines(keepends=True)
@@ -69,7 +69,7 @@ def watch(server, timeline, ended):
             if event["kind"] == "run" and event["to"] in ("done", "failed", "cancelled"):
                 ended.update(state=event["to"], run=event["run"], detail=event.get("detail", ""))
         if not process.running():
-            raise stage.StageError(f"docent runs watch ended: {process.tail()}")
+            raise stage.StageError(f"docent runs --watch ended: {process.tail()}")
         time.sleep(0.02)
 
 
