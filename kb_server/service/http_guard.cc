@@ -1,0 +1,91 @@
+#include "kb_server/service/http_guard.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+
+namespace docent {
+namespace {
+
+bool IsLoopback(const std::string& host) {
+  if (host == "localhost") return true;
+  in_addr v4;
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
+  in6_addr v6;
+  return inet_pton(AF_INET6, host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+}  // namespace
+
+std::optional<HostAndPort> SplitHostAndPort(std::string_view text) {
+  HostAndPort result;
+  std::string_view host = text;
+  std::string_view port;
+  bool has_port = false;
+  if (text.starts_with('[')) {
+    const size_t end = text.find(']');
+    if (end == std::string_view::npos) return std::nullopt;
+    host = text.substr(1, end - 1);
+    port = text.substr(end + 1);
+    has_port = port.starts_with(':');
+    if (!has_port && !port.empty()) return std::nullopt;
+    if (has_port) port.remove_prefix(1);
+  } else if (const size_t colon = text.find(':'); colon != std::string_view::npos) {
+    if (text.find(':', colon + 1) != std::string_view::npos) return std::nullopt;  // IPv6 needs brackets
+    host = text.substr(0, colon);
+    port = text.substr(colon + 1);
+    has_port = true;
+  }
+  if (host.empty() || host.find_first_of(" \t/@?#") != std::string_view::npos) return std::nullopt;
+  if (has_port) {
+    uint32_t number = 0;
+    const bool digits = !port.empty() && port.size() <= 5 && std::all_of(port.begin(), port.end(), absl::ascii_isdigit);
+    if (!digits || !absl::SimpleAtoi(ToAbsl(port), &number) || number > 65535) return std::nullopt;
+    result.port = static_cast<uint16_t>(number);
+  }
+  result.host = absl::AsciiStrToLower(ToAbsl(host));
+  return result;
+}
+
+HttpGuard::HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts)
+    : port_(port), allowed_hosts_(std::move(allowed_hosts)) {}
+
+bool HttpGuard::IsAllowedHost(std::string_view host, uint16_t default_port) const {
+  const std::optional<HostAndPort> asked = SplitHostAndPort(host);
+  if (!asked) return false;
+  const uint16_t port = asked->port.value_or(default_port);
+  if (IsLoopback(asked->host) && port == port_) return true;
+  return std::any_of(allowed_hosts_.begin(), allowed_hosts_.end(), [&](const std::string& allowed) {
+    const std::optional<HostAndPort> entry = SplitHostAndPort(allowed);
+    return entry && entry->host == asked->host && (!entry->port || *entry->port == port);
+  });
+}
+
+bool HttpGuard::IsAllowedOrigin(std::string_view origin) const {
+  if (origin.starts_with("http://")) return IsAllowedHost(origin.substr(7), 80);
+  if (origin.starts_with("https://")) return IsAllowedHost(origin.substr(8), 443);
+  return false;
+}
+
+std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const {
+  const std::string host = request.Header("host");
+  if (host.empty()) return TextResponse(400, "the request has no Host header");
+  if (!IsAllowedHost(host, 80)) {
+    return TextResponse(403, absl::StrCat("this server does not answer to the host name ", host, ". Use localhost:", port_,
+                                          ", or allow the name when starting the server"));
+  }
+  const std::string origin = request.Header("origin");
+  if (!origin.empty() && !IsAllowedOrigin(origin)) {
+    return TextResponse(403, absl::StrCat("requests from web pages of ", origin,
+                                          " are refused: only pages of this server itself may send them"));
+  }
+  return std::nullopt;
+}
+
+}  // namespace docent
