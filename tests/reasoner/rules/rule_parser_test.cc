@@ -1,0 +1,91 @@
+#include "reasoner/rules/rule_parser.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace docent {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
+
+std::string Errors(const std::string& text) { return Render(ParseRules(kPrefix + text, "t.rules").diagnostics, kPrefix + text); }
+
+TEST(RuleParser, ReadsRulesDataAndLaterPrefixes) {
+  const ParsedRules parsed = ParseRules(R"(
+    PREFIX : <http://example.org/>
+    DATA { :near a :Symmetric . }
+    # a comment
+    RULE { ?b ?p ?a . ?a :touched true } WHERE { ?a ?p ?b . ?p a :Symmetric }
+    PREFIX ex: <http://example.org/more#>
+    RULE { ?r ex:free true } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }
+  )", "t.rules");
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
+  ASSERT_EQ(parsed.rules.size(), 3u);
+  EXPECT_EQ(parsed.rules[0].head.size(), 1u);
+  EXPECT_EQ(parsed.rules[1].head.size(), 2u);
+  EXPECT_EQ(parsed.rules[1].span.line, 5);
+  EXPECT_EQ(parsed.rules[2].head[0].predicate.term.lexical, "http://example.org/more#free");
+}
+
+TEST(RuleParser, AnEmptyDocumentHasNoRules) {
+  EXPECT_TRUE(ParseRules("", "t.rules").ok());
+  EXPECT_TRUE(ParseRules("# nothing\n", "t.rules").ok());
+}
+
+TEST(RuleParser, UnsafeHeadsAreRefusedAtTheVariable) {
+  const ParsedRules parsed = ParseRules(std::string(kPrefix) + "RULE { ?a :p ?nobody } WHERE { ?a :q ?b }", "t.rules");
+  ASSERT_EQ(parsed.diagnostics.size(), 1u);
+  EXPECT_THAT(parsed.diagnostics[0].message, HasSubstr("?nobody of the head does not occur in the body"));
+  EXPECT_EQ(parsed.diagnostics[0].span.line, 2);
+  EXPECT_EQ(parsed.diagnostics[0].span.column, 14);
+}
+
+TEST(RuleParser, AHeadVariableOfOneBranchOnlyIsRefused) {
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?a :r ?c } }"), HasSubstr("not bound in every solution"));
+  EXPECT_EQ(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?b :r ?a } }"), "");
+}
+
+TEST(RuleParser, BindMakesAHeadVariable) {
+  EXPECT_EQ(Errors("RULE { ?a :twice ?d } WHERE { ?a :n ?n BIND(?n * 2 AS ?d) }"), "");
+}
+
+TEST(RuleParser, AFilterOnAnUnboundVariableIsAnError) {
+  EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b FILTER(?typo > 3) }"), HasSubstr("?typo is not bound where the FILTER"));
+}
+
+TEST(RuleParser, RefusesWhatCannotBeKeptUpToDate) {
+  EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b OPTIONAL { ?a :r ?c } }"), HasSubstr("OPTIONAL"));
+  EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { GRAPH :g { ?a :q ?b } }"), HasSubstr("GRAPH"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"), HasSubstr("property path"));
+  EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"), HasSubstr("rule body cannot contain"));
+  EXPECT_THAT(Errors("RULE { ?a :t ?t } WHERE { ?a :q ?b BIND(NOW() AS ?t) }"), HasSubstr("NOW() in a rule"));
+}
+
+TEST(RuleParser, HeadsMustBeTriples) {
+  EXPECT_THAT(Errors("RULE { [] :p ?b } WHERE { ?a :q ?b }"), HasSubstr("blank node in a rule head"));
+  EXPECT_THAT(Errors("RULE { _:x :p ?b } WHERE { ?a :q ?b }"), HasSubstr("blank node in a rule head"));
+}
+
+TEST(RuleParser, DataHoldsNoVariables) {
+  EXPECT_THAT(Errors("DATA { ?a :p :b }"), HasSubstr("?a of the head does not occur"));
+}
+
+TEST(RuleParser, ReportsEveryMistakeOfADocument) {
+  const std::string text = std::string(kPrefix) +
+                           "RULE { ?a :p ?x } WHERE { ?a :q ?b }\n"
+                           "RULE { ?a :p ?b } WERE { ?a :q ?b }\n"
+                           "RULE { ?a :p ?b } WHERE { ?a :q ?b OPTIONAL { ?a :r ?c } }\n"
+                           "nonsense\n"
+                           "RULE { ?a nope:p ?b } WHERE { ?a :q ?b }\n";
+  const ParsedRules parsed = ParseRules(text, "t.rules");
+  std::vector<int> lines;
+  for (const Diagnostic& d : parsed.diagnostics) lines.push_back(d.span.line);
+  EXPECT_THAT(lines, ::testing::UnorderedElementsAre(2, 3, 4, 5, 6)) << Render(parsed.diagnostics, text);
+  EXPECT_TRUE(parsed.rules.empty());
+}
+
+}  // namespace
+}  // namespace docent
