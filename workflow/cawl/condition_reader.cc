@@ -1,6 +1,5 @@
 #include "workflow/cawl/condition_reader.h"
 
-#include <algorithm>
 #include <string>
 
 #include "absl/strings/numbers.h"
@@ -34,7 +33,7 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
       }
     };
   };
-  ReadChildren(element, reader,
+  reader->ReadChildren(element,
                {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
                 {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
                 {"object", once(&objects, &out.object, WordRole::kObject)}});
@@ -51,7 +50,7 @@ Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementRea
   out.name = reader->Attribute(element, "name");
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
-  ReadChildren(element, reader, {{"constraint", [&](const xml::Element& child) {
+  reader->ReadChildren(element, {{"constraint", [&](const xml::Element& child) {
                                     out.constraints.push_back(ReadConstraint(child, reader));
                                   }}});
   return out;
@@ -67,7 +66,7 @@ Context ReadContext(const xml::Element& element, const Limits& limits, xml::Elem
     reader->Error(out.priority_text.span, Concat("priority \"", out.priority_text.value, "\" is not a whole number"),
                   "lower numbers are tried first");
   }
-  ReadChildren(element, reader, {{"rule", [&](const xml::Element& child) {
+  reader->ReadChildren(element, {{"rule", [&](const xml::Element& child) {
                                     out.rules.push_back(ReadRule(child, limits, reader));
                                   }}});
   return out;
@@ -80,10 +79,10 @@ Case ReadCase(const xml::Element& element, const Limits& limits, xml::ElementRea
   out.name = reader->Attribute(element, "name");
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
-  ReadChildren(element, reader, {{"event", [&](const xml::Element& child) {
+  reader->ReadChildren(element, {{"event", [&](const xml::Element& child) {
                                     reader->CheckAttributes(child, {"operation"});
                                     out.events.push_back({reader->Required(child, "operation"), child.span});
-                                    ReadChildren(child, reader, {});
+                                    reader->ReadChildren(child, {});
                                   }}});
   if (out.events.empty()) {
     reader->Error(element.name_span, "<case> has no <event>", "write <event operation=\"…\"/>");
@@ -93,24 +92,6 @@ Case ReadCase(const xml::Element& element, const Limits& limits, xml::ElementRea
 
 }  // namespace
 
-void ReadChildren(const xml::Element& element, xml::ElementReader* reader, const ChildTable& table) {
-  for (const auto& child : element.children) {
-    if (child->name == "documentation") continue;
-    auto it = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.first == child->name; });
-    if (it != table.end()) {
-      it->second(*child);
-      continue;
-    }
-    std::vector<std::string> known;
-    for (const auto& [name, unused] : table) known.emplace_back(name);
-    reader->UnknownChild(element, *child, known);
-  }
-  if (element.text.given()) {
-    reader->Error(element.text.span, Concat("text in <", element.name, ">"),
-                  "write remarks in <documentation> or in a comment");
-  }
-}
-
 Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
   Condition out;
   out.span = element.span;
@@ -118,7 +99,7 @@ Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
   out.timeout_ms = reader->Timeout(element);
-  ReadChildren(element, reader,
+  reader->ReadChildren(element,
                {{"case",
                  [&](const xml::Element& child) {
                    if (!out.cases.empty()) {

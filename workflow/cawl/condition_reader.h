@@ -2,11 +2,6 @@
 #ifndef DOCENT_WORKFLOW_CAWL_CONDITION_READER_H_
 #define DOCENT_WORKFLOW_CAWL_CONDITION_READER_H_
 
-#include <functional>
-#include <string_view>
-#include <utility>
-#include <vector>
-
 #include "kb_server/base/limits.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/xml/element_reader.h"
@@ -14,11 +9,6 @@
 namespace docent::cawl {
 
 Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::ElementReader* reader);
-
-// Calls the function of each child's name. An unknown child is reported; <documentation> may stand anywhere; text
-// beside the children is reported.
-using ChildTable = std::vector<std::pair<std::string_view, std::function<void(const xml::Element&)>>>;
-void ReadChildren(const xml::Element& element, xml::ElementReader* reader, const ChildTable& table);
 
 }  // namespace docent::cawl
 

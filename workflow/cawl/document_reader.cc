@@ -23,8 +23,7 @@ class DocumentReader {
     out->name = reader_.Required(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
-    ReadChildren(root, &reader_,
-                 {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(root, {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out->variables.push_back(ReadVariable(e)); }},
                   {"baseOntologies", [&](const xml::Element& e) { ReadOntologies(e, out); }},
                   {"serviceProvider", [&](const xml::Element& e) { out->providers.push_back(ReadProvider(e)); }},
@@ -40,12 +39,12 @@ class DocumentReader {
   void Second(const xml::Element& element, const xml::Element& parent) {
     reader_.Error(element.name_span, Concat("a second <", element.name, "> in <", parent.name, ">"), "one may stand here");
   }
-  void Nothing(const xml::Element& element) { ReadChildren(element, &reader_, {}); }
+  void Nothing(const xml::Element& element) { reader_.ReadChildren(element, {}); }
 
   // A variable's or part's name: it must be usable as $name.
   Text ReadVariableName(const xml::Element& element) {
     Text name = reader_.Required(element, "name");
-    if (!name.empty() && !IsVariableName(name.value)) {
+    if (!name.empty() && !xml::IsVariableName(name.value)) {
       reader_.Error(name.span, Concat("\"", name.value, "\" cannot name a ", element.name),
                     "use letters (a-z), digits and _, beginning with a letter");
     }
@@ -57,7 +56,7 @@ class DocumentReader {
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
     out.name = reader_.Required(element, "name");
-    ReadChildren(element, &reader_, {{"part", [&](const xml::Element& e) {
+    reader_.ReadChildren(element, {{"part", [&](const xml::Element& e) {
                                         reader_.CheckAttributes(e, {"name", "type", "element"});
                                         out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
                                                              reader_.Attribute(e, "element"), e.span});
@@ -73,8 +72,7 @@ class DocumentReader {
     out.name = ReadVariableName(element);
     out.type = reader_.Attribute(element, "type");
     if (out.type.value.find(':') != std::string::npos) reader_.TermOf(element, out.type);
-    ReadChildren(element, &reader_,
-                 {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
+    reader_.ReadChildren(element, {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
     return out;
   }
 
@@ -84,7 +82,7 @@ class DocumentReader {
     reader_.CheckAttributes(element, {"part"});
     out.part = reader_.Attribute(element, "part");
     int froms = 0;
-    ReadChildren(element, &reader_, {{"from", [&](const xml::Element& e) {
+    reader_.ReadChildren(element, {{"from", [&](const xml::Element& e) {
                                         if (froms++ > 0) return Second(e, element);
                                         ReadFrom(e, &out);
                                       }}});
@@ -117,7 +115,7 @@ class DocumentReader {
 
   void ReadOntologies(const xml::Element& element, Document* out) {
     reader_.CheckAttributes(element, {});
-    ReadChildren(element, &reader_, {{"ontology", [&](const xml::Element& e) {
+    reader_.ReadChildren(element, {{"ontology", [&](const xml::Element& e) {
                                         reader_.CheckAttributes(e, {"location", "namespace"});
                                         out->ontologies.push_back(
                                             {reader_.Attribute(e, "location"), reader_.Attribute(e, "namespace"), e.span});
@@ -131,7 +129,7 @@ class DocumentReader {
     reader_.CheckAttributes(element, {"name", "location"});
     out.name = reader_.Required(element, "name");
     out.location = reader_.Attribute(element, "location");
-    ReadChildren(element, &reader_, {{"service", [&](const xml::Element& e) {
+    reader_.ReadChildren(element, {{"service", [&](const xml::Element& e) {
                                         reader_.CheckAttributes(e, {"operation"});
                                         out.services.push_back({reader_.Required(e, "operation"), e.span});
                                         Nothing(e);
@@ -146,8 +144,7 @@ class DocumentReader {
     out.name = reader_.Attribute(element, "name");
     bool has_condition = false;
     int activates = 0;
-    ReadChildren(element, &reader_,
-                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"activate",
                    [&](const xml::Element& e) {
@@ -182,8 +179,7 @@ class DocumentReader {
         Nothing(e);
       };
     };
-    ReadChildren(element, &reader_,
-                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"source", end(&out.source)},
                   {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
@@ -208,8 +204,7 @@ class DocumentReader {
     out.compensate = reader_.Extension(element, "compensate");
     out.for_each_text = reader_.Extension(element, "forEach");
     ReadForEach(&out);
-    ReadChildren(element, &reader_,
-                 {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"wait", [&](const xml::Element& e) { ReadWait(e, &out); }},
                   {"condition",
@@ -226,7 +221,7 @@ class DocumentReader {
     for (size_t at = 0; at < text.size();) {
       size_t end = std::min(text.find(' ', at), text.size());
       std::string word = text.substr(at, end - at);
-      if (word.size() > 1 && word[0] == '?' && IsVariableName(word.substr(1))) {
+      if (word.size() > 1 && word[0] == '?' && xml::IsVariableName(word.substr(1))) {
         node->for_each.push_back(word.substr(1));
       } else if (!word.empty()) {
         reader_.Error(reader_.Within(node->for_each_text, at, word.size()),

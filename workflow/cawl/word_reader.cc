@@ -40,7 +40,7 @@ void ReadVariable(std::string_view text, size_t offset, const Place& place, xml:
     head = name.substr(0, dot);
     part = name.substr(dot + 1);
   }
-  bool good = IsVariableName(head) && (part.data() == nullptr || IsVariableName(part));
+  bool good = xml::IsVariableName(head) && (part.data() == nullptr || xml::IsVariableName(part));
   if (!good) {
     reader->Error(place(offset, text.size()), Concat(text, " is not a variable's name"),
                   is_free ? "write ? and letters (a-z), digits and _, beginning with a letter"
@@ -122,14 +122,6 @@ std::string_view NextPiece(std::string_view text, size_t* at) {
 }
 
 }  // namespace
-
-bool IsVariableName(std::string_view name) {
-  if (name.empty() || absl::ascii_isdigit(name[0]) || name[0] == '_') return false;
-  for (char c : name) {
-    if (!absl::ascii_isalnum(c) && c != '_') return false;
-  }
-  return true;
-}
 
 Word ReadWord(const xml::Element& element, WordRole role, xml::ElementReader* reader) {
   Place place = [&](size_t offset, size_t length) {

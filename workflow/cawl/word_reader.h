@@ -2,8 +2,6 @@
 #ifndef DOCENT_WORKFLOW_CAWL_WORD_READER_H_
 #define DOCENT_WORKFLOW_CAWL_WORD_READER_H_
 
-#include <string_view>
-
 #include "workflow/cawl/ast.h"
 #include "workflow/xml/element_reader.h"
 
@@ -16,9 +14,6 @@ Word ReadWord(const xml::Element& element, WordRole role, xml::ElementReader* re
 
 // "subject verb object" in an attribute (ext:while) of `element`; nullopt after a reported mistake.
 std::optional<Constraint> ReadConstraintText(const xml::Element& element, const Text& text, xml::ElementReader* reader);
-
-// True if `name` may name a variable: ASCII letters, digits and "_", not beginning with a digit or "_".
-bool IsVariableName(std::string_view name);
 
 }  // namespace docent::cawl
 

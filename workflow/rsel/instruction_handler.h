@@ -51,7 +51,7 @@ class InstructionHandler {
   std::vector<Instruction> TakeReady();
 
   // What became of an instruction. False, and nothing changed, when that attempt is not running (a late or repeated
-  // report, or after the end).
+  // report). After the end: false, and the instruction is struck off from RunningSteps().
   bool Succeeded(int step, int attempt, const Arguments& results);
   // `may_retry` false: no further attempt even if the step has any left (an unknown outcome of an operation that is
   // not idempotent). When a step fails for good and the process with it, the steps still running count as cancelled:

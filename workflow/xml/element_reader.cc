@@ -101,6 +101,23 @@ void ElementReader::UnknownChild(const Element& parent, const Element& child, co
         DidYouMean(child.name, known, Otherwise(known, "child elements")));
 }
 
+void ElementReader::ReadChildren(const Element& element, const ChildTable& table) {
+  for (const auto& child : element.children) {
+    if (child->name == "documentation") continue;
+    auto it = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.first == child->name; });
+    if (it != table.end()) {
+      it->second(*child);
+      continue;
+    }
+    std::vector<std::string> known;
+    for (const auto& [name, unused] : table) known.emplace_back(name);
+    UnknownChild(element, *child, known);
+  }
+  if (element.text.given()) {
+    Error(element.text.span, Concat("text in <", element.name, ">"), "write remarks in <documentation> or in a comment");
+  }
+}
+
 Text ElementReader::Trimmed(const Text& text) const {
   Text out = text;
   size_t first = text.value.find_first_not_of(" \t\n\r");

@@ -4,9 +4,11 @@
 #define DOCENT_WORKFLOW_XML_ELEMENT_READER_H_
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "kb_server/base/diagnostic.h"
@@ -39,6 +41,11 @@ class ElementReader {
                        const std::vector<std::string>& extensions = {});
   // Reports `child` as unknown in its parent. `known` are the names that may stand there.
   void UnknownChild(const Element& parent, const Element& child, const std::vector<std::string>& known);
+
+  // Calls the function of each child's name. An unknown child is reported; <documentation> may stand anywhere; text
+  // beside the children is reported.
+  using ChildTable = std::vector<std::pair<std::string_view, std::function<void(const Element&)>>>;
+  void ReadChildren(const Element& element, const ChildTable& table);
 
   // The attribute, trimmed; not given() when absent. Required: absent or blank is an error.
   Text Attribute(const Element& element, std::string_view name) const;

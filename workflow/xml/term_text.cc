@@ -155,6 +155,14 @@ std::optional<std::string> FindPrefix(const Prefixes& prefixes, std::string_view
   return std::nullopt;
 }
 
+bool IsVariableName(std::string_view name) {
+  if (name.empty() || absl::ascii_isdigit(name[0]) || name[0] == '_') return false;
+  for (char c : name) {
+    if (!absl::ascii_isalnum(c) && c != '_') return false;
+  }
+  return true;
+}
+
 std::optional<Term> ParseTerm(std::string_view text, const Prefixes& prefixes, TermError* error) {
   if (text.empty()) return Fail(error, 0, 0, "a value is missing", "");
   if (text[0] == '<') return ParseIri(text, error);

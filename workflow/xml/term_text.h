@@ -31,6 +31,10 @@ std::optional<Term> ParseTerm(std::string_view text, const Prefixes& prefixes, T
 // The IRI of `prefix`, from `prefixes` or else the well-known ones.
 std::optional<std::string> FindPrefix(const Prefixes& prefixes, std::string_view prefix);
 
+// True if `name` may name a variable or a message's part: ASCII letters, digits and "_", not beginning with a digit
+// or "_".
+bool IsVariableName(std::string_view name);
+
 }  // namespace docent::xml
 
 #endif  // DOCENT_WORKFLOW_XML_TERM_TEXT_H_

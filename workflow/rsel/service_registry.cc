@@ -1,0 +1,120 @@
+#include "workflow/rsel/service_registry.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+#include "workflow/rsel/plan_builder.h"
+
+namespace docent::rsel {
+
+Diagnostics ServiceRegistry::Put(DocumentPtr document) {
+  std::map<std::string, DocumentPtr, std::less<>> documents = documents_;
+  const Document* changed = document.get();
+  documents[changed->name.value] = std::move(document);
+  std::map<std::string, PlanPtr, std::less<>> plans;
+  Diagnostics diagnostics = MakePlans(documents, changed, &plans);
+  if (HasErrors(diagnostics)) return diagnostics;
+  documents_ = std::move(documents);
+  plans_ = std::move(plans);
+  ++version_;
+  return diagnostics;
+}
+
+absl::Status ServiceRegistry::Remove(std::string_view document_name) {
+  auto it = documents_.find(document_name);
+  if (it == documents_.end()) return absl::NotFoundError(Concat("no RSEL document ", document_name, " is registered"));
+  // A process that others contain would silently become a robot's operation in them.
+  for (const auto& [name, document] : documents_) {
+    if (name == document_name) continue;
+    for (const Process& process : document->processes) {
+      for (const Invoke& invoke : process.invokes) {
+        if (invoke.operation.value == process.name.value || it->second->FindProcess(invoke.operation.value) == nullptr) continue;
+        return absl::FailedPreconditionError(Concat("process ", invoke.operation.value, " of RSEL document ", document_name,
+                                                    " is part of process ", process.name.value, " of document ", name,
+                                                    "; remove that document first"));
+      }
+    }
+  }
+  documents_.erase(it);
+  std::map<std::string, PlanPtr, std::less<>> plans;
+  MakePlans(documents_, nullptr, &plans);
+  plans_ = std::move(plans);
+  ++version_;
+  return absl::OkStatus();
+}
+
+PlanPtr ServiceRegistry::Find(std::string_view process) const {
+  auto it = plans_.find(process);
+  return it == plans_.end() ? nullptr : it->second;
+}
+
+DocumentPtr ServiceRegistry::FindDocument(std::string_view document_name) const {
+  auto it = documents_.find(document_name);
+  return it == documents_.end() ? nullptr : it->second;
+}
+
+std::vector<PlanPtr> ServiceRegistry::Plans() const {
+  std::vector<PlanPtr> out;
+  for (const auto& [name, plan] : plans_) out.push_back(plan);
+  return out;
+}
+
+std::vector<std::string> ServiceRegistry::ProcessNames() const {
+  std::vector<std::string> out;
+  for (const auto& [name, plan] : plans_) out.push_back(name);
+  return out;
+}
+
+Diagnostics ServiceRegistry::MakePlans(const std::map<std::string, DocumentPtr, std::less<>>& documents,
+                                       const Document* changed, std::map<std::string, PlanPtr, std::less<>>* plans) {
+  constexpr size_t kMaxDiagnostics = 200;
+  Diagnostics out;
+  std::set<std::tuple<const Document*, size_t, std::string>> told;
+  auto report = [&](const Document& document, const SourceSpan& span, std::string message, std::string hint) {
+    if (out.size() >= kMaxDiagnostics || !told.emplace(&document, span.offset, message).second) return;
+    if (&document == changed) {
+      out.push_back({document.file, span, std::move(message), std::move(hint)});
+    } else {
+      out.push_back({changed != nullptr ? changed->file : document.file, {},
+                     Concat("the registered document ", document.name.value, " would no longer work: ", message),
+                     std::move(hint)});
+    }
+  };
+  ProcessMap processes;
+  for (const auto& [name, document] : documents) {
+    for (const Process& process : document->processes) {
+      auto [it, is_new] = processes.emplace(process.name.value, ProcessPlace{document.get(), &process});
+      if (is_new || it->second.document == document.get()) continue;
+      const Document* other = it->second.document == changed ? document.get() : it->second.document;
+      const Process* ours = changed != nullptr ? changed->FindProcess(process.name.value) : nullptr;
+      report(changed != nullptr ? *changed : *document, ours != nullptr ? ours->name.span : process.name.span,
+             Concat("process ", process.name.value, " is already registered by document ", other->name.value),
+             "remove that document, or choose another name");
+    }
+  }
+  PlanBuilder builder(processes, report);
+  for (const auto& [name, place] : processes) {
+    if (PlanPtr plan = builder.Build(name)) plans->emplace(name, std::move(plan));
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
+  return out;
+}
+
+PlanPtr OperationPlan(std::string operation, std::vector<std::string> inputs) {
+  auto plan = std::make_shared<Plan>();
+  plan->process = operation;
+  plan->inputs = inputs;
+  PlanStep step;
+  step.path = operation;
+  step.operation = std::move(operation);
+  for (std::string& input : inputs) step.inputs.emplace_back(input, PlanSource{std::nullopt, input});
+  plan->steps.push_back(std::move(step));
+  return plan;
+}
+
+}  // namespace docent::rsel
