@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
@@ -89,8 +90,8 @@ absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& te
     return std::make_pair(name, *term);
   }
   for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-    if (absl::StartsWith(value, absl::StrCat(prefix, ":"))) {
-      return std::make_pair(name, Term::Iri(absl::StrCat(iri, value.substr(prefix.size() + 1))));
+    if (absl::StartsWith(value, Concat(prefix, ":"))) {
+      return std::make_pair(name, Term::Iri(Concat(iri, value.substr(prefix.size() + 1))));
     }
   }
   int64_t integer = 0;

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/robot_directory.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
@@ -37,7 +38,7 @@ void Describe(const std::set<std::tuple<std::string, std::string, Term>>& before
 std::set<std::tuple<std::string, std::string, Term>> Facts(const Engine& engine) {
   std::set<std::tuple<std::string, std::string, Term>> facts;
   const std::string type(kRdfType);
-  const std::string label = absl::StrCat(kRdfsNs, "label");
+  const std::string label = Concat(kRdfsNs, "label");
   for (const rsel::PlanPtr& plan : engine.services().Plans()) {
     std::string iri = absl::StrCat("urn:docent:service:", plan->process);
     facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
@@ -131,7 +132,7 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         break;
     }
     if (!status.ok()) return status;
-    if (document.action == Document::Action::kPut) entries_[{document.kind, name}] = {size, revision};
+    if (document.action == Document::Action::kPut) entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision};
     else entries_.erase({document.kind, name});
   }
   Describe(facts_before, Facts(*engine), batch);
@@ -147,7 +148,7 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) cons
   auto catalog = std::make_shared<Catalog>();
   for (const auto& [key, entry] : entries_) {
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
-      catalog->modules.push_back({key.second, key.first, entry.size, entry.revision});
+      catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision});
     }
   }
   for (const cawl::DocumentPtr& document : engine.workflows()) {

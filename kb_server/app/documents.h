@@ -37,6 +37,7 @@ class Documents {
   using Key = std::pair<Document::Kind, std::string>;
   struct Entry {
     uint64_t size = 0;
+    uint64_t fingerprint = 0;
     Revision revision;
   };
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
 
-std::string OperationIri(std::string_view name) { return absl::StrCat("urn:docent:operation:", name); }
+std::string OperationIri(std::string_view name) { return Concat("urn:docent:operation:", name); }
 
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate) {

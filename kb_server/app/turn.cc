@@ -3,36 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/robot_directory.h"
+#include "kb_server/store/delta_sum.h"
 
 namespace docent {
 namespace {
-
-// Changes of several rounds, added up: what was added and then removed did not happen.
-class DeltaSum {
- public:
-  void Add(const Delta& delta) {
-    for (const Quad& quad : delta.added) Count(quad, 1);
-    for (const Quad& quad : delta.removed) Count(quad, -1);
-  }
-  Delta Net() const {
-    Delta net;
-    for (const auto& [quad, count] : counts_) {
-      if (count > 0) net.added.push_back(quad);
-      if (count < 0) net.removed.push_back(quad);
-    }
-    return net;
-  }
-
- private:
-  void Count(const Quad& quad, int by) {
-    auto [it, inserted] = counts_.try_emplace(quad, by);
-    if (!inserted && (it->second += by) == 0) counts_.erase(it);
-  }
-  absl::flat_hash_map<Quad, int> counts_;
-};
 
 // The engine's run facts into the graph.
 Delta WriteRunFacts(Stages* stages, const EngineOutput& output) {

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "kb_server/base/text.h"
 
 namespace docent {
 namespace {
@@ -24,7 +25,7 @@ size_t BytesOf(const WriteBatch& batch) {
 
 absl::Status Beyond(std::string_view what, size_t value, std::string_view limit_name, size_t limit) {
   return absl::ResourceExhaustedError(
-      absl::StrCat(what, " ", value, "; the limit ", limit_name, " is ", limit, "; nothing was applied"));
+      absl::StrCat(ToAbsl(what), " ", value, "; the limit ", ToAbsl(limit_name), " is ", limit, "; nothing was applied"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/graph_reader.h"
@@ -24,7 +25,7 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
   const std::string& robot = description.robot();
   say(robot, kRdfType, Term::Iri(DocentIri("Robot")));
   if (!description.type().empty()) say(robot, kRdfType, Term::Iri(description.type()));
-  if (!description.label().empty()) say(robot, absl::StrCat(kRdfsNs, "label"), Term::Literal(description.label()));
+  if (!description.label().empty()) say(robot, Concat(kRdfsNs, "label"), Term::Literal(description.label()));
   say(robot, DocentIri("incarnation"), Term::Literal(description.incarnation()));
   say(robot, DocentIri("adapterAddress"), Term::Literal(request.address()));
   std::string status = graph.Object(robot, DocentIri("status"));
@@ -33,10 +34,10 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
     say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
   }
   for (const v1::OperationDescription& operation : description.operations()) {
-    std::string iri = absl::StrCat(kOperationPrefix, operation.name());
+    std::string iri = Concat(kOperationPrefix, operation.name());
     say(robot, DocentIri("offers"), Term::Iri(iri));
     say(iri, kRdfType, Term::Iri(DocentIri("Operation")));
-    say(iri, absl::StrCat(kRdfsNs, "label"), Term::Literal(operation.name()));
+    say(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
     say(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent()));
   }
   return batch;
@@ -84,13 +85,13 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
   for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
     v1::RobotStatus* out = reply->add_robots();
     out->set_robot(robot);
-    out->set_label(graph.Object(robot, absl::StrCat(kRdfsNs, "label")));
+    out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
     out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
     out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
     std::string status = graph.Object(robot, DocentIri("status"));
     out->set_state(status == DocentIri("Standby") ? "standby" : status == DocentIri("Busy") ? "busy" : "offline");
     for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
-      out->add_operations(std::string(absl::StripPrefix(operation.lexical, kOperationPrefix)));
+      out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
     }
     double x = 0, y = 0, heading = 0;
     if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {

@@ -37,7 +37,7 @@ std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) 
   return able.value_or(std::vector<std::string>());
 }
 
-void Describe(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* out) {
+void Fill(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* out) {
   out->set_name(plan.process);
   out->set_document(plan.document);
   out->set_version(plan.version);
@@ -123,7 +123,7 @@ grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext
   GraphVersionPtr version = ports_.queries->Newest();
   GraphReader graph(*ports_.dictionary, *version);
   for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
-    Describe(graph, *plan, reply->add_services());
+    Fill(graph, *plan, reply->add_services());
   }
   return Finish(context, grpc::Status::OK);
 }
@@ -136,7 +136,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
     return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND, absl::StrCat("no robot service \"", request->name(), "\" is registered")));
   }
   GraphVersionPtr version = ports_.queries->Newest();
-  docent::Describe(GraphReader(*ports_.dictionary, *version), *plan, reply);
+  Fill(GraphReader(*ports_.dictionary, *version), *plan, reply);
   return Finish(context, grpc::Status::OK);
 }
 

@@ -5,6 +5,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
 
@@ -39,7 +40,7 @@ void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
 }  // namespace
 
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
-  std::string iri = absl::StrCat(kRunPrefix, id);
+  std::string iri = Concat(kRunPrefix, id);
   std::string state = graph.Object(iri, DocentIri("runState"));
   if (state.empty()) return false;
   run->set_id(id);
@@ -47,9 +48,9 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   run->set_workflow(graph.Object(iri, DocentIri("workflow")));
   run->set_flow(graph.Object(iri, DocentIri("flow")));
   run->set_reason(graph.Object(iri, DocentIri("reason")));
-  run->set_started_us(MicrosOfDateTime(graph.Object(iri, absl::StrCat(kProvNs, "startedAtTime"))));
-  run->set_ended_us(MicrosOfDateTime(graph.Object(iri, absl::StrCat(kProvNs, "endedAtTime"))));
-  run->set_parent(std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), kRunPrefix)));
+  run->set_started_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "startedAtTime"))));
+  run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
+  run->set_parent(std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), ToAbsl(kRunPrefix))));
   for (const Term& variable : graph.Objects(iri, DocentIri("hasVariable"))) {
     std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
     if (values.empty()) continue;
@@ -67,8 +68,8 @@ std::vector<std::string> RunIds(const GraphReader& graph, bool live_only) {
   std::vector<std::pair<std::string, std::string>> by_time;
   for (const std::string& iri : graph.Subjects(kRdfType, Term::Iri(DocentIri("Run")))) {
     if (live_only && graph.Object(iri, DocentIri("runState")) != "running") continue;
-    by_time.emplace_back(graph.Object(iri, absl::StrCat(kProvNs, "startedAtTime")),
-                         std::string(absl::StripPrefix(iri, kRunPrefix)));
+    by_time.emplace_back(graph.Object(iri, Concat(kProvNs, "startedAtTime")),
+                         std::string(absl::StripPrefix(iri, ToAbsl(kRunPrefix))));
   }
   std::sort(by_time.begin(), by_time.end());
   std::vector<std::string> ids;

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -113,8 +114,8 @@ std::vector<TermQuad> RunFacts(const Run& run) {
   out.SayText("flow", run.Flow().name.value);
   out.SayText("runState", std::string(ToString(run.state)));
   out.SayText("reason", run.reason);
-  out.Say(absl::StrCat(kProvNs, "startedAtTime"), DateTime(run.started_us));
-  if (run.ended_us != 0) out.Say(absl::StrCat(kProvNs, "endedAtTime"), DateTime(run.ended_us));
+  out.Say(Concat(kProvNs, "startedAtTime"), DateTime(run.started_us));
+  if (run.ended_us != 0) out.Say(Concat(kProvNs, "endedAtTime"), DateTime(run.ended_us));
   if (!run.parent.empty()) out.SayDocent("parentRun", Term::Iri(RunIri(run.parent)));
   for (const RobotId& robot : run.robots) out.SayDocent("usesRobot", Term::Iri(robot.value()));
   for (const auto& [name, value] : run.variables) {

@@ -1,0 +1,179 @@
+// docent check FILES: everything that can be said about files before a server has them. No server is needed.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/app/client.h"
+#include "kb_server/app/commands.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/sparql/parser.h"
+#include "nlohmann/json.hpp"
+#include "reasoner/rules/rule_engine.h"
+#include "workflow/engine/engine.h"
+#include "workflow/cawl/check.h"
+#include "workflow/rsel/parser.h"
+#include "workflow/rsel/service_registry.h"
+
+namespace docent {
+namespace {
+
+struct CheckArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> ontologies;
+  bool ask = false;
+  bool json = false;
+};
+
+enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
+
+Kind KindOf(const std::string& file) {
+  if (absl::EndsWith(file, ".rules")) return Kind::kRules;
+  if (absl::EndsWith(file, ".rq") || absl::EndsWith(file, ".sparql")) return Kind::kSparql;
+  if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return Kind::kCawl;
+  if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return Kind::kRsel;
+  return FormatOfFile(file) ? Kind::kRdf : Kind::kUnknown;
+}
+
+class Checker {
+ public:
+  explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
+
+  // Ontologies and RSEL processes first, so that workflows are checked against them whatever the order of the files.
+  absl::Status Prepare() {
+    for (const std::string& file : arguments_.ontologies) {
+      auto text = ReadText(file);
+      if (!text.ok()) return text.status();
+      ParseRdfOptions options;
+      options.file = file;
+      ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+      if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+      environment_.AddOntology(parsed.quads);
+      has_environment_ = true;
+    }
+    rsel::ServiceRegistry registry;
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRsel) continue;
+      auto text = ReadText(file);
+      if (!text.ok()) return text.status();
+      rsel::ParsedRsel parsed = rsel::ParseRsel(*text, file);
+      if (!parsed.ok()) continue;
+      services_[file] = registry.Put(parsed.document);
+    }
+    for (const rsel::PlanPtr& plan : registry.Plans()) {
+      environment_.AddOperation({plan->process, plan->inputs, true});
+      has_operations_ = true;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Check(const std::string& file) {
+    auto text = ReadText(file);
+    if (!text.ok()) return text.status();
+    Diagnostics diagnostics;
+    switch (KindOf(file)) {
+      case Kind::kRdf: {
+        ParseRdfOptions options;
+        options.file = file;
+        diagnostics = ParseRdf(*text, *FormatOfFile(file), options).diagnostics;
+        break;
+      }
+      case Kind::kSparql: {
+        sparql::ParseOptions options;
+        options.file = file;
+        options.prefixes = sparql::WellKnownPrefixes();
+        diagnostics = sparql::ParseQuery(*text, options).diagnostics;
+        break;
+      }
+      case Kind::kRules: {
+        Dictionary dictionary;
+        diagnostics = RuleEngine(dictionary).PutRules(file, *text);
+        break;
+      }
+      case Kind::kCawl:
+        diagnostics = CheckCawl(file, *text);
+        break;
+      case Kind::kRsel:
+        diagnostics = rsel::ParseRsel(*text, file).diagnostics;
+        if (!HasErrors(diagnostics)) diagnostics = services_[file];
+        break;
+      case Kind::kUnknown:
+        return absl::InvalidArgumentError(absl::StrCat(
+            file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
+    }
+    Print(file, *text, diagnostics);
+    return absl::OkStatus();
+  }
+
+  bool failed() const { return failed_; }
+
+ private:
+  Diagnostics CheckCawl(const std::string& file, const std::string& text) {
+    bool check_words = has_environment_ || has_operations_;
+    cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
+    if (report.ok()) {
+      Diagnostics unsupported = Engine::CheckSupported(*report.document);
+      report.diagnostics.insert(report.diagnostics.end(), unsupported.begin(), unsupported.end());
+    }
+    if (!arguments_.ask) return report.diagnostics;
+    for (const cawl::ConditionText& condition : report.conditions) {
+      if (arguments_.json) {
+        nlohmann::json object = {{"file", file}, {"place", condition.place}, {"ask", condition.ask}};
+        std::cout << object.dump() << "\n";
+      } else {
+        std::cout << "# " << condition.place << "\n" << condition.ask << "\n\n";
+      }
+    }
+    return report.diagnostics;
+  }
+
+  void Print(const std::string& file, const std::string& text, const Diagnostics& diagnostics) {
+    failed_ = failed_ || HasErrors(diagnostics);
+    if (arguments_.json) {
+      for (const Diagnostic& d : diagnostics) {
+        nlohmann::json object = {{"file", d.file.empty() ? file : d.file},
+                                 {"line", d.span.line},
+                                 {"column", d.span.column},
+                                 {"severity", d.severity == Diagnostic::Severity::kError ? "error" : "warning"},
+                                 {"message", d.message},
+                                 {"hint", d.hint}};
+        std::cout << object.dump() << "\n";
+      }
+      return;
+    }
+    std::cerr << Render(diagnostics, text);
+    if (!HasErrors(diagnostics) && !arguments_.ask) std::cout << file << ": ok\n";
+  }
+
+  const CheckArguments& arguments_;
+  cawl::QuadEnvironment environment_;
+  bool has_environment_ = false;
+  bool has_operations_ = false;
+  std::map<std::string, Diagnostics> services_;  // what the registry says of each RSEL file
+  bool failed_ = false;
+};
+
+}  // namespace
+
+void AddCheckCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* command = app->add_subcommand(
+      "check", "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors)");
+  command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
+  command->add_option("--ontology", arguments->ontologies, "Ontology files whose words workflows may use");
+  command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
+  command->add_flag("--json", arguments->json, "Print JSON for machines");
+  command->callback([arguments, exit_code] {
+    Checker checker(*arguments);
+    if (absl::Status status = checker.Prepare(); !status.ok()) {
+      *exit_code = Fail(status);
+      return;
+    }
+    for (const std::string& file : arguments->files) {
+      if (absl::Status status = checker.Check(file); !status.ok()) *exit_code = Fail(status);
+    }
+    if (*exit_code == kExitOk && checker.failed()) *exit_code = kExitNegative;
+  });
+}
+
+}  // namespace docent

@@ -1,0 +1,80 @@
+// docent serve: the server.
+#include <CLI/CLI.hpp>
+#include <signal.h>
+#include <unistd.h>
+
+#include <iostream>
+
+#include "kb_server/app/client.h"
+#include "kb_server/app/commands.h"
+#include "kb_server/app/server.h"
+#include "spdlog/sinks/stdout_color_sinks.h"
+#include "spdlog/spdlog.h"
+
+namespace docent {
+namespace {
+
+// $XDG_STATE_HOME/docent, else ~/.local/state/docent.
+std::string DefaultDataFolder() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
+    return std::string(state) + "/docent";
+  }
+  const char* home = std::getenv("HOME");
+  return std::string(home != nullptr ? home : ".") + "/.local/state/docent";
+}
+
+void ShowProgress(uint64_t done, uint64_t all) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  std::cerr << "\rreplaying the log: " << done << " of " << all << (done == all ? "\n" : "") << std::flush;
+}
+
+int Serve(const ServerSettings& settings) {
+  // one thread waits for signals; everybody else inherits the mask and is not disturbed
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a file-size limit is an error of write(2), not the end
+  spdlog::set_default_logger(spdlog::stderr_color_mt("docent"));
+  spdlog::set_pattern("%H:%M:%S.%e %l %v");
+
+  auto server = Server::Start(settings, ShowProgress);
+  if (!server.ok()) return Fail(server.status());
+  std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address() << std::endl;
+  timespec second{0, 500'000'000};
+  while (true) {
+    int received = sigtimedwait(&signals, nullptr, &second);
+    if (received == SIGINT || received == SIGTERM) break;
+    if (!(*server)->Tend()) return Fail((*server)->status());
+  }
+  server->reset();
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddServeCommand(CLI::App* app, int* exit_code) {
+  auto settings = std::make_shared<ServerSettings>();
+  settings->data_folder = DefaultDataFolder();
+  auto default_graph = std::make_shared<std::string>("union");
+  CLI::App* command = app->add_subcommand("serve", "Run the server; the first line tells the addresses");
+  command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")->capture_default_str();
+  command->add_option("--grpc", settings->grpc_address, "HOST:PORT of the gRPC API; port 0 takes a free one")
+      ->capture_default_str();
+  command->add_option("--http", settings->http_address, "HOST:PORT of SPARQL, metrics and health over HTTP")
+      ->capture_default_str();
+  command->add_option("--default-graph", *default_graph, "union: queries without GRAPH see all graphs; strict: only docent:default")
+      ->check(CLI::IsMember({"union", "strict"}))
+      ->capture_default_str();
+  command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
+  command->add_option("--rules", settings->rules, "Rule files to have loaded");
+  command->add_flag("--insecure", settings->insecure, "Allow addresses other than loopback although nothing authenticates clients");
+  command->callback([settings, default_graph, exit_code] {
+    settings->default_graph = *default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
+    *exit_code = Serve(*settings);
+  });
+}
+
+}  // namespace docent

@@ -1,0 +1,242 @@
+#include "kb_server/app/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <future>
+#include <sstream>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/log/sqlite_log.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/graph_reader.h"
+#include "kb_server/service/http_sparql.h"
+#include "spdlog/spdlog.h"
+
+namespace docent {
+namespace {
+
+constexpr int kWorkers = 4;
+constexpr size_t kWorkerQueue = 1024;
+
+struct Address {
+  std::string host;
+  int port = 0;
+};
+
+absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
+  size_t colon = text.rfind(':');
+  Address address;
+  if (colon == std::string::npos || !absl::SimpleAtoi(text.substr(colon + 1), &address.port) || address.port < 0 ||
+      address.port > 65535) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not HOST:PORT"));
+  }
+  address.host = text.substr(0, colon);
+  bool loopback = address.host == "localhost" || address.host == "[::1]" || absl::StartsWith(address.host, "127.");
+  if (!loopback && !insecure) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        address.host, " is not a loopback address and nothing authenticates clients; add --insecure if that is meant"));
+  }
+  return address;
+}
+
+absl::StatusOr<std::string> ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// True if the module's graph holds exactly these triples.
+bool SameGraph(const Dictionary& dictionary, const GraphVersion& version, const std::string& graph,
+               const std::vector<TermQuad>& quads) {
+  auto id = dictionary.FindIri(graph);
+  if (!id) return false;
+  uint64_t count = 0;
+  version.ForEach({{}, {}, {}, *id}, [&count](const Quad&) {
+    ++count;
+    return true;
+  });
+  if (count != quads.size()) return false;
+  for (const TermQuad& quad : quads) {
+    auto s = dictionary.Find(quad.subject);
+    auto p = dictionary.Find(quad.predicate);
+    auto o = dictionary.Find(quad.object);
+    if (!s || !p || !o || !version.Contains({*s, *p, *o, *id})) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Server::Server(const ServerSettings& settings)
+    : settings_(settings), inbox_(&clock_, settings.limits), leases_(&clock_) {}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerSettings& settings,
+                                                      const std::function<void(uint64_t, uint64_t)>& progress) {
+  std::unique_ptr<Server> server(new Server(settings));
+  Server& s = *server;
+  auto log = SqliteLog::Open(settings.data_folder);
+  if (!log.ok()) return log.status();
+  s.log_ = *std::move(log);
+  s.proxies_ = std::make_unique<RobotProxies>([inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); });
+  Writer::Ports ports;
+  ports.inbox = &s.inbox_;
+  ports.log = s.log_.get();
+  ports.queries = &s.queries_;
+  ports.catalog = &s.catalog_;
+  ports.feed = &s.feed_;
+  ports.proxies = s.proxies_.get();
+  ports.dictionary = &s.dictionary_;
+  ports.functions = &s.functions_;
+  ports.limits = settings.limits;
+  s.writer_ = std::make_unique<Writer>(ports);
+  if (absl::Status status = s.writer_->Recover(progress); !status.ok()) return status;
+
+  s.workers_ = std::make_unique<WorkerPool>(kWorkers, kWorkerQueue);
+  s.ports_.inbox = &s.inbox_;
+  s.ports_.queries = &s.queries_;
+  s.ports_.dictionary = &s.dictionary_;
+  s.ports_.functions = &s.functions_;
+  s.ports_.catalog = &s.catalog_;
+  s.ports_.feed = &s.feed_;
+  s.ports_.workers = s.workers_.get();
+  s.ports_.clock = &s.clock_;
+  s.ports_.limits = settings.limits;
+  s.ports_.default_graph = settings.default_graph;
+
+  if (absl::Status status = s.StartGrpc(); !status.ok()) return status;
+  if (absl::Status status = s.StartHttp(); !status.ok()) return status;
+  s.ExpectRobots();
+  s.writer_thread_ = std::thread([&s] {
+    absl::Status status = s.writer_->Run();
+    absl::MutexLock lock(&s.status_mutex_);
+    s.writer_status_ = status;
+    s.writer_ended_ = true;
+  });
+  s.writer_->ResumeCommands();
+  if (absl::Status status = s.LoadFiles(); !status.ok()) return status;
+  return server;
+}
+
+Server::~Server() {
+  auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(2);
+  http_server_.reset();
+  if (grpc_server_) grpc_server_->Shutdown(deadline);
+  proxies_.reset();
+  inbox_.Close();
+  if (writer_thread_.joinable()) writer_thread_.join();
+  workers_.reset();
+  grpc_server_.reset();
+}
+
+absl::Status Server::StartGrpc() {
+  auto address = ParseAddress(settings_.grpc_address, settings_.insecure);
+  if (!address.ok()) return address.status();
+  context_service_ = std::make_unique<ContextService>(ports_);
+  ontologies_service_ = std::make_unique<OntologiesService>(ports_);
+  workflows_service_ = std::make_unique<WorkflowsService>(ports_);
+  robot_services_service_ = std::make_unique<RobotServicesService>(ports_);
+  fleet_service_ = std::make_unique<FleetService>(ports_, &leases_);
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort(settings_.grpc_address, grpc::InsecureServerCredentials(), &port);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // a port in use is an error, not shared
+  builder.SetMaxReceiveMessageSize(static_cast<int>(settings_.limits.grpc_message_bytes));
+  builder.RegisterService(context_service_.get());
+  builder.RegisterService(ontologies_service_.get());
+  builder.RegisterService(workflows_service_.get());
+  builder.RegisterService(robot_services_service_.get());
+  builder.RegisterService(fleet_service_.get());
+  grpc_server_ = builder.BuildAndStart();
+  if (grpc_server_ == nullptr || port == 0) {
+    return absl::UnavailableError(absl::StrCat("cannot listen on ", settings_.grpc_address,
+                                               " for gRPC: the port is in use or not allowed; choose another with --grpc"));
+  }
+  grpc_address_ = absl::StrCat(address->host, ":", port);
+  return absl::OkStatus();
+}
+
+// The ontologies and rules named on the command line, unless the graph has them as they are.
+absl::Status Server::LoadFiles() {
+  auto push = [this](WriteBatch batch, const std::string& file) {
+    std::promise<absl::Status> answer;
+    inbox_.Push(std::move(batch), [&answer](const absl::StatusOr<BatchOutcome>& outcome) { answer.set_value(outcome.status()); });
+    absl::Status status = answer.get_future().get();
+    return status.ok() ? status : absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
+  };
+  for (const std::string& file : settings_.ontologies) {
+    auto text = ReadFile(file);
+    if (!text.ok()) return text.status();
+    std::string name = std::filesystem::path(file).filename().string();
+    ParseRdfOptions options;
+    options.file = file;
+    options.blank_node_scope = absl::StrCat(name, "_");
+    ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+    std::string graph = OntologyGraph(name);
+    if (SameGraph(dictionary_, *queries_.Newest(), graph, parsed.quads)) continue;
+    WriteBatch batch;
+    batch.mode = WriteBatch::Mode::kLoad;
+    batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, name, ""});
+    for (TermQuad& quad : parsed.quads) {
+      quad.graph = Term::Iri(graph);
+      batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    }
+    if (absl::Status status = push(std::move(batch), file); !status.ok()) return status;
+  }
+  for (const std::string& file : settings_.rules) {
+    auto text = ReadFile(file);
+    if (!text.ok()) return text.status();
+    std::string name = std::filesystem::path(file).filename().string();
+    auto catalog = catalog_.Get();
+    size_t fingerprint = std::hash<std::string>()(*text);
+    bool same = std::any_of(catalog->modules.begin(), catalog->modules.end(), [&](const ModuleEntry& module) {
+      return module.kind == Document::Kind::kRules && module.name == name && module.fingerprint == fingerprint;
+    });
+    if (same) continue;
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kRules, Document::Action::kPut, name, *std::move(text)});
+    if (absl::Status status = push(std::move(batch), file); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+// Robots that were there before a restart get one lease to show themselves.
+void Server::ExpectRobots() {
+  GraphVersionPtr version = queries_.Newest();
+  GraphReader graph(dictionary_, *version);
+  for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+    bool joined = !graph.Object(robot, DocentIri("adapterAddress")).empty();
+    if (joined && graph.Object(robot, DocentIri("status")) != DocentIri("Offline")) leases_.Expect(robot);
+  }
+}
+
+bool Server::Tend() {
+  for (const std::string& robot : leases_.TakeLost()) {
+    spdlog::warn("{} has not renewed its lease: offline", robot);
+    WriteBatch batch;
+    batch.source = robot;
+    batch.operations.push_back({QuadOperation::Kind::kAdd,
+                                {Term::Iri(robot), Term::Iri(DocentIri("status")), Term::Iri(DocentIri("Offline")), Term()}});
+    inbox_.Push(std::move(batch), nullptr);
+  }
+  absl::MutexLock lock(&status_mutex_);
+  return !writer_ended_;
+}
+
+absl::Status Server::status() const {
+  absl::MutexLock lock(&status_mutex_);
+  return writer_status_;
+}
+
+}  // namespace docent

@@ -1,0 +1,95 @@
+// The composition root: makes every part, gives each its ports, starts and stops them in order.
+#ifndef DOCENT_KB_SERVER_APP_SERVER_H_
+#define DOCENT_KB_SERVER_APP_SERVER_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "kb_server/app/writer.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/service/fleet_leases.h"
+#include "kb_server/service/grpc_services.h"
+#include "kb_server/service/http_server.h"
+#include "kb_server/service/metrics.h"
+#include "kb_server/service/ports.h"
+
+namespace docent {
+
+struct ServerSettings {
+  std::string data_folder;                     // made if absent
+  std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
+  std::string http_address = "127.0.0.1:7480";
+  bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
+  sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+  std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
+  std::vector<std::string> rules;       // likewise
+  Limits limits;
+};
+
+class Server {
+ public:
+  // Opens the log, replays it, listens, loads the files. Errors are one clear line: a port in use, an unreadable
+  // folder, a log of a newer format, damage with its offset. `progress(done, all)` tells of the replay.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerSettings& settings,
+                                                       const std::function<void(uint64_t, uint64_t)>& progress);
+  // Stops: no new requests, batches that wait are answered, what is written is durable.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  const std::string& grpc_address() const { return grpc_address_; }
+  const std::string& http_address() const { return http_address_; }
+
+  // To be called now and then (about once a second): tells the graph of robots that were lost. False: the writer had to
+  // stop, see status().
+  bool Tend();
+  absl::Status status() const;
+
+ private:
+  explicit Server(const ServerSettings& settings);
+  absl::Status OpenLog();
+  absl::Status StartGrpc();
+  absl::Status StartHttp();
+  absl::Status LoadFiles();
+  void ExpectRobots();
+  void RegisterMetrics();
+
+  const ServerSettings settings_;
+  SystemClock clock_;
+  Dictionary dictionary_;
+  sparql::FunctionRegistry functions_;
+  std::unique_ptr<ContextLog> log_;
+  Inbox inbox_;
+  QueryPort queries_;
+  CatalogPort catalog_;
+  RunFeed feed_;
+  FleetLeases leases_;
+  Metrics metrics_;
+  std::unique_ptr<RobotProxies> proxies_;
+  std::unique_ptr<Writer> writer_;
+  std::unique_ptr<WorkerPool> workers_;
+  ServicePorts ports_;
+  std::unique_ptr<ContextService> context_service_;
+  std::unique_ptr<OntologiesService> ontologies_service_;
+  std::unique_ptr<WorkflowsService> workflows_service_;
+  std::unique_ptr<RobotServicesService> robot_services_service_;
+  std::unique_ptr<FleetService> fleet_service_;
+  std::unique_ptr<grpc::Server> grpc_server_;
+  std::unique_ptr<HttpServer> http_server_;
+  std::thread writer_thread_;
+  mutable absl::Mutex status_mutex_;
+  absl::Status writer_status_ ABSL_GUARDED_BY(status_mutex_);
+  bool writer_ended_ ABSL_GUARDED_BY(status_mutex_) = false;
+  std::string grpc_address_;
+  std::string http_address_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_SERVER_H_

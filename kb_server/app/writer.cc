@@ -1,0 +1,240 @@
+#include "kb_server/app/writer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/log/record_codec.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "spdlog/spdlog.h"
+
+namespace docent {
+namespace {
+
+RobotCommand ToCommand(const CommandEntry& entry) {
+  return {entry.id, entry.robot, entry.operation, entry.arguments, entry.expected_incarnation,
+          entry.guard_revision, entry.deadline_us, entry.idempotent};
+}
+
+// "RUN/NODE/…" → its parts.
+void SplitSubject(const std::string& subject, RunEvent* event) {
+  std::vector<std::string> parts = absl::StrSplit(subject, absl::MaxSplits('/', 2));
+  event->run = parts[0];
+  if (parts.size() > 1) event->node = parts[1];
+  event->kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
+}
+
+}  // namespace
+
+Writer::Writer(const Ports& ports) : ports_(ports), requests_(ports.limits.request_ids_remembered) {}
+
+absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
+  absl::Status status = Replay(progress);
+  if (!status.ok()) return status;
+  ports_.queries->Publish(stages_->writer.Freeze(Revision(head_)));
+  ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
+  PublishCounters();
+  return absl::OkStatus();
+}
+
+absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progress) {
+  stages_ = std::make_unique<Stages>(ports_.dictionary, ports_.functions, ports_.limits);
+  auto head = ports_.log->Head();
+  if (!head.ok()) return head.status();
+  epoch_ = std::max<uint64_t>(head->epoch, 1);
+  head_ = 0;
+  while (head_ < head->offset) {
+    auto entries = ports_.log->Read(head_ + 1, 10000);
+    if (!entries.ok()) return entries.status();
+    for (const LogEntry& entry : *entries) {
+      auto recorded = DecodeTurnRecord(entry.offset, entry.data);
+      if (!recorded.ok()) return recorded.status();
+      auto derived = RunTurn(stages_.get(), recorded->batch, entry.offset);
+      if (!derived.ok()) {
+        return absl::DataLossError(absl::StrCat("log offset ", entry.offset, ": the recorded batch is refused on replay: ",
+                                                derived.status().message()));
+      }
+      if (auto difference = DecisionDifference(*recorded, derived->record)) {
+        return absl::DataLossError(absl::StrCat("log offset ", entry.offset, ": replay decides otherwise (recorded by engine version ",
+                                                recorded->engine_version, ", this is ", kEngineVersion, ")\n", *difference));
+      }
+      UpdateAddresses(derived->delta);
+      BatchOutcome outcome{entry.offset, derived->delta.added.size(), derived->delta.removed.size(), derived->inferred,
+                           true, derived->started};
+      requests_.Remember(recorded->batch.request_id, std::move(outcome));
+      ports_.inbox->StartAfter(recorded->time_us);
+      head_ = entry.offset;
+    }
+    if (progress) progress(head_, head->offset);
+  }
+  return absl::OkStatus();
+}
+
+void Writer::ResumeCommands() {
+  if (ports_.proxies == nullptr) return;
+  for (const RobotCommand& command : stages_->engine.OpenCommands()) ports_.proxies->Resume(command);
+}
+
+absl::Status Writer::Run() {
+  while (fatal_.ok()) {
+    std::optional<TimeMicros> deadline = stages_->NextDeadline();
+    std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, ports_.limits.turns_per_commit);
+    if (batches.empty()) {
+      if (ports_.inbox->closed()) return absl::OkStatus();
+      WriteBatch tick;
+      tick.clock_tick = true;
+      ports_.inbox->Push(std::move(tick), nullptr);
+      continue;
+    }
+    TakeGroup(std::move(batches));
+  }
+  ports_.inbox->Close();
+  for (PendingBatch& pending : ports_.inbox->PopAll(0, SIZE_MAX)) pending.done(fatal_);
+  return fatal_;
+}
+
+void Writer::TakeGroup(std::vector<PendingBatch> batches) {
+  std::vector<Decided> group;
+  std::set<std::string> ids;
+  for (PendingBatch& pending : batches) {
+    const std::string& id = pending.batch.request_id;
+    if (const BatchOutcome* first = requests_.Find(id)) {
+      BatchOutcome outcome = *first;
+      outcome.repeated = true;
+      pending.done(outcome);
+      continue;
+    }
+    if (!id.empty() && !ids.insert(id).second) {
+      repeats_.emplace_back(id, std::move(pending.done));
+      continue;
+    }
+    auto result = RunTurn(stages_.get(), std::move(pending.batch), head_ + group.size() + 1);
+    if (!result.ok()) {
+      ++counters_.refused;
+      pending.done(result.status());
+      continue;
+    }
+    BatchOutcome outcome{result->record.offset, result->delta.added.size(), result->delta.removed.size(),
+                         result->inferred, false, result->started};
+    group.push_back({*std::move(result), std::move(pending.done), std::move(outcome)});
+  }
+  if (!group.empty()) fatal_ = Commit(std::move(group));
+  for (auto& [id, done] : repeats_) {
+    if (const BatchOutcome* first = requests_.Find(id)) {
+      BatchOutcome outcome = *first;
+      outcome.repeated = true;
+      done(outcome);
+    } else {
+      done(absl::AbortedError("the batch with this request_id was refused; send it again"));
+    }
+  }
+  repeats_.clear();
+  PublishCounters();
+}
+
+absl::Status Writer::Commit(std::vector<Decided> group) {
+  std::vector<std::string> records;
+  absl::Status status;
+  for (const Decided& decided : group) {
+    auto record = EncodeTurnRecord(decided.result.record);
+    if (!record.ok()) {
+      status = record.status();
+      break;
+    }
+    records.push_back(*std::move(record));
+  }
+  if (status.ok()) {
+    auto appended = ports_.log->Append(records, epoch_, head_);
+    if (!appended.ok()) {
+      status = appended.status();
+    } else if (appended->outcome != AppendResult::Outcome::kAppended) {
+      status = absl::FailedPreconditionError("another server has taken over the log; this one stops");
+    }
+  }
+  if (status.ok()) {
+    head_ += records.size();
+    ++counters_.commits;
+    counters_.turns += group.size();
+    Release(std::move(group));
+    return absl::OkStatus();
+  }
+  spdlog::error("the log refused {} turns: {}", group.size(), std::string(status.message()));
+  counters_.refused += group.size();
+  for (Decided& decided : group) decided.done(status);
+  if (status.code() == absl::StatusCode::kFailedPrecondition) return status;
+  return Replay(nullptr);  // what the log does not have did not happen
+}
+
+// The records are durable: now the world may know.
+void Writer::Release(std::vector<Decided> group) {
+  ports_.queries->Publish(group.back().result.version);
+  if (std::any_of(group.begin(), group.end(), [](const Decided& d) { return d.result.documents_changed; })) {
+    ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
+  }
+  for (Decided& decided : group) {
+    UpdateAddresses(decided.result.delta);
+    Send(decided.result);
+    Tell(decided.result);
+    requests_.Remember(decided.result.record.batch.request_id, decided.outcome);
+    decided.done(decided.outcome);
+  }
+}
+
+void Writer::Send(const TurnResult& result) {
+  counters_.commands += result.record.commands.size();
+  counters_.inferred += result.inferred;
+  if (ports_.proxies == nullptr) return;
+  for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
+  for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
+}
+
+void Writer::Tell(const TurnResult& result) {
+  std::vector<RunEvent> events;
+  for (const Transition& transition : result.record.transitions) {
+    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", transition.from, transition.to,
+                   transition.cause};
+    SplitSubject(transition.subject, &event);
+    if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
+    events.push_back(std::move(event));
+  }
+  for (const CommandEntry& command : result.record.commands) {
+    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", "", "sent", ""};
+    SplitSubject(command.id.value(), &event);
+    event.kind = "command";
+    event.detail = ToDisplay(command);
+    events.push_back(std::move(event));
+  }
+  for (const CommandReport& report : result.record.batch.reports) {
+    if (report.outcome == CommandReport::Outcome::kProgress) continue;
+    static constexpr const char* kOutcomes[] = {"accepted", "progress", "succeeded", "failed", "cancelled", "unknown", "unreachable"};
+    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", "",
+                   kOutcomes[static_cast<int>(report.outcome)], ""};
+    SplitSubject(report.command.value(), &event);
+    event.kind = "report";
+    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
+    events.push_back(std::move(event));
+  }
+  ports_.feed->Publish(events);
+}
+
+// Where the proxies find the adapters is a fact like any other.
+void Writer::UpdateAddresses(const Delta& delta) {
+  if (ports_.proxies == nullptr) return;
+  std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
+  if (!address) return;
+  for (const Quad& quad : delta.added) {
+    if (quad.predicate != *address) continue;
+    ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(quad.subject).lexical),
+                               ports_.dictionary->Decode(quad.object).lexical);
+  }
+}
+
+void Writer::PublishCounters() {
+  counters_.constraint_candidates = stages_->constraints.counters().candidates;
+  counters_.constraint_evaluations = stages_->constraints.counters().evaluations;
+  counters_.constraints = stages_->constraints.size();
+  counters_.live_runs = stages_->engine.live_runs();
+}
+
+}  // namespace docent

@@ -1,0 +1,97 @@
+// The writer thread: takes batches from the door, runs a turn for each, makes the records durable in one commit, and
+// only then lets anybody see, hear or be answered.
+//
+// Group commit: all batches that wait are turned and appended together, with one fdatasync. Recovery is the same turns fed from the
+// log. Where the log refuses an append (disk full), all of that group is refused, and the state is made anew from
+// the log: what the log does not have did not happen.
+#ifndef DOCENT_KB_SERVER_APP_WRITER_H_
+#define DOCENT_KB_SERVER_APP_WRITER_H_
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "kb_server/app/turn.h"
+#include "kb_server/door/inbox.h"
+#include "kb_server/door/query_port.h"
+#include "kb_server/door/request_memory.h"
+#include "kb_server/log/context_log.h"
+#include "kb_server/service/catalog.h"
+#include "kb_server/service/run_feed.h"
+#include "robot_adapters/proxy/robot_proxies.h"
+
+namespace docent {
+
+// Read by any thread for /metrics.
+struct WriterCounters {
+  std::atomic<uint64_t> turns{0};
+  std::atomic<uint64_t> commits{0};
+  std::atomic<uint64_t> refused{0};
+  std::atomic<uint64_t> commands{0};
+  std::atomic<uint64_t> constraint_candidates{0};
+  std::atomic<uint64_t> constraint_evaluations{0};
+  std::atomic<uint64_t> constraints{0};
+  std::atomic<uint64_t> inferred{0};
+  std::atomic<uint64_t> live_runs{0};
+};
+
+class Writer {
+ public:
+  // Everything must outlive the writer. `proxies` may be null (nothing is sent: tools, tests).
+  struct Ports {
+    Inbox* inbox = nullptr;
+    ContextLog* log = nullptr;
+    QueryPort* queries = nullptr;
+    CatalogPort* catalog = nullptr;
+    RunFeed* feed = nullptr;
+    RobotProxies* proxies = nullptr;
+    Dictionary* dictionary = nullptr;
+    const sparql::FunctionRegistry* functions = nullptr;
+    Limits limits;
+  };
+  explicit Writer(const Ports& ports);
+
+  // Replays the log and publishes the newest version. DATA_LOSS naming the offset when the log is damaged, or when this
+  // engine decides otherwise than the one that wrote it. `progress(done, all)` is called now and then.
+  absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
+  // Tells the adapters of commands that were open when the server ended. After Recover.
+  void ResumeCommands();
+  // Serves until the inbox is closed and empty. OK, or why it cannot go on. The thread that calls it is the writer.
+  absl::Status Run();
+
+  const WriterCounters& counters() const { return counters_; }
+
+ private:
+  struct Decided {
+    TurnResult result;
+    BatchCallback done;
+    BatchOutcome outcome;
+  };
+
+  absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
+  void TakeGroup(std::vector<PendingBatch> batches);
+  absl::Status Commit(std::vector<Decided> group);
+  void Release(std::vector<Decided> group);
+  void Tell(const TurnResult& result);
+  void Send(const TurnResult& result);
+  void UpdateAddresses(const Delta& delta);
+  void PublishCounters();
+
+  const Ports ports_;
+  std::unique_ptr<Stages> stages_;
+  RequestMemory requests_;
+  uint64_t head_ = 0;   // offset of the newest durable record
+  uint64_t epoch_ = 0;
+  absl::Status fatal_;
+  // A repeat of a batch of the running group is answered after it.
+  std::vector<std::pair<std::string, BatchCallback>> repeats_;
+  WriterCounters counters_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_WRITER_H_
