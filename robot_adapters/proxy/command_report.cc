@@ -1,0 +1,78 @@
+#include "robot_adapters/proxy/command_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace docent {
+namespace {
+
+void ToProto(const Term& term, v1::Term* out) {
+  switch (term.kind) {
+    case TermKind::kIri: out->set_iri(term.lexical); return;
+    case TermKind::kBlank: out->set_blank(term.lexical); return;
+    case TermKind::kLiteral:
+      out->mutable_literal()->set_lexical(term.lexical);
+      out->mutable_literal()->set_datatype(term.datatype);
+      out->mutable_literal()->set_language(term.language);
+      return;
+  }
+}
+
+std::optional<Term> FromProto(const v1::Term& term) {
+  if (term.has_iri()) return Term::Iri(term.iri());
+  if (term.has_blank()) return Term::Blank(term.blank());
+  if (!term.has_literal()) return std::nullopt;
+  if (!term.literal().language().empty()) {
+    return Term::LangString(term.literal().lexical(), term.literal().language());
+  }
+  return Term::Literal(term.literal().lexical(), term.literal().datatype());
+}
+
+CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
+  switch (state) {
+    case v1::Feedback::RUNNING: return CommandReport::Outcome::kProgress;
+    case v1::Feedback::SUCCEEDED: return CommandReport::Outcome::kSucceeded;
+    case v1::Feedback::FAILED: return CommandReport::Outcome::kFailed;
+    case v1::Feedback::CANCELLED: return CommandReport::Outcome::kCancelled;
+    default: return CommandReport::Outcome::kAccepted;
+  }
+}
+
+}  // namespace
+
+bool IsFinal(v1::Feedback::State state) {
+  return state == v1::Feedback::SUCCEEDED || state == v1::Feedback::FAILED || state == v1::Feedback::CANCELLED;
+}
+
+CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback) {
+  CommandReport report;
+  report.command = command;
+  report.outcome = OutcomeOf(feedback.state());
+  report.message = feedback.message();
+  report.progress = std::isfinite(feedback.progress()) ? std::clamp(feedback.progress(), 0.0, 1.0) : 0;
+  report.incarnation = feedback.incarnation();
+  if (feedback.state() == v1::Feedback::SUCCEEDED) {
+    for (const v1::NamedTerm& result : feedback.results()) {
+      if (auto term = FromProto(result.value())) report.results.emplace_back(result.name(), *std::move(term));
+    }
+  }
+  return report;
+}
+
+v1::InvokeRequest InvokeRequestOf(const RobotCommand& command, const std::string& expected_incarnation) {
+  v1::InvokeRequest request;
+  request.set_command_id(command.id.value());
+  request.set_operation(command.operation);
+  for (const auto& [name, value] : command.arguments) {
+    v1::NamedTerm* argument = request.add_arguments();
+    argument->set_name(name);
+    ToProto(value, argument->mutable_value());
+  }
+  request.set_expected_incarnation(expected_incarnation);
+  request.set_guard_revision(command.guard_revision.value());
+  request.set_deadline_us(command.deadline_us);
+  return request;
+}
+
+}  // namespace docent

@@ -1,0 +1,18 @@
+// Feedback messages of adapters as reports for the server's door. Pure functions; any thread.
+#ifndef DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_
+#define DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_
+
+#include "docent/v1/robot_adapter.pb.h"
+#include "kb_server/store/write_batch.h"
+#include "workflow/rsel/robot_command.h"
+
+namespace docent {
+
+bool IsFinal(v1::Feedback::State state);
+// Terms that are unset are left out of the results.
+CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback);
+v1::InvokeRequest InvokeRequestOf(const RobotCommand& command, const std::string& expected_incarnation);
+
+}  // namespace docent
+
+#endif  // DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_

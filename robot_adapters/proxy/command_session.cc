@@ -1,0 +1,192 @@
+#include "robot_adapters/proxy/command_session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+namespace {
+
+// Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is known.
+bool IsConnectionLoss(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::CANCELLED:
+    case grpc::StatusCode::UNKNOWN:
+    case grpc::StatusCode::INTERNAL:
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+    case grpc::StatusCode::ABORTED:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+CommandSession::CommandSession(SessionHost* host, const ProxySettings& settings, RobotCommand command,
+                               absl::Duration time_left, bool may_have_been_sent)
+    : host_(host),
+      settings_(settings),
+      command_(std::move(command)),
+      deadline_(host->SteadyNow() + time_left + absl::FromChrono(settings.grace)),
+      expected_incarnation_(command_.expected_incarnation),
+      attach_next_(may_have_been_sent),
+      pause_(absl::FromChrono(settings.first_retry)) {}
+
+void CommandSession::UseAddress(const std::string& address) {
+  const bool moved = address != address_;
+  address_ = address;
+  if (!started_) {
+    started_ = true;
+    host_->After(std::max(absl::ZeroDuration(), deadline_ - host_->SteadyNow()), command_.id, [this] { OnDeadline(); });
+    Try();
+  } else if (call_ == nullptr) {
+    Try();
+  } else if (moved) {
+    retry_at_once_ = true;
+    call_->Cancel();
+  }
+}
+
+void CommandSession::Try() {
+  if (done_ || call_ != nullptr) return;
+  ++attempt_;
+  if (address_.empty()) {
+    Lost(absl::StrCat("robot ", command_.robot.value(), " has no adapter now"));
+    return;
+  }
+  FeedbackCall::Request request;
+  if (attach_next_) {
+    v1::AttachRequest attach;
+    attach.set_command_id(command_.id.value());
+    request = std::move(attach);
+  } else {
+    request = InvokeRequestOf(command_, expected_incarnation_);
+    attach_next_ = true;  // from here on the adapter may have it
+  }
+  call_ = host_->Call(command_.id, address_, std::move(request), deadline_ - host_->SteadyNow() + absl::Seconds(1));
+}
+
+// Reports the loss once, then tries again after a pause that grows.
+void CommandSession::Lost(const std::string& why) {
+  last_error_ = why;
+  if (!unreachable_) {
+    unreachable_ = true;
+    host_->Report(NewReport(CommandReport::Outcome::kUnreachable, why));
+  }
+  Retry();
+}
+
+void CommandSession::Retry() {
+  absl::Duration pause = std::exchange(retry_at_once_, false) ? absl::ZeroDuration() : pause_;
+  pause_ = std::min(2 * pause_, absl::FromChrono(settings_.last_retry));
+  host_->After(pause, command_.id, [this, attempt = attempt_] {
+    if (attempt == attempt_) Try();
+  });
+}
+
+void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
+  if (!IsPresentCall(call)) return;
+  seen_ = true;
+  unreachable_ = false;
+  pause_ = absl::FromChrono(settings_.first_retry);
+  if (!feedback.incarnation().empty()) expected_incarnation_ = feedback.incarnation();
+  CommandReport report = ReportOf(command_.id, feedback);
+  if (IsFinal(feedback.state())) {
+    done_ = true;
+    host_->Report(std::move(report));
+    return;
+  }
+  if (cancel_requested_) host_->SendCancel(command_.id, address_);
+  if (!accepted_) {
+    accepted_ = true;
+    CommandReport accepted = NewReport(CommandReport::Outcome::kAccepted, "");
+    accepted.incarnation = feedback.incarnation();
+    host_->Report(std::move(accepted));
+  }
+  if (report.outcome != CommandReport::Outcome::kProgress) return;
+  const absl::Time now = host_->SteadyNow();
+  if (now - last_progress_ < absl::FromChrono(settings_.progress_interval)) return;
+  last_progress_ = now;
+  host_->Report(std::move(report));
+}
+
+void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
+  if (!IsPresentCall(call)) return;
+  const bool was_attach = call_->is_attach();
+  call_.reset();
+  if (status.ok()) {  // a stream without a final state: the adapter let go of it
+    Lost(absl::StrCat("adapter at ", address_, " ended the feedback of a command that has not ended"));
+  } else if (status.error_code() == grpc::StatusCode::NOT_FOUND && was_attach) {
+    NeverBegun();
+  } else if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION) {
+    Finish(CommandReport::Outcome::kUnknown, status.error_message());
+  } else if (IsConnectionLoss(status.error_code())) {
+    if (retry_at_once_) {
+      Retry();
+    } else {
+      Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
+    }
+  } else {
+    Finish(CommandReport::Outcome::kFailed,
+           absl::StrCat("adapter at ", address_, " refused ", command_.operation, ": ", status.error_message()));
+  }
+}
+
+// The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries with its
+// own, so that a forgetful one cannot do the command a second time.
+void CommandSession::NeverBegun() {
+  if (cancel_requested_) {
+    Finish(CommandReport::Outcome::kCancelled, "cancelled before the robot began it");
+  } else if (expected_incarnation_.empty() && !command_.idempotent) {
+    Finish(CommandReport::Outcome::kUnknown,
+           absl::StrCat("adapter at ", address_, " does not know the command, and may have forgotten it"));
+  } else {
+    attach_next_ = false;
+    Try();
+  }
+}
+
+void CommandSession::Cancel() {
+  if (done_ || cancel_requested_) return;
+  cancel_requested_ = true;
+  if (!attach_next_) {
+    Finish(CommandReport::Outcome::kCancelled, "cancelled before it was sent");
+  } else if (call_ != nullptr && seen_) {
+    host_->SendCancel(command_.id, address_);
+  }
+}
+
+void CommandSession::OnDeadline() {
+  if (done_) return;
+  std::string where = address_.empty() ? absl::StrCat("robot ", command_.robot.value(), " has no adapter and")
+                                       : absl::StrCat("adapter at ", address_);
+  std::string what = seen_ ? absl::StrCat(" did not finish ", command_.operation)
+                           : absl::StrCat(" did not take ", command_.operation);
+  std::string why = unreachable_ && !address_.empty() ? absl::StrCat("; last: ", last_error_) : "";
+  if (!address_.empty() && attach_next_) host_->SendCancel(command_.id, address_);
+  Finish(CommandReport::Outcome::kFailed, absl::StrCat(where, what, " before its deadline", why));
+}
+
+void CommandSession::Abandon() {
+  done_ = true;
+  if (call_ != nullptr) call_->Cancel();
+}
+
+void CommandSession::Finish(CommandReport::Outcome outcome, std::string message) {
+  Abandon();
+  host_->Report(NewReport(outcome, std::move(message)));
+}
+
+CommandReport CommandSession::NewReport(CommandReport::Outcome outcome, std::string message) const {
+  CommandReport report;
+  report.command = command_.id;
+  report.outcome = outcome;
+  report.message = std::move(message);
+  report.incarnation = expected_incarnation_;
+  return report;
+}
+
+}  // namespace docent

@@ -1,0 +1,82 @@
+// One command under way: the state machine of robot_proxies.h for a single id. Lives on the proxies' thread, is driven
+// by it, and does at most one call at a time.
+#ifndef DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_
+#define DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/time/time.h"
+#include "robot_adapters/proxy/command_report.h"
+#include "robot_adapters/proxy/feedback_call.h"
+#include "robot_adapters/proxy/robot_proxies.h"
+
+namespace docent {
+
+// What a session needs of the proxies. All on the proxies' thread.
+class SessionHost {
+ public:
+  virtual ~SessionHost() = default;
+  virtual void Report(CommandReport report) = 0;
+  // Begins a call to the robot's adapter; its feedback and end come back through OnFeedback and OnCallEnded.
+  virtual std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
+                                             FeedbackCall::Request request, absl::Duration timeout) = 0;
+  // Tells the adapter to end the command; nobody waits for the answer.
+  virtual void SendCancel(const CommandId& command, const std::string& address) = 0;
+  virtual void After(absl::Duration delay, const CommandId& command, std::function<void()> task) = 0;
+  virtual absl::Time SteadyNow() const = 0;
+};
+
+class CommandSession {
+ public:
+  // `time_left` until the command's deadline. `may_have_been_sent`: see RobotProxies::Resume.
+  CommandSession(SessionHost* host, const ProxySettings& settings, RobotCommand command, absl::Duration time_left,
+                 bool may_have_been_sent);
+
+  // The robot's address as of now; the first call starts the session.
+  void UseAddress(const std::string& address);
+  void Cancel();
+  // `call` is the call's serial.
+  void OnFeedback(uint64_t call, const v1::Feedback& feedback);
+  void OnCallEnded(uint64_t call, const grpc::Status& status);
+  // Lets go of the call without a report.
+  void Abandon();
+
+  bool done() const { return done_; }
+  const RobotId& robot() const { return command_.robot; }
+
+ private:
+  bool IsPresentCall(uint64_t call) const { return !done_ && call_ != nullptr && call_->serial() == call; }
+  void Try();
+  void Retry();
+  void OnDeadline();
+  void Lost(const std::string& why);
+  void NeverBegun();
+  void Finish(CommandReport::Outcome outcome, std::string message);
+  CommandReport NewReport(CommandReport::Outcome outcome, std::string message) const;
+
+  SessionHost* const host_;
+  const ProxySettings settings_;
+  const RobotCommand command_;
+  const absl::Time deadline_;
+  std::string address_;
+  std::string expected_incarnation_;
+  std::shared_ptr<FeedbackCall> call_;  // nullptr: waiting for the next attempt
+  bool started_ = false;
+  bool done_ = false;
+  bool attach_next_;            // the adapter may have the command already
+  bool seen_ = false;           // the adapter has told its state
+  bool accepted_ = false;       // reported
+  bool unreachable_ = false;    // reported, and not seen since
+  bool cancel_requested_ = false;
+  bool retry_at_once_ = false;  // when the present call has ended
+  uint64_t attempt_ = 0;
+  absl::Duration pause_;
+  absl::Time last_progress_ = absl::InfinitePast();
+  std::string last_error_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_

@@ -1,0 +1,178 @@
+#include "robot_adapters/proxy/robot_proxies.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "robot_adapters/proxy/adapter_channels.h"
+#include "robot_adapters/proxy/command_session.h"
+#include "robot_adapters/proxy/event_loop.h"
+
+namespace docent {
+namespace {
+
+constexpr std::chrono::milliseconds kCancelTimeout{2000};
+
+}  // namespace
+
+class RobotProxies::Impl final : public SessionHost {
+ public:
+  Impl(std::function<void(WriteBatch)> report, const ProxySettings& settings, const Clock* clock)
+      : report_(std::move(report)), settings_(settings), clock_(clock != nullptr ? clock : &system_clock_) {}
+
+  ~Impl() override {
+    loop_.Post([this] {
+      closing_ = true;
+      for (auto& [id, entry] : sessions_) entry.session->Abandon();
+      sessions_.clear();
+    });
+    // gRPC still calls back for calls that were cancelled, and each callback posts to the loop.
+    absl::MutexLock lock(&calls_mutex_);
+    auto closed = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(calls_mutex_) { return closed_ && calls_ == 0; };
+    loop_.Post([this] {
+      absl::MutexLock lock(&calls_mutex_);
+      closed_ = true;
+    });
+    calls_mutex_.Await(absl::Condition(&closed));
+  }
+
+  void SetAddress(const RobotId& robot, const std::string& address) {
+    loop_.Post([this, robot, address] {
+      addresses_[robot.value()] = address;
+      for (auto& [id, entry] : sessions_) {
+        if (entry.session->robot() == robot) entry.session->UseAddress(address);
+      }
+      std::erase_if(sessions_, [](const auto& item) { return item.second.session->done(); });
+    });
+  }
+
+  void Begin(const RobotCommand& command, bool may_have_been_sent) {
+    // The time left counts from here, not from when the loop gets to it.
+    absl::Duration left = command.deadline_us != 0 ? absl::Microseconds(command.deadline_us - clock_->Now())
+                                                   : absl::FromChrono(settings_.default_deadline);
+    if (may_have_been_sent) left = std::max(left, absl::FromChrono(settings_.resume_patience));
+    loop_.Post([this, command, left, may_have_been_sent] {
+      if (closing_ || sessions_.contains(command.id)) return;
+      Entry& entry = sessions_[command.id];
+      entry.serial = ++serials_;
+      entry.session = std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
+      With(command.id, [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
+    });
+  }
+
+  void Cancel(const CommandId& command) {
+    loop_.Post([this, command] { With(command, [](CommandSession& session) { session.Cancel(); }); });
+  }
+
+  // SessionHost
+  void Report(CommandReport report) override {
+    WriteBatch batch;
+    batch.reports.push_back(std::move(report));
+    report_(std::move(batch));
+  }
+
+  std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
+                                     FeedbackCall::Request request, absl::Duration timeout) override {
+    AddCalls(1);
+    const uint64_t serial = ++serials_;
+    return FeedbackCall::Start(
+        serial, channels_.StubFor(address), std::move(request),
+        std::chrono::system_clock::now() + absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
+        [this, command, serial](const v1::Feedback& feedback) {
+          loop_.Post([this, command, serial, feedback] {
+            With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); });
+          });
+        },
+        [this, command, serial](const grpc::Status& status, std::shared_ptr<FeedbackCall> ended) {
+          loop_.Post([this, command, serial, status, ended = std::move(ended)] {
+            With(command, [&](CommandSession& session) { session.OnCallEnded(serial, status); });
+            AddCalls(-1);
+          });
+        });
+  }
+
+  void SendCancel(const CommandId& command, const std::string& address) override {
+    struct CancelCall {
+      std::shared_ptr<v1::RobotAdapter::Stub> stub;
+      grpc::ClientContext context;
+      v1::CancelRequest request;
+      v1::CancelReply reply;
+    };
+    auto* call = new CancelCall;  // owned by the task that its end posts; see DoneCallback
+    call->stub = channels_.StubFor(address);
+    call->context.set_deadline(std::chrono::system_clock::now() + kCancelTimeout);
+    call->request.set_command_id(command.value());
+    AddCalls(1);
+    call->stub->async()->Cancel(&call->context, &call->request, &call->reply, [this, call](const grpc::Status&) {
+      loop_.Post([this, ended = std::shared_ptr<CancelCall>(call)] { AddCalls(-1); });
+    });
+  }
+
+  void After(absl::Duration delay, const CommandId& command, std::function<void()> task) override {
+    // A session may have ended, and another of the same id begun, before the timer is due.
+    const uint64_t serial = sessions_[command].serial;
+    loop_.PostAfter(delay, [this, command, serial, task = std::move(task)] {
+      auto found = sessions_.find(command);
+      if (found == sessions_.end() || found->second.serial != serial) return;
+      With(command, [&](CommandSession&) { task(); });
+    });
+  }
+
+  absl::Time SteadyNow() const override {
+    return absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
+  }
+
+ private:
+  struct Entry {
+    uint64_t serial = 0;
+    std::unique_ptr<CommandSession> session;
+  };
+
+  void With(const CommandId& command, const std::function<void(CommandSession&)>& act) {
+    auto found = sessions_.find(command);
+    if (found == sessions_.end()) return;
+    act(*found->second.session);
+    if (found->second.session->done()) sessions_.erase(found);
+  }
+
+  void AddCalls(int n) {
+    absl::MutexLock lock(&calls_mutex_);
+    calls_ += n;
+  }
+
+  const std::function<void(WriteBatch)> report_;
+  const ProxySettings settings_;
+  const SystemClock system_clock_;
+  const Clock* const clock_;
+
+  // of the loop's thread
+  AdapterChannels channels_;
+  std::map<std::string, std::string> addresses_;  // robot → HOST:PORT
+  std::map<CommandId, Entry> sessions_;
+  uint64_t serials_ = 0;  // of sessions and calls
+  bool closing_ = false;
+
+  absl::Mutex calls_mutex_;
+  int calls_ ABSL_GUARDED_BY(calls_mutex_) = 0;  // that gRPC has not let go of
+  bool closed_ ABSL_GUARDED_BY(calls_mutex_) = false;
+  EventLoop loop_;  // last: its thread ends before what it uses
+};
+
+RobotProxies::RobotProxies(std::function<void(WriteBatch)> report, const ProxySettings& settings, const Clock* clock)
+    : impl_(std::make_unique<Impl>(std::move(report), settings, clock)) {}
+RobotProxies::~RobotProxies() = default;
+
+void RobotProxies::SetAddress(const RobotId& robot, const std::string& address) {
+  impl_->SetAddress(robot, address);
+}
+void RobotProxies::Send(const RobotCommand& command) {
+  impl_->Begin(command, false);
+}
+void RobotProxies::Resume(const RobotCommand& command) {
+  impl_->Begin(command, true);
+}
+void RobotProxies::Cancel(const CommandId& command) {
+  impl_->Cancel(command);
+}
+
+}  // namespace docent

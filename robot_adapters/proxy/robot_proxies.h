@@ -1,0 +1,75 @@
+// The server's side of robots: carries each command to its robot's adapter and brings back what became of it.
+//
+// Whatever happens to the adapter or the network, every command that is sent ends in exactly one final report
+// (succeeded, failed, cancelled, unknown), at the latest shortly after its deadline, and the adapter never gets it twice
+// while the first may still be under way:
+//
+//   Send ─► Invoke ──feedback──► accepted, progress …, final report
+//             │ connection lost, adapter away: unreachable (once), wait, then
+//             ▼
+//   Resume ► Attach ──feedback──► as above
+//             │ NOT_FOUND: never begun there ─► Invoke again, same id
+//             │ FAILED_PRECONDITION (another incarnation, or it died with the adapter) ─► unknown
+//             └ still away: wait longer, Attach again … until the deadline ─► failed
+//
+// Thread-safe. `Send`, `Resume`, `Cancel` and `SetAddress` only queue the request for the proxies' own thread and never
+// block. Feedback goes out through `report`, called on that thread, one at a time; it should not block for long.
+#ifndef DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
+#define DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "kb_server/base/clock.h"
+#include "kb_server/base/ids.h"
+#include "kb_server/store/write_batch.h"
+#include "workflow/rsel/robot_command.h"
+
+namespace docent {
+
+struct ProxySettings {
+  // How long to wait between attempts to reach an adapter; doubles from the first to the last.
+  std::chrono::milliseconds first_retry{100};
+  std::chrono::milliseconds last_retry{2000};
+  // Progress of one command is reported at most this often (the final report always).
+  std::chrono::milliseconds progress_interval{200};
+  // An adapter gives up at the deadline by itself; it has this long to say so.
+  std::chrono::milliseconds grace{300};
+  // A resumed command has at least this long to tell how it ended, even if its deadline passed meanwhile.
+  std::chrono::milliseconds resume_patience{5000};
+  // Deadline of commands that carry none.
+  std::chrono::milliseconds default_deadline{300000};
+};
+
+class RobotProxies {
+ public:
+  // `clock` (the system's if nullptr) tells how far away deadlines are; it must outlive the proxies.
+  explicit RobotProxies(std::function<void(WriteBatch)> report, const ProxySettings& settings = {},
+                        const Clock* clock = nullptr);
+  // Drops what is under way; nothing is reported any more when it has returned.
+  ~RobotProxies();
+  RobotProxies(const RobotProxies&) = delete;
+  RobotProxies& operator=(const RobotProxies&) = delete;
+
+  // Where the robot's adapter serves, HOST:PORT, or "" for nowhere. Commands under way move to the new address; the same
+  // address again says that the adapter is back, so that those that wait try at once.
+  void SetAddress(const RobotId& robot, const std::string& address);
+
+  // A command that was never sent before. Nothing happens if this id is under way.
+  void Send(const RobotCommand& command);
+  // A command that may have been sent before this process began: asks for its state first.
+  void Resume(const RobotCommand& command);
+  // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the id is
+  // not under way.
+  void Cancel(const CommandId& command);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_

@@ -1,0 +1,507 @@
+// The proxies against real adapters over loopback: made with the sdk, and scripted ones that misbehave.
+#include "robot_adapters/proxy/robot_proxies.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <atomic>
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "docent/v1/robot_adapter.grpc.pb.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "robot_adapters/sdk/robot_adapter.h"
+
+namespace docent {
+namespace {
+
+using Outcome = CommandReport::Outcome;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr char kRobot[] = "http://example.org/r1";
+
+bool IsFinalOutcome(Outcome outcome) {
+  return outcome == Outcome::kSucceeded || outcome == Outcome::kFailed || outcome == Outcome::kCancelled ||
+         outcome == Outcome::kUnknown;
+}
+
+// What the proxies reported, for the test to wait for.
+class Reports {
+ public:
+  void Take(WriteBatch batch) {
+    absl::MutexLock lock(&mutex_);
+    for (CommandReport& report : batch.reports) reports_.push_back(std::move(report));
+  }
+  // The first report of this kind for the command; fails the test after half a minute.
+  CommandReport Await(const std::string& command, Outcome outcome) {
+    return AwaitMatching(command, [&](const CommandReport& report) { return report.outcome == outcome; });
+  }
+  CommandReport AwaitFinal(const std::string& command) {
+    return AwaitMatching(command, [](const CommandReport& report) { return IsFinalOutcome(report.outcome); });
+  }
+  std::vector<Outcome> Outcomes(const std::string& command) {
+    absl::MutexLock lock(&mutex_);
+    std::vector<Outcome> outcomes;
+    for (const CommandReport& report : reports_) {
+      if (report.command.value() == command) outcomes.push_back(report.outcome);
+    }
+    return outcomes;
+  }
+
+ private:
+  CommandReport AwaitMatching(const std::string& command, const std::function<bool(const CommandReport&)>& matches) {
+    absl::MutexLock lock(&mutex_);
+    CommandReport found;
+    auto there = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      for (const CommandReport& report : reports_) {
+        if (report.command.value() != command || !matches(report)) continue;
+        found = report;
+        return true;
+      }
+      return false;
+    };
+    EXPECT_TRUE(mutex_.AwaitWithTimeout(absl::Condition(&there), absl::Seconds(30))) << "no such report for " << command;
+    return found;
+  }
+
+  absl::Mutex mutex_;
+  std::vector<CommandReport> reports_;
+};
+
+ProxySettings FastSettings() {
+  ProxySettings settings;
+  settings.first_retry = std::chrono::milliseconds(10);
+  settings.last_retry = std::chrono::milliseconds(50);
+  settings.grace = std::chrono::milliseconds(100);
+  return settings;
+}
+
+RobotCommand Command(const std::string& id, const std::string& operation, int deadline_ms = 20000) {
+  RobotCommand command;
+  command.id = CommandId(id);
+  command.robot = RobotId(kRobot);
+  command.operation = operation;
+  command.arguments = {{"booth", Term::Iri("http://example.org/b3")}};
+  command.deadline_us = SystemClock().Now() + deadline_ms * int64_t{1000};
+  return command;
+}
+
+// An adapter made with the sdk, which can be stopped and started at the same address.
+class RobotProxiesTest : public testing::Test {
+ protected:
+  RobotProxiesTest() {
+    folder_ = testing::TempDir() + "proxies_" + testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::remove_all(folder_);
+  }
+  ~RobotProxiesTest() override { release_ = true; }
+
+  void StartAdapter(bool with_journal = true) {
+    robot::AdapterOptions options;
+    options.robot = kRobot;
+    options.server = "127.0.0.1:1";  // nobody there: facts do not matter here
+    options.listen = address_;
+    options.linger = absl::ZeroDuration();
+    if (with_journal) options.journal_path = folder_ + "/r1.journal";
+    auto adapter = robot::RobotAdapter::Start(options, Operations());
+    ASSERT_TRUE(adapter.ok()) << adapter.status();
+    adapter_ = *std::move(adapter);
+    address_ = adapter_->address();
+    proxies_.SetAddress(RobotId(kRobot), address_);
+  }
+
+  std::vector<robot::Operation> Operations() {
+    robot::Operation quick;
+    quick.name = "quick";
+    quick.inputs = {"booth"};
+    quick.run = [this](robot::OperationContext& context) -> absl::StatusOr<robot::NamedTerms> {
+      ++runs_;
+      return robot::NamedTerms{{"at", *context.Argument("booth")}};
+    };
+    robot::Operation wait;
+    wait.name = "wait";
+    wait.run = [this](robot::OperationContext& context) -> absl::StatusOr<robot::NamedTerms> {
+      ++runs_;
+      for (int i = 1;; ++i) {
+        context.ReportProgress(i / 1000.0, "waiting");
+        if (!context.SleepFor(std::chrono::milliseconds(2))) return absl::CancelledError("stopped");
+        if (release_.load()) return robot::NamedTerms{};
+      }
+    };
+    return {quick, wait};
+  }
+
+  std::string folder_;
+  std::string address_ = "127.0.0.1:0";
+  std::atomic<int> runs_ = 0;
+  std::atomic<bool> release_ = false;
+  Reports reports_;
+  std::unique_ptr<robot::RobotAdapter> adapter_;
+  RobotProxies proxies_{[this](WriteBatch batch) { reports_.Take(std::move(batch)); }, FastSettings()};
+};
+
+TEST_F(RobotProxiesTest, CommandSucceedsWithItsResults) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "quick"));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kSucceeded);
+  EXPECT_EQ(report.incarnation, adapter_->incarnation());
+  ASSERT_EQ(report.results.size(), 1u);
+  EXPECT_EQ(report.results[0].second, Term::Iri("http://example.org/b3"));
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, SameIdTwiceIsDoneOnce) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Send(Command("c/1", "wait"));
+  reports_.Await("c/1", Outcome::kAccepted);
+  release_ = true;
+  reports_.AwaitFinal("c/1");
+  proxies_.Send(Command("c/2", "quick"));
+  reports_.AwaitFinal("c/2");
+  EXPECT_EQ(runs_, 2);
+}
+
+TEST_F(RobotProxiesTest, ProgressIsReportedNowAndThenOnly) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "wait"));
+  reports_.Await("c/1", Outcome::kProgress);
+  absl::SleepFor(absl::Milliseconds(100));  // some fifty progress messages
+  release_ = true;
+  reports_.AwaitFinal("c/1");
+  auto outcomes = reports_.Outcomes("c/1");
+  EXPECT_EQ(outcomes.front(), Outcome::kAccepted);
+  EXPECT_LT(outcomes.size(), 20u);
+}
+
+TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddress) {
+  proxies_.SetAddress(RobotId(kRobot), "127.0.0.1:1");
+  proxies_.Send(Command("c/1", "quick", 300));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_THAT(report.message, HasSubstr("adapter at 127.0.0.1:1 did not take quick"));
+  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kUnreachable, Outcome::kFailed));
+}
+
+TEST_F(RobotProxiesTest, RobotWithoutAddressIsUnreachableUntilItJoins) {
+  proxies_.Send(Command("c/1", "quick"));
+  reports_.Await("c/1", Outcome::kUnreachable);
+  StartAdapter();
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, AdapterThatComesLateIsInvokedThen) {
+  StartAdapter();
+  adapter_.reset();
+  RobotCommand command = Command("c/1", "quick");
+  command.idempotent = true;  // nobody can say that the Invoke was not received by an adapter that died since
+  proxies_.Send(command);
+  reports_.Await("c/1", Outcome::kUnreachable);
+  StartAdapter();
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, RestartOfTheAdapterWithAJournalTellsTheOutcome) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "wait"));
+  reports_.Await("c/1", Outcome::kAccepted);
+  adapter_.reset();  // ends the command as failed and remembers that
+  StartAdapter();
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_EQ(report.message, "the robot's adapter was shut down");
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, CommandForAnEarlierIncarnationIsUnknown) {
+  StartAdapter(/*with_journal=*/false);
+  RobotCommand command = Command("c/1", "quick");
+  command.expected_incarnation = "1-before";
+  proxies_.Send(command);
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kUnknown);
+  proxies_.Resume([&] {
+    command.id = CommandId("c/2");
+    return command;
+  }());
+  EXPECT_EQ(reports_.AwaitFinal("c/2").outcome, Outcome::kUnknown);
+  EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(RobotProxiesTest, ResumeOfACommandThatRunsAttachesToIt) {
+  StartAdapter();
+  RobotCommand command = Command("c/1", "wait");
+  command.expected_incarnation = adapter_->incarnation();
+  {
+    Reports earlier;
+    RobotProxies before([&](WriteBatch batch) { earlier.Take(std::move(batch)); }, FastSettings());
+    before.SetAddress(RobotId(kRobot), address_);
+    before.Send(command);
+    earlier.Await("c/1", Outcome::kAccepted);
+  }
+  proxies_.Resume(command);
+  reports_.Await("c/1", Outcome::kAccepted);
+  release_ = true;
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, ResumeOfACommandThatWasNeverSentInvokesIt) {
+  StartAdapter();
+  RobotCommand command = Command("c/1", "quick");
+  command.expected_incarnation = adapter_->incarnation();
+  proxies_.Resume(command);
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, ResumeOfAFinishedCommandTellsItsOutcomeEvenAfterItsDeadline) {
+  StartAdapter();
+  RobotCommand command = Command("c/1", "quick");
+  command.expected_incarnation = adapter_->incarnation();
+  proxies_.Send(command);
+  reports_.AwaitFinal("c/1");
+  adapter_.reset();
+  StartAdapter();
+  Reports after;
+  RobotProxies restarted([&](WriteBatch batch) { after.Take(std::move(batch)); }, FastSettings());
+  restarted.SetAddress(RobotId(kRobot), address_);
+  command.deadline_us = 1;
+  restarted.Resume(command);
+  CommandReport report = after.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kSucceeded);
+  EXPECT_EQ(report.results.size(), 1u);
+  EXPECT_EQ(runs_, 1);
+}
+
+TEST_F(RobotProxiesTest, ResumeWithoutKnownIncarnationInvokesOnlyIdempotentOperations) {
+  StartAdapter();
+  proxies_.Resume(Command("c/1", "quick"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kUnknown);
+  RobotCommand idempotent = Command("c/2", "quick");
+  idempotent.idempotent = true;
+  proxies_.Resume(idempotent);
+  EXPECT_EQ(reports_.AwaitFinal("c/2").outcome, Outcome::kSucceeded);
+}
+
+TEST_F(RobotProxiesTest, CancelReachesTheRobot) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "wait"));
+  reports_.Await("c/1", Outcome::kAccepted);
+  proxies_.Cancel(CommandId("c/1"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kCancelled);
+}
+
+TEST_F(RobotProxiesTest, CancelOfACommandThatWasNeverSentEndsItHere) {
+  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Cancel(CommandId("c/1"));
+  proxies_.Cancel(CommandId("c/other"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kCancelled);
+}
+
+TEST_F(RobotProxiesTest, OperationThatIsNotOfferedFailsWithTheAdaptersWords) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "fly"));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_THAT(report.message, HasSubstr("no operation \"fly\""));
+}
+
+TEST_F(RobotProxiesTest, AdapterGivesUpAtTheDeadline) {
+  StartAdapter();
+  proxies_.Send(Command("c/1", "wait", 200));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_THAT(report.message, HasSubstr("deadline"));
+}
+
+TEST_F(RobotProxiesTest, ManyCommandsAtOnceEachEndOnce) {
+  StartAdapter();
+  for (int i = 0; i < 200; ++i) {
+    proxies_.Send(Command(absl::StrCat("c/", i), "quick"));
+    reports_.AwaitFinal(absl::StrCat("c/", i));
+  }
+  for (int i = 0; i < 200; ++i) {
+    auto outcomes = reports_.Outcomes(absl::StrCat("c/", i));
+    EXPECT_EQ(std::count_if(outcomes.begin(), outcomes.end(), IsFinalOutcome), 1);
+  }
+  EXPECT_EQ(runs_, 200);
+}
+
+// An adapter that does what a test says: hangs, drops the stream, dies.
+class ScriptedAdapter final : public v1::RobotAdapter::Service {
+ public:
+  enum class Behaviour { kHang, kAcceptAndHang, kAcceptAndDrop, kEndWithoutFinal, kSucceed };
+
+  ScriptedAdapter() { Start(0); }
+  ~ScriptedAdapter() override { Stop(); }
+  void Start(int port) {
+    stopping_ = false;
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(absl::StrCat("127.0.0.1:", port), grpc::InsecureServerCredentials(), &port_);
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+  }
+  void Stop() {
+    stopping_ = true;
+    if (server_ != nullptr) server_->Shutdown(std::chrono::system_clock::now());
+    server_.reset();
+  }
+  std::string address() const { return absl::StrCat("127.0.0.1:", port_); }
+  int port() const { return port_; }
+
+  grpc::Status Invoke(grpc::ServerContext* context, const v1::InvokeRequest* request,
+                      grpc::ServerWriter<v1::Feedback>* writer) override {
+    ++invokes;
+    if (++in_flight > 1) overlapped = true;
+    grpc::Status status = Act(context, request->command_id(), on_invoke, writer);
+    --in_flight;
+    return status;
+  }
+  grpc::Status Attach(grpc::ServerContext* context, const v1::AttachRequest* request,
+                      grpc::ServerWriter<v1::Feedback>* writer) override {
+    ++attaches;
+    if (attach_not_found) return grpc::Status(grpc::StatusCode::NOT_FOUND, "never begun");
+    if (attach_lost) return grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "died with incarnation 1");
+    return Act(context, request->command_id(), on_attach, writer);
+  }
+  grpc::Status Cancel(grpc::ServerContext*, const v1::CancelRequest*, v1::CancelReply*) override {
+    ++cancels;
+    return grpc::Status::OK;
+  }
+
+  std::atomic<Behaviour> on_invoke = Behaviour::kSucceed;
+  std::atomic<Behaviour> on_attach = Behaviour::kSucceed;
+  std::atomic<bool> attach_not_found = false;
+  std::atomic<bool> attach_lost = false;
+  std::atomic<int> invokes = 0;
+  std::atomic<int> attaches = 0;
+  std::atomic<int> cancels = 0;
+  std::atomic<int> in_flight = 0;
+  std::atomic<bool> overlapped = false;
+
+ private:
+  grpc::Status Act(grpc::ServerContext* context, const std::string& command, Behaviour behaviour,
+                   grpc::ServerWriter<v1::Feedback>* writer) {
+    v1::Feedback feedback;
+    feedback.set_command_id(command);
+    feedback.set_incarnation("1-script");
+    feedback.set_state(v1::Feedback::ACCEPTED);
+    if (behaviour != Behaviour::kHang) writer->Write(feedback);
+    if (behaviour == Behaviour::kAcceptAndDrop) return grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
+    if (behaviour == Behaviour::kEndWithoutFinal) return grpc::Status::OK;
+    if (behaviour == Behaviour::kSucceed) {
+      feedback.set_state(v1::Feedback::SUCCEEDED);
+      writer->Write(feedback);
+      return grpc::Status::OK;
+    }
+    while (!context->IsCancelled() && !stopping_) absl::SleepFor(absl::Milliseconds(2));
+    return grpc::Status::CANCELLED;
+  }
+
+  int port_ = 0;
+  std::atomic<bool> stopping_ = false;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+class MisbehavingAdapterTest : public testing::Test {
+ protected:
+  MisbehavingAdapterTest() { proxies_.SetAddress(RobotId(kRobot), adapter_.address()); }
+
+  ScriptedAdapter adapter_;
+  Reports reports_;
+  RobotProxies proxies_{[this](WriteBatch batch) { reports_.Take(std::move(batch)); }, FastSettings()};
+};
+
+TEST_F(MisbehavingAdapterTest, HangingAdapterFailsAfterTheDeadlineAndIsToldToStop) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kHang;
+  proxies_.Send(Command("c/1", "drive", 200));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_EQ(report.message, absl::StrCat("adapter at ", adapter_.address(), " did not take drive before its deadline"));
+  proxies_.Send(Command("c/2", "drive", 5000));
+  while (adapter_.cancels == 0) absl::SleepFor(absl::Milliseconds(1));
+  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kFailed));
+}
+
+TEST_F(MisbehavingAdapterTest, AdapterThatNeverFinishesFailsAfterTheDeadline) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndHang;
+  proxies_.Send(Command("c/1", "drive", 200));
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kFailed);
+  EXPECT_THAT(report.message, HasSubstr("did not finish drive before its deadline"));
+}
+
+TEST_F(MisbehavingAdapterTest, LostStreamIsAttachedToAgain) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndDrop;
+  proxies_.Send(Command("c/1", "drive"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_THAT(reports_.Outcomes("c/1"),
+              ElementsAre(Outcome::kAccepted, Outcome::kUnreachable, Outcome::kSucceeded));
+  EXPECT_EQ(adapter_.invokes, 1);
+  EXPECT_EQ(adapter_.attaches, 1);
+}
+
+TEST_F(MisbehavingAdapterTest, StreamThatEndsWithoutAFinalStateIsAttachedToAgain) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kEndWithoutFinal;
+  proxies_.Send(Command("c/1", "drive"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(adapter_.invokes, 1);
+}
+
+TEST_F(MisbehavingAdapterTest, DeathMidCommandAndOutcomeUnknownAfterwards) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndHang;
+  proxies_.Send(Command("c/1", "drive"));
+  reports_.Await("c/1", Outcome::kAccepted);
+  adapter_.Stop();
+  reports_.Await("c/1", Outcome::kUnreachable);
+  adapter_.attach_lost = true;
+  adapter_.Start(adapter_.port());
+  CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kUnknown);
+  EXPECT_EQ(report.message, "died with incarnation 1");
+  EXPECT_EQ(adapter_.invokes, 1);
+  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kAccepted, Outcome::kUnreachable, Outcome::kUnknown));
+}
+
+TEST_F(MisbehavingAdapterTest, DeathBeforeTheInvokeArrivedIsInvokedAgainWithoutOverlap) {
+  adapter_.Stop();
+  RobotCommand command = Command("c/1", "drive");
+  command.expected_incarnation = "1-script";
+  proxies_.Send(command);
+  reports_.Await("c/1", Outcome::kUnreachable);
+  adapter_.attach_not_found = true;
+  adapter_.Start(adapter_.port());
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(adapter_.invokes, 1);
+  EXPECT_FALSE(adapter_.overlapped);
+}
+
+TEST_F(MisbehavingAdapterTest, RobotThatMovedToAnotherAddressIsFollowed) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndHang;
+  proxies_.Send(Command("c/1", "drive"));
+  reports_.Await("c/1", Outcome::kAccepted);
+  ScriptedAdapter other;
+  proxies_.SetAddress(RobotId(kRobot), other.address());
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(other.attaches, 1);
+  EXPECT_EQ(other.invokes, 0);
+}
+
+TEST_F(MisbehavingAdapterTest, DestructionWithCommandsUnderWayEndsAtOnce) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kAcceptAndHang;
+  Reports reports;
+  auto proxies = std::make_unique<RobotProxies>([&](WriteBatch batch) { reports.Take(std::move(batch)); });
+  proxies->SetAddress(RobotId(kRobot), adapter_.address());
+  proxies->Send(Command("c/1", "drive"));
+  reports.Await("c/1", Outcome::kAccepted);
+  proxies.reset();
+  EXPECT_THAT(reports.Outcomes("c/1"), ElementsAre(Outcome::kAccepted));
+}
+
+}  // namespace
+}  // namespace docent
