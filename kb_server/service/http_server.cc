@@ -1,4 +1,6 @@
-#include "kb_server/service/http_connection.h"  // first: Asio wants <utility> before it
+#include "kb_server/service/http_server.h"
+
+#include "kb_server/service/http_connection.h"  // before Asio's own headers: it includes <utility>, which they forget
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -10,7 +12,6 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/service/http_server.h"
 
 // GCC 12 sees a mismatched new and delete in Boost 1.74's coroutine frames, which have both of their own.
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"

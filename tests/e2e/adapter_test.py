@@ -8,9 +8,16 @@ from docent_e2e import PATIENCE_S, SPEED, StageTest, journal, nodes, stage
 
 class Adapter(StageTest):
     def impatient_s01(self):
-        """s01 whose steps time out after some seconds, so that a test need not wait for minutes."""
-        server = self.stage.server(arguments=["--step-timeout-ms", "4000"])
-        stage.load_s01(server)
+        """s01 that gives up after seconds, so that a test need not wait for minutes."""
+        server = self.stage.server()
+        stage.load_s01(server, workflow=False)
+        rsel = (stage.S01 / "booth_guide.rsel.xml").read_text()
+        self.assertIn('ext:timeout="5min" ext:retry="1"', rsel)
+        server.load(self.file("booth_guide.rsel.xml", rsel.replace('ext:timeout="5min" ext:retry="1"', 'ext:timeout="4s"')))
+        cawl = (stage.S01 / "booth_guide.cawl.xml").read_text()
+        before = '<documentation>A robot that is free and knows where it is comes to the visitor.</documentation>\n      <condition'
+        self.assertIn(before, cawl)
+        server.load(self.file("booth_guide.cawl.xml", cawl.replace(before, before + ' ext:timeout="4s"')))
         return server
 
     def arrive(self, server):
@@ -31,7 +38,7 @@ class Adapter(StageTest):
     def test_absent_from_the_beginning(self):
         server = self.impatient_s01()
         self.arrive(server)
-        self.assert_failed(server, "robot")
+        self.assert_failed(server, "condition", "4")
 
     def test_hangs(self):
         server = self.impatient_s01()
