@@ -33,6 +33,8 @@ struct Limits {
   // documents
   size_t document_bytes = 64u << 20;
   int xml_nesting = 64;
+  int turtle_nesting = 256;               // brackets and collections inside each other
+  size_t document_diagnostics = 20;       // mistakes reported of one document
   size_t xml_elements = 100000;           // in one CAWL or RSEL document
 
   // network

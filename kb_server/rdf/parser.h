@@ -1,17 +1,17 @@
 // RDF text → term quads (RDF 1.1 Turtle, TriG, N-Triples, N-Quads, RDF/XML).
 //
-// Raptor2 parses; nothing of it shows here. Safe to call from any thread (worlds are pooled behind a mutex).
+// Raptor2 parses RDF/XML; the Turtle family has its own parser (turtle_parser.h says why). Any thread.
 #ifndef DOCENT_KB_SERVER_RDF_PARSER_H_
 #define DOCENT_KB_SERVER_RDF_PARSER_H_
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/base/limits.h"
 #include "kb_server/rdf/term.h"
 
 namespace docent {
@@ -26,11 +26,13 @@ struct ParseRdfOptions {
   std::string file;      // for diagnostics
   std::string base_iri;  // relative IRIs resolve against it; empty: a relative IRI is an error
   std::string blank_node_scope;  // prefix for blank node labels so that two documents never share one
+  Limits limits;  // document_bytes, term_bytes, turtle_nesting, xml_nesting, document_diagnostics
 };
 
-// All quads of `text`. On an error: nothing but the diagnostics (line, column, message, hint).
-// A document type definition in RDF/XML is refused; invalid UTF-8 and U+0000 are errors.
-// `prefixes` holds the document's prefix declarations.
+// All quads of `text`; their graph is empty where the document names none. On an error: no quads, but every mistake
+// found (line, column, message, hint). A document type definition in RDF/XML is refused, nothing is ever fetched;
+// invalid UTF-8 and the character U+0000 are errors (an escaped \u0000 in a literal is RDF and stays).
+// `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;

@@ -1,4 +1,4 @@
-// Term quads → RDF text, by Raptor2's N-Triples/N-Quads/RDF-XML writers and our own Turtle and TriG
+// Term quads → RDF text: RDF/XML by Raptor2, the Turtle family by our own writer
 // (Raptor's pretty Turtle writer drops blank-node cycles silently). Any thread.
 #ifndef DOCENT_KB_SERVER_RDF_SERIALIZER_H_
 #define DOCENT_KB_SERVER_RDF_SERIALIZER_H_

@@ -1,0 +1,26 @@
+// IRIs (RFC 3987) as RDF uses them: is it absolute, are its characters allowed, resolution against a base
+// (RFC 3986 section 5.2). Any thread.
+#ifndef DOCENT_KB_SERVER_RDF_IRI_H_
+#define DOCENT_KB_SERVER_RDF_IRI_H_
+
+#include <string>
+#include <string_view>
+
+namespace docent {
+
+// Whether `iri` begins with a scheme: ALPHA *( ALPHA / DIGIT / "+" / "-" / "." ) ":".
+bool IsAbsoluteIri(std::string_view iri);
+
+// Whether `c` may not stand in an IRI reference (Turtle production IRIREF): controls, space and <>"{}|^`\.
+bool IsForbiddenInIri(char32_t c);
+
+// Absolute, and no forbidden character: what may be the IRI of a term in the store.
+bool IsValidTermIri(std::string_view iri);
+
+// `reference` against `base`, an absolute IRI; the result is absolute. An absolute reference stays as it is
+// (RDF compares IRIs as text, so nothing is normalised there).
+std::string ResolveIri(std::string_view reference, std::string_view base);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_RDF_IRI_H_

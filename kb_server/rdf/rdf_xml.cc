@@ -1,0 +1,250 @@
+#include "kb_server/rdf/rdf_xml.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/iri.h"
+#include "kb_server/rdf/quad_collector.h"
+#include "kb_server/rdf/raptor_world.h"
+
+namespace docent {
+namespace {
+
+// Stands in for a missing base, so that a relative IRI shows in what comes out.
+constexpr char kNoBase[] = "x-docent-no-base:///";
+
+std::string_view View(const unsigned char* text, size_t length) {
+  return {reinterpret_cast<const char*>(text), length};
+}
+
+// The offset where the declared encoding of the XML declaration stands, if it is not UTF-8 (or its part ASCII).
+std::optional<size_t> FindForeignEncoding(std::string_view text) {
+  if (!text.starts_with("<?xml")) return std::nullopt;
+  std::string_view declaration = text.substr(0, text.find("?>"));
+  size_t at = declaration.find("encoding");
+  if (at == std::string_view::npos) return std::nullopt;
+  size_t open = declaration.find_first_of("\"'", at);
+  if (open == std::string_view::npos) return at;
+  size_t close = declaration.find(declaration[open], open + 1);
+  if (close == std::string_view::npos) return at;
+  std::string name = absl::AsciiStrToLower(ToAbsl(declaration.substr(open + 1, close - open - 1)));
+  if (name == "utf-8" || name == "utf8" || name == "us-ascii" || name == "ascii") return std::nullopt;
+  return open + 1;
+}
+
+// The offset of a document type definition, which can stand only before the first element.
+std::optional<size_t> FindDoctype(std::string_view text) {
+  size_t at = 0;
+  while (true) {
+    at = text.find_first_not_of(" \t\r\n", at);
+    if (at == std::string_view::npos) return std::nullopt;
+    std::string_view rest = text.substr(at);
+    std::string_view end;
+    if (rest.starts_with("<!DOCTYPE")) return at;
+    if (rest.starts_with("<?")) end = "?>";
+    else if (rest.starts_with("<!--")) end = "-->";
+    else return std::nullopt;
+    at = text.find(end, at + 2);
+    if (at == std::string_view::npos) return std::nullopt;
+    at += end.size();
+  }
+}
+
+// One document on its way through Raptor.
+class RdfXmlReader {
+ public:
+  RdfXmlReader(std::string_view text, const ParseRdfOptions& options)
+      : text_(text),
+        options_(options),
+        collector_(options.blank_node_scope),
+        world_([this](const raptor_log_message& message) { OnMessage(message); }) {}
+
+  ParsedRdf Run() {
+    raptor_world_set_generate_bnodeid_handler(world_.get(), this, &RdfXmlReader::NameBlank);
+    RaptorParser parser(raptor_new_parser(world_.get(), "rdfxml"));
+    RaptorUri base(raptor_new_uri(
+        world_.get(), Bytes(options_.base_iri.empty() ? kNoBase : options_.base_iri.c_str())));
+    parser_ = parser.get();
+    raptor_parser_set_option(parser_, RAPTOR_OPTION_NO_NET, nullptr, 1);
+    raptor_parser_set_option(parser_, RAPTOR_OPTION_NO_FILE, nullptr, 1);
+    raptor_parser_set_option(parser_, RAPTOR_OPTION_LOAD_EXTERNAL_ENTITIES, nullptr, 0);
+    raptor_parser_set_statement_handler(parser_, this, [](void* self, raptor_statement* statement) {
+      static_cast<RdfXmlReader*>(self)->OnStatement(*statement);
+    });
+    raptor_parser_set_namespace_handler(parser_, this, [](void* self, raptor_namespace* ns) {
+      static_cast<RdfXmlReader*>(self)->OnNamespace(ns);
+    });
+    int failed = raptor_parser_parse_start(parser_, base.get());
+    if (failed == 0) failed = raptor_parser_parse_chunk(parser_, Bytes(text_.data()), text_.size(), 1);
+    if (failed != 0 && !HasErrors(parsed_.diagnostics)) Report(nullptr, "this is not RDF/XML", "");
+    parsed_.quads = collector_.TakeQuads();
+    if (!parsed_.ok()) parsed_.quads.clear();
+    return std::move(parsed_);
+  }
+
+ private:
+  // The span of a place that Raptor names: it counts lines from 1 and columns, if it knows them, in bytes.
+  SourceSpan SpanOf(const raptor_locator* locator) const {
+    int line = locator == nullptr ? 0 : raptor_locator_line(const_cast<raptor_locator*>(locator));
+    if (line <= 0) return {};
+    size_t start = 0;
+    for (int i = 1; i < line; ++i) {
+      size_t end = text_.find('\n', start);
+      if (end == std::string_view::npos) break;
+      start = end + 1;
+    }
+    size_t length = std::min(text_.find('\n', start), text_.size()) - start;
+    int column = std::max(raptor_locator_column(const_cast<raptor_locator*>(locator)), 1);
+    return SpanAt(text_, start + std::min(static_cast<size_t>(column) - 1, length));
+  }
+
+  void Report(const raptor_locator* locator, std::string message, std::string hint,
+              Diagnostic::Severity severity = Diagnostic::Severity::kError) {
+    if (parsed_.diagnostics.size() >= options_.limits.document_diagnostics) {
+      raptor_parser_parse_abort(parser_);
+      return;
+    }
+    parsed_.diagnostics.push_back(
+        {options_.file, SpanOf(locator), std::move(message), std::move(hint), severity});
+  }
+
+  void OnMessage(const raptor_log_message& message) {
+    bool error = message.level >= RAPTOR_LOG_LEVEL_ERROR;
+    if (!error && message.level != RAPTOR_LOG_LEVEL_WARN) return;
+    std::string text(absl::StripAsciiWhitespace(message.text == nullptr ? "unknown mistake" : message.text));
+    Report(message.locator, std::move(text), "",
+           error ? Diagnostic::Severity::kError : Diagnostic::Severity::kWarning);
+  }
+
+  void OnNamespace(raptor_namespace* ns) {
+    const unsigned char* prefix = raptor_namespace_get_prefix(ns);
+    raptor_uri* uri = raptor_namespace_get_uri(ns);
+    if (uri == nullptr) return;
+    size_t length = 0;
+    const unsigned char* iri = raptor_uri_as_counted_string(uri, &length);
+    std::string name = prefix == nullptr ? "" : reinterpret_cast<const char*>(prefix);
+    std::erase_if(parsed_.prefixes, [&](const auto& known) { return known.first == name; });
+    parsed_.prefixes.emplace_back(std::move(name), View(iri, length));
+  }
+
+  // Raptor asks for the id of each blank node: "u" + label for one with rdf:nodeID, "g" + number for another.
+  static unsigned char* NameBlank(void* self, unsigned char* label) {
+    RdfXmlReader* reader = static_cast<RdfXmlReader*>(self);
+    std::string id;
+    if (label != nullptr) {
+      id = Concat("u", reinterpret_cast<const char*>(label));
+      raptor_free_memory(label);
+    } else {
+      id = absl::StrCat("g", reader->unnamed_.size());
+      reader->unnamed_.push_back(reader->collector_.NewBlank());
+    }
+    void* copy = raptor_alloc_memory(id.size() + 1);
+    std::memcpy(copy, id.c_str(), id.size() + 1);
+    return static_cast<unsigned char*>(copy);
+  }
+
+  Term BlankOf(std::string_view id) {
+    if (id.starts_with('u')) return collector_.NamedBlank(id.substr(1));
+    size_t number = 0;
+    std::from_chars(id.data() + 1, id.data() + id.size(), number);
+    return number < unnamed_.size() ? unnamed_[number] : collector_.NewBlank();
+  }
+
+  void OnStatement(const raptor_statement& statement) {
+    TermQuad quad;
+    if (!Convert(statement.subject, &quad.subject) || !Convert(statement.predicate, &quad.predicate) ||
+        !Convert(statement.object, &quad.object)) {
+      return;
+    }
+    collector_.Add(std::move(quad));
+  }
+
+  bool Convert(const raptor_term* from, Term* to) {
+    size_t length = 0;
+    switch (from->type) {
+      case RAPTOR_TERM_TYPE_URI: {
+        const unsigned char* iri = raptor_uri_as_counted_string(from->value.uri, &length);
+        return ConvertIri(View(iri, length), to);
+      }
+      case RAPTOR_TERM_TYPE_BLANK:
+        *to = BlankOf(View(from->value.blank.string, from->value.blank.string_len));
+        return CheckLength(*to);
+      case RAPTOR_TERM_TYPE_LITERAL: {
+        const raptor_term_literal_value& literal = from->value.literal;
+        std::string lexical(View(literal.string, literal.string_len));
+        if (literal.language != nullptr && literal.language_len > 0) {
+          *to = Term::LangString(std::move(lexical), std::string(View(literal.language, literal.language_len)));
+        } else if (literal.datatype != nullptr) {
+          Term datatype;
+          const unsigned char* iri = raptor_uri_as_counted_string(literal.datatype, &length);
+          if (!ConvertIri(View(iri, length), &datatype)) return false;
+          *to = Term::Literal(std::move(lexical), std::move(datatype.lexical));
+        } else {
+          *to = Term::Literal(std::move(lexical));
+        }
+        return CheckLength(*to);
+      }
+      case RAPTOR_TERM_TYPE_UNKNOWN: break;
+    }
+    Report(raptor_parser_get_locator(parser_), "a term of unknown kind", "");
+    return false;
+  }
+
+  bool ConvertIri(std::string_view iri, Term* to) {
+    const raptor_locator* here = raptor_parser_get_locator(parser_);
+    if (iri.starts_with(std::string_view(kNoBase, 17)) || !IsAbsoluteIri(iri)) {
+      std::string_view relative = iri.starts_with(kNoBase) ? iri.substr(sizeof(kNoBase) - 1) : iri;
+      Report(here, Concat("<", relative, "> is relative and the document has no base IRI"),
+             "write the whole IRI, or give xml:base on the first element");
+      return false;
+    }
+    if (!IsValidTermIri(iri)) {
+      Report(here, Concat("<", iri, "> holds a character that is not allowed in an IRI"),
+             "write it percent-encoded, a space as %20");
+      return false;
+    }
+    *to = Term::Iri(std::string(iri));
+    return CheckLength(*to);
+  }
+
+  bool CheckLength(const Term& term) {
+    if (term.lexical.size() <= options_.limits.term_bytes) return true;
+    Report(raptor_parser_get_locator(parser_),
+           absl::StrCat("this term has ", term.lexical.size(), " bytes, the limit term_bytes is ",
+                        options_.limits.term_bytes),
+           "");
+    return false;
+  }
+
+  std::string_view text_;
+  const ParseRdfOptions& options_;
+  QuadCollector collector_;
+  RaptorWorld world_;
+  raptor_parser* parser_ = nullptr;
+  std::vector<Term> unnamed_;
+  ParsedRdf parsed_;
+};
+
+}  // namespace
+
+ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options) {
+  ParsedRdf refused;
+  if (std::optional<size_t> at = FindForeignEncoding(text)) {
+    refused.diagnostics.push_back({options.file, SpanAt(text, *at, 1),
+                                   "only the encoding UTF-8 is read", "save the document as UTF-8 and declare that"});
+    return refused;
+  }
+  if (std::optional<size_t> at = FindDoctype(text)) {
+    refused.diagnostics.push_back({options.file, SpanAt(text, *at, 9),
+                                   "a document type definition is refused: it could expand or fetch entities",
+                                   "remove <!DOCTYPE …> and write its entities out"});
+    return refused;
+  }
+  return RdfXmlReader(text, options).Run();
+}
+
+}  // namespace docent
