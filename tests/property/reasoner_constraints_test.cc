@@ -1,0 +1,281 @@
+// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing constraint says is what
+// its query says when it is run again, and its binding edges are the difference of two runs.
+
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/constraints/constraint_set.h"
+#include "tests/property/reasoner_random.h"
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+namespace {
+
+std::string RandomGroup(RandomWorld& random, int depth) {
+  const std::vector<std::string> variables = {"?x", "?y", "?z"};
+  const auto node = [&] { return random.Chance(75) ? variables[random.Pick(3)] : ":" + random.Node(); };
+  const auto triple = [&] {
+    return node() + (random.Chance(95) ? " :" + random.Predicate() : " ?v") + " " + node() + " . ";
+  };
+  std::string body;
+  const int patterns = 1 + random.Pick(3);
+  for (int i = 0; i < patterns; ++i) body += triple();
+  if (random.Chance(20)) {
+    body += "FILTER(" + variables[random.Pick(3)] + (random.Chance(50) ? " > " : " <= ") + std::to_string(random.Pick(6)) + ") ";
+  }
+  if (random.Chance(6)) body += "FILTER(?x < ?y) ";
+  if (random.Chance(8)) body += "FILTER(?x != ?y || ?z = 3) ";
+  if (depth == 0) return body;
+  if (random.Chance(25)) body += "FILTER NOT EXISTS { " + RandomGroup(random, depth - 1) + "} ";
+  if (random.Chance(10)) body += "FILTER EXISTS { " + RandomGroup(random, depth - 1) + "} ";
+  if (random.Chance(12)) body += "MINUS { " + RandomGroup(random, depth - 1) + "} ";
+  if (random.Chance(12)) body += "OPTIONAL { " + RandomGroup(random, depth - 1) + "} ";
+  if (random.Chance(8)) body += "FILTER(!BOUND(?z)) ";
+  if (random.Chance(14)) {
+    body += "{ " + RandomGroup(random, depth - 1) + "} UNION { " + RandomGroup(random, depth - 1) + "} ";
+  }
+  if (random.Chance(8)) body += "GRAPH ?g { " + triple() + "} ";
+  if (random.Chance(5)) body += "GRAPH :g1 { " + triple() + "} ";
+  if (random.Chance(6)) body += "VALUES ?x { :n1 :n2 3 } ";
+  if (random.Chance(6)) body += "{ " + RandomGroup(random, depth - 1) + "} ";
+  if (random.Chance(6)) body += "BIND(?x AS ?b) ";
+  if (random.Chance(5)) body += "{ SELECT ?x (COUNT(?y) AS ?n) { ?x :p0 ?y } GROUP BY ?x } ";
+  if (random.Chance(4)) body += "{ SELECT DISTINCT ?x { ?x :p1 ?y } } ";
+  return body;
+}
+
+struct Asked {
+  std::string text;
+  std::vector<std::string> keys;
+};
+
+Asked RandomConstraint(RandomWorld& random, const TestWorld& world) {
+  while (true) {
+    Asked asked{"ASK { " + RandomGroup(random, 2) + "}", {}};
+    sparql::ParseOptions options;
+    options.prefixes = {{"", std::string(kExampleNs)}};
+    const sparql::ParsedQuery parsed = sparql::ParseQuery(asked.text, options);
+    if (!parsed.ok()) continue;  // e.g. BIND of a variable in use
+    if (!sparql::PreparedQuery::Prepare(parsed.query, world.dictionary).ok()) continue;
+    if (random.Chance(40)) {
+      std::vector<std::string> names;
+      for (const sparql::Variable& v : sparql::InScopeVariables(*parsed.query.algebra)) {
+        if (!v.IsHidden()) names.push_back(v.name);
+      }
+      for (const std::string& name : names) {
+        if (asked.keys.size() < 2 && random.Chance(60)) asked.keys.push_back(name);
+      }
+    }
+    return asked;
+  }
+}
+
+using KeySet = std::set<std::string>;
+
+class Followed {
+ public:
+  Followed(TestWorld& world, const Asked& asked) : world_(world), asked_(asked), query_(world.Parse(asked.text)) {}
+
+  // The distinct key bindings by running the query: one empty one if it holds and has no keys.
+  KeySet Run() const {
+    auto prepared = sparql::PreparedQuery::Prepare(query_, world_.dictionary);
+    EXPECT_TRUE(prepared.ok());
+    KeySet keys;
+    const auto& names = (*prepared)->variables();
+    const absl::Status status =
+        (*prepared)->Select({.version = &world_.writer.current()}, {}, [&](absl::Span<const TermId> row) {
+          std::string key = "{";
+          for (const std::string& wanted : asked_.keys) {
+            for (size_t i = 0; i < names.size(); ++i) {
+              if (names[i] != wanted || row[i].IsNone()) continue;
+              key += wanted + "=" + ToNTriples((*prepared)->Decode(row[i])) + " ";
+            }
+          }
+          keys.insert(key + "}");
+          return true;
+        });
+    EXPECT_TRUE(status.ok()) << status;
+    return keys;
+  }
+  KeySet Texts(const std::vector<Binding>& bindings) const {
+    KeySet keys;
+    for (const Binding& binding : bindings) {
+      std::string key = "{";
+      for (const auto& [name, id] : binding) key += name + "=" + ToNTriples(world_.dictionary.Decode(id)) + " ";
+      keys.insert(key + "}");
+    }
+    return keys;
+  }
+  const Asked& asked() const { return asked_; }
+  const sparql::Query& query() const { return query_; }
+
+  ConstraintId id;
+  KeySet expected;   // as of the last update
+  KeySet committed;
+
+ private:
+  TestWorld& world_;
+  Asked asked_;
+  sparql::Query query_;
+};
+
+std::string Show(const KeySet& keys) {
+  std::string text;
+  for (const std::string& key : keys) text += key + " ";
+  return text.empty() ? "nothing" : text;
+}
+
+struct Step {
+  RandomBatch batch;
+  enum class End { kNothing, kCommit, kRollback } end = End::kCommit;
+};
+
+// What goes wrong with `asked` through `steps`; empty if nothing does.
+std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps, size_t register_late) {
+  TestWorld world;
+  ConstraintSet set(world.dictionary);
+  std::vector<std::unique_ptr<Followed>> followed;
+  const auto follow = [&](const Asked& a) {
+    auto f = std::make_unique<Followed>(world, a);
+    const auto id = set.Register(f->query(), world.writer.current(), {a.keys, 0});
+    EXPECT_TRUE(id.ok()) << id.status() << " " << a.text;
+    f->id = *id;
+    f->expected = f->committed = f->Run();
+    followed.push_back(std::move(f));
+  };
+  for (size_t i = 0; i < asked.size() && i < register_late; ++i) follow(asked[i]);
+  set.Commit();
+  std::string history;
+  uint64_t revision = 0;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (i == 2) {
+      for (size_t k = register_late; k < asked.size(); ++k) follow(asked[k]);
+      set.Commit();
+      for (auto& f : followed) f->committed = f->expected;
+      world.writer.Freeze(Revision(++revision));
+    }
+    history += "step " + std::to_string(i) + ":";
+    for (const std::string& q : steps[i].batch.add) history += "  +" + q;
+    for (const std::string& q : steps[i].batch.remove) history += "  -" + q;
+    history += "\n";
+    const Delta delta = world.Apply(steps[i].batch.add, steps[i].batch.remove);
+    const auto changes = set.Update(world.writer.current(), delta);
+    EXPECT_TRUE(changes.ok()) << changes.status();
+    for (auto& f : followed) {
+      const KeySet before = f->expected;
+      const KeySet after = f->Run();
+      f->expected = after;
+      KeySet appeared, disappeared;
+      std::string edge = "none";
+      for (const ConstraintChange& change : *changes) {
+        if (change.id != f->id) continue;
+        appeared = f->Texts(change.appeared);
+        disappeared = f->Texts(change.disappeared);
+        edge = change.edge == ConstraintChange::Edge::kRose ? "rose" : change.edge == ConstraintChange::Edge::kFell ? "fell" : "bindings";
+      }
+      KeySet new_keys, old_keys;
+      std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::inserter(new_keys, new_keys.end()));
+      std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::inserter(old_keys, old_keys.end()));
+      std::string wanted = before.empty() != after.empty() ? (after.empty() ? "fell" : "rose") : "none";
+      if (f->asked().keys.empty()) {
+        new_keys.clear();
+        old_keys.clear();
+      } else if (wanted == "none" && !(new_keys.empty() && old_keys.empty())) {
+        wanted = "bindings";
+      }
+      const bool levels = set.Holds(f->id) == !after.empty() && f->Texts(set.Keys(f->id)) == after;
+      if (levels && edge == wanted && appeared == new_keys && disappeared == old_keys) continue;
+      std::string keys;
+      for (const std::string& key : f->asked().keys) keys += " ?" + key;
+      return f->asked().text + " keys" + keys + "\n" + history + "answer " + Show(after) + "but followed " +
+             Show(f->Texts(set.Keys(f->id))) + "\nedge " + edge + " appeared " + Show(appeared) + "disappeared " +
+             Show(disappeared) + "\nwanted " + wanted + " appeared " + Show(new_keys) + "disappeared " + Show(old_keys);
+    }
+    if (steps[i].end == Step::End::kCommit) {
+      set.Commit();
+      world.writer.Freeze(Revision(++revision));
+      for (auto& f : followed) f->committed = f->expected;
+      history += "  commit\n";
+    } else if (steps[i].end == Step::End::kRollback) {
+      set.Rollback();
+      world.writer.Rollback();
+      for (auto& f : followed) f->expected = f->committed;
+      history += "  rollback\n";
+    }
+  }
+  return "";
+}
+
+// Leaves out constraints, steps and single changes as long as something goes wrong.
+std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t register_late) {
+  const auto fails = [&](const std::vector<Asked>& a, const std::vector<Step>& s) {
+    return !Difference(a, s, register_late).empty();
+  };
+  for (const Asked& one : asked) {
+    const size_t late = register_late;
+    register_late = 1;
+    if (fails({one}, steps)) {
+      asked = {one};
+      break;
+    }
+    register_late = 0;
+    if (fails({one}, steps)) {
+      asked = {one};
+      break;
+    }
+    register_late = late;
+  }
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (size_t i = 0; i < steps.size() && !smaller; ++i) {
+      std::vector<Step> fewer = steps;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+      if (fails(asked, fewer)) smaller = true, steps = fewer;
+    }
+    for (size_t i = 0; i < steps.size() && !smaller; ++i) {
+      for (auto member : {&RandomBatch::add, &RandomBatch::remove}) {
+        for (size_t k = 0; k < (steps[i].batch.*member).size() && !smaller; ++k) {
+          std::vector<Step> fewer = steps;
+          (fewer[i].batch.*member).erase((fewer[i].batch.*member).begin() + static_cast<std::ptrdiff_t>(k));
+          if (fails(asked, fewer)) smaller = true, steps = fewer;
+        }
+      }
+    }
+  }
+  return Difference(asked, steps, register_late);
+}
+
+TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
+  const char* asked_count = std::getenv("DOCENT_PROPERTY_SEQUENCES");
+  const int count = asked_count == nullptr ? 500 : std::atoi(asked_count);
+  for (int seed = 1; seed <= count; ++seed) {
+    RandomWorld random(static_cast<unsigned>(seed));
+    const TestWorld scratch;
+    std::vector<Asked> asked;
+    for (int i = 0; i < 8; ++i) asked.push_back(RandomConstraint(random, scratch));
+    std::vector<Step> steps;
+    std::set<std::string> told, committed;
+    for (int i = 0; i < 15; ++i) {
+      Step step{random.Batch(told), Step::End::kCommit};
+      if (i != 1 && random.Chance(15)) step.end = Step::End::kNothing;
+      if (i > 2 && random.Chance(15)) step.end = Step::End::kRollback;
+      if (step.end == Step::End::kCommit) committed = told;
+      if (step.end == Step::End::kRollback) told = committed;
+      steps.push_back(std::move(step));
+    }
+    const size_t register_late = 4;
+    const std::string difference = Difference(asked, steps, register_late);
+    ASSERT_EQ(difference, "") << "seed " << seed << "\n" << Shrink(asked, steps, register_late);
+  }
+  std::cout << count << " sequences of 15 batches on 8 constraints each, seeds 1 to " << count << "\n";
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,65 @@
+// Random graphs, changes, rules and queries over a small vocabulary, so that collisions, cycles and shared support are
+// common. Everything follows from one seed.
+#ifndef DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
+#define DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
+
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace docent {
+
+// One batch in the short text of TestWorld.
+struct RandomBatch {
+  std::vector<std::string> add;
+  std::vector<std::string> remove;
+};
+
+class RandomWorld {
+ public:
+  explicit RandomWorld(unsigned seed) : random_(seed) {}
+
+  int Pick(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
+  bool Chance(int percent) { return Pick(100) < percent; }
+  std::string Node() { return "n" + std::to_string(Pick(5)); }
+  std::string Predicate() { return std::string("p") + std::to_string(Pick(4)); }
+  std::string Value() { return Chance(25) ? std::to_string(Pick(6)) : Node(); }
+
+  std::string Quad() {
+    std::string quad = Node() + " " + Predicate() + " " + Value();
+    if (Chance(30)) quad += " @g" + std::to_string(Pick(2));
+    return quad;
+  }
+
+  // A change of `told`, which is kept up to date. Also removes what is not there and adds what is.
+  RandomBatch Batch(std::set<std::string>& told) {
+    RandomBatch batch;
+    std::set<std::string> used;
+    const int count = 1 + Pick(Chance(15) ? 12 : 3);
+    for (int i = 0; i < count; ++i) {
+      const bool remove = Chance(told.size() > 14 ? 65 : 40);
+      std::string quad = Quad();
+      if (remove && !told.empty() && Chance(90)) {
+        auto it = told.begin();
+        std::advance(it, Pick(static_cast<int>(told.size())));
+        quad = *it;
+      }
+      if (!used.insert(quad).second) continue;
+      (remove ? batch.remove : batch.add).push_back(quad);
+      if (remove) {
+        told.erase(quad);
+      } else {
+        told.insert(quad);
+      }
+    }
+    return batch;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_

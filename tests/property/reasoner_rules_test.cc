@@ -1,0 +1,246 @@
+// Whatever the order of additions, removals and rule changes: docent:inferred is what a computation from scratch gives.
+// The reference below is naive on purpose and shares no code with the engine but the SPARQL evaluator.
+
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/rules/rule_engine.h"
+#include "reasoner/rules/rule_parser.h"
+#include "reasoner/rules/rule_program.h"
+#include "tests/property/reasoner_random.h"
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+namespace {
+
+constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
+
+// A rule over variables x, y, z, v; may be unsafe or unstratified: the engine then refuses it and it is not used.
+std::string RandomRule(RandomWorld& random) {
+  const std::vector<std::string> variables = {"?x", "?y", "?z"};
+  const auto node = [&] { return random.Chance(85) ? variables[random.Pick(3)] : ":" + random.Node(); };
+  const auto predicate = [&] { return random.Chance(94) ? ":" + random.Predicate() : std::string("?v"); };
+  std::string body;
+  const int patterns = 1 + random.Pick(3);
+  for (int i = 0; i < patterns; ++i) body += node() + " " + predicate() + " " + node() + " . ";
+  if (random.Chance(15)) body += "{ " + node() + " :p0 " + node() + " } UNION { " + node() + " :p1 " + node() + " } ";
+  if (random.Chance(30)) {
+    body += "FILTER NOT EXISTS { " + node() + " :p" + std::to_string(random.Pick(4)) + " " + node();
+    if (random.Chance(25)) body += " FILTER NOT EXISTS { " + node() + " :p0 " + node() + " }";
+    body += " } ";
+  }
+  if (random.Chance(12)) body += "FILTER EXISTS { " + node() + " :p" + std::to_string(random.Pick(4)) + " " + node() + " } ";
+  if (random.Chance(12)) body += "MINUS { " + node() + " :p2 " + node() + " } ";
+  if (random.Chance(15)) body += "FILTER(?y > " + std::to_string(random.Pick(5)) + ") ";
+  if (random.Chance(10)) body += "FILTER(?x != ?y) ";
+  if (random.Chance(10)) body += "BIND(IF(ISNUMERIC(?y), 7, ?y) AS ?w) ";
+  const std::string object = body.find("?w") != std::string::npos ? "?w" : node();
+  std::string head = node() + " :p" + std::to_string(random.Pick(4)) + " " + object;
+  if (random.Chance(10)) head += " . " + node() + " :p3 " + node();
+  return "RULE { " + head + " } WHERE { " + body + "}\n";
+}
+
+// The strata of the engine's program (tested by themselves), each applied naively until nothing is new.
+std::vector<std::string> FromScratch(const std::string& rules, const std::set<std::string>& told) {
+  TestWorld world;
+  world.Apply(std::vector<std::string>(told.begin(), told.end()));
+  const TermId inferred = world.dictionary.InternIri(kInferredGraph);
+  RuleSets sets;
+  sets["rules"] = std::make_shared<const ParsedRules>(ParseRules(kPrefix + rules, "rules"));
+  Diagnostics diagnostics;
+  const auto program = RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
+  for (int stratum = 0; stratum < program->stratum_count; ++stratum) {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (size_t r = 0; r < program->rules.size(); ++r) {
+        if (program->rules[r].stratum != stratum) continue;
+        sparql::Query construct = sets["rules"]->rules[r].body.Clone();
+        construct.form = sparql::Query::Form::kConstruct;
+        construct.construct_template = sets["rules"]->rules[r].head;
+        auto prepared = sparql::PreparedQuery::Prepare(construct, world.dictionary);
+        EXPECT_TRUE(prepared.ok()) << prepared.status();
+        const auto triples = (*prepared)->Construct({.version = &world.writer.current()});
+        EXPECT_TRUE(triples.ok()) << triples.status();
+        for (const TermQuad& t : *triples) {
+          const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
+                             world.dictionary.Intern(t.object), inferred};
+          changed = world.writer.Add(quad) || changed;
+        }
+      }
+    }
+  }
+  return world.Inferred();
+}
+
+struct Step {
+  RandomBatch batch;
+  std::string new_rules;  // with rules, before the batch; empty: as before
+};
+
+// The first step after which the two differ, or -1. `trace` explains it.
+int FirstDifference(const std::string& rules, const std::vector<Step>& steps, std::string* trace) {
+  TestWorld world;
+  RuleEngine engine(world.dictionary);
+  std::string current = rules;
+  if (HasErrors(engine.PutRules("rules", kPrefix + rules))) return -1;
+  std::set<std::string> told;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (!steps[i].new_rules.empty()) {
+      current = steps[i].new_rules;
+      EXPECT_FALSE(HasErrors(engine.PutRules("rules", kPrefix + current)));
+    }
+    const std::vector<std::string> before = world.Inferred();
+    const Delta told_delta = world.Apply(steps[i].batch.add, steps[i].batch.remove);
+    for (const std::string& q : steps[i].batch.remove) told.erase(q);
+    for (const std::string& q : steps[i].batch.add) told.insert(q);
+    const auto delta = engine.Update(world.writer, told_delta);
+    EXPECT_TRUE(delta.ok()) << delta.status();
+    engine.Commit();
+    const std::vector<std::string> got = world.Inferred();
+    const std::vector<std::string> expected = FromScratch(current, told);
+    // The delta must lead from the old inferred graph to the new one.
+    std::set<std::string> replayed(before.begin(), before.end());
+    for (const Quad& q : delta->removed) {
+      if (q.graph == world.dictionary.InternIri(kInferredGraph)) {
+        replayed.erase(world.Text(q.subject) + " " + world.Text(q.predicate) + " " + world.Text(q.object));
+      }
+    }
+    for (const Quad& q : delta->added) {
+      if (q.graph == world.dictionary.InternIri(kInferredGraph)) {
+        replayed.insert(world.Text(q.subject) + " " + world.Text(q.predicate) + " " + world.Text(q.object));
+      }
+    }
+    const bool delta_right = std::vector<std::string>(replayed.begin(), replayed.end()) == got;
+    if (got == expected && delta_right) continue;
+    if (trace != nullptr) {
+      *trace = "rules:\n" + current + (delta_right ? "" : "the delta does not lead to the graph\n");
+      for (size_t k = 0; k <= i; ++k) {
+        *trace += "step " + std::to_string(k) + ":" + (steps[k].new_rules.empty() ? "" : " (new rules)");
+        for (const std::string& q : steps[k].batch.add) *trace += "  +" + q;
+        for (const std::string& q : steps[k].batch.remove) *trace += "  -" + q;
+        *trace += "\n";
+      }
+      for (const std::string& t : got) {
+        if (std::find(expected.begin(), expected.end(), t) == expected.end()) *trace += "too much: " + t + "\n";
+      }
+      for (const std::string& t : expected) {
+        if (std::find(got.begin(), got.end(), t) == got.end()) *trace += "missing: " + t + "\n";
+      }
+    }
+    return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::vector<std::string> Lines(const std::string& rules) {
+  std::vector<std::string> lines = absl::StrSplit(rules, '\n', absl::SkipEmpty());
+  return lines;
+}
+
+// Leaves out rules, steps and single changes as long as it still fails.
+std::string Shrink(std::string rules, std::vector<Step> steps) {
+  steps.resize(static_cast<size_t>(FirstDifference(rules, steps, nullptr)) + 1);
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    const auto attempt = [&](const std::string& fewer_rules, const std::vector<Step>& fewer) {
+      if (FirstDifference(fewer_rules, fewer, nullptr) < 0) return false;
+      rules = fewer_rules;
+      steps = fewer;
+      return smaller = true;
+    };
+    for (size_t i = 0; i < Lines(rules).size(); ++i) {
+      std::string fewer;
+      const std::vector<std::string> lines = Lines(rules);
+      for (size_t k = 0; k < lines.size(); ++k) fewer += k == i ? "" : lines[k] + "\n";
+      if (attempt(fewer, steps)) break;
+    }
+    for (size_t i = 0; i < steps.size(); ++i) {
+      std::vector<Step> fewer = steps;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+      if (attempt(rules, fewer)) break;
+    }
+    for (size_t i = 0; i < steps.size() && !smaller; ++i) {
+      for (auto member : {&RandomBatch::add, &RandomBatch::remove}) {
+        for (size_t k = 0; k < (steps[i].batch.*member).size() && !smaller; ++k) {
+          std::vector<Step> fewer = steps;
+          (fewer[i].batch.*member).erase((fewer[i].batch.*member).begin() + static_cast<std::ptrdiff_t>(k));
+          attempt(rules, fewer);
+        }
+      }
+    }
+  }
+  std::string trace;
+  FirstDifference(rules, steps, &trace);
+  return trace;
+}
+
+// Up to `wanted` rules that the engine takes together.
+std::string AcceptedRules(RandomWorld& random, int wanted) {
+  TestWorld world;
+  std::string rules;
+  for (int attempt = 0; attempt < 4 * wanted; ++attempt) {
+    const std::string more = rules + RandomRule(random);
+    RuleEngine engine(world.dictionary);
+    if (!HasErrors(engine.PutRules("rules", kPrefix + more))) rules = more;
+    if (static_cast<int>(Lines(rules).size()) == wanted) break;
+  }
+  return rules;
+}
+
+int SequenceCount() {
+  const char* asked = std::getenv("DOCENT_PROPERTY_SEQUENCES");
+  return asked == nullptr ? 400 : std::atoi(asked);
+}
+
+TEST(ReasonerRulesProperty, IncrementalIsFromScratch) {
+  int with_rules = 0;
+  const int count = SequenceCount();
+  for (int seed = 1; seed <= count; ++seed) {
+    RandomWorld random(static_cast<unsigned>(seed));
+    const std::string rules = AcceptedRules(random, 1 + random.Pick(6));
+    if (rules.empty()) continue;
+    ++with_rules;
+    std::vector<Step> steps;
+    std::set<std::string> told;
+    for (int i = 0; i < 12; ++i) {
+      Step step{random.Batch(told), {}};
+      if (i > 0 && random.Chance(5)) step.new_rules = AcceptedRules(random, 1 + random.Pick(5));
+      steps.push_back(std::move(step));
+    }
+    std::string trace;
+    if (FirstDifference(rules, steps, &trace) < 0) continue;
+    bool changes_rules = false;
+    for (const Step& step : steps) changes_rules = changes_rules || !step.new_rules.empty();
+    FAIL() << "seed " << seed << "\n" << (changes_rules ? trace : Shrink(rules, steps));
+  }
+  RecordProperty("sequences", with_rules);
+  std::cout << with_rules << " sequences of 12 batches, seeds 1 to " << count << "\n";
+  EXPECT_GT(with_rules, count * 3 / 4);
+}
+
+// The rules that other reasoners are known to get wrong, on long random sequences.
+TEST(ReasonerRulesProperty, InverseCyclesAndTransitivity) {
+  const std::string rules =
+      "RULE { ?y :p1 ?x } WHERE { ?x :p0 ?y }\n"
+      "RULE { ?y :p0 ?x } WHERE { ?x :p1 ?y }\n"
+      "RULE { ?x :p2 ?z } WHERE { ?x :p2 ?y . ?y :p2 ?z }\n"
+      "RULE { ?x :p2 ?y } WHERE { ?x :p0 ?y }\n"
+      "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y FILTER NOT EXISTS { ?y :p2 ?x } }\n";
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    RandomWorld random(seed);
+    std::vector<Step> steps;
+    std::set<std::string> told;
+    for (int i = 0; i < 40; ++i) steps.push_back({random.Batch(told), {}});
+    std::string trace;
+    ASSERT_LT(FirstDifference(rules, steps, &trace), 0) << "seed " << seed << "\n" << Shrink(rules, steps);
+  }
+}
+
+}  // namespace
+}  // namespace docent

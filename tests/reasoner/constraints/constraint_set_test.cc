@@ -1,0 +1,240 @@
+#include "reasoner/constraints/constraint_set.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class ConstraintSetTest : public ::testing::Test {
+ protected:
+  ConstraintId Register(const std::string& ask, const std::vector<std::string>& keys = {}) {
+    const absl::StatusOr<ConstraintId> id = set_.Register(world_.Parse(ask), world_.writer.current(), {keys, 0});
+    EXPECT_TRUE(id.ok()) << id.status();
+    set_.Commit();
+    return id.value_or(ConstraintId());
+  }
+
+  // "1 rose +{x=a} -{x=b}" for each change.
+  std::vector<std::string> Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {},
+                                TimeMicros now_us = 0) {
+    const Delta delta = world_.Apply(add, remove);
+    const auto changes = set_.Update(world_.writer.current(), delta, now_us);
+    EXPECT_TRUE(changes.ok()) << changes.status();
+    std::vector<std::string> texts;
+    for (const ConstraintChange& change : *changes) {
+      std::string text = std::to_string(change.id.value());
+      text += change.edge == ConstraintChange::Edge::kRose ? " rose"
+              : change.edge == ConstraintChange::Edge::kFell ? " fell" : " bindings";
+      for (const Binding& b : change.appeared) text += " +" + Text(b);
+      for (const Binding& b : change.disappeared) text += " -" + Text(b);
+      texts.push_back(std::move(text));
+    }
+    return texts;
+  }
+  void Commit() {
+    set_.Commit();
+    world_.writer.Freeze(Revision(++revision_));
+  }
+  void Rollback() {
+    set_.Rollback();
+    world_.writer.Rollback();
+  }
+
+  std::string Text(const Binding& binding) const {
+    std::string text = "{";
+    for (const auto& [name, id] : binding) text += (text.size() > 1 ? "," : "") + name + "=" + world_.Text(id);
+    return text + "}";
+  }
+  std::vector<std::string> Texts(const std::vector<Binding>& bindings) const {
+    std::vector<std::string> texts;
+    for (const Binding& b : bindings) texts.push_back(Text(b));
+    return texts;
+  }
+
+  TestWorld world_;
+  ConstraintSet set_{world_.dictionary};
+  uint64_t revision_ = 0;
+};
+
+TEST_F(ConstraintSetTest, RisesAndFallsAtTheEdges) {
+  const ConstraintId id = Register("ASK { :R01 :at ?b . :John :at ?b }");
+  EXPECT_FALSE(set_.Holds(id));
+  EXPECT_THAT(Turn({"R01 at B03"}), IsEmpty());
+  EXPECT_THAT(Turn({"John at B03"}), ElementsAre("1 rose"));
+  EXPECT_TRUE(set_.Holds(id));
+  EXPECT_THAT(Turn({"John at B04", "R01 at B04"}), IsEmpty()) << "holds in one more way";
+  EXPECT_THAT(Turn({}, {"John at B03"}), IsEmpty()) << "still holds in the other";
+  EXPECT_THAT(Turn({}, {"R01 at B04"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, TheLevelAtRegistrationIsKnownAndIsNoEdge) {
+  world_.Apply({"a p b"});
+  EXPECT_TRUE(set_.Holds(Register("ASK { :a :p ?x }")));
+  EXPECT_THAT(Turn({"a p c"}), IsEmpty());
+}
+
+TEST_F(ConstraintSetTest, ATripleInASecondGraphChangesNothing) {
+  Register("ASK { :a :p ?x }");
+  EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"a p b @g"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"a p b"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"a p b @g"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, ThresholdsCompareByValue) {
+  Register("ASK { :R :battery ?b FILTER(?b < 0.2) }");
+  EXPECT_THAT(Turn({"R battery 0.5"}), IsEmpty());
+  EXPECT_EQ(set_.evaluations(), 0u) << "a number above the threshold is rejected by the index";
+  EXPECT_THAT(Turn({"R battery 0.2"}, {"R battery 0.5"}), IsEmpty());
+  EXPECT_THAT(Turn({"R battery 0.19"}, {"R battery 0.2"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"R battery 0.1"}, {"R battery 0.19"}), IsEmpty());
+  EXPECT_THAT(Turn({"R battery 'empty"}, {"R battery 0.1"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, NegationHasItsOwnEdges) {
+  Register("ASK { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }");
+  EXPECT_THAT(Turn({"r1 a Robot", "r1 task t1"}), IsEmpty());
+  EXPECT_THAT(Turn({"r1 task t2"}, {"r1 task t1"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"r1 task t2"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"r2 task t2"}), IsEmpty());
+  EXPECT_THAT(Turn({"r1 task t3"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, MinusOptionalUnionAndExists) {
+  const ConstraintId minus = Register("ASK { ?x :p ?y MINUS { ?x :q ?z } }");
+  const ConstraintId no_label = Register("ASK { ?x :p ?y OPTIONAL { ?x :label ?l } FILTER(!BOUND(?l)) }");
+  const ConstraintId either = Register("ASK { { ?x :p :never } UNION { ?x :q ?z } }");
+  const ConstraintId exists = Register("ASK { ?x :p ?y FILTER EXISTS { ?y :q ?x } }");
+  EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose", "2 rose"));
+  EXPECT_THAT(Turn({"a q c", "a label 'A"}), ElementsAre("1 fell", "2 fell", "3 rose"));
+  EXPECT_THAT(Turn({"b q a"}), ElementsAre("4 rose"));
+  EXPECT_THAT(Turn({}, {"a q c", "a label 'A", "b q a"}), ElementsAre("1 rose", "2 rose", "3 fell", "4 fell"));
+  EXPECT_TRUE(set_.Holds(minus) && set_.Holds(no_label));
+  EXPECT_FALSE(set_.Holds(either) || set_.Holds(exists));
+}
+
+TEST_F(ConstraintSetTest, SubSelectsAndPathsAreFollowedWhole) {
+  Register("ASK { ?hall a :Hall { SELECT ?hall (COUNT(?v) AS ?n) { ?v :in ?hall } GROUP BY ?hall } FILTER(?n >= 2) }");
+  EXPECT_THAT(Turn({"h a Hall", "v1 in h"}), IsEmpty());
+  EXPECT_THAT(Turn({"v2 in h"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({}, {"v1 in h"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, WhatDependsOnTheClockIsAskedAtEveryUpdate) {
+  Register("ASK { :a :due ?t FILTER(NOW() > \"2026-01-01T00:00:00Z\"^^xsd:dateTime) }");
+  Turn({"a due 5"});
+  EXPECT_THAT(Turn({}, {}, TimeMicros{1767225601} * 1000000), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({}, {}, TimeMicros{1767225599} * 1000000), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, KeyBindingsAppearAndDisappear) {
+  const ConstraintId id = Register("ASK { ?v a :Visitor . ?v :at ?b . ?b :in :hall }", {"v"});
+  EXPECT_THAT(Turn({"ann a Visitor", "ann at b1", "b1 in hall", "b2 in hall"}), ElementsAre("1 rose +{v=ann}"));
+  EXPECT_THAT(Turn({"bob a Visitor", "bob at b1", "cyd a Visitor", "cyd at b2"}), ElementsAre("1 bindings +{v=bob} +{v=cyd}"));
+  EXPECT_THAT(Turn({"ann at b2"}, {"ann at b1"}), IsEmpty()) << "another way to be there";
+  EXPECT_THAT(Turn({}, {"b1 in hall"}), ElementsAre("1 bindings -{v=bob}"));
+  EXPECT_THAT(Texts(set_.Keys(id)), ElementsAre("{v=ann}", "{v=cyd}"));
+  EXPECT_THAT(Turn({}, {"ann at b2", "cyd at b2"}), ElementsAre("1 fell -{v=ann} -{v=cyd}"));
+  EXPECT_THAT(Turn({"ann at b2"}), ElementsAre("1 rose +{v=ann}")) << "it appears again";
+}
+
+TEST_F(ConstraintSetTest, KeysOfAUnionAreThoseOfTheQuery) {
+  const ConstraintId id = Register("ASK { { ?x :p :c } UNION { ?y :q :d } }", {"x"});
+  EXPECT_THAT(Turn({"a p c"}), ElementsAre("1 rose +{x=a}"));
+  EXPECT_THAT(Turn({"b q d"}), ElementsAre("1 bindings +{}"));
+  EXPECT_THAT(Turn({"e p c"}), ElementsAre("1 bindings +{x=e}"));
+  EXPECT_THAT(Turn({}, {"b q d"}), ElementsAre("1 bindings -{}"));
+  EXPECT_EQ(set_.Keys(id).size(), 2u);
+}
+
+TEST_F(ConstraintSetTest, SolutionsComeInTermOrderUpToTheLimit) {
+  world_.Apply({"r at b2", "r at b1", "r at b3", "r at b1 @other"});
+  const ConstraintId id = Register("ASK { ?r :at ?b . FILTER NOT EXISTS { ?b a [] } }");
+  const auto two = set_.Solutions(id, world_.writer.current(), 2);
+  ASSERT_TRUE(two.ok());
+  EXPECT_THAT(Texts(*two), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
+  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), 2).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(ConstraintSetTest, RemovedConstraintsAreSilent) {
+  const ConstraintId a = Register("ASK { :a :p ?x }");
+  const ConstraintId b = Register("ASK { :a :p ?x }");
+  EXPECT_EQ(set_.size(), 2u);
+  set_.Remove(a);
+  EXPECT_THAT(Turn({"a p b"}), ElementsAre("2 rose"));
+  Commit();
+  EXPECT_FALSE(set_.Holds(a));
+  EXPECT_TRUE(set_.Holds(b));
+  set_.Remove(b);
+  set_.Remove(b);
+  Commit();
+  EXPECT_EQ(set_.size(), 0u);
+  EXPECT_THAT(Turn({}, {"a p b"}), IsEmpty());
+  EXPECT_THAT(Turn({"a p b"}), IsEmpty());
+}
+
+TEST_F(ConstraintSetTest, RollbackForgetsTheTurn) {
+  const ConstraintId kept = Register("ASK { ?x :p ?y . ?y :q ?z }");
+  const ConstraintId keys = Register("ASK { ?x :p ?y }", {"x"});
+  Turn({"a p b", "b q c"});
+  Commit();
+  Turn({"d p e"}, {"b q c", "a p b"});
+  const auto inside = set_.Register(world_.Parse("ASK { :d :p ?x }"), world_.writer.current());
+  ASSERT_TRUE(inside.ok());
+  set_.Remove(keys);
+  EXPECT_FALSE(set_.Holds(kept));
+  Rollback();
+  EXPECT_TRUE(set_.Holds(kept));
+  EXPECT_FALSE(set_.Holds(*inside));
+  EXPECT_EQ(set_.size(), 2u);
+  EXPECT_THAT(Texts(set_.Keys(keys)), ElementsAre("{x=a}"));
+  EXPECT_THAT(Turn({}, {"b q c"}), ElementsAre("1 fell"));
+  EXPECT_THAT(Turn({"d p b"}, {"a p b"}), ElementsAre("2 bindings +{x=d} -{x=a}"));
+}
+
+// A condition that watched only the pattern that had no match must not miss the one that has none after a rollback.
+TEST_F(ConstraintSetTest, RollbackRestoresWhatIsWatched) {
+  Register("ASK { ?x :p ?y . ?y :q ?z }");
+  Turn({"b q c"});
+  Commit();
+  Turn({"a p b"}, {"b q c"});
+  Rollback();
+  EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose"));
+}
+
+TEST_F(ConstraintSetTest, RegisteringWhatASilentlyRemovedOneAskedStartsAnew) {
+  const ConstraintId first = Register("ASK { :a :p ?x }");
+  set_.Remove(first);
+  const ConstraintId second = Register("ASK { :a :p ?x }");
+  EXPECT_THAT(Turn({"a p b"}), ElementsAre("2 rose"));
+  EXPECT_TRUE(set_.Holds(second));
+}
+
+TEST_F(ConstraintSetTest, OnlyWhatAChangeCanTouchIsEvaluated) {
+  for (int i = 0; i < 500; ++i) {
+    Register("ASK { ?v :at ?b . ?b :in :hall" + std::to_string(i) + " }");
+    Register("ASK { :r" + std::to_string(i) + " :at ?b FILTER NOT EXISTS { ?b :closed ?c } }");
+  }
+  Turn({"b1 in hall7"});
+  const uint64_t before = set_.evaluations();
+  EXPECT_THAT(Turn({"ann at b1"}), ElementsAre("15 rose"));
+  EXPECT_LE(set_.evaluations() - before, 2u) << "the 499 halls without a booth do not watch who is where";
+}
+
+TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
+  EXPECT_EQ(set_.Register(world_.Parse("ASK { :a :p ?x }"), world_.writer.current(), {{"nope"}, 0}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(set_.Register(world_.Parse("CONSTRUCT WHERE { :a :p ?x }"), world_.writer.current()).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_FALSE(set_.Register(world_.Parse("ASK { :a :p ?x FILTER(:nope(?x)) }"), world_.writer.current()).ok());
+  EXPECT_EQ(set_.size(), 0u);
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,251 @@
+#include "reasoner/rules/rule_engine.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/match.h"
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class RuleEngineTest : public ::testing::Test {
+ protected:
+  void Put(const std::string& text, const std::string& name = "test.rules") {
+    const std::string document = "PREFIX : <http://example.org/>\n" + text;
+    const Diagnostics diagnostics = engine_.PutRules(name, document);
+    ASSERT_THAT(diagnostics, IsEmpty()) << Render(diagnostics, document);
+  }
+  Delta Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {}) {
+    absl::StatusOr<Delta> delta = engine_.Update(world_.writer, world_.Apply(add, remove));
+    EXPECT_TRUE(delta.ok()) << delta.status();
+    if (!delta.ok()) return {};
+    engine_.Commit();
+    world_.writer.Freeze(Revision(++revision_));
+    return *delta;
+  }
+
+  TestWorld world_;
+  RuleEngine engine_{world_.dictionary};
+  uint64_t revision_ = 0;
+};
+
+TEST_F(RuleEngineTest, InfersAndRetracts) {
+  Put("RULE { ?x :at ?c } WHERE { ?x :at ?b . ?b :in ?c }");
+  Turn({"r at b3", "b3 in hall", "hall in city"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r at city", "r at hall"));
+  Turn({}, {"b3 in hall"});
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+}
+
+TEST_F(RuleEngineTest, TheDeltaIsNetAndHoldsToldAndInferred) {
+  Put("RULE { ?y :knows ?x } WHERE { ?x :knows ?y }");
+  const Delta first = Turn({"a knows b"});
+  EXPECT_EQ(first.added.size(), 3u);  // told a-b, inferred b-a and a-b
+  EXPECT_TRUE(first.removed.empty());
+  const Delta none = Turn({"a knows b @other"});
+  EXPECT_EQ(none.added.size(), 1u) << "the same triple in a second graph infers nothing";
+  EXPECT_EQ(Turn({}, {"a knows b"}).removed.size(), 1u) << "still told in the other graph";
+  EXPECT_EQ(Turn({}, {"a knows b @other"}).removed.size(), 3u);
+}
+
+// CLIPS keeps these for ever: the two facts support each other.
+TEST_F(RuleEngineTest, InversePropertiesDoNotSupportEachOther) {
+  Put("RULE { ?o :memberOf ?s } WHERE { ?s :member ?o }\nRULE { ?o :member ?s } WHERE { ?s :memberOf ?o }");
+  Turn({"d member u", "d member v"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("d member u", "d member v", "u memberOf d", "v memberOf d"));
+  Turn({}, {"d member u"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("d member v", "v memberOf d"));
+}
+
+// Jena's RETE loses these: the fact has other support.
+TEST_F(RuleEngineTest, SharedSupportStays) {
+  Put("RULE { ?x a :Agent } WHERE { ?x a :Robot }\nRULE { ?x a :Agent } WHERE { ?x :speaks ?l }");
+  Turn({"r a Robot", "r speaks english"});
+  EXPECT_EQ(Turn({}, {"r a Robot"}).removed.size(), 1u);
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r a Agent"));
+  Turn({}, {"r speaks english"});
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+}
+
+TEST_F(RuleEngineTest, AFactBothToldAndInferredStandsInBothGraphs) {
+  Put("RULE { ?x a :Agent } WHERE { ?x a :Robot }");
+  Turn({"r a Robot", "r a Agent"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r a Agent"));
+  Turn({}, {"r a Robot"});
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+  EXPECT_TRUE(world_.writer.current().Contains(world_.QuadOf("r a Agent")));
+  Turn({"r a Robot"}, {"r a Agent"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r a Agent"));
+}
+
+TEST_F(RuleEngineTest, ATransitiveClosureFollowsCutsAndCycles) {
+  Put("RULE { ?a :r ?c } WHERE { ?a :e ?c }\nRULE { ?a :r ?c } WHERE { ?a :r ?b . ?b :e ?c }");
+  Turn({"x1 e x2", "x2 e x3", "x3 e x1"});
+  EXPECT_EQ(world_.Inferred().size(), 9u);
+  Turn({}, {"x3 e x1"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("x1 r x2", "x1 r x3", "x2 r x3"));
+  Turn({"x1 e x3"}, {"x2 e x3"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("x1 r x2", "x1 r x3"));
+}
+
+TEST_F(RuleEngineTest, NegationFollowsBothDirections) {
+  Put("RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r a :Busy } }\n"
+      "RULE { ?r a :Busy } WHERE { ?r :task ?t }\n"
+      "RULE { :hall :has ?r } WHERE { ?r a :Free }");
+  Turn({"r1 a Robot", "r2 a Robot", "r1 task t1"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("hall has r2", "r1 a Busy", "r2 a Free"));
+  Turn({"r2 task t2"}, {"r1 task t1"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("hall has r1", "r1 a Free", "r2 a Busy"));
+  Turn({"r2 a Busy"}, {"r2 task t2"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("hall has r1", "r1 a Free")) << "told Busy negates as well";
+}
+
+TEST_F(RuleEngineTest, FiltersAndBindCompute) {
+  Put("RULE { ?r :low true } WHERE { ?r :battery ?b FILTER(?b < 0.2) }\n"
+      "RULE { ?r :percent ?p } WHERE { ?r :battery ?b BIND(?b * 100 AS ?p) }");
+  Turn({"r battery 0.5"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r percent 50.0"));
+  Turn({"r battery 0.1"}, {"r battery 0.5"});
+  EXPECT_EQ(world_.Inferred().size(), 2u);
+  EXPECT_THAT(world_.Inferred(), ElementsAre("r low true", "r percent 10.0"));
+}
+
+TEST_F(RuleEngineTest, RulesChangeAtRunTime) {
+  Turn({"a p b"});
+  Put("RULE { ?x :q ?y } WHERE { ?x :p ?y }");
+  EXPECT_EQ(Turn({}).added.size(), 1u);
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a q b"));
+  Put("RULE { ?x :s ?y } WHERE { ?x :q ?y }", "second.rules");
+  Put("RULE { ?y :q ?x } WHERE { ?x :p ?y }");
+  Turn({"c p d"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("b q a", "b s a", "d q c", "d s c"));
+  EXPECT_TRUE(engine_.RemoveRules("test.rules"));
+  EXPECT_FALSE(engine_.RemoveRules("test.rules"));
+  EXPECT_EQ(Turn({}).removed.size(), 4u);
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+}
+
+TEST_F(RuleEngineTest, DataIsInferred) {
+  Put("DATA { :near :inverse :near }");
+  Turn({});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("near inverse near"));
+}
+
+TEST_F(RuleEngineTest, HeadsThatAreNoTriplesAreLeftOut) {
+  Put("RULE { ?y :of ?x } WHERE { ?x :p ?y }");
+  Turn({"a p 5", "a p b"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("b of a"));
+}
+
+TEST_F(RuleEngineTest, AVariablePredicateIsARuleLikeOthers) {
+  Put("RULE { ?s ?q ?o } WHERE { ?s ?p ?o . ?p :subPropertyOf ?q }");
+  Turn({"p subPropertyOf q", "q subPropertyOf r", "a p b"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a q b", "a r b"));
+  Turn({}, {"q subPropertyOf r"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a q b"));
+}
+
+TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
+  const std::string text =
+      "PREFIX : <http://example.org/>\n"
+      "RULE { ?x a :A } WHERE { ?x a :T FILTER NOT EXISTS { ?x a :B } }\n"
+      "RULE { ?x a :B } WHERE { ?x a :C }\n"
+      "RULE { ?x a :C } WHERE { ?x a :A }\n";
+  const Diagnostics diagnostics = engine_.PutRules("bad.rules", text);
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_EQ(diagnostics[0].message,
+            "negation through recursion: bad.rules rule 1 (line 2) negates what is derived by bad.rules rule 2 (line 3), "
+            "which needs bad.rules rule 3 (line 4), which needs bad.rules rule 1 (line 2)");
+  EXPECT_EQ(diagnostics[0].span.line, 2);
+  EXPECT_EQ(engine_.rule_count(), 0u) << "nothing changed";
+}
+
+TEST_F(RuleEngineTest, TheSamePredicateMayBeNegatedForAnotherClass) {
+  Put("RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r a :Busy } }");
+  EXPECT_EQ(engine_.rule_count(), 1u);
+}
+
+TEST_F(RuleEngineTest, AnUnknownFunctionIsReportedAtItsRule) {
+  const Diagnostics diagnostics = engine_.PutRules(
+      "f.rules", "PREFIX : <http://example.org/>\nRULE { ?x a :A } WHERE { ?x :p ?y FILTER(:nope(?y)) }");
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_EQ(diagnostics[0].span.line, 2);
+}
+
+TEST_F(RuleEngineTest, WritingTheInferredGraphIsRefused) {
+  Quad quad = world_.QuadOf("a p b");
+  quad.graph = world_.dictionary.InternIri(kInferredGraph);
+  const absl::Status status = engine_.Update(world_.writer, world_.writer.Apply({quad}, {})).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+}
+
+class RuleLimitsTest : public ::testing::Test {
+ protected:
+  absl::Status Run(const Limits& limits, const std::string& rules, const std::vector<std::string>& add,
+                   const std::vector<std::string>& base = {}) {
+    TestWorld world;
+    RuleEngine engine(world.dictionary, limits);
+    EXPECT_THAT(engine.PutRules("loop.rules", "PREFIX : <http://example.org/>\n" + rules), IsEmpty());
+    if (!engine.Update(world.writer, world.Apply(base)).ok()) return absl::InternalError("the base facts");
+    engine.Commit();
+    world.writer.Freeze(Revision(1));
+    const absl::Status status = engine.Update(world.writer, world.Apply(add)).status();
+    if (!status.ok()) {
+      engine.Rollback();
+      world.writer.Rollback();
+      EXPECT_THAT(world.Inferred(), IsEmpty());
+      EXPECT_TRUE(engine.Update(world.writer, world.Apply({"other fact x"})).ok()) << "the engine goes on";
+    }
+    return status;
+  }
+  TestWorld world_;
+};
+
+TEST_F(RuleLimitsTest, ARuleThatFeedsItselfIsStoppedAndNamed) {
+  Limits limits;
+  limits.rule_rounds = 50;
+  const absl::Status status = Run(limits, "RULE { ?x :n ?m } WHERE { ?x :n ?n BIND(?n + 1 AS ?m) }", {"a n 1"});
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("loop.rules rule 1 (line 2) goes beyond the limit rule_rounds = 50"));
+}
+
+TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
+  Limits limits;
+  limits.inferred_per_turn = 4;
+  const std::string rule = "RULE { ?y :of ?x } WHERE { ?x :p ?y }";
+  EXPECT_TRUE(Run(limits, rule, {"a p b1", "a p b2", "a p b3", "a p b4"}).ok());
+  const absl::Status status = Run(limits, rule, {"a p b1", "a p b2", "a p b3", "a p b4", "a p b5"});
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
+}
+
+TEST_F(RuleLimitsTest, RoundsAreAllowedUpToTheLimit) {
+  Limits limits;
+  limits.rule_rounds = 3;
+  const std::string rule = "RULE { ?y a :Hot } WHERE { ?x a :Hot . ?x :next ?y }";
+  EXPECT_TRUE(Run(limits, rule, {"a1 a Hot"}, {"a1 next a2", "a2 next a3"}).ok());
+  EXPECT_EQ(Run(limits, rule, {"a1 a Hot"}, {"a1 next a2", "a2 next a3", "a3 next a4"}).code(),
+            absl::StatusCode::kResourceExhausted);
+}
+
+TEST_F(RuleEngineTest, RollbackRestoresRuleSets) {
+  Put("RULE { ?x :q ?y } WHERE { ?x :p ?y }");
+  Turn({"a p b"});
+  Put("RULE { ?x :q2 ?y } WHERE { ?x :p ?y }");
+  Put("RULE { ?x :s ?y } WHERE { ?x :p ?y }", "second.rules");
+  ASSERT_TRUE(engine_.Update(world_.writer, world_.Apply({"c p d"})).ok());
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a q2 b", "a s b", "c q2 d", "c s d"));
+  engine_.Rollback();
+  world_.writer.Rollback();
+  EXPECT_THAT(engine_.names(), ElementsAre("test.rules"));
+  Turn({"e p f"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a q b", "e q f"));
+}
+
+}  // namespace
+}  // namespace docent
