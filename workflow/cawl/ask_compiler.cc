@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "workflow/cawl/ask_writer.h"
 #include "workflow/cawl/formula.h"
@@ -86,20 +87,20 @@ std::vector<std::string> KeyVariables(const Activator& activator, const Compiled
 std::vector<ConditionText> ConditionTexts(const Document& document) {
   std::vector<ConditionText> out;
   VariableValues none = [](const std::string&) { return std::nullopt; };
-  auto add = [&](const std::string& place, const absl::StatusOr<CompiledAsk>& ask, std::string_view what) {
+  auto add = [&](const std::string& place, const absl::StatusOr<CompiledAsk>& ask, const std::string& what) {
     if (!ask.ok()) {
       out.push_back({place, absl::StrCat("# cannot be compiled: ", ask.status().message())});
       return;
     }
     std::string notes;
     for (const std::string& name : ask->unset) absl::StrAppend(&notes, "# ?", name, " is the value of $", name, " at run time\n");
-    std::string_view kind = ask->by_event() ? "case" : what;
-    out.push_back({absl::StrCat(place, " / ", std::string(kind), " ", ask->name), notes + ask->ask});
+    bool says_so = absl::StartsWith(ask->name, what);  // "context 2"
+    out.push_back({absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask});
   };
   auto add_condition = [&](const std::string& place, const Condition& condition) {
     absl::StatusOr<std::vector<CompiledAsk>> asks = CompileCondition(document, condition, none);
     if (!asks.ok()) return add(place, asks.status(), "");
-    for (const CompiledAsk& ask : *asks) add(place, ask, condition.expression ? "condition" : "context");
+    for (const CompiledAsk& ask : *asks) add(place, ask, condition.expression ? "condition" : ask.by_event() ? "case" : "context");
   };
   if (document.activator) {
     add_condition(document.activator->name.empty() ? "activator" : absl::StrCat("activator ", document.activator->name.value),
@@ -113,7 +114,7 @@ std::vector<ConditionText> ConditionTexts(const Document& document) {
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;
       add(absl::StrCat(flow_place, " / link ", link.from.value, " → ", link.to.value),
-          CompileConstraint(document, *link.while_constraint, none), "");
+          CompileConstraint(document, *link.while_constraint, none), "while");
     }
   }
   return out;

@@ -25,7 +25,7 @@ namespace docent::cawl {
 using VariableValues = std::function<std::optional<Term>(const std::string&)>;
 
 struct CompiledAsk {
-  std::string name;   // of the context or case; "condition" where the condition has an expression
+  std::string name;   // of the context or case ("context 2", "case" without one), or the condition's expression
   std::string ask;    // SPARQL
   int priority = 0;
   // What a solution binds, without "?", in order of first use. A variable that stands only in some alternatives of

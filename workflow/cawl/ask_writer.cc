@@ -101,10 +101,13 @@ absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int ind
   for (const Formula& absent : conjunction.absent) {
     absl::StatusOr<std::vector<Conjunction>> inner = ToAlternatives(absent);
     if (!inner.ok()) return inner.status();
-    AppendLine(indent, "FILTER NOT EXISTS {", out);
-    absl::Status status = WriteAlternatives(*inner, indent + 1, /*negated=*/true, out);
-    if (!status.ok()) return status;
-    AppendLine(indent, "}", out);
+    // "Neither a nor b" is "no a" and "no b": no UNION is needed inside.
+    for (const Conjunction& alternative : *inner) {
+      AppendLine(indent, "FILTER NOT EXISTS {", out);
+      absl::Status status = WriteConjunction(alternative, indent + 1, /*negated=*/true, out);
+      if (!status.ok()) return status;
+      AppendLine(indent, "}", out);
+    }
   }
   return absl::OkStatus();
 }

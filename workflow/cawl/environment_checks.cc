@@ -14,6 +14,7 @@ namespace {
 // "https://w3id.org/docent#" of "https://w3id.org/docent#isAt".
 std::string_view NamespaceOf(std::string_view iri) {
   size_t end = iri.find_last_of("#/");
+  if (end == std::string_view::npos) end = iri.rfind(':');
   return end == std::string_view::npos ? std::string_view() : iri.substr(0, end + 1);
 }
 

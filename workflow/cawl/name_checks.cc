@@ -151,10 +151,10 @@ class NameChecker {
           CheckConstraint(scope, constraint);
           constraints.push_back(&constraint.name);
         }
-        Unique(rule.constraints, "constraint", Concat("rule ", rule.name.value));
+        Unique(rule.constraints, "constraint", rule.name.empty() ? "its rule" : Concat("rule ", rule.name.value));
         CheckExpression(rule.expression, constraints, "constraint");
       }
-      Unique(context.rules, "rule", Concat("context ", context.name.value));
+      Unique(context.rules, "rule", context.name.empty() ? "its context" : Concat("context ", context.name.value));
     }
     Unique(condition.contexts, "context", "the condition");
     for (const Case& c : condition.cases) {

@@ -86,7 +86,7 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
   open_.push_back(place.process->name.value);
   bool good = true;
   const std::vector<Invoke>& invokes = place.process->invokes;
-  for (size_t i = 0; i < invokes.size() && good;) {
+  for (size_t i = 0; i < invokes.size() && plan_.steps.size() <= kMaxPlanSteps;) {
     // A group: an invoke and the ones after it that are marked parallel. All see the names from before the group.
     Names results;
     std::vector<int> ends;

@@ -176,7 +176,7 @@ std::optional<Term> ParseTerm(std::string_view text, const Prefixes& prefixes, T
   size_t colon = text.find(':');
   if (colon != std::string_view::npos && colon > 0) return ParsePrefixed(text, colon, prefixes, error);
   return Fail(error, 0, text.size(), Concat("`", text, "` is neither a resource nor a literal"),
-              "write prefix:local, <iri>, \"text\" or a number");
+              Concat("write prefix:", text, " or <iri> for a resource, \"", text, "\" for text"));
 }
 
 }  // namespace docent::xml

@@ -1,0 +1,79 @@
+// tests/golden/rsel/CASE: input.xml (or source.txt), optional operations.txt, expected.txt.
+#include <sstream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "tests/golden/golden_file.h"
+#include "workflow/rsel/feasibility.h"
+#include "workflow/rsel/parser.h"
+#include "workflow/rsel/service_registry.h"
+
+namespace docent::rsel {
+namespace {
+
+class RselGolden : public testing::TestWithParam<std::string> {};
+
+std::string Describe(const PlanSource& source) { return source.constant ? ToDisplay(*source.constant) : source.slot; }
+
+std::string Describe(const Plan& plan) {
+  std::string out = absl::StrCat("== ", plan.process, "(", absl::StrJoin(plan.inputs, ", "), ")");
+  for (const auto& [part, source] : plan.outputs) absl::StrAppend(&out, " -> ", part, "=", Describe(source));
+  out += "\n";
+  for (size_t i = 0; i < plan.steps.size(); ++i) {
+    const PlanStep& step = plan.steps[i];
+    absl::StrAppend(&out, "  ", i + 1, "/", plan.steps.size(), " ", step.path, ": ", step.operation, "(");
+    for (size_t k = 0; k < step.inputs.size(); ++k) {
+      absl::StrAppend(&out, k > 0 ? ", " : "", step.inputs[k].first, "=", Describe(step.inputs[k].second));
+    }
+    out += ")";
+    if (!step.after.empty()) {
+      absl::StrAppend(&out, " after ", absl::StrJoin(step.after, ",", [](std::string* o, int s) { absl::StrAppend(o, s + 1); }));
+    }
+    if (step.retry > 0) absl::StrAppend(&out, " retry ", step.retry);
+    if (step.timeout_ms) absl::StrAppend(&out, " timeout ", *step.timeout_ms, " ms");
+    if (step.on_failure == Invoke::OnFailure::kContinue) out += " on failure continue";
+    out += "\n";
+  }
+  return out;
+}
+
+// Lines: "ROBOT OPERATION INPUT…".
+std::vector<OfferedOperation> ReadOperations(const std::string& text) {
+  std::vector<OfferedOperation> out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string robot;
+    OfferedOperation operation;
+    words >> robot >> operation.name;
+    operation.robot = RobotId(robot);
+    for (std::string input; words >> input;) operation.inputs.push_back(input);
+    out.push_back(operation);
+  }
+  return out;
+}
+
+TEST_P(RselGolden, SaysWhatIsExpected) {
+  std::filesystem::path folder = std::filesystem::path(DOCENT_SOURCE_DIR) / "tests/golden/rsel" / GetParam();
+  std::string source = golden::Input(folder);
+  ASSERT_FALSE(source.empty());
+  ParsedRsel parsed = ParseRsel(source, "input.xml");
+  std::string actual = Render(parsed.diagnostics, source);
+  ServiceRegistry registry;
+  if (parsed.ok()) {
+    actual += Render(registry.Put(parsed.document), source);
+    if (std::filesystem::exists(folder / "operations.txt")) {
+      actual += Render(CheckFeasibility(*parsed.document, registry,
+                                        ReadOperations(golden::ReadFile(folder / "operations.txt"))),
+                       source);
+    }
+  }
+  for (const PlanPtr& plan : registry.Plans()) actual += Describe(*plan);
+  golden::Compare(folder, actual);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, RselGolden, testing::ValuesIn(golden::Cases("rsel")),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace docent::rsel
