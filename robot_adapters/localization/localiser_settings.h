@@ -19,11 +19,11 @@ struct SensorModelSettings {
 // Errors of one odometry increment, standard deviations: MRPT's Gaussian model
 // (mrpt::obs::CActionRobotMovement2D), with its names in the comments.
 struct MotionModelSettings {
-  double xy_per_m = 0.04;          // 0..1, m per m driven (a1)
+  double xy_per_m = 0.15;          // 0..1, m per m driven (a1); real robots slip: measured on s02, bench/README.md
   double xy_per_rad = 0.02;        // 0..1, m per rad turned (a2)
-  double heading_per_m = 0.02;     // 0..1, rad per m driven (a3)
+  double heading_per_m = 0.03;     // 0..1, rad per m driven (a3)
   double heading_per_rad = 0.06;   // 0..1, rad per rad turned (a4)
-  double min_xy_m = 0.004;         // 1e-6..1, at each update (minStdXY)
+  double min_xy_m = 0.010;         // 1e-6..1, at each update (minStdXY)
   double min_heading_rad = 0.0015; // 1e-6..1, at each update (minStdPHI)
 };
 

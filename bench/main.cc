@@ -1,0 +1,40 @@
+// docent-bench NAME [OPTION…]: one benchmark; its options by `docent-bench NAME --help`.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "bench/localisation_bench.h"
+
+namespace {
+
+struct Benchmark {
+  const char* name;
+  const char* what;
+  int (*run)(const std::vector<std::string>& args);
+};
+
+constexpr Benchmark kBenchmarks[] = {
+    {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
+};
+
+void PrintUsage(FILE* to) {
+  std::fprintf(to, "usage: docent-bench NAME [--json] [--help] [OPTION...]\n");
+  for (const Benchmark& benchmark : kBenchmarks) std::fprintf(to, "  %-14s %s\n", benchmark.name, benchmark.what);
+  std::fprintf(to, "exit code: 0 measured, 1 a target is missed, 2 bad usage or input\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> args(argv + 1, argv + argc);
+  if (!args.empty() && (args[0] == "--help" || args[0] == "-h")) {
+    PrintUsage(stdout);
+    return 0;
+  }
+  for (const Benchmark& benchmark : kBenchmarks) {
+    if (!args.empty() && args[0] == benchmark.name) return benchmark.run({args.begin() + 1, args.end()});
+  }
+  if (!args.empty()) std::fprintf(stderr, "docent-bench: there is no benchmark '%s'\n", args[0].c_str());
+  PrintUsage(stderr);
+  return 2;
+}

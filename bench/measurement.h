@@ -1,0 +1,36 @@
+// One measured figure, and the two ways of printing it: a table for people, one JSON object a line for machines.
+// Shared by all benchmarks. Values; any thread.
+#ifndef DOCENT_BENCH_MEASUREMENT_H_
+#define DOCENT_BENCH_MEASUREMENT_H_
+
+#include <string>
+#include <vector>
+
+namespace docent::bench {
+
+struct Measurement {
+  std::string bench;   // "localisation"
+  std::string name;    // the case, "s01 tracking"
+  std::string system;  // "docent" or the peer's name
+  std::string metric;  // "position error, RMSE"
+  std::string unit;    // "mm"
+  std::vector<double> runs;  // one figure a run; empty: not measured
+  std::string reason;        // why `runs` is empty
+};
+
+// Median, the mean of the two middle ones for an even count. Requires at least one value.
+double Median(std::vector<double> values);
+
+// {"bench":…,"case":…,"system":…,"metric":…,"unit":…,"value":median,"min":…,"max":…,"runs":n}; value null and a
+// "reason" where nothing was measured.
+std::string ToJsonLine(const Measurement& measurement);
+
+// A table with the cases and metrics in the order given, one row a measurement.
+std::string ToTable(const std::vector<Measurement>& measurements);
+
+// CPU time that this process has used, in milliseconds: what figures are taken from on a machine that others use, too.
+double CpuMillis();
+
+}  // namespace docent::bench
+
+#endif  // DOCENT_BENCH_MEASUREMENT_H_
