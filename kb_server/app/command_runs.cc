@@ -62,13 +62,13 @@ void PrintNode(const v1::Node& node) {
   std::cout << "\n";
   if (!node.waits_for().empty()) {
     std::cout << "    waits for\n";
-    for (std::string_view line : absl::StrSplit(node.waits_for(), '\n')) {
+    for (absl::string_view line : absl::StrSplit(node.waits_for(), '\n')) {
       if (!line.empty() && !absl::StartsWith(line, "PREFIX")) std::cout << "      " << line << "\n";
     }
   }
   if (!node.fired_because().empty()) {
     std::cout << "    fired because\n";
-    for (std::string_view line : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty())) {
+    for (absl::string_view line : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty())) {
       std::cout << "      " << line << "\n";
     }
   }

@@ -16,6 +16,7 @@
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/graph_reader.h"
+#include "kb_server/service/http_health.h"
 #include "kb_server/service/http_sparql.h"
 #include "spdlog/spdlog.h"
 
@@ -164,6 +165,49 @@ absl::Status Server::StartGrpc() {
   }
   grpc_address_ = absl::StrCat(address->host, ":", port);
   return absl::OkStatus();
+}
+
+absl::Status Server::StartHttp() {
+  auto address = ParseAddress(settings_.http_address, settings_.insecure);
+  if (!address.ok()) return address.status();
+  RegisterMetrics();
+  HttpRoutes routes;
+  AddHealthRoute(&routes, [this] { return status(); });
+  AddMetricsRoute(&routes, &metrics_);
+  AddSparqlRoute(&routes, &ports_);
+  HttpServerOptions options;
+  options.listen = settings_.http_address;
+  options.connections = settings_.limits.http_connections;
+  options.body_bytes = settings_.limits.http_body_bytes;
+  auto server = HttpServer::Start(options, std::move(routes));
+  if (!server.ok()) {
+    return absl::Status(server.status().code(), absl::StrCat(server.status().message(), "; choose another with --http"));
+  }
+  http_server_ = *std::move(server);
+  http_address_ = http_server_->address();
+  return absl::OkStatus();
+}
+
+void Server::RegisterMetrics() {
+  const WriterCounters* counters = &writer_->counters();
+  auto add = [this](const char* name, const char* help, const std::atomic<uint64_t>* value) {
+    metrics_.AddCounterFunction(name, help, [value] { return static_cast<double>(value->load()); });
+  };
+  add("docent_turns_total", "Batches applied and durable", &counters->turns);
+  add("docent_commits_total", "Commits of the log; each is one fdatasync for all turns in it", &counters->commits);
+  add("docent_batches_refused_total", "Batches refused: bad input, limits, the log", &counters->refused);
+  add("docent_commands_total", "Commands sent to robots", &counters->commands);
+  add("docent_inferred_total", "Facts that rules added or withdrew", &counters->inferred);
+  add("docent_constraint_candidates_total", "Pairs of a standing constraint and a changed quad that can match it",
+      &counters->constraint_candidates);
+  add("docent_constraint_evaluations_total", "Standing constraints evaluated because a change could match them",
+      &counters->constraint_evaluations);
+  metrics_.AddGaugeFunction("docent_constraints", "Standing constraints", [counters] { return static_cast<double>(counters->constraints.load()); });
+  metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended", [counters] { return static_cast<double>(counters->live_runs.load()); });
+  metrics_.AddGaugeFunction("docent_inbox_batches", "Batches that wait at the door", [this] { return static_cast<double>(inbox_.size()); });
+  metrics_.AddGaugeFunction("docent_quads", "Quads in the newest version", [this] { return static_cast<double>(queries_.Newest()->size()); });
+  metrics_.AddGaugeFunction("docent_revision", "Revision of the newest version", [this] { return static_cast<double>(queries_.Newest()->revision().value()); });
+  metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary", [this] { return static_cast<double>(dictionary_.bytes()); });
 }
 
 // The ontologies and rules named on the command line, unless the graph has them as they are.

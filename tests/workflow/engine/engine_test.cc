@@ -1,0 +1,361 @@
+#include "workflow/engine/engine.h"
+
+#include <algorithm>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/workflow/engine/fake_conditions.h"
+#include "workflow/cawl/parser.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Drives an engine the way a turn does: Step until quiet, then Commit.
+class EngineTest : public ::testing::Test {
+ protected:
+  EngineTest() : engine_(Limits{}) {
+    robots_.offers = {{RobotId("urn:r1"), "i1", false, false}};
+  }
+
+  void Deploy(const std::string& body) {
+    std::string text = "<CAWL name=\"W\" namespace=\"urn:w\" version=\"1\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">" +
+                       body + "</CAWL>";
+    cawl::ParsedCawl parsed = cawl::ParseCawl(text, "w.xml");
+    ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+    engine_.Deploy(parsed.document);
+  }
+  static std::string Condition(const std::string& word) {
+    return "<condition><context name=\"" + word + "\"><rule name=\"r\"><constraint name=\"c\"><subject>?s</subject><verb>&lt;urn:" +
+           word + "&gt;</verb><object>?o</object></constraint></rule></context></condition>";
+  }
+  static std::string Node(const std::string& name, const std::string& condition, const std::string& rest) {
+    return "<node name=\"" + name + "\">" + (condition.empty() ? "" : Condition(condition)) + rest + "</node>";
+  }
+  static std::string Link(const std::string& from, const std::string& to, const std::string& more = "") {
+    return "<link from=\"" + from + "\" to=\"" + to + "\" " + more + "/>";
+  }
+  static std::string Flow(const std::string& body) {
+    return "<flow name=\"F\"><source name=\"s\"/>" + body + "</flow>";
+  }
+
+  // One turn. What it decided is in transitions_ ("subject from>to"), commands_ and cancels_.
+  void Turn(std::vector<CommandReport> reports = {}, std::vector<RunRequest> requests = {}) {
+    transitions_.clear();
+    commands_.clear();
+    cancels_.clear();
+    for (int round = 0; round < 50; ++round) {
+      EngineInput input;
+      input.now_us = now_us_;
+      input.revision = Revision(++revision_);
+      input.reports = round == 0 ? &reports : nullptr;
+      input.requests = round == 0 ? &requests : nullptr;
+      input.conditions = &conditions_;
+      input.robots = &robots_;
+      EngineOutput output = engine_.Step(input);
+      conditions_.Take(output);
+      for (const auto& t : output.transitions) transitions_.push_back(t.subject + " " + t.from + ">" + t.to);
+      commands_.insert(commands_.end(), output.commands.begin(), output.commands.end());
+      cancels_.insert(cancels_.end(), output.cancels.begin(), output.cancels.end());
+      for (const TermQuad& quad : output.remove) std::erase(facts_, quad);
+      facts_.insert(facts_.end(), output.add.begin(), output.add.end());
+      if (output.quiet()) {
+        engine_.Commit();
+        return;
+      }
+    }
+    FAIL() << "the engine is never quiet";
+  }
+  void Start() { Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}}); }
+  static CommandReport Done(const CommandId& id) { return {id, CommandReport::Outcome::kSucceeded, "", 1, "i1", {}}; }
+  static CommandReport Failed(const CommandId& id, const std::string& why) {
+    return {id, CommandReport::Outcome::kFailed, why, 0, "i1", {}};
+  }
+  bool Says(const std::string& transition) const {
+    return std::find(transitions_.begin(), transitions_.end(), transition) != transitions_.end();
+  }
+  std::string Fact(const std::string& subject, const std::string& predicate) const {
+    for (const TermQuad& quad : facts_) {
+      if (quad.subject.lexical == subject && quad.predicate.lexical == "https://w3id.org/docent#" + predicate) {
+        return quad.object.lexical;
+      }
+    }
+    return "";
+  }
+
+  Engine engine_;
+  FakeConditions conditions_;
+  FakeRobots robots_;
+  TimeMicros now_us_ = 1000000;
+  uint64_t revision_ = 0;
+  std::vector<std::string> transitions_;
+  std::vector<RobotCommand> commands_;
+  std::vector<CommandId> cancels_;
+  std::vector<TermQuad> facts_;
+};
+
+TEST_F(EngineTest, ASequenceWaitsForItsConditionsAndEnds) {
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") + Node("B", "two", "<invoke operation=\"show\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") + Link("B", "t")));
+  Start();
+  EXPECT_TRUE(Says("F-1/A inactive>waiting"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A", "waitsFor"), HasSubstr("urn:one"));
+  EXPECT_THAT(commands_, IsEmpty());
+
+  conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "go");
+  EXPECT_EQ(commands_[0].robot.value(), "urn:r1");
+  EXPECT_EQ(commands_[0].expected_incarnation, "i1");
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A", "firedBecause"), "<urn:s> <urn:p> <urn:o> .\n");
+  EXPECT_EQ(engine_.OpenCommands().size(), 1u);
+
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1/A running>done"));
+  EXPECT_TRUE(Says("F-1/B inactive>waiting"));
+
+  conditions_.Set("urn:two", {{{"s", Term::Iri("urn:x")}}});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+  EXPECT_EQ(Fact("urn:docent:run:F-1", "runState"), "done");
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_EQ(conditions_.armed(), 0u);
+}
+
+TEST_F(EngineTest, AConditionThatHoldsAlreadyFiresInTheSameTurn) {
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
+  Start();
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineTest, ParallelLinksJoinWhenAllHaveCome) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              Node("C", "", "<invoke operation=\"c\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("s", "B") +
+              Link("A", "C") + Link("B", "C") + Link("C", "t")));
+  Start();
+  ASSERT_EQ(commands_.size(), 2u);
+  CommandId a = commands_[0].id, b = commands_[1].id;
+  Turn({Done(b)});
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({Done(a)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "c");
+}
+
+TEST_F(EngineTest, AJoinConditionOpensEarly) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              Node("C", "", "<wait joinCondition=\"A or B\"/><invoke operation=\"c\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("s", "B") + Link("A", "C") + Link("B", "C") + Link("C", "t")));
+  Start();
+  Turn({Done(commands_[1].id)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "c");
+}
+
+TEST_F(EngineTest, InvokesOfANodeRunTogetherAndAllMustEnd) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"show\"/><invoke operation=\"say\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
+  Start();
+  ASSERT_EQ(commands_.size(), 2u);
+  CommandId show = commands_[0].id, say = commands_[1].id;
+  EXPECT_NE(show, say);
+  Turn({Done(show)});
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  Turn({Done(say)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, AFailureFollowsTheFailureLinkOrEndsTheRun) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t") + Link("A", "Repair", "ext:onFailure=\"true\"") +
+              Link("Repair", "t")));
+  Start();
+  Turn({Failed(commands_[0].id, "wheel lost")});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "r");
+  Turn({Failed(commands_[0].id, "no tools")});
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("no tools"));
+}
+
+TEST_F(EngineTest, AStepThatHangsTimesOutAndIsCancelled) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:timeout=\"2s\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  CommandId id = commands_[0].id;
+  ASSERT_TRUE(engine_.NextDeadline().has_value());
+  EXPECT_EQ(*engine_.NextDeadline(), now_us_ + 2000000);
+  now_us_ += 2000000;
+  Turn();
+  EXPECT_THAT(cancels_, ElementsAre(id));
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("timed out"));
+  EXPECT_FALSE(engine_.NextDeadline().has_value());
+}
+
+TEST_F(EngineTest, AConditionThatNeverHoldsTimesOut) {
+  std::string condition = Condition("one");
+  condition.replace(condition.find("<condition>"), 11, "<condition ext:timeout=\"5s\">");
+  Deploy(Flow("<node name=\"A\">" + condition + "</node><sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  now_us_ += 5000000;
+  Turn();
+  EXPECT_TRUE(Says("F-1/A waiting>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("did not hold within 5 s"));
+}
+
+TEST_F(EngineTest, RetryTriesAgainUnderANewId) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:retry=\"1\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  CommandId first = commands_[0].id;
+  Turn({Failed(first, "slipped")});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_NE(commands_[0].id, first);
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, AnUnknownOutcomeIsSentAgainOnlyIfIdempotent) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "the adapter restarted", 0, "i2", {}}});
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  robots_.offers[0].idempotent = true;
+  Start();
+  CommandId first = commands_[0].id;
+  Turn({{first, CommandReport::Outcome::kUnknown, "the adapter restarted", 0, "i2", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_NE(commands_[0].id, first);
+  EXPECT_EQ(commands_[0].expected_incarnation, "i2");
+}
+
+TEST_F(EngineTest, AnActivatorStartsOneRunForEachBindingAndAgainWhenItComesBack) {
+  Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition("arrived") + "</activator>" +
+         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
+  TermBinding mary = {{"s", Term::Iri("urn:mary")}, {"o", Term::Iri("urn:hall")}};
+  conditions_.Set("urn:arrived", {john});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  conditions_.Set("urn:arrived", {john, mary});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 2u);
+  conditions_.Set("urn:arrived", {mary});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 2u);
+  conditions_.Set("urn:arrived", {john, mary});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 3u);
+  EXPECT_EQ(Fact("urn:docent:run:F-1/$s", "variableValue"), "urn:john");
+}
+
+TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  CommandId first = commands_[0].id;
+  Start();
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_THAT(Fact("urn:docent:run:F-2/A/0", "reason"), HasSubstr("serves another run"));
+  Turn({Done(first)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
+}
+
+TEST_F(EngineTest, NoRobotOnlineIsSaidAndWaitedFor) {
+  robots_.offers[0].offline = true;
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("no robot that is online offers a"));
+  robots_.offers[0].offline = false;
+  Turn();
+  EXPECT_EQ(commands_.size(), 1u);
+}
+
+TEST_F(EngineTest, ALoopGoesOnWhileItsConditionHolds) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  CommandId first = commands_[0].id;
+  Turn({Done(first)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-1/A/1/"));
+  conditions_.Set("urn:more", {});
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, ASubflowEndsItsInvocation) {
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") + "<sink name=\"t\"/>" +
+         Link("s", "B") + Link("B", "t") + "</flow>");
+  Start();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("G-2/B/"));
+  EXPECT_EQ(Fact("urn:docent:run:G-2", "parentRun"), "urn:docent:run:F-1");
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("G-2 running>done"));
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  CommandId id = commands_[0].id;
+  Turn({}, {{RunRequest::Kind::kCancel, "F-1", {}}});
+  EXPECT_THAT(cancels_, ElementsAre(id));
+  EXPECT_TRUE(Says("F-1 running>cancelled"));
+  EXPECT_EQ(engine_.OpenCommands().size(), 0u);
+  Turn({Done(id)});  // late: nothing happens
+  EXPECT_THAT(transitions_, IsEmpty());
+}
+
+TEST_F(EngineTest, RollbackPutsEverythingBack) {
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
+  std::vector<CommandReport> reports;
+  std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
+  EngineInput input{now_us_, Revision(9), &reports, &requests, &conditions_, &robots_};
+  EngineOutput first = engine_.Step(input);
+  EXPECT_EQ(engine_.live_runs(), 2u);
+  engine_.Rollback();
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  EXPECT_THAT(engine_.OpenCommands(), IsEmpty());
+  EngineOutput again = engine_.Step(input);
+  EXPECT_EQ(again.transitions, first.transitions);
+  EXPECT_EQ(again.commands, first.commands);
+  EXPECT_EQ(again.add, first.add);
+}
+
+TEST_F(EngineTest, AServiceIsInvokedWithoutAWorkflow) {
+  std::string text =
+      "<rsel name=\"S\" namespace=\"urn:s\" version=\"1\"><process name=\"Tour\"><invoke operation=\"go\"/>"
+      "<invoke operation=\"show\"/></process></rsel>";
+  rsel::ParsedRsel parsed = rsel::ParseRsel(text, "s.xml");
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+  EXPECT_THAT(engine_.PutServices(parsed.document), IsEmpty());
+  Turn({}, {{RunRequest::Kind::kInvokeService, "Tour", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "go");
+  Turn({Done(commands_[0].id)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "show");
+  EXPECT_EQ(Fact("urn:docent:run:Tour-1/Tour/0", "step"), "2/2 show");
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("Tour-1 running>done"));
+}
+
+}  // namespace
+}  // namespace docent
