@@ -139,7 +139,6 @@ absl::StatusOr<std::unique_ptr<CommandTable>> CommandTable::Create(std::vector<O
                                                                    CommandJournal* journal, const Clock* clock,
                                                                    size_t running_limit,
                                                                    FeedbackWatcher* observer) {
-  if (operations.empty()) return absl::InvalidArgumentError("an adapter needs at least one operation");
   std::set<std::string> names;
   for (const Operation& operation : operations) {
     if (operation.name.empty() || !operation.run) {

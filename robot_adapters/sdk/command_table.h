@@ -50,7 +50,7 @@ class RunningCommand {
 class CommandTable {
  public:
   // `journal`, `clock` and `observer` must outlive the table; `observer` (or nullptr) hears the feedback of every command.
-  // INVALID_ARGUMENT for two operations of one name or none at all.
+  // INVALID_ARGUMENT for two operations of one name.
   static absl::StatusOr<std::unique_ptr<CommandTable>> Create(std::vector<Operation> operations,
                                                               CommandJournal* journal, const Clock* clock,
                                                               size_t running_limit,

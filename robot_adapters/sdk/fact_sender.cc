@@ -41,20 +41,31 @@ FactSender::~FactSender() {
 }
 
 void FactSender::Set(const std::string& subject, const std::string& predicate, Term value) {
-  absl::MutexLock lock(&mutex_);
-  StateKey key(subject, predicate);
-  auto told = told_.find(key);
-  if (told != told_.end() && told->second == value) return;
-  told_[key] = value;
-  PutState(std::move(key), std::move(value));
+  SetAll(subject, {{predicate, std::move(value)}});
 }
 
 void FactSender::Clear(const std::string& subject, const std::string& predicate) {
+  SetAll(subject, {{predicate, std::nullopt}});
+}
+
+void FactSender::SetAll(const std::string& subject,
+                        std::vector<std::pair<std::string, std::optional<Term>>> values) {
+  absl::MutexLock lock(&mutex_);
+  for (auto& [predicate, value] : values) {
+    StateKey key(subject, predicate);
+    auto told = told_.find(key);
+    if (told == told_.end() ? !value : told->second == value) continue;
+    told_[key] = value;
+    PutState(std::move(key), std::move(value));
+  }
+}
+
+void FactSender::WithdrawLeftover(const std::string& subject, const std::string& predicate, Term value) {
   absl::MutexLock lock(&mutex_);
   StateKey key(subject, predicate);
   auto told = told_.find(key);
-  if (told == told_.end() || !told->second) return;
-  told->second.reset();
+  if ((told != told_.end() && told->second) || sent_.contains(key)) return;
+  sent_[key] = std::move(value);
   PutState(std::move(key), std::nullopt);
 }
 

@@ -53,6 +53,12 @@ class FactSender {
 
   // The property of the subject has this value now. Nothing is sent when it is the value set last.
   void Set(const std::string& subject, const std::string& predicate, Term value);
+  // Several properties of one subject in one batch, so that no reader sees the x of one place with the y of another;
+  // nullopt: no value now.
+  void SetAll(const std::string& subject, std::vector<std::pair<std::string, std::optional<Term>>> values);
+  // The server has this value of ours from an earlier life of this program. It is withdrawn unless this life has told
+  // one of its own.
+  void WithdrawLeftover(const std::string& subject, const std::string& predicate, Term value);
   // The property of the subject has no value now.
   void Clear(const std::string& subject, const std::string& predicate);
 

@@ -1,10 +1,12 @@
 #include "robot_adapters/sdk/robot_adapter.h"
 
 #include <grpcpp/grpcpp.h>
+#include <spdlog/spdlog.h>
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
 #include "robot_adapters/sdk/activity.h"
 #include "robot_adapters/sdk/adapter_service.h"
 #include "robot_adapters/sdk/command_journal.h"
@@ -57,6 +59,7 @@ class RobotAdapter::Impl {
 
   absl::Status Start(std::vector<Operation> operations);
   absl::Status Listen();
+  void OnJoined();
 
   const AdapterOptions options;
   const SystemClock system_clock;
@@ -70,6 +73,7 @@ class RobotAdapter::Impl {
   std::unique_ptr<AdapterService> service;
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<FleetMember> member;
+  bool leftovers_withdrawn = false;  // the member's thread only
 };
 
 absl::Status RobotAdapter::Impl::Start(std::vector<Operation> operations) {
@@ -100,8 +104,29 @@ absl::Status RobotAdapter::Impl::Start(std::vector<Operation> operations) {
   v1::JoinRequest join;
   join.set_address(address);
   *join.mutable_description() = Describe(options, commands->operations(), journal->incarnation());
-  member = std::make_unique<FleetMember>(&link, std::move(join), [this] { facts->ResendStates(); });
+  member = std::make_unique<FleetMember>(&link, std::move(join), [this] { OnJoined(); });
   return absl::OkStatus();
+}
+
+// The server is there (again): it hears what holds, and loses what an earlier life of this adapter left behind.
+void RobotAdapter::Impl::OnJoined() {
+  facts->ResendStates();
+  if (std::exchange(leftovers_withdrawn, true)) return;
+  std::vector<std::string> predicates = options.transient_states;
+  predicates.push_back(DocentIri("currentCommand"));
+  predicates.push_back(DocentIri("progress"));
+  std::string values;
+  for (const std::string& predicate : predicates) absl::StrAppend(&values, " <", predicate, ">");
+  auto left = link.Query(absl::StrCat("SELECT ?p ?o WHERE { VALUES ?p {", values, " } GRAPH <", options.robot, "> { <",
+                                      options.robot, "> ?p ?o } }"),
+                         absl::Seconds(5));
+  if (!left.ok()) {
+    spdlog::warn("cannot ask what an earlier life left behind: {}", std::string(left.status().message()));
+    return;
+  }
+  for (const auto& row : left->rows) {
+    if (row.size() == 2 && row[0] && row[1]) facts->WithdrawLeftover(options.robot, row[0]->lexical, *row[1]);
+  }
 }
 
 absl::Status RobotAdapter::Impl::Listen() {

@@ -62,6 +62,9 @@ struct AdapterOptions {
   std::string server = "127.0.0.1:7400";       // HOST:PORT of the docent server
   std::string listen = "127.0.0.1:0";          // HOST:PORT to serve RobotAdapter at; port 0: any free one
   std::string journal_path;                    // one file a robot; empty: commands are forgotten when the process ends
+  // Properties of the robot, besides docent:currentCommand and docent:progress, whose values do not outlive the process:
+  // what an earlier life left on the server is withdrawn unless this one has told a value when it joins.
+  std::vector<std::string> transient_states;
   size_t commands_running = 16;                // 1..: commands at the same time
   size_t facts_queued = 1024;                  // 1..: batches of facts that wait for the server
   absl::Duration linger = absl::Seconds(2);    // how long the destructor tries to deliver the last facts

@@ -108,6 +108,30 @@ TEST_F(FactSenderTest, ClearRemovesTheValueThatTheServerHas) {
   EXPECT_EQ(batches[1].remove(0).object().iri(), "http://example.org/b1");
 }
 
+TEST_F(FactSenderTest, StatesSetTogetherTravelTogether) {
+  sender_.SetAll(kRobot, {{DocentIri("x"), Decimal(1, 3)}, {DocentIri("y"), Decimal(2, 3)}, {DocentIri("isAt"), {}}});
+  ASSERT_TRUE(sender_.Flush(absl::Seconds(10)));
+  ASSERT_EQ(server_.batches().size(), 1u);
+  EXPECT_EQ(server_.batches()[0].add_size(), 2);
+  EXPECT_EQ(server_.batches()[0].remove_size(), 0);
+}
+
+TEST_F(FactSenderTest, LeftoverIsWithdrawnUnlessToldAnew) {
+  const Term old_place = Term::Iri("http://example.org/b1");
+  sender_.WithdrawLeftover(kRobot, DocentIri("isAt"), old_place);
+  sender_.Set(kRobot, DocentIri("progress"), Decimal(0.5, 2));
+  sender_.WithdrawLeftover(kRobot, DocentIri("progress"), Decimal(0.1, 2));
+  ASSERT_TRUE(sender_.Flush(absl::Seconds(10)));
+  int removed = 0;
+  for (const v1::AssertRequest& batch : server_.batches()) {
+    for (const v1::Quad& quad : batch.remove()) {
+      EXPECT_EQ(quad.object().iri(), old_place.lexical);
+      ++removed;
+    }
+  }
+  EXPECT_EQ(removed, 1);
+}
+
 TEST_F(FactSenderTest, WhileTheServerIsAwayStatesMergeButNeverOvertakeAnEvent) {
   server_.SetAway(true);
   sender_.Set(kRobot, DocentIri("x"), Decimal(0, 3));
