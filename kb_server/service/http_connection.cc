@@ -16,9 +16,6 @@
 #include "absl/strings/str_format.h"
 #include "kb_server/base/text.h"
 
-// GCC 12 sees a mismatched new and delete in Boost 1.74's coroutine frames, which have both of their own.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-
 namespace docent {
 namespace {
 

@@ -13,9 +13,6 @@
 
 #include "absl/strings/str_cat.h"
 
-// GCC 12 sees a mismatched new and delete in Boost 1.74's coroutine frames, which have both of their own.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-
 namespace docent {
 namespace {
 
