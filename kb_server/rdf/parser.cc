@@ -75,8 +75,8 @@ ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOption
                    absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*at])),
                    "save the document as UTF-8");
   }
-  if (size_t at = text.find('\0'); at != std::string_view::npos) {
-    return Mistake(text, options, at, "the character U+0000 is not allowed", "is this a text file?");
+  if (size_t at = text.find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
+    return Mistake(text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");
   }
   if (format == RdfFormat::kRdfXml) return ParseRdfXml(text, options);
   return ParseTurtleFamily(text, format, options);

@@ -31,7 +31,7 @@ struct ParseRdfOptions {
 
 // All quads of `text`; their graph is empty where the document names none. On an error: no quads, but every mistake
 // found (line, column, message, hint). A document type definition in RDF/XML is refused, nothing is ever fetched;
-// invalid UTF-8 and the character U+0000 are errors (an escaped \u0000 in a literal is RDF and stays).
+// invalid UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle family, where RDF has it.
 // `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;

@@ -16,6 +16,7 @@ namespace {
 
 // Stands in for a missing base, so that a relative IRI shows in what comes out.
 constexpr char kNoBase[] = "x-docent-no-base:///";
+constexpr char kUnnamed = '\x01';
 
 std::string_view View(const unsigned char* text, size_t length) {
   return {reinterpret_cast<const char*>(text), length};
@@ -113,9 +114,10 @@ class RdfXmlReader {
   }
 
   void OnMessage(const raptor_log_message& message) {
-    bool error = message.level >= RAPTOR_LOG_LEVEL_ERROR;
-    if (!error && message.level != RAPTOR_LOG_LEVEL_WARN) return;
+    if (message.level < RAPTOR_LOG_LEVEL_WARN) return;
     std::string text(absl::StripAsciiWhitespace(message.text == nullptr ? "unknown mistake" : message.text));
+    // Raptor only warns where it leaves out a part of the document (rdf:aboutEach, an unknown rdf:parseType).
+    bool error = message.level >= RAPTOR_LOG_LEVEL_ERROR || text.find("skipping") != std::string::npos;
     Report(message.locator, std::move(text), "",
            error ? Diagnostic::Severity::kError : Diagnostic::Severity::kWarning);
   }
@@ -131,24 +133,20 @@ class RdfXmlReader {
     parsed_.prefixes.emplace_back(std::move(name), View(iri, length));
   }
 
-  // Raptor asks for the id of each blank node: "u" + label for one with rdf:nodeID, "g" + number for another.
+  // Raptor asks for the id of each blank node. One with rdf:nodeID keeps its label, which Raptor checks afterwards;
+  // another gets kUnnamed and a number, which no label can be.
   static unsigned char* NameBlank(void* self, unsigned char* label) {
+    if (label != nullptr) return label;
     RdfXmlReader* reader = static_cast<RdfXmlReader*>(self);
-    std::string id;
-    if (label != nullptr) {
-      id = Concat("u", reinterpret_cast<const char*>(label));
-      raptor_free_memory(label);
-    } else {
-      id = absl::StrCat("g", reader->unnamed_.size());
-      reader->unnamed_.push_back(reader->collector_.NewBlank());
-    }
+    std::string id = absl::StrCat(std::string(1, kUnnamed), reader->unnamed_.size());
+    reader->unnamed_.push_back(reader->collector_.NewBlank());
     void* copy = raptor_alloc_memory(id.size() + 1);
     std::memcpy(copy, id.c_str(), id.size() + 1);
     return static_cast<unsigned char*>(copy);
   }
 
   Term BlankOf(std::string_view id) {
-    if (id.starts_with('u')) return collector_.NamedBlank(id.substr(1));
+    if (!id.starts_with(kUnnamed)) return collector_.NamedBlank(id);
     size_t number = 0;
     std::from_chars(id.data() + 1, id.data() + id.size(), number);
     return number < unnamed_.size() ? unnamed_[number] : collector_.NewBlank();

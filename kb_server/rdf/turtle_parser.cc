@@ -96,8 +96,8 @@ class TurtleParser {
   bool AtDirective() {
     size_t at = scan_.position();
     scan_.Take('@');
-    if (scan_.TakeKeyword("prefix", false)) return PrefixDeclaration(true);
-    if (scan_.TakeKeyword("base", false)) return BaseDeclaration(true);
+    if (scan_.TakeDirective("prefix")) return PrefixDeclaration(true);
+    if (scan_.TakeDirective("base")) return BaseDeclaration(true);
     return scan_.FailAt(at, 1, "unknown directive", "@prefix and @base are known, in lower case");
   }
 

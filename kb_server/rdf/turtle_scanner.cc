@@ -91,6 +91,12 @@ bool TurtleScanner::TakeKeyword(std::string_view word, bool any_case) {
   return true;
 }
 
+bool TurtleScanner::TakeDirective(std::string_view word) {
+  if (text_.substr(position_, word.size() + 1) != Concat(word, ":")) return TakeKeyword(word, false);
+  position_ += word.size();
+  return true;
+}
+
 void TurtleScanner::SkipToNextStatement() {
   for (; !AtEnd(); ++position_) {
     char c = text_[position_];

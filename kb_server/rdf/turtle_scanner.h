@@ -39,6 +39,8 @@ class TurtleScanner {
   bool Take(char c);
   // If `word` comes next, in any case, and no name goes on after it: moves past it.
   bool TakeKeyword(std::string_view word, bool any_case);
+  // As TakeKeyword, but a colon may follow ("@prefix:<…>." declares the empty prefix).
+  bool TakeDirective(std::string_view word);
   // Moves to where another statement may begin after a mistake: past the next "." before white space, or the line.
   void SkipToNextStatement();
 
