@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bench/localisation_bench.h"
+#include "bench/reaction_bench.h"
 
 namespace {
 
@@ -14,6 +15,7 @@ struct Benchmark {
 };
 
 constexpr Benchmark kBenchmarks[] = {
+    {"reaction", "from Assert to Invoke, and standing constraints beside re-running them", docent::bench::RunReactionBench},
     {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
 };
 

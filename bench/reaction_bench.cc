@@ -1,0 +1,309 @@
+#include "bench/reaction_bench.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "CLI/CLI.hpp"
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "bench/constraint_mix.h"
+#include "bench/constraint_stage.h"
+#include "bench/measurement.h"
+#include "bench/server_process.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/ontologies.grpc.pb.h"
+#include "docent/v1/robot_adapter.grpc.pb.h"
+#include "docent/v1/workflows.grpc.pb.h"
+#include "kb_server/rdf/serializer.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/convert.h"
+#include "kb_server/service/stream_reactor.h"
+
+namespace docent::bench {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+constexpr int kRobots = 32;
+
+// When each update was due, and when its Invoke came.
+class Reactions {
+ public:
+  void Due(const std::string& token, SteadyClock::time_point when) {
+    absl::MutexLock lock(&mutex_);
+    due_[token] = when;
+  }
+  void Invoked(const std::string& token) {
+    SteadyClock::time_point now = SteadyClock::now();
+    absl::MutexLock lock(&mutex_);
+    auto it = due_.find(token);
+    if (it == due_.end()) return;
+    latencies_us_.push_back(std::chrono::duration<double, std::micro>(now - it->second).count());
+    due_.erase(it);
+    last_ = now;
+  }
+  // Waits until all that are due have come, or `timeout`.
+  bool WaitForAll(absl::Duration timeout) {
+    absl::MutexLock lock(&mutex_);
+    auto none = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return due_.empty(); };
+    return mutex_.AwaitWithTimeout(absl::Condition(&none), timeout);
+  }
+  // Waits until fewer than `limit` are due.
+  void WaitForRoom(size_t limit) {
+    absl::MutexLock lock(&mutex_);
+    auto room = [this, limit]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return due_.size() < limit; };
+    mutex_.AwaitWithTimeout(absl::Condition(&room), absl::Seconds(10));
+  }
+  std::vector<double> Take(SteadyClock::time_point* last) {
+    absl::MutexLock lock(&mutex_);
+    *last = last_;
+    due_.clear();
+    return std::move(latencies_us_);
+  }
+
+ private:
+  absl::Mutex mutex_;
+  absl::flat_hash_map<std::string, SteadyClock::time_point> due_ ABSL_GUARDED_BY(mutex_);
+  std::vector<double> latencies_us_ ABSL_GUARDED_BY(mutex_);
+  SteadyClock::time_point last_ ABSL_GUARDED_BY(mutex_);
+};
+
+// An adapter for all robots that is done at once.
+class InstantAdapter final : public v1::RobotAdapter::CallbackService {
+ public:
+  explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
+  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*, const v1::InvokeRequest* request) override {
+    for (const v1::NamedTerm& argument : request->arguments()) {
+      reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical() : argument.value().iri());
+    }
+    auto* reactor = new StreamReactor<v1::Feedback>();
+    v1::Feedback feedback;
+    feedback.set_command_id(request->command_id());
+    feedback.set_state(v1::Feedback::SUCCEEDED);
+    feedback.set_progress(1);
+    feedback.set_incarnation("bench");
+    reactor->handle()->Push(feedback);
+    reactor->handle()->End(grpc::Status::OK);
+    return reactor;
+  }
+
+ private:
+  Reactions& reactions_;
+};
+
+std::string WorkflowText(size_t i) {
+  return absl::StrCat(
+      "<CAWL name=\"W", i, "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
+      "\"/><condition><context name=\"c\">", ConstraintNumber(i).cawl_rule, "</context></condition></activator><flow name=\"F", i,
+      "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping\"/></node><sink name=\"t\"/><link from=\"s\" to=\"n\"/>"
+      "<link from=\"n\" to=\"t\"/></flow></CAWL>");
+}
+
+// Fills the server: background, state properties, robots, workflows.
+grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::string& adapter, size_t triples,
+                     size_t constraints) {
+  std::vector<TermQuad> quads = Background(triples, constraints);
+  for (TermQuad& quad : StateProperties()) quads.push_back(std::move(quad));
+  for (int r = 0; r < kRobots; ++r) {
+    Term robot = Term::Iri(absl::StrCat("urn:mix:robot", r));
+    auto say = [&](std::string_view local, Term object) {
+      quads.push_back({robot, Term::Iri(DocentIri(local)), std::move(object), Term()});
+    };
+    quads.push_back({robot, Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("Robot")), Term()});
+    say("offers", Term::Iri("urn:docent:operation:ping"));
+    say("incarnation", Term::Literal("bench"));
+    say("adapterAddress", Term::Literal(adapter));
+  }
+  auto ontologies = v1::Ontologies::NewStub(channel);
+  constexpr size_t kChunk = 20000;
+  for (size_t from = 0; from < quads.size(); from += kChunk) {
+    std::vector<TermQuad> chunk(quads.begin() + from, quads.begin() + std::min(quads.size(), from + kChunk));
+    v1::LoadRequest request;
+    request.set_kind(v1::LoadRequest::DATA);
+    request.set_media_type("application/n-triples");
+    request.set_text(*SerializeRdf(chunk, RdfFormat::kNTriples));
+    v1::LoadReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = ontologies->Load(&context, request, &reply);
+    if (!status.ok()) return status;
+  }
+  auto workflows = v1::Workflows::NewStub(channel);
+  for (size_t i = 0; i < constraints; ++i) {
+    v1::DeployRequest request;
+    request.set_name(absl::StrCat("W", i));
+    request.set_cawl(WorkflowText(i));
+    v1::DeployReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = workflows->Deploy(&context, request, &reply);
+    if (!status.ok()) return status;
+  }
+  return grpc::Status::OK;
+}
+
+v1::AssertRequest ToRequest(const MixedUpdate& update) {
+  v1::AssertRequest request;
+  request.set_source("urn:mix:sensors");
+  v1::Quad* quad = request.add_add();
+  ToProto(update.add.subject, quad->mutable_subject());
+  ToProto(update.add.predicate, quad->mutable_predicate());
+  ToProto(update.add.object, quad->mutable_object());
+  return request;
+}
+
+struct Phase {
+  std::vector<double> latencies_us;
+  double seconds = 0;
+  size_t lost = 0;
+};
+
+// Sends `count` updates over one AssertStream. `rate` per second on a fixed schedule (open loop: an update is due at its time,
+// whether the ones before are done or not); 0: as fast as `in_flight` allows.
+Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions, uint64_t first, size_t count, double rate,
+            size_t in_flight, size_t constraints, size_t triples) {
+  auto stub = v1::Context::NewStub(channel);
+  grpc::ClientContext context;
+  auto stream = stub->AssertStream(&context);
+  std::thread reader([&stream] {
+    v1::AssertStreamReply reply;
+    while (stream->Read(&reply)) {
+      if (reply.has_error()) std::fprintf(stderr, "refused: %s\n", reply.error().message().c_str());
+    }
+  });
+  SteadyClock::time_point start = SteadyClock::now();
+  for (size_t n = 0; n < count; ++n) {
+    MixedUpdate update = UpdateNumber(first + n, constraints, triples);
+    SteadyClock::time_point due = SteadyClock::now();
+    if (rate > 0) {
+      due = start + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(n / rate));
+      std::this_thread::sleep_until(due);
+    } else {
+      reactions->WaitForRoom(in_flight);
+      due = SteadyClock::now();
+    }
+    reactions->Due(update.token, due);
+    stream->Write(ToRequest(update));
+  }
+  stream->WritesDone();
+  Phase phase;
+  bool all = reactions->WaitForAll(absl::Seconds(20));
+  reader.join();
+  (void)stream->Finish();
+  SteadyClock::time_point last;
+  phase.latencies_us = reactions->Take(&last);
+  phase.seconds = std::chrono::duration<double>(last - start).count();
+  phase.lost = all ? 0 : count - phase.latencies_us.size();
+  return phase;
+}
+
+double Percentile(std::vector<double> values, double p) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(p * values.size()))];
+}
+
+struct Arguments {
+  bool json = false;
+  size_t triples = 100000;
+  size_t constraints = 1000;
+  size_t updates = 6000;
+  int runs = 3;
+  std::string folder = ".";
+  bool stage_only = false;
+};
+
+Measurement Figure(const std::string& name, const std::string& system, const std::string& metric,
+                   const std::string& unit, std::vector<double> runs) {
+  return {"reaction", name, system, metric, unit, std::move(runs), ""};
+}
+
+int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
+  Reactions reactions;
+  InstantAdapter adapter(&reactions);
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&adapter);
+  std::unique_ptr<grpc::Server> adapter_server = builder.BuildAndStart();
+  auto server = ServerProcess::Start(arguments.folder);
+  if (!server.ok()) {
+    std::fprintf(stderr, "docent-bench: %s\n", std::string(server.status().message()).c_str());
+    return 2;
+  }
+  auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
+  std::fprintf(stderr, "loading %zu triples and deploying %zu workflows ...\n", arguments.triples, arguments.constraints);
+  grpc::Status prepared = Prepare(channel, absl::StrCat("127.0.0.1:", port), arguments.triples, arguments.constraints);
+  if (!prepared.ok()) {
+    std::fprintf(stderr, "docent-bench: %s\n", prepared.error_message().c_str());
+    return 2;
+  }
+  uint64_t next = 0;
+  auto drive = [&](size_t count, double rate) {
+    Phase phase = Drive(channel, &reactions, next, count, rate, 64, arguments.constraints, arguments.triples);
+    next += count;
+    return phase;
+  };
+  drive(500, 0);  // warm-up
+  std::vector<double> saturation, p50, p99;
+  size_t lost = 0;
+  for (int run = 0; run < arguments.runs; ++run) {
+    std::fprintf(stderr, "run %d of %d ...\n", run + 1, arguments.runs);
+    Phase full = drive(arguments.updates / 3, 0);
+    double rate = full.latencies_us.size() / full.seconds;
+    saturation.push_back(rate);
+    Phase half = drive(arguments.updates * 2 / 3, rate / 2);
+    p50.push_back(Percentile(half.latencies_us, 0.50) / 1000);
+    p99.push_back(Percentile(half.latencies_us, 0.99) / 1000);
+    lost += full.lost + half.lost;
+  }
+  std::string name = absl::StrCat("Assert to Invoke, ", arguments.triples, " triples, ", arguments.constraints, " constraints");
+  figures->push_back(Figure(name, "docent", "saturation, 64 in flight", "updates/s", saturation));
+  figures->push_back(Figure(name, "docent", "latency p50, open loop at half saturation", "ms", p50));
+  figures->push_back(Figure(name, "docent", "latency p99, open loop at half saturation", "ms", p99));
+  figures->push_back(Figure(name, "docent", "updates without an Invoke", "updates", {static_cast<double>(lost)}));
+  return lost == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int RunReactionBench(const std::vector<std::string>& args) {
+  CLI::App app{"From Assert sent to Invoke received at the adapter, over loopback, durable; and the constraint stage beside baselines",
+               "docent-bench reaction"};
+  Arguments arguments;
+  app.add_flag("--json", arguments.json, "One JSON object a line");
+  app.add_option("--triples", arguments.triples, "Background triples")->capture_default_str();
+  app.add_option("--constraints", arguments.constraints, "Standing constraints of the end-to-end part")->capture_default_str();
+  app.add_option("--updates", arguments.updates, "Updates of each run")->capture_default_str();
+  app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
+  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
+  app.add_flag("--stage-only", arguments.stage_only, "Only the constraint stage in process");
+  std::vector<std::string> reversed(args.rbegin(), args.rend());
+  try {
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (arguments.runs * arguments.updates + 500 > arguments.triples / 4) {
+    std::fprintf(stderr, "docent-bench: %zu triples give %zu different updates; ask for fewer updates or runs\n",
+                 arguments.triples, arguments.triples / 4);
+    return 2;
+  }
+  std::vector<Measurement> figures;
+  int code = arguments.stage_only ? 0 : EndToEnd(arguments, &figures);
+  if (code == 2) return code;
+  for (size_t constraints : {size_t{1000}, size_t{10000}}) {
+    std::fprintf(stderr, "constraint stage, %zu constraints ...\n", constraints);
+    if (!MeasureConstraintStage(arguments.triples, constraints, &figures)) code = 1;
+  }
+  for (const Measurement& figure : figures) {
+    if (arguments.json) std::printf("%s\n", ToJsonLine(figure).c_str());
+  }
+  if (!arguments.json) std::printf("%s", ToTable(figures).c_str());
+  return code;
+}
+
+}  // namespace docent::bench

@@ -1,0 +1,59 @@
+#include "bench/server_process.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent::bench {
+
+absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::Start(const std::string& parent_folder) {
+  std::unique_ptr<ServerProcess> server(new ServerProcess());
+  std::string pattern = absl::StrCat(parent_folder, "/docent-bench-XXXXXX");
+  if (mkdtemp(pattern.data()) == nullptr) {
+    return absl::UnavailableError(absl::StrCat("cannot make a folder below ", parent_folder, ": ", std::strerror(errno)));
+  }
+  server->folder_ = pattern;
+  std::error_code error;
+  std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "docent";
+  int out[2];
+  if (pipe(out) != 0) return absl::UnavailableError("pipe failed");
+  server->pid_ = fork();
+  if (server->pid_ == 0) {
+    dup2(out[1], STDOUT_FILENO);
+    close(out[0]);
+    close(out[1]);
+    execl(program.c_str(), "docent", "serve", "--data", pattern.c_str(), "--grpc", "127.0.0.1:0", "--http",
+          "127.0.0.1:0", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  close(out[1]);
+  FILE* lines = fdopen(out[0], "r");
+  char line[256] = "";
+  char grpc_address[128] = "", http_address[128] = "";
+  bool read = fgets(line, sizeof(line), lines) != nullptr &&
+              sscanf(line, "listening grpc=%127s http=%127s", grpc_address, http_address) == 2;
+  fclose(lines);
+  if (!read) return absl::UnavailableError(absl::StrCat("cannot start ", program.string(), "; build it first"));
+  server->grpc_address_ = grpc_address;
+  server->http_address_ = http_address;
+  return server;
+}
+
+ServerProcess::~ServerProcess() {
+  if (pid_ > 0) {
+    kill(pid_, SIGTERM);
+    int status = 0;
+    waitpid(pid_, &status, 0);
+  }
+  std::error_code ignored;
+  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+}
+
+}  // namespace docent::bench
