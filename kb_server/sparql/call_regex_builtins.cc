@@ -1,0 +1,110 @@
+// REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15) on RE2: linear time and bounded memory whatever the
+// expression, so a query cannot hang the server. What RE2 does not have (back-references, look-around) is an error.
+#include <re2/re2.h>
+
+#include "kb_server/sparql/expression_evaluator.h"
+
+namespace docent::sparql {
+
+using Type = Value::Type;
+
+namespace {
+
+constexpr int64_t kRegexMemoryBytes = 8 << 20;
+
+// XPath and XQuery Functions section 5.6.1.1: flags s, m, i, x, q.
+std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view flags) {
+  re2::RE2::Options options;
+  options.set_log_errors(false);
+  options.set_max_mem(kRegexMemoryBytes);
+  std::string source;
+  bool multi_line = false, literal = false, drop_space = false;
+  for (const char flag : flags) {
+    switch (flag) {
+      case 'i': options.set_case_sensitive(false); break;
+      case 's': options.set_dot_nl(true); break;
+      case 'm': multi_line = true; break;
+      case 'x': drop_space = true; break;
+      case 'q': literal = true; break;
+      default: return nullptr;
+    }
+  }
+  options.set_literal(literal);
+  for (size_t i = 0, in_class = 0; i < pattern.size(); ++i) {
+    const char c = pattern[i];
+    if (drop_space && !literal && in_class == 0 && (c == ' ' || c == '\t' || c == '\n' || c == '\r')) continue;
+    if (c == '\\' && i + 1 < pattern.size()) {
+      source.push_back(c);
+      source.push_back(pattern[++i]);
+      continue;
+    }
+    if (c == '[') ++in_class;
+    if (c == ']' && in_class > 0) --in_class;
+    source.push_back(c);
+  }
+  if (multi_line && !literal) source = "(?m)" + source;
+  auto compiled = std::make_shared<re2::RE2>(source, options);
+  return compiled->ok() ? compiled : nullptr;
+}
+
+// The compiled expression of this call, kept while pattern and flags stay the same.
+re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags) {
+  std::string source(flags);
+  source.push_back('/');
+  source += pattern.text();
+  if (source != e.regex_source || !e.regex) {
+    e.regex = Compile(pattern.text(), flags);
+    e.regex_source = std::move(source);
+  }
+  return e.regex.get();
+}
+
+// XPath's replacement ($1, \$) as RE2 writes it (\1). nullopt if it is not valid.
+std::optional<std::string> Rewrite(std::string_view replacement, int groups, bool literal) {
+  std::string out;
+  for (size_t i = 0; i < replacement.size(); ++i) {
+    const char c = replacement[i];
+    if (literal) {
+      if (c == '\\') out.push_back('\\');
+      out.push_back(c);
+    } else if (c == '\\') {
+      if (++i >= replacement.size() || (replacement[i] != '\\' && replacement[i] != '$')) return std::nullopt;
+      if (replacement[i] == '\\') out.push_back('\\');
+      out.push_back(replacement[i]);
+    } else if (c == '$') {
+      if (++i >= replacement.size() || replacement[i] < '0' || replacement[i] > '9') return std::nullopt;
+      if (replacement[i] - '0' > groups) continue;  // an absent group is empty
+      out.push_back('\\');
+      out.push_back(replacement[i]);
+    } else {
+      out.push_back(c);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Value CallRegexBuiltin(PlanExpression& e, std::vector<Value>& a, EvaluationContext& context) {
+  (void)context;
+  const size_t flags_at = e.builtin == Builtin::kRegex ? 2 : 3;
+  if (!a[0].IsStringLike() || a[1].type() != Type::kString) return Value::Error();
+  if (a.size() > flags_at && a[flags_at].type() != Type::kString) return Value::Error();
+  const std::string_view flags = a.size() > flags_at ? a[flags_at].text() : std::string_view();
+  re2::RE2* regex = Prepared(e, a[1], flags);
+  if (regex == nullptr) return Value::Error();
+  const std::string_view text = a[0].text();
+  const re2::StringPiece piece(text.data(), text.size());
+  if (e.builtin == Builtin::kRegex) return Value::Boolean(re2::RE2::PartialMatch(piece, *regex));
+  if (a[2].type() != Type::kString) return Value::Error();
+  if (re2::RE2::FullMatch("", *regex)) return Value::Error();  // FORX0003: it matches the empty string
+  const bool literal = flags.find('q') != std::string_view::npos;
+  const std::optional<std::string> rewrite = Rewrite(a[2].text(), regex->NumberOfCapturingGroups(), literal);
+  if (!rewrite) return Value::Error();
+  std::string out(text);
+  re2::RE2::GlobalReplace(&out, *regex, *rewrite);
+  if (a[0].type() == Type::kLangString) return Value::LangString(std::move(out), std::string(a[0].language()));
+  return Value::String(std::move(out));
+}
+
+}  // namespace docent::sparql

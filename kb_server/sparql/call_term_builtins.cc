@@ -1,0 +1,149 @@
+// Functions on terms, on numbers, and those that make new terms (SPARQL 1.1 sections 17.4.2 and 17.4.4).
+#include <cmath>
+#include <cstdio>
+
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/expression_evaluator.h"
+#include "kb_server/sparql/iri_resolver.h"
+#include "kb_server/sparql/text.h"
+
+namespace docent::sparql {
+
+using Type = Value::Type;
+
+namespace {
+
+// fn:round of a float or double: half toward positive infinity
+double RoundHalfUp(double x) { return std::floor(x + 0.5); }
+
+Value Rounded(Builtin builtin, const Value& v) {
+  if (v.IsExact()) {
+    Decimal d = v.decimal();
+    switch (builtin) {
+      case Builtin::kAbs: d.mantissa = d.mantissa < 0 ? -d.mantissa : d.mantissa; break;
+      case Builtin::kCeil: d = d.Ceiling(); break;
+      case Builtin::kFloor: d = d.Floor(); break;
+      default: d = d.Round(); break;
+    }
+    return v.type() == Type::kInteger ? Value::Integer(d) : Value::OfDecimal(d);
+  }
+  if (!v.IsNumeric()) return Value::Error();
+  const double x = v.number();
+  const double y = builtin == Builtin::kAbs     ? std::abs(x)
+                   : builtin == Builtin::kCeil  ? std::ceil(x)
+                   : builtin == Builtin::kFloor ? std::floor(x)
+                                                : RoundHalfUp(x);
+  return v.type() == Type::kFloat ? Value::Float(y) : Value::Double(y);
+}
+
+// Version 4 (random) of RFC 4122, from the seed of the run
+std::string Uuid(EvaluationContext& context) {
+  const uint64_t high = (context.Random() & ~uint64_t{0xF000}) | 0x4000;
+  const uint64_t low = (context.Random() >> 2) | (uint64_t{1} << 63);
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%08x-%04x-%04x-%04x-%012llx", static_cast<unsigned>(high >> 32),
+                static_cast<unsigned>(high >> 16 & 0xFFFF), static_cast<unsigned>(high & 0xFFFF),
+                static_cast<unsigned>(low >> 48), static_cast<unsigned long long>(low & 0xFFFFFFFFFFFFull));
+  return buffer;
+}
+
+// "http://…" of an argument of IRI(), which may be relative to the query's base.
+Value MakeIri(const Value& v, EvaluationContext& context) {
+  if (v.type() == Type::kIri) return v;
+  if (v.type() != Type::kString) return Value::Error();
+  if (v.text().find_first_of("<>\"{}|^`\\ \t\r\n") != std::string_view::npos) return Value::Error();
+  if (IsAbsoluteIri(v.text())) return Value::Iri(std::string(v.text()));
+  if (context.base_iri.empty()) return Value::Error();
+  return Value::Iri(ResolveIri(context.base_iri, v.text()));
+}
+
+Value DatatypeOf(const Value& v, EvaluationContext& context) {
+  if (!v.IsLiteral()) return Value::Error();
+  const TermId id = v.id();
+  if (!id.IsNone() && v.type() != Type::kLangString) {
+    const Term term = context.Decode(id);  // a type derived from xsd:integer keeps its name
+    return Value::Iri(term.datatype.empty() ? std::string(kXsdString) : term.datatype);
+  }
+  return Value::Iri(std::string(v.CanonicalDatatype()));
+}
+
+Value NewBlank(const std::vector<Value>& arguments, EvaluationContext& context) {
+  std::string label = "q";
+  if (arguments.empty()) {
+    label += "r" + std::to_string(context.Random());
+  } else {
+    if (arguments[0].type() != Type::kString) return Value::Error();
+    label += std::to_string(context.row_number) + "x";
+    for (const char c : arguments[0].text()) {
+      char hex[4];
+      std::snprintf(hex, sizeof hex, "%02x", static_cast<unsigned char>(c));
+      label += hex;
+    }
+  }
+  return Value::Blank(label);
+}
+
+Value WithDatatype(const Value& text, const Value& datatype, EvaluationContext& context) {
+  if (text.type() != Type::kString || datatype.type() != Type::kIri || datatype.text() == kRdfLangString) {
+    return Value::Error();
+  }
+  return context.ValueOf(context.Encode(Term::Literal(std::string(text.text()), std::string(datatype.text()))));
+}
+
+Value WithLanguage(const Value& text, const Value& language) {
+  if (text.type() != Type::kString || language.type() != Type::kString || language.text().empty()) return Value::Error();
+  return Value::LangString(std::string(text.text()), LowerAscii(language.text()));
+}
+
+}  // namespace
+
+Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context) {
+  const auto& a = arguments;
+  switch (e.builtin) {
+    case Builtin::kStr:
+      return a[0].type() == Type::kBlank ? Value::Error() : Value::String(context.LexicalOf(a[0]));
+    case Builtin::kLang:
+      if (!a[0].IsLiteral()) return Value::Error();
+      return Value::String(a[0].type() == Type::kLangString ? std::string(a[0].language()) : "");
+    case Builtin::kDatatype: return DatatypeOf(a[0], context);
+    case Builtin::kIri: return MakeIri(a[0], context);
+    case Builtin::kBnode: return NewBlank(a, context);
+    case Builtin::kRand: return Value::Double(static_cast<double>(context.Random() >> 11) * 0x1p-53);
+    case Builtin::kAbs:
+    case Builtin::kCeil:
+    case Builtin::kFloor:
+    case Builtin::kRound: return Rounded(e.builtin, a[0]);
+    case Builtin::kUuid: return Value::Iri("urn:uuid:" + Uuid(context));
+    case Builtin::kStrUuid: return Value::String(Uuid(context));
+    case Builtin::kStrLang: return WithLanguage(a[0], a[1]);
+    case Builtin::kStrDt: return WithDatatype(a[0], a[1], context);
+    case Builtin::kSameTerm: return Value::Boolean(context.Encode(a[0]) == context.Encode(a[1]));
+    case Builtin::kIsIri: return Value::Boolean(a[0].type() == Type::kIri);
+    case Builtin::kIsBlank: return Value::Boolean(a[0].type() == Type::kBlank);
+    case Builtin::kIsLiteral: return Value::Boolean(a[0].IsLiteral());
+    case Builtin::kIsNumeric: return Value::Boolean(a[0].IsNumeric());
+    default: return Value::Error();
+  }
+}
+
+Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context) {
+  switch (e.builtin) {
+    case Builtin::kLangMatches: case Builtin::kConcat: case Builtin::kStrlen: case Builtin::kUcase: case Builtin::kLcase:
+    case Builtin::kEncodeForUri: case Builtin::kContains: case Builtin::kStrStarts: case Builtin::kStrEnds:
+    case Builtin::kStrBefore: case Builtin::kStrAfter: case Builtin::kSubstr:
+      return CallStringBuiltin(e, arguments, context);
+    case Builtin::kYear: case Builtin::kMonth: case Builtin::kDay: case Builtin::kHours: case Builtin::kMinutes:
+    case Builtin::kSeconds: case Builtin::kTimezone: case Builtin::kTz:
+      return CallTimeBuiltin(e.builtin, arguments[0], context);
+    case Builtin::kNow:
+      return Value::DateTime(context.now_us);
+    case Builtin::kMd5: case Builtin::kSha1: case Builtin::kSha256: case Builtin::kSha384: case Builtin::kSha512:
+      return CallHashBuiltin(e.builtin, arguments[0]);
+    case Builtin::kRegex: case Builtin::kReplace:
+      return CallRegexBuiltin(e, arguments, context);
+    default:
+      return CallTermBuiltin(e, arguments, context);
+  }
+}
+
+}  // namespace docent::sparql

@@ -1,0 +1,51 @@
+#include "kb_server/sparql/evaluation_context.h"
+
+namespace docent::sparql {
+
+TermId EvaluationContext::Encode(const Term& term) {
+  if (term.IsLiteral()) {
+    if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
+  }
+  // The own table first: a term that the dictionary learns while this run goes on stands in no version that it sees,
+  // and must keep the id that it has got.
+  if (!local_terms_.empty()) {
+    const auto it = local_ids_.find(term);
+    if (it != local_ids_.end()) return it->second;
+  }
+  if (const std::optional<TermId> id = dictionary.Find(term)) return *id;
+  Charge(2 * (sizeof(Term) + term.lexical.size() + term.datatype.size()) + 32);
+  const TermId id = TermId::Make(TermId::Tag::kLocal, local_terms_.size());
+  local_terms_.push_back(term);
+  local_ids_.emplace(term, id);
+  return id;
+}
+
+Term EvaluationContext::Decode(TermId id) const {
+  if (id.tag() != TermId::Tag::kLocal) return dictionary.Decode(id);
+  return id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
+}
+
+Value EvaluationContext::ValueOf(TermId id) const {
+  if (id.tag() != TermId::Tag::kLocal) return Value::OfId(id, dictionary);
+  if (id.payload() >= local_terms_.size()) return Value::Error();
+  Value value = Value::OfTerm(local_terms_[id.payload()]);
+  value.set_id(id);
+  return value;
+}
+
+std::string EvaluationContext::LexicalOf(const Value& value) const {
+  const TermId id = value.id();
+  if (id.IsNone()) return value.CanonicalText();
+  if (id.InDictionary()) return std::string(dictionary.Lexical(id));
+  if (id.tag() == TermId::Tag::kLocal) return local_terms_[id.payload()].lexical;
+  return DecodeInline(id).lexical;
+}
+
+uint64_t EvaluationContext::Random() {
+  uint64_t z = (random_ += 0x9E3779B97F4A7C15u);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return z ^ (z >> 31);
+}
+
+}  // namespace docent::sparql

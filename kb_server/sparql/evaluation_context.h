@@ -1,0 +1,104 @@
+// What all operators of one evaluation share: the version, the computed terms, the limits, the first error. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_
+#define DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
+#include "kb_server/base/cancellation.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/sparql/value.h"
+#include "kb_server/store/graph_version.h"
+
+namespace docent::sparql {
+
+// Stands for a constant that the dictionary does not have: it matches nothing, and is not a wildcard.
+inline constexpr TermId kUnknownTerm = TermId::Make(TermId::Tag::kLocal, (uint64_t{1} << 60) - 1);
+
+// The graphs that patterns see, as ids (section 13).
+struct DatasetIds {
+  bool is_explicit = false;              // FROM or FROM NAMED stand in the query
+  std::vector<TermId> default_graphs;    // explicit: the merged graphs
+  std::vector<TermId> named_graphs;      // explicit: what GRAPH ranges over
+  bool strict = false;                   // not explicit: the default graph is `default_graph` alone
+  TermId default_graph;                  // docent:default, or kUnknownTerm
+};
+
+class EvaluationContext {
+ public:
+  EvaluationContext(const Dictionary& dictionary, const FunctionRegistry* functions, size_t memory_limit)
+      : dictionary(dictionary), functions(functions), memory_limit_(memory_limit) {}
+
+  // Begins a run: forgets computed terms, memory and error.
+  void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us, uint64_t seed) {
+    version = new_version;
+    cancellation = new_cancellation;
+    now_us = new_now_us;
+    random_ = seed;
+    row_number = 0;
+    memory_ = 0;
+    if (!status.ok()) status = absl::OkStatus();
+    if (!local_terms_.empty()) {
+      local_terms_.clear();
+      local_ids_.clear();
+    }
+  }
+
+  // False once the evaluation must end; `status` says why. For inner loops.
+  bool Poll() {
+    if (cancellation == nullptr) return status.ok();
+    if (!status.ok()) return false;
+    absl::Status now = cancellation->Check();
+    if (now.ok()) return true;
+    status = std::move(now);
+    return false;
+  }
+
+  // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
+  bool Charge(size_t bytes) {
+    memory_ += bytes;
+    if (memory_ <= memory_limit_) return true;
+    if (status.ok()) {
+      status = absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
+                                            std::to_string(memory_limit_));
+    }
+    return false;
+  }
+
+  // The id of a term: the dictionary's, inline, or a local one of this run.
+  TermId Encode(const Term& term);
+  TermId Encode(const Value& value) { return value.id().IsNone() ? Encode(value.ToTerm()) : value.id(); }
+  Term Decode(TermId id) const;
+  Value ValueOf(TermId id) const;
+  // The lexical form, IRI or label of a value, as written where it comes from data.
+  std::string LexicalOf(const Value& value) const;
+  // A number that follows from the seed (splitmix64, Steele et al. 2014).
+  uint64_t Random();
+
+  const Dictionary& dictionary;
+  const FunctionRegistry* functions;
+  const GraphVersion* version = nullptr;
+  Cancellation* cancellation = nullptr;
+  TimeMicros now_us = 0;
+  absl::Status status;
+  DatasetIds dataset;
+  std::string base_iri;
+  std::vector<TermId> constants;  // by number; kUnknownTerm where the dictionary has none
+  uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
+
+ private:
+  size_t memory_limit_;
+  size_t memory_ = 0;
+  uint64_t random_ = 0;
+  std::vector<Term> local_terms_;
+  absl::flat_hash_map<Term, TermId> local_ids_;
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_

@@ -1,0 +1,361 @@
+#include "kb_server/sparql/evaluator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/evaluation_context.h"
+#include "kb_server/sparql/expression_evaluator.h"
+#include "kb_server/sparql/lowering.h"
+#include "kb_server/sparql/operators.h"
+#include "kb_server/sparql/planner.h"
+
+namespace docent::sparql {
+namespace {
+
+// A plan is made anew when the graph has grown or shrunk by this factor since: its counts say little then.
+constexpr uint64_t kReplanFactor = 2;
+constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
+
+// What PreparedQuery and PreparedExpression have in common: slots, constants, data set, context.
+class Program {
+ public:
+  Program(const Dictionary& dictionary, const PrepareOptions& options)
+      : dictionary_(dictionary), options_(options), context(dictionary, options.functions, options.memory_bytes) {}
+
+  // The constants that the dictionary did not have at first are looked for again when it has grown.
+  // True if one was found.
+  bool ResolveConstants(const std::vector<Term>& terms) {
+    if (context.constants.size() == terms.size() && unresolved_.empty()) return false;
+    const size_t size = dictionary_.size();
+    if (context.constants.size() == terms.size() && size == resolved_at_) return false;
+    resolved_at_ = size;
+    if (context.constants.size() != terms.size()) {
+      context.constants.assign(terms.size(), kUnknownTerm);
+      unresolved_.clear();
+      for (size_t i = 0; i < terms.size(); ++i) unresolved_.push_back(i);
+    }
+    const size_t before = unresolved_.size();
+    std::erase_if(unresolved_, [&](size_t i) {
+      const std::optional<TermId> id = dictionary_.Find(terms[i]);
+      if (id) context.constants[i] = *id;
+      return id.has_value();
+    });
+    return unresolved_.size() != before;
+  }
+
+  // The data set's graphs, whose numbers among the constants are given.
+  void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named, int default_graph) {
+    DatasetIds& d = context.dataset;
+    d.is_explicit = is_explicit;
+    d.strict = options_.default_graph == DefaultGraph::kStrict;
+    d.default_graph = context.constants[default_graph];
+    const auto ids = [this](const std::vector<int>& numbers) {
+      std::vector<TermId> out;
+      for (const int n : numbers) {
+        if (context.constants[n] != kUnknownTerm) out.push_back(context.constants[n]);
+      }
+      return out;
+    };
+    d.default_graphs = ids(from);
+    d.named_graphs = ids(named);
+  }
+
+  bool SizeChangedMuch(const GraphVersion& version) const {
+    const uint64_t now = version.size();
+    return now > planned_size * kReplanFactor + kReplanSlack || planned_size > now * kReplanFactor + kReplanSlack;
+  }
+
+ private:
+  const Dictionary& dictionary_;
+  PrepareOptions options_;
+  std::vector<size_t> unresolved_;
+  size_t resolved_at_ = 0;
+
+ public:
+  EvaluationContext context;
+  uint64_t planned_size = 0;
+};
+
+}  // namespace
+
+struct PreparedQuery::Impl {
+  Impl(const Query& q, const Dictionary& d, const PrepareOptions& o)
+      : query(q.Clone()), dictionary(d), options(o), program(d, o) {}
+
+  absl::Status Lower();
+  void Plan(const GraphVersion& version);
+  absl::Status Begin(const RunOptions& run);
+
+  Query query;
+  const Dictionary& dictionary;
+  PrepareOptions options;
+  Program program;
+  std::vector<std::string> names;
+  std::vector<int> columns;      // slots of `names`
+  std::vector<int> bound_slots;  // of options.bound
+  SlotSet bound;
+  std::vector<Term> constants;
+  std::vector<int> from, from_named;
+  int default_graph = 0;
+  size_t slots = 0;
+  PlanNodePtr plan;  // lowered; arranged once `root` stands
+  std::unique_ptr<Operator> root;
+  std::vector<TermId> base, out, row;
+  bool running = false;
+};
+
+// Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done again.
+absl::Status PreparedQuery::Impl::Lower() {
+  Lowering lowering(dictionary, options.functions);
+  columns.clear();
+  bound_slots.clear();
+  bound = SlotSet();
+  from.clear();
+  from_named.clear();
+  for (const std::string& name : names) columns.push_back(lowering.SlotOf(name));
+  for (const std::string& name : options.bound) {
+    bound_slots.push_back(lowering.SlotOf(name));
+    bound.Add(bound_slots.back());
+  }
+  lowering.SetBound(bound);
+  default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
+  for (const Term& graph : query.from) from.push_back(lowering.ConstantOf(graph));
+  for (const Term& graph : query.from_named) from_named.push_back(lowering.ConstantOf(graph));
+  plan = lowering.LowerQuery(*query.algebra);
+  slots = lowering.slots();
+  constants = lowering.constants();
+  return lowering.status();
+}
+
+void PreparedQuery::Impl::Plan(const GraphVersion& version) {
+  if (root) {  // arranging starts from the lowered form
+    root = nullptr;
+    Lower().IgnoreError();  // it was fine before
+  }
+  program.planned_size = version.size();
+  program.context.version = &version;
+  ArrangePlan(plan, bound, program.context, {options.reorder_joins});
+  base.assign(slots, TermId());
+  out.assign(slots, TermId());
+  row.assign(columns.size(), TermId());
+  root = BuildOperator(*plan, {&program.context, slots, base.data()});
+}
+
+absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
+  const bool found = program.ResolveConstants(constants);
+  if (found || !root) {
+    program.SetDataset(!query.from.empty() || !query.from_named.empty(), from, from_named, default_graph);
+  }
+  program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
+  if (!root || found || program.SizeChangedMuch(*run.version)) {
+    Plan(*run.version);
+  } else {
+    root->Forget();
+  }
+  return absl::OkStatus();
+}
+
+PreparedQuery::PreparedQuery(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PreparedQuery::~PreparedQuery() = default;
+
+absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Query& query, const Dictionary& dictionary,
+                                                                      const PrepareOptions& options) {
+  if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
+  if (query.form == Query::Form::kDescribe) {
+    return absl::UnimplementedError("DESCRIBE is not supported; use CONSTRUCT WHERE { <iri> ?p ?o }");
+  }
+  auto impl = std::make_unique<Impl>(query, dictionary, options);
+  if (query.form == Query::Form::kSelect) {
+    for (const Variable& v : query.projection) impl->names.push_back(v.name);
+  } else {
+    for (const Variable& v : InScopeVariables(*query.algebra)) {
+      if (!v.IsHidden()) impl->names.push_back(v.name);
+    }
+  }
+  impl->program.context.base_iri = query.base_iri;
+  if (absl::Status status = impl->Lower(); !status.ok()) return status;
+  return std::unique_ptr<PreparedQuery>(new PreparedQuery(std::move(impl)));
+}
+
+Query::Form PreparedQuery::form() const { return impl_->query.form; }
+const std::vector<std::string>& PreparedQuery::variables() const { return impl_->names; }
+
+absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  p.running = false;
+  if (run.version == nullptr) return absl::InvalidArgumentError("a run needs a graph version");
+  if (bound.size() != p.bound_slots.size()) {
+    return absl::InvalidArgumentError("the query was prepared for " + std::to_string(p.bound_slots.size()) +
+                                      " bound variables, not " + std::to_string(bound.size()));
+  }
+  if (absl::Status status = p.Begin(run); !status.ok()) return status;
+  std::fill(p.base.begin(), p.base.end(), TermId());
+  for (size_t i = 0; i < bound.size(); ++i) p.base[p.bound_slots[i]] = bound[i];
+  p.root->Start(p.base.data());
+  p.running = true;
+  return absl::OkStatus();
+}
+
+bool PreparedQuery::Next() {
+  Impl& p = *impl_;
+  if (!p.running || !p.root->Next(p.out.data()) || !p.program.context.status.ok()) {
+    p.running = false;
+    return false;
+  }
+  for (size_t i = 0; i < p.columns.size(); ++i) p.row[i] = p.out[p.columns[i]];
+  return true;
+}
+
+absl::Span<const TermId> PreparedQuery::row() const { return impl_->row; }
+const absl::Status& PreparedQuery::status() const { return impl_->program.context.status; }
+Term PreparedQuery::Decode(TermId id) const { return impl_->program.context.Decode(id); }
+TermId PreparedQuery::Encode(const Term& term) { return impl_->program.context.Encode(term); }
+
+absl::StatusOr<bool> PreparedQuery::Ask(const RunOptions& run, absl::Span<const TermId> bound) {
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  const bool any = Next();
+  if (!status().ok()) return status();
+  return any;
+}
+
+absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermId> bound,
+                                   const std::function<bool(absl::Span<const TermId> row)>& visit) {
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  while (Next()) {
+    if (!visit(row())) break;
+  }
+  return status();
+}
+
+namespace {
+
+// The label of a template's blank node in one solution: ".0" is the parser's own (for []), others are the user's.
+std::string TemplateLabel(const std::string& label, uint64_t solution) {
+  const std::string number = std::to_string(solution);
+  return label[0] == '.' ? "a" + number + "_" + label.substr(1) : "c" + number + "_" + label;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions& run, absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  if (p.query.form != Query::Form::kConstruct) return absl::InvalidArgumentError("this is not a CONSTRUCT query");
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  std::vector<TermQuad> out;
+  absl::flat_hash_set<std::vector<Term>> seen;
+  for (uint64_t solution = 0; Next(); ++solution) {
+    const auto instantiate = [&](const PatternTerm& t) -> std::optional<Term> {
+      if (!t.IsVariable()) return t.term.IsBlank() ? Term::Blank(TemplateLabel(t.term.lexical, solution)) : t.term;
+      const auto it = std::find(p.names.begin(), p.names.end(), t.variable->name);
+      if (it == p.names.end()) return std::nullopt;
+      const TermId id = p.row[static_cast<size_t>(it - p.names.begin())];
+      if (id.IsNone()) return std::nullopt;
+      return Decode(id);
+    };
+    for (const TriplePattern& t : p.query.construct_template) {
+      const std::optional<Term> s = instantiate(t.subject), r = instantiate(t.predicate), o = instantiate(t.object);
+      if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
+      if (!seen.insert({*s, *r, *o}).second) continue;
+      if (!p.program.context.Charge(2 * (3 * sizeof(Term) + s->lexical.size() + r->lexical.size() + o->lexical.size()))) {
+        break;
+      }
+      out.push_back({*s, *r, *o, Term{}});
+    }
+  }
+  if (!status().ok()) return status();
+  return out;
+}
+
+std::string PreparedQuery::Explain(const GraphVersion& version) {
+  Impl& p = *impl_;
+  p.running = false;
+  RunOptions run;
+  run.version = &version;
+  if (absl::Status status = p.Begin(run); !status.ok()) return std::string(status.message());
+  return ExplainPlan(*p.plan);
+}
+
+struct PreparedExpression::Impl {
+  Impl(const Dictionary& dictionary, const PrepareOptions& options) : program(dictionary, options), options(options) {}
+  void Begin(const RunOptions& run, absl::Span<const TermId> row);
+
+  Program program;
+  PrepareOptions options;
+  PlanExpressionPtr expression;
+  std::vector<Term> constants;
+  int default_graph = 0;
+  SlotSet bound;
+  std::vector<TermId> base;
+  bool arranged = false;
+};
+
+PreparedExpression::PreparedExpression(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PreparedExpression::~PreparedExpression() = default;
+
+absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
+    const Expression& expression, const std::vector<std::string>& variables, const Dictionary& dictionary,
+    const PrepareOptions& options) {
+  auto impl = std::make_unique<Impl>(dictionary, options);
+  Lowering lowering(dictionary, options.functions);
+  for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
+  impl->default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
+  impl->expression = lowering.LowerExpression(expression);
+  if (!lowering.status().ok()) return lowering.status();
+  impl->constants = lowering.constants();
+  impl->base.assign(lowering.slots(), TermId());
+  return std::unique_ptr<PreparedExpression>(new PreparedExpression(std::move(impl)));
+}
+
+void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const TermId> row) {
+  if (program.ResolveConstants(constants) || !arranged) program.SetDataset(false, {}, {}, default_graph);
+  program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
+  if (!arranged && run.version != nullptr) {
+    // Counts of the first version; an EXISTS here is small.
+    ArrangeExpression(*expression, bound, program.context, {options.reorder_joins});
+    PrepareExpression(*expression, {&program.context, base.size(), base.data()});
+    arranged = true;
+  }
+  std::fill(base.begin(), base.end(), TermId());
+  std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())), base.begin());
+}
+
+namespace {
+
+bool HasExists(const PlanExpression& e) {
+  return e.exists != nullptr || std::any_of(e.arguments.begin(), e.arguments.end(),
+                                            [](const PlanExpressionPtr& a) { return HasExists(*a); });
+}
+
+}  // namespace
+
+absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<const TermId> row) {
+  if (run.version == nullptr && HasExists(*impl_->expression)) {
+    return absl::InvalidArgumentError("EXISTS needs a graph version");
+  }
+  impl_->Begin(run, row);
+  const bool passes = Passes(*impl_->expression, impl_->base.data(), impl_->program.context);
+  if (!impl_->program.context.status.ok()) return impl_->program.context.status;
+  return passes;
+}
+
+absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOptions& run, absl::Span<const TermId> row) {
+  if (run.version == nullptr && HasExists(*impl_->expression)) {
+    return absl::InvalidArgumentError("EXISTS needs a graph version");
+  }
+  impl_->Begin(run, row);
+  EvaluationContext& context = impl_->program.context;
+  const Value value = sparql::Evaluate(*impl_->expression, impl_->base.data(), context);
+  if (!context.status.ok()) return context.status;
+  if (value.IsError()) return std::optional<Term>();
+  return std::optional<Term>(value.id().IsNone() ? value.ToTerm() : context.Decode(value.id()));
+}
+
+int CompareTerms(const Term& a, const Term& b) {
+  const int order = CompareForOrder(Value::OfTerm(a), Value::OfTerm(b));
+  if (order != 0) return order;
+  return a < b ? -1 : b < a ? 1 : 0;
+}
+
+}  // namespace docent::sparql

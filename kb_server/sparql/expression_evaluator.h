@@ -1,0 +1,30 @@
+// Values of planned expressions over rows. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_EXPRESSION_EVALUATOR_H_
+#define DOCENT_KB_SERVER_SPARQL_EXPRESSION_EVALUATOR_H_
+
+#include "kb_server/sparql/evaluation_context.h"
+#include "kb_server/sparql/plan.h"
+
+namespace docent::sparql {
+
+// The value of `e` on `row`, an error value where it has none. `e` changes inside (EXISTS operators, compiled regular
+// expressions).
+Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context);
+// The effective boolean value; nullopt is an error.
+std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context);
+// As FILTER takes it: an error is false.
+inline bool Passes(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  return EvaluateBoolean(e, row, context).value_or(false);
+}
+// One of the functions of section 17.4 on evaluated arguments; not BOUND, COALESCE, IF, which see their arguments first.
+Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+// The groups of builtins, one file each.
+Value CallStringBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext& context);
+Value CallHashBuiltin(Builtin builtin, const Value& argument);
+Value CallRegexBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_EXPRESSION_EVALUATOR_H_

@@ -1,0 +1,174 @@
+// Basic graph patterns: nested index lookups, one level a pattern, each filter at the first level that binds what it
+// reads. And GRAPH over anything that is not a basic graph pattern.
+#include <algorithm>
+#include <vector>
+
+#include "kb_server/sparql/expression_evaluator.h"
+#include "kb_server/sparql/operators.h"
+#include "kb_server/sparql/pattern_scan.h"
+
+namespace docent::sparql {
+namespace {
+
+class BgpOperator final : public Operator {
+ public:
+  BgpOperator(PlanNode& node, const BuildContext& build)
+      : node_(node), context_(*build.context), row_(build.slots), scans_(node.patterns.size()),
+        filters_(node.patterns.size() + 1) {
+    SlotSet bound;
+    std::vector<bool> placed(node.filters.size());
+    for (size_t level = 0; level < node.patterns.size(); ++level) {
+      for (const PlanTerm& term : node.patterns[level].terms) {
+        if (term.slot >= 0) bound.Add(term.slot);
+      }
+      for (size_t f = 0; f < node.filters.size(); ++f) {
+        // Slots outside the patterns are initial bindings.
+        if (placed[f] || !node.filter_slots[f].And(node.certain).Within(bound)) continue;
+        const bool early = level == 0 && node.filter_slots[f].And(node.certain).empty();
+        filters_[early ? 0 : level + 1].push_back(node.filters[f].get());
+        placed[f] = true;
+      }
+    }
+    for (size_t f = 0; f < node.filters.size(); ++f) {
+      if (!placed[f]) filters_.back().push_back(node.filters[f].get());
+      PrepareExpression(*node.filters[f], build);
+    }
+  }
+
+  void Start(const TermId* in) override {
+    std::copy(in, in + row_.size(), row_.begin());
+    state_ = State::kFresh;
+  }
+
+  bool Next(TermId* out) override {
+    const int last = static_cast<int>(scans_.size()) - 1;
+    int level = last;
+    if (state_ == State::kDone) return false;
+    if (state_ == State::kFresh) {
+      state_ = State::kRunning;
+      if (!PassesAt(0)) return Done();
+      if (last < 0) {
+        state_ = State::kDone;
+        return Emit(out);
+      }
+      level = 0;
+      scans_[0].Open(node_.patterns[0], row_.data(), context_);
+    }
+    while (level >= 0) {
+      if (!scans_[level].Next(row_.data())) {
+        --level;
+        continue;
+      }
+      if (!PassesAt(level + 1)) continue;
+      if (level == last) return Emit(out);
+      ++level;
+      scans_[level].Open(node_.patterns[level], row_.data(), context_);
+    }
+    return Done();
+  }
+
+ private:
+  enum class State { kFresh, kRunning, kDone };
+
+  bool Done() {
+    state_ = State::kDone;
+    return false;
+  }
+  bool Emit(TermId* out) {
+    std::copy(row_.begin(), row_.end(), out);
+    ++context_.row_number;
+    return true;
+  }
+  bool PassesAt(int level) {
+    return std::all_of(filters_[level].begin(), filters_[level].end(),
+                       [&](PlanExpression* filter) { return Passes(*filter, row_.data(), context_); });
+  }
+
+  PlanNode& node_;
+  EvaluationContext& context_;
+  std::vector<TermId> row_;
+  std::vector<PatternScan> scans_;
+  std::vector<std::vector<PlanExpression*>> filters_;  // [0]: before the first pattern, [i + 1]: after pattern i
+  State state_ = State::kDone;
+};
+
+// GRAPH name { … }: the inner plan once for each graph, with the graph in a slot of its own.
+class GraphOperator final : public Operator {
+ public:
+  GraphOperator(PlanNode& node, const BuildContext& build)
+      : node_(node), context_(*build.context), outer_base_(build.base), base_(build.slots), in_(build.slots),
+        child_(BuildOperator(*node.children[0], {build.context, build.slots, base_.data()})) {}
+
+  void Start(const TermId* in) override {
+    std::copy(in, in + in_.size(), in_.begin());
+    graphs_.clear();
+    next_ = 0;
+    running_ = false;
+    const TermId bound = node_.name.constant >= 0 ? context_.constants[node_.name.constant] : in[node_.name.slot];
+    const DatasetIds& dataset = context_.dataset;
+    if (!bound.IsNone()) {
+      const bool named = !dataset.is_explicit || std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(),
+                                                           bound) != dataset.named_graphs.end();
+      const bool is_default = !dataset.is_explicit && dataset.strict && bound == dataset.default_graph;
+      const bool exists = bound.tag() != TermId::Tag::kLocal && context_.version->Count({{}, {}, {}, bound}) > 0;
+      if (named && !is_default && exists) graphs_.push_back(bound);
+      return;
+    }
+    for (const TermId graph : context_.version->graphs()) {
+      const bool named = dataset.is_explicit
+                             ? std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(), graph) !=
+                                   dataset.named_graphs.end()
+                             : !dataset.strict || graph != dataset.default_graph;
+      if (named) graphs_.push_back(graph);
+    }
+  }
+
+  bool Next(TermId* out) override {
+    while (context_.Poll()) {
+      if (!running_) {
+        if (next_ >= graphs_.size()) return false;
+        std::copy(outer_base_, outer_base_ + base_.size(), base_.begin());
+        base_[node_.graph_slot] = graphs_[next_];
+        in_[node_.graph_slot] = graphs_[next_];
+        ++next_;
+        child_->Start(in_.data());
+        running_ = true;
+      }
+      while (child_->Next(out)) {
+        const TermId graph = in_[node_.graph_slot];
+        if (node_.name.slot >= 0) {
+          TermId& name = out[node_.name.slot];
+          if (!name.IsNone() && name != graph) continue;
+          name = graph;
+        }
+        out[node_.graph_slot] = TermId();
+        return true;
+      }
+      running_ = false;
+    }
+    return false;
+  }
+  void Forget() override { child_->Forget(); }
+
+ private:
+  PlanNode& node_;
+  EvaluationContext& context_;
+  const TermId* outer_base_;
+  std::vector<TermId> base_, in_;
+  std::unique_ptr<Operator> child_;
+  std::vector<TermId> graphs_;
+  size_t next_ = 0;
+  bool running_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Operator> BuildBgp(PlanNode& node, const BuildContext& build) {
+  return std::make_unique<BgpOperator>(node, build);
+}
+
+std::unique_ptr<Operator> BuildGraph(PlanNode& node, const BuildContext& build) {
+  return std::make_unique<GraphOperator>(node, build);
+}
+
+}  // namespace docent::sparql

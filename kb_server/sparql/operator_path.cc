@@ -1,0 +1,212 @@
+// Property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1 section 18.4 and 9.3).
+// What is reachable from a node is found by breadth-first search; a node is visited once.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
+#include "kb_server/sparql/operators.h"
+#include "kb_server/sparql/pattern_scan.h"
+
+namespace docent::sparql {
+
+using Kind = Path::Kind;
+
+namespace {
+
+class PathOperator final : public Operator {
+ public:
+  PathOperator(PlanNode& node, const BuildContext& build)
+      : node_(node), context_(*build.context), in_(build.slots) {
+    for (int i = 0; i < 3; ++i) triple_.terms[i].slot = i;
+    triple_.graph.kind = node.graph.kind;
+    if (node.graph.kind == GraphRef::Kind::kNamed) triple_.graph.name.slot = 3;
+  }
+
+  void Start(const TermId* in) override {
+    std::copy(in, in + in_.size(), in_.begin());
+    if (node_.graph.kind == GraphRef::Kind::kNamed) {
+      graph_ = node_.graph.name.slot >= 0 ? in[node_.graph.name.slot] : context_.constants[node_.graph.name.constant];
+    }
+    from_ = node_.subject.slot >= 0 ? in[node_.subject.slot] : context_.Encode(node_.subject_term);
+    to_ = node_.object.slot >= 0 ? in[node_.object.slot] : context_.Encode(node_.object_term);
+    starts_.clear();
+    ends_.clear();
+    next_start_ = next_end_ = 0;
+    forward_ = !from_.IsNone() || to_.IsNone();
+    if (from_.IsNone() && to_.IsNone()) {
+      starts_ = AllNodes();
+    } else {
+      starts_.push_back(forward_ ? from_ : to_);
+    }
+  }
+
+  bool Next(TermId* out) override {
+    while (context_.Poll()) {
+      if (next_end_ >= ends_.size()) {
+        if (next_start_ >= starts_.size()) return false;
+        start_ = starts_[next_start_++];
+        ends_ = Expand(*node_.path, start_, forward_, 0);
+        next_end_ = 0;
+        continue;
+      }
+      const TermId end = ends_[next_end_++];
+      const TermId subject = forward_ ? start_ : end;
+      const TermId object = forward_ ? end : start_;
+      if (!to_.IsNone() && object != to_) continue;
+      std::copy(in_.begin(), in_.end(), out);
+      if (node_.subject.slot >= 0) out[node_.subject.slot] = subject;
+      if (node_.object.slot >= 0) {
+        if (node_.object.slot == node_.subject.slot && subject != object) continue;
+        out[node_.object.slot] = object;
+      }
+      ++context_.row_number;
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  using Set = absl::flat_hash_set<TermId>;
+
+  // Calls `visit(subject, predicate, object)` for each triple that fits; none is a wildcard.
+  template <typename Visit>
+  void ForTriples(TermId subject, TermId predicate, TermId object, Visit visit) {
+    TermId row[4] = {subject, predicate, object, graph_};
+    PatternScan scan;
+    scan.Open(triple_, row, context_);
+    while (scan.Next(row)) visit(row[0], row[1], row[2]);
+  }
+
+  // How many IRIs `path` holds: the constants of a path stand in the order of its IRIs.
+  static int IriCount(const Path& path) {
+    int count = path.kind == Kind::kIri ? 1 : 0;
+    for (const Path& child : path.children) count += IriCount(child);
+    return count;
+  }
+  TermId Constant(int number) const { return context_.constants[node_.path_constants[number]]; }
+
+  // The nodes that `path` leads to from `node` (against its direction if not forward). `first`: number of its first IRI.
+  std::vector<TermId> Expand(const Path& path, TermId node, bool forward, int first) {
+    std::vector<TermId> out;
+    if (!context_.Poll()) return out;
+    switch (path.kind) {
+      case Kind::kIri:
+        ForTriples(forward ? node : TermId(), Constant(first), forward ? TermId() : node,
+                   [&](TermId s, TermId, TermId o) { out.push_back(forward ? o : s); });
+        return out;
+      case Kind::kInverse: return Expand(path.children[0], node, !forward, first);
+      case Kind::kSequence: return ExpandSequence(path, node, forward, first);
+      case Kind::kAlternative:
+        for (const Path& child : path.children) {
+          for (const TermId id : Expand(child, node, forward, first)) out.push_back(id);
+          first += IriCount(child);
+        }
+        return out;
+      case Kind::kZeroOrOne: {
+        Set seen = {node};
+        out.push_back(node);
+        for (const TermId id : Expand(path.children[0], node, forward, first)) {
+          if (seen.insert(id).second) out.push_back(id);
+        }
+        return out;
+      }
+      case Kind::kZeroOrMore:
+      case Kind::kOneOrMore: return Closure(path, node, forward, first);
+      case Kind::kNegatedSet: return ExpandNegated(path, node, forward, first);
+    }
+    return out;
+  }
+
+  std::vector<TermId> ExpandSequence(const Path& path, TermId node, bool forward, int first) {
+    std::vector<int> firsts;
+    for (const Path& child : path.children) {
+      firsts.push_back(first);
+      first += IriCount(child);
+    }
+    std::vector<TermId> now = {node};
+    for (size_t i = 0; i < path.children.size(); ++i) {
+      const size_t k = forward ? i : path.children.size() - 1 - i;
+      std::vector<TermId> next;
+      Set seen;
+      for (const TermId id : now) {
+        for (const TermId to : Expand(path.children[k], id, forward, firsts[k])) {
+          if (seen.insert(to).second) next.push_back(to);
+        }
+      }
+      now = std::move(next);
+    }
+    return now;
+  }
+
+  // Function ALP of section 18.4
+  std::vector<TermId> Closure(const Path& path, TermId node, bool forward, int first) {
+    std::vector<TermId> out;
+    Set seen;
+    if (path.kind == Kind::kZeroOrMore) {
+      seen.insert(node);
+      out.push_back(node);
+    } else {
+      for (const TermId id : Expand(path.children[0], node, forward, first)) {
+        if (seen.insert(id).second) out.push_back(id);
+      }
+    }
+    for (size_t i = 0; i < out.size() && context_.Charge(2 * sizeof(TermId)); ++i) {
+      for (const TermId id : Expand(path.children[0], out[i], forward, first)) {
+        if (seen.insert(id).second) out.push_back(id);
+      }
+    }
+    return out;
+  }
+
+  std::vector<TermId> ExpandNegated(const Path& path, TermId node, bool forward, int first) {
+    std::vector<TermId> along, against, out;
+    bool has_along = path.children.empty(), has_against = false;
+    for (const Path& child : path.children) {
+      const bool inverse = child.kind == Kind::kInverse;
+      (inverse ? against : along).push_back(Constant(first++));
+      (inverse ? has_against : has_along) = true;
+    }
+    const auto collect = [&](const std::vector<TermId>& excluded, bool from_subject) {
+      ForTriples(from_subject ? node : TermId(), TermId(), from_subject ? TermId() : node,
+                 [&](TermId s, TermId p, TermId o) {
+                   if (std::find(excluded.begin(), excluded.end(), p) != excluded.end()) return;
+                   out.push_back(from_subject ? o : s);
+                 });
+    };
+    if (has_along) collect(along, forward);
+    if (has_against) collect(against, !forward);
+    return out;
+  }
+
+  std::vector<TermId> AllNodes() {
+    std::vector<TermId> out;
+    Set seen;
+    ForTriples(TermId(), TermId(), TermId(), [&](TermId s, TermId, TermId o) {
+      for (const TermId id : {s, o}) {
+        if (seen.insert(id).second) {
+          context_.Charge(3 * sizeof(TermId));
+          out.push_back(id);
+        }
+      }
+    });
+    return out;
+  }
+
+  PlanNode& node_;
+  EvaluationContext& context_;
+  std::vector<TermId> in_;
+  PlanPattern triple_;
+  TermId graph_, from_, to_, start_;
+  bool forward_ = true;
+  std::vector<TermId> starts_, ends_;
+  size_t next_start_ = 0, next_end_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Operator> BuildPath(PlanNode& node, const BuildContext& build) {
+  return std::make_unique<PathOperator>(node, build);
+}
+
+}  // namespace docent::sparql

@@ -1,0 +1,53 @@
+// The operators that run a plan: pull iterators over rows of slots. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_OPERATORS_H_
+#define DOCENT_KB_SERVER_SPARQL_OPERATORS_H_
+
+#include <memory>
+
+#include "kb_server/sparql/evaluation_context.h"
+#include "kb_server/sparql/plan.h"
+
+namespace docent::sparql {
+
+// Gives the solutions of its plan node that are compatible with an input row, merged with it. After an error of the
+// context (cancelled, limit) Next returns false soon; whoever pulls looks at context.status before it believes the end.
+class Operator {
+ public:
+  virtual ~Operator() = default;
+  // Begins anew with `in`, a row of all slots; copied. May be called at any time.
+  virtual void Start(const TermId* in) = 0;
+  // The next solution into `out`, a row of all slots. False: there is none; `out` then has no meaning.
+  virtual bool Next(TermId* out) = 0;
+  // A new run of the query begins: what was kept from the last one must go.
+  virtual void Forget() {}
+};
+
+// What building needs. `base` is the row that begins the plan this operator belongs to: the initial bindings, or the row
+// for which EXISTS is asked. Operators that run an operand once and keep its rows begin it with that row.
+struct BuildContext {
+  EvaluationContext* context;
+  size_t slots;
+  const TermId* base;
+};
+
+std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build);
+
+// One file a family; BuildOperator chooses.
+std::unique_ptr<Operator> BuildBgp(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildJoin(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildHashJoin(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildMinus(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildGraph(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildGroup(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildOrderBy(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build);
+std::unique_ptr<Operator> BuildPath(PlanNode& node, const BuildContext& build);
+// Builds the operators of the EXISTS in an expression.
+void PrepareExpression(PlanExpression& e, const BuildContext& build);
+
+// True if the two rows agree wherever both are bound at `slots`; then `out` (a copy of `a`) gets what `b` has besides.
+bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_OPERATORS_H_

@@ -1,0 +1,28 @@
+// xsd:dateTime and xsd:date as text (XML Schema part 2, sections 3.2.7 and 3.2.9). Pure functions.
+#ifndef DOCENT_KB_SERVER_SPARQL_TIME_TEXT_H_
+#define DOCENT_KB_SERVER_SPARQL_TIME_TEXT_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "kb_server/base/clock.h"
+
+namespace docent::sparql {
+
+struct ZonedTime {
+  TimeMicros local_us = 0;          // the time as written, as if its zone were UTC
+  std::optional<int> zone_minutes;  // east of UTC
+};
+
+// nullopt if the text is not valid. Digits of a second beyond the microsecond are cut.
+std::optional<ZonedTime> ParseDateTimeText(std::string_view text);
+std::optional<ZonedTime> ParseDateText(std::string_view text);
+std::string FormatDateTimeText(const ZonedTime& time);
+std::string FormatDateText(const ZonedTime& time);
+// "Z", "-05:00", "" without a zone (function TZ).
+std::string FormatZone(std::optional<int> zone_minutes);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_TIME_TEXT_H_

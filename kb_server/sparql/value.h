@@ -1,0 +1,136 @@
+// A term with its value read: what expressions compute with. The text of a term of the dictionary is viewed, not copied;
+// a value thus lives no longer than the dictionary. Values; one thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_VALUE_H_
+#define DOCENT_KB_SERVER_SPARQL_VALUE_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "kb_server/base/clock.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/term.h"
+#include "kb_server/rdf/term_id.h"
+#include "kb_server/sparql/decimal.h"
+
+namespace docent::sparql {
+
+class Value {
+ public:
+  enum class Type : uint8_t {
+    kError,       // no value: an unbound variable, or an error in an expression
+    kIri,         // text()
+    kBlank,       // text(): label
+    kString,      // text()
+    kLangString,  // text(), language()
+    kBoolean,     // boolean
+    kInteger,     // decimal (scale 0); xsd:integer and the types derived from it
+    kDecimal,     // decimal
+    kFloat,       // number
+    kDouble,      // number
+    kDateTime,    // time_us, zone
+    kDate,        // time_us (midnight), zone
+    kOther,       // text(), datatype(): a datatype that is not known here, or a lexical form that is not valid
+  };
+
+  Value() = default;
+  static Value Error() { return Value(); }
+  static Value Boolean(bool value);
+  static Value Integer(const Decimal& value);
+  static Value Integer(int64_t value) { return Integer(Decimal::Of(value)); }
+  static Value OfDecimal(const Decimal& value);
+  static Value Float(double value);
+  static Value Double(double value);
+  static Value String(std::string text);
+  static Value LangString(std::string text, std::string language);
+  static Value Iri(std::string iri);
+  static Value Blank(std::string label);
+  static Value DateTime(TimeMicros time_us);  // with zone Z
+  // From a term; the texts are copied.
+  static Value OfTerm(const Term& term);
+  // From an id that `dictionary` gave or that is inline.
+  static Value OfId(TermId id, const Dictionary& dictionary);
+
+  Type type() const { return type_; }
+  bool IsError() const { return type_ == Type::kError; }
+  bool IsLiteral() const { return type_ >= Type::kString; }
+  bool IsNumeric() const { return type_ >= Type::kInteger && type_ <= Type::kDouble; }
+  bool IsExact() const { return type_ == Type::kInteger || type_ == Type::kDecimal; }
+  bool IsStringLike() const { return type_ == Type::kString || type_ == Type::kLangString; }
+  bool IsTime() const { return type_ == Type::kDateTime || type_ == Type::kDate; }
+
+  // The id it was made from; none if it was computed.
+  TermId id() const { return id_; }
+  void set_id(TermId id) { id_ = id; }
+
+  bool boolean() const { return boolean_; }
+  const Decimal& decimal() const { return decimal_; }
+  double number() const { return number_; }
+  // Any numeric type as a double.
+  double AsDouble() const { return IsExact() ? decimal_.ToDouble() : number_; }
+  // The wall-clock time as written, as if its zone were UTC; and the zone in minutes, if it has one.
+  TimeMicros local_time_us() const { return time_us_; }
+  std::optional<int> zone_minutes() const { return zone_; }
+  // The instant; a time without zone counts as UTC (XPath's implicit timezone).
+  TimeMicros instant_us() const { return time_us_ - TimeMicros{60'000'000} * zone_.value_or(0); }
+
+  // Of kIri, kBlank, kString, kLangString, kOther.
+  std::string_view text() const { return owns_ ? std::string_view(owned_) : view_; }
+  std::string_view language() const { return owns_ ? std::string_view(owned_tag_) : view_tag_; }
+  std::string_view datatype() const { return owns_ ? std::string_view(owned_tag_) : view_tag_; }  // kOther
+  // xsd:… of a literal that is none of kString, kLangString, kOther, as computed.
+  std::string_view CanonicalDatatype() const;
+
+  // The term of a computed value, in canonical lexical form. Not for kError, and not for values with an id, whose
+  // lexical form may be another.
+  Term ToTerm() const;
+  // The lexical form, canonical for computed values.
+  std::string CanonicalText() const;
+
+ private:
+  void ReadLiteral(std::string_view text, std::string_view datatype);
+
+  Type type_ = Type::kError;
+  bool boolean_ = false;
+  bool owns_ = false;
+  std::optional<int> zone_;
+  TermId id_;
+  double number_ = 0;
+  TimeMicros time_us_ = 0;
+  Decimal decimal_;
+  std::string_view view_, view_tag_;
+  std::string owned_, owned_tag_;
+};
+
+// Section 17.2.2; nullopt is a type error.
+std::optional<bool> EffectiveBooleanValue(const Value& value);
+// The operator `=` (section 17.3, RDFterm-equal for what no row of the table names); nullopt is a type error.
+std::optional<bool> ValuesEqual(const Value& a, const Value& b);
+// The operator `<` and its kin: negative, zero, positive; nullopt is a type error (or NaN: see `unordered`).
+std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered);
+// Section 15.1 made total over all values; negative, zero, positive.
+int CompareForOrder(const Value& a, const Value& b);
+
+enum class Arithmetic : uint8_t { kAdd, kSubtract, kMultiply, kDivide };
+// With the promotions of XPath; an error value where an operand is not a number, by a zero divisor, on overflow.
+Value Compute(Arithmetic operation, const Value& a, const Value& b);
+
+// The xsd: constructor functions (section 17.5); an error value if the cast fails. nullopt if `datatype` is no cast.
+std::optional<Value> Cast(std::string_view datatype, const Value& value);
+bool IsCast(std::string_view datatype);
+
+// "1.5E0", "INF"
+std::string FormatDouble(double value);
+std::string FormatFloat(float value);
+// The civil parts of a local time.
+struct CivilTime {
+  int64_t year;
+  int month, day, hour, minute;
+  int64_t second_us;  // microseconds within the minute
+};
+CivilTime ToCivil(TimeMicros local_time_us);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_VALUE_H_
