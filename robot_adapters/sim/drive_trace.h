@@ -1,0 +1,46 @@
+// Where the simulated robot was and where it thought it was, and what that says about its localiser. A value.
+#ifndef DOCENT_ROBOT_ADAPTERS_SIM_DRIVE_TRACE_H_
+#define DOCENT_ROBOT_ADAPTERS_SIM_DRIVE_TRACE_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "maps/geometry.h"
+#include "maps/hall_layout.h"
+
+namespace docent::robot {
+
+struct TracePoint {
+  double time_s = 0;  // simulated, since the start
+  maps::Pose2 truth;
+  maps::Pose2 estimate;
+};
+
+// Errors of the estimate against the simulator's truth over all points of a trace.
+struct PathError {
+  size_t points = 0;
+  double rmse_mm = 0;
+  double rmse_deg = 0;
+  double max_error_mm = 0;
+  double max_error_deg = 0;
+};
+
+PathError ErrorOf(const std::vector<TracePoint>& trace);
+
+struct DriveReport {
+  std::string robot;  // IRI
+  uint64_t seed = 0;
+  double path_m = 0;       // driven, true
+  double simulated_s = 0;
+  int bumps = 0;           // times that the robot touched something
+  int relocalisations = 0;
+  std::vector<TracePoint> trace;  // one a scan while the robot moved and was localised
+};
+
+// Writes path.csv, report.json and path.png into `folder`, which exists. The first error ends it.
+absl::Status WriteReport(const DriveReport& report, const maps::HallLayout& layout, const std::string& folder);
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_SIM_DRIVE_TRACE_H_
