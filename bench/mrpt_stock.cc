@@ -15,6 +15,7 @@
 #include <random>
 
 #include "robot_adapters/localization/distance_map.h"
+#include "robot_adapters/localization/mrpt_error.h"
 
 namespace docent::bench {
 
@@ -124,7 +125,7 @@ absl::Status StockFilter::StartAnywhere(const maps::Bounds& within) {
                                      within.min_y_m, within.max_y_m);
     return absl::OkStatus();
   } catch (const std::exception& error) {
-    return absl::InternalError(error.what());
+    return absl::InternalError(robot::MrptMessage(error));
   }
 }
 
@@ -140,7 +141,7 @@ absl::StatusOr<maps::Pose2> StockFilter::Update(const maps::Pose2& odometry, con
     const mrpt::poses::CPose2D mean = impl_->pdf.getMeanVal();
     return maps::Pose2{mean.x(), mean.y(), mean.phi()};
   } catch (const std::exception& error) {
-    return absl::InternalError(error.what());
+    return absl::InternalError(robot::MrptMessage(error));
   }
 }
 
@@ -187,7 +188,7 @@ absl::StatusOr<maps::Pose2> IcpAligner::Align(const maps::LaserScan& scan, const
     const mrpt::poses::CPose2D mean = aligned->getMeanVal();
     return maps::Pose2{mean.x(), mean.y(), mean.phi()};
   } catch (const std::exception& error) {
-    return absl::InternalError(error.what());
+    return absl::InternalError(robot::MrptMessage(error));
   }
 }
 

@@ -17,6 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "robot_adapters/localization/distance_map.h"
 #include "robot_adapters/localization/global_search.h"
+#include "robot_adapters/localization/mrpt_error.h"
 
 namespace docent::robot {
 namespace {
@@ -114,7 +115,7 @@ struct Localiser::Impl {
       neff = stats.ESS_beforeResample * static_cast<double>(pdf.m_particles.size());
       return absl::OkStatus();
     } catch (const std::exception& error) {
-      return absl::InternalError("MRPT's particle filter: " + std::string(error.what()));
+      return absl::InternalError("MRPT's particle filter: " + MrptMessage(error));
     }
   }
 

@@ -14,6 +14,7 @@
 #include <filesystem>
 
 #include "robot_adapters/localization/distance_map.h"
+#include "robot_adapters/localization/mrpt_error.h"
 
 namespace docent::robot {
 namespace {
@@ -64,7 +65,7 @@ absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path) {
       }
     }
   } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(path + ": " + error.what());
+    return absl::InvalidArgumentError(path + ": " + MrptMessage(error));
   }
   if (drive.steps.empty()) return absl::InvalidArgumentError(path + ": no action/observation pair with a 2D scan");
   return drive;
@@ -84,7 +85,7 @@ absl::StatusOr<std::vector<maps::PosedScan>> ReadSimplemap(const std::string& pa
       scans.push_back({{mean.x(), mean.y(), mean.yaw()}, FromMrpt(*scan)});
     }
   } catch (const std::exception& error) {
-    return absl::InvalidArgumentError(path + ": " + error.what());
+    return absl::InvalidArgumentError(path + ": " + MrptMessage(error));
   }
   if (scans.empty()) return absl::InvalidArgumentError(path + ": no 2D scan in the map");
   return scans;
