@@ -1,0 +1,197 @@
+#include "reasoner/constraints/threshold_group.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent {
+namespace {
+
+using sparql::Algebra;
+using sparql::Expression;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::optional<Comparison> ComparisonOf(Expression::Kind kind, bool mirrored) {
+  switch (kind) {
+    case Expression::Kind::kLess: return mirrored ? Comparison::kGreater : Comparison::kLess;
+    case Expression::Kind::kLessOrEqual: return mirrored ? Comparison::kGreaterOrEqual : Comparison::kLessOrEqual;
+    case Expression::Kind::kGreater: return mirrored ? Comparison::kLess : Comparison::kGreater;
+    case Expression::Kind::kGreaterOrEqual: return mirrored ? Comparison::kLessOrEqual : Comparison::kGreaterOrEqual;
+    default: return std::nullopt;
+  }
+}
+
+Expression::Kind KindOf(Comparison op) {
+  switch (op) {
+    case Comparison::kLess: return Expression::Kind::kLess;
+    case Comparison::kLessOrEqual: return Expression::Kind::kLessOrEqual;
+    case Comparison::kGreater: return Expression::Kind::kGreater;
+    case Comparison::kGreaterOrEqual: return Expression::Kind::kGreaterOrEqual;
+  }
+  return Expression::Kind::kLess;
+}
+
+bool IsInlineNumber(const Expression& expression) {
+  if (expression.kind != Expression::Kind::kTerm) return false;
+  const std::optional<TermId> id = InlineLiteral(expression.term);
+  return id && ViewNumber(*id).kind == NumberView::Kind::kNumber;
+}
+
+// ?variable op number, either way round.
+bool ReadThreshold(const Expression& expression, ThresholdForm& form) {
+  if (expression.arguments.size() != 2) return false;
+  for (const bool mirrored : {false, true}) {
+    const Expression& variable = *expression.arguments[mirrored ? 1 : 0];
+    const Expression& number = *expression.arguments[mirrored ? 0 : 1];
+    const std::optional<Comparison> op = ComparisonOf(expression.kind, mirrored);
+    if (!op || variable.kind != Expression::Kind::kVariable || !IsInlineNumber(number)) continue;
+    form.variable = variable.variable.name;
+    form.op = *op;
+    form.constant = number.term;
+    return true;
+  }
+  return false;
+}
+
+void CollectConjuncts(const Expression& expression, std::vector<const Expression*>& conjuncts) {
+  if (expression.kind != Expression::Kind::kAnd) {
+    conjuncts.push_back(&expression);
+    return;
+  }
+  for (const auto& argument : expression.arguments) CollectConjuncts(*argument, conjuncts);
+}
+
+bool MayBeNumber(const Term& term) {
+  return term.IsLiteral() && term.language.empty() && !term.datatype.empty() && term.datatype != kXsdBoolean &&
+         term.datatype != kXsdDate && term.datatype != kXsdDateTime;
+}
+
+}  // namespace
+
+std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
+  if (!query.from.empty() || !query.from_named.empty()) return std::nullopt;
+  std::vector<const Expression*> conjuncts;
+  const Algebra* base = &WithoutModifiers(*query.algebra);
+  for (; base->kind == Algebra::Kind::kFilter; base = base->children[0].get()) {
+    CollectConjuncts(*base->expression, conjuncts);
+  }
+  ThresholdForm form;
+  std::vector<const Expression*> others;
+  for (const Expression* conjunct : conjuncts) {
+    if (!ReadThreshold(*conjunct, form)) others.push_back(conjunct);
+  }
+  if (conjuncts.size() != others.size() + 1) return std::nullopt;
+  if (form.variable.starts_with('.') || !CertainVariables(*base).contains(form.variable)) return std::nullopt;
+  form.shared.form = sparql::Query::Form::kAsk;
+  form.shared.algebra = base->Clone();
+  for (const Expression* other : others) {
+    auto filter = std::make_unique<Algebra>(Algebra::Kind::kFilter);
+    filter->children.push_back(std::move(form.shared.algebra));
+    filter->expression = other->Clone();
+    form.shared.algebra = std::move(filter);
+  }
+  return form;
+}
+
+absl::StatusOr<bool> NumberComparer::Compare(TermId left, Comparison op, TermId right, const sparql::RunOptions& run) {
+  if (const std::optional<bool> decided = CompareNumbers(left, op, right)) return *decided;
+  auto& prepared = expressions_[static_cast<size_t>(op)];
+  if (!prepared) {
+    Expression expression(KindOf(op), {});
+    for (const char* name : {"a", "b"}) {
+      expression.arguments.push_back(std::make_unique<Expression>(Expression::Kind::kVariable, SourceSpan{}));
+      expression.arguments.back()->variable.name = name;
+    }
+    auto made = sparql::PreparedExpression::Prepare(expression, {"a", "b"}, dictionary_);
+    if (!made.ok()) return made.status();
+    prepared = *std::move(made);
+  }
+  const std::array<TermId, 2> row = {left, right};
+  return prepared->Test(run, row);
+}
+
+ThresholdGroup::ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer)
+    : above_(above), dictionary_(dictionary), comparer_(comparer), settled_extreme_(above ? -kInfinity : kInfinity) {}
+
+void ThresholdGroup::SetKey(TermId key, bool present) {
+  const NumberView view = ViewNumber(key);
+  if (view.kind == NumberView::Kind::kNumber) {
+    if (present) {
+      numbers_.emplace(view.value, key);
+    } else {
+      numbers_.erase({view.value, key});
+    }
+  } else if (view.kind == NumberView::Kind::kUnknown && !key.IsNone() && MayBeNumber(dictionary_.Decode(key))) {
+    const bool changed = present ? irregular_.insert(key).second : irregular_.erase(key) > 0;
+    irregular_changed_ = irregular_changed_ || changed;
+  }
+}
+
+double ThresholdGroup::Extreme() const {
+  if (numbers_.empty()) return above_ ? -kInfinity : kInfinity;
+  return above_ ? numbers_.rbegin()->first : numbers_.begin()->first;
+}
+
+absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& member,
+                                             const sparql::RunOptions& run) const {
+  const double extreme = Extreme();
+  if (above_ ? extreme > place.first : extreme < place.first) return true;
+  if (extreme == place.first) {
+    // As doubles the same: ask for each value that looks so.
+    for (auto it = numbers_.lower_bound({extreme, TermId()}); it != numbers_.end() && it->first == extreme; ++it) {
+      const absl::StatusOr<bool> holds = comparer_.Compare(it->second, member.op, member.constant, run);
+      if (!holds.ok() || *holds) return holds;
+    }
+  }
+  for (const TermId key : irregular_) {
+    const absl::StatusOr<bool> holds = comparer_.Compare(key, member.op, member.constant, run);
+    if (!holds.ok() || *holds) return holds;
+  }
+  return false;
+}
+
+absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId constant, const sparql::RunOptions& run) {
+  const Place place = PlaceOf(id, constant);
+  Member member{op, constant, false};
+  const absl::StatusOr<bool> level = LevelOf(place, member, run);
+  if (!level.ok()) return level.status();
+  member.level = *level;
+  members_.emplace(place, member);
+  return absl::OkStatus();
+}
+
+void ThresholdGroup::RemoveMember(ConstraintId id, TermId constant) { members_.erase(PlaceOf(id, constant)); }
+
+bool ThresholdGroup::Holds(ConstraintId id, TermId constant) const {
+  const auto found = members_.find(PlaceOf(id, constant));
+  return found != members_.end() && found->second.level;
+}
+
+absl::StatusOr<bool> ThresholdGroup::Admits(ConstraintId id, TermId constant, TermId value,
+                                            const sparql::RunOptions& run) const {
+  const auto found = members_.find(PlaceOf(id, constant));
+  if (found == members_.end()) return false;
+  return comparer_.Compare(value, found->second.op, constant, run);
+}
+
+absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
+                                     absl::FunctionRef<void(ConstraintId, bool level)> visit) {
+  const double extreme = Extreme();
+  const double low = irregular_changed_ ? -kInfinity : std::min(extreme, settled_extreme_);
+  const double high = irregular_changed_ ? kInfinity : std::max(extreme, settled_extreme_);
+  for (auto it = members_.lower_bound({low, ConstraintId()}); it != members_.end() && it->first.first <= high; ++it) {
+    const absl::StatusOr<bool> level = LevelOf(it->first, it->second, run);
+    if (!level.ok()) return level.status();
+    if (*level == it->second.level) continue;
+    it->second.level = *level;
+    visit(it->first.second, *level);
+  }
+  settled_extreme_ = extreme;
+  irregular_changed_ = false;
+  return absl::OkStatus();
+}
+
+}  // namespace docent
