@@ -11,6 +11,7 @@ namespace docent {
 struct Limits {
   // door
   size_t inbox_batches = 65536;           // waiting batches; beyond: RESOURCE_EXHAUSTED
+  size_t inbox_bytes = 256u << 20;        // text of all waiting batches; one batch may exceed it when none waits
   size_t batch_operations = 100000;       // quads, readings and reports in one Assert batch
   size_t batch_bytes = 16u << 20;         // text of one Assert batch
   size_t load_operations = 20000000;      // quads in one load (files, ontologies)

@@ -20,6 +20,14 @@ size_t BytesOf(const WriteBatch& batch) {
   }
   for (const SensorReading& reading : batch.readings) bytes += reading.sensor.size() + BytesOf(reading.value);
   for (const Document& document : batch.documents) bytes += document.text.size();
+  for (const CommandReport& report : batch.reports) {
+    bytes += report.message.size();
+    for (const auto& [name, value] : report.results) bytes += name.size() + BytesOf(value);
+  }
+  for (const RunRequest& request : batch.run_requests) {
+    bytes += request.target.size();
+    for (const auto& [name, value] : request.arguments) bytes += name.size() + BytesOf(value);
+  }
   return bytes;
 }
 
@@ -30,33 +38,44 @@ absl::Status Beyond(std::string_view what, size_t value, std::string_view limit_
 
 }  // namespace
 
-absl::Status Inbox::Refusal(const WriteBatch& batch) const {
-  if (closed_) return absl::UnavailableError("the server is shutting down");
+absl::Status Inbox::CheckSize(const WriteBatch& batch, size_t bytes) const {
   bool load = batch.mode == WriteBatch::Mode::kLoad;
   size_t operations_limit = load ? limits_.load_operations : limits_.batch_operations;
   if (batch.OperationCount() > operations_limit) {
     return Beyond("the batch has operations:", batch.OperationCount(), load ? "load_operations" : "batch_operations",
                   operations_limit);
   }
-  if (!load) {
-    if (size_t bytes = BytesOf(batch); bytes > limits_.batch_bytes && batch.documents.empty()) {
-      return Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes);
-    }
+  for (const Document& document : batch.documents) {
+    if (document.text.size() <= limits_.document_bytes) continue;
+    return Beyond("a document has bytes:", document.text.size(), "document_bytes", limits_.document_bytes);
   }
+  if (!load && batch.documents.empty() && bytes > limits_.batch_bytes) {
+    return Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Inbox::CheckRoom(size_t bytes) const {
+  if (closed_) return absl::UnavailableError("the server is shutting down");
   if (queue_.size() >= limits_.inbox_batches) {
     return Beyond("batches that wait:", queue_.size(), "inbox_batches", limits_.inbox_batches);
+  }
+  if (!queue_.empty() && waiting_bytes_ + bytes > limits_.inbox_bytes) {
+    return Beyond("bytes of text that would wait:", waiting_bytes_ + bytes, "inbox_bytes", limits_.inbox_bytes);
   }
   return absl::OkStatus();
 }
 
 void Inbox::Push(WriteBatch batch, BatchCallback done) {
   if (!done) done = [](const absl::StatusOr<BatchOutcome>&) {};
-  absl::Status refusal;
-  {
+  size_t bytes = BytesOf(batch);
+  absl::Status refusal = CheckSize(batch, bytes);
+  if (refusal.ok()) {
     absl::MutexLock lock(&mutex_);
-    refusal = Refusal(batch);
+    refusal = CheckRoom(bytes);
     if (refusal.ok()) {
-      queue_.push_back({std::move(batch), std::move(done)});
+      queue_.push_back({{std::move(batch), std::move(done)}, bytes});
+      waiting_bytes_ += bytes;
       return;
     }
   }
@@ -75,8 +94,10 @@ std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size
   }
   last_stamp_us_ = std::max(last_stamp_us_, clock_.Now());
   while (!queue_.empty() && taken.size() < max) {
-    queue_.front().batch.time_us = last_stamp_us_;
-    taken.push_back(std::move(queue_.front()));
+    Waiting& front = queue_.front();
+    front.pending.batch.time_us = last_stamp_us_;
+    waiting_bytes_ -= front.bytes;
+    taken.push_back(std::move(front.pending));
     queue_.pop_front();
   }
   return taken;

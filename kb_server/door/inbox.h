@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "kb_server/base/clock.h"
@@ -41,8 +42,9 @@ class Inbox {
  public:
   Inbox(const Clock* clock, const Limits& limits) : clock_(*clock), limits_(limits) {}
 
-  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations, batch_bytes (kLoad:
-  // load_operations) or inbox_batches batches wait. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
+  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or batch_bytes (kLoad:
+  // load_operations), one of its documents beyond document_bytes, or with those that wait it would exceed inbox_batches or
+  // inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done);
 
   // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max` batches, each
@@ -58,12 +60,20 @@ class Inbox {
   size_t size() const;
 
  private:
-  absl::Status Refusal(const WriteBatch& batch) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  struct Waiting {
+    PendingBatch pending;
+    size_t bytes;
+  };
+
+  // Why this batch of `bytes` is refused by itself; and why it is refused now.
+  absl::Status CheckSize(const WriteBatch& batch, size_t bytes) const;
+  absl::Status CheckRoom(size_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const Clock& clock_;
   const Limits limits_;
   mutable absl::Mutex mutex_;
-  std::deque<PendingBatch> queue_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Waiting> queue_ ABSL_GUARDED_BY(mutex_);
+  size_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   TimeMicros last_stamp_us_ ABSL_GUARDED_BY(mutex_) = 0;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };

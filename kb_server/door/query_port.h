@@ -4,8 +4,8 @@
 #define DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 
 #include <memory>
-#include <utility>
 
+#include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
@@ -34,7 +34,7 @@ class QueryPort {
   // Writer thread only; revisions grow.
   void Publish(GraphVersionPtr version) {
     absl::MutexLock lock(&mutex_);
-    newest_ = std::move(version);
+    newest_.swap(version);  // the old one goes with the parameter, after the lock
   }
 
  private:

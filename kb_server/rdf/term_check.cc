@@ -26,7 +26,8 @@ std::string Shown(std::string_view text) {
 
 absl::Status CheckText(std::string_view text, std::string_view what, size_t term_bytes) {
   if (text.size() > term_bytes) {
-    return Wrong(absl::StrCat("the ", ToAbsl(what), " has ", text.size(), " bytes, the limit term_bytes is ", term_bytes));
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the ", ToAbsl(what), " has ", text.size(), " bytes, the limit term_bytes is ", term_bytes));
   }
   if (std::optional<size_t> at = FindInvalidUtf8(text)) {
     return Wrong(absl::StrFormat("byte %d of the %s (0x%02X) is not UTF-8", *at, ToAbsl(what),

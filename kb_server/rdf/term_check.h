@@ -12,8 +12,8 @@
 namespace docent {
 
 // INVALID_ARGUMENT saying what is wrong: an IRI that is relative or holds a forbidden character, a blank node label
-// or language tag outside Turtle's grammar, a literal with both language and datatype, text that is not UTF-8,
-// more than `term_bytes` bytes in one part.
+// or language tag outside Turtle's grammar, a literal with both language and datatype, text that is not UTF-8.
+// RESOURCE_EXHAUSTED: more than `term_bytes` bytes in one part.
 absl::Status CheckTerm(const Term& term, size_t term_bytes);
 
 // CheckTerm for each position, and: the subject is no literal, the predicate an IRI, the graph an IRI, a blank node or

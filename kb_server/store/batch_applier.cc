@@ -3,13 +3,28 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/term_check.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/store/reading_mapper.h"
 
 namespace docent {
 namespace {
 
+constexpr char kReserved[] = "graph: it is one of those that the server alone writes";
+// A lifetime that ends later than this (the year 2554) never ends.
+constexpr TimeMicros kNever = TimeMicros{1} << 54;
+
 bool IsReserved(const Term& graph) { return graph.lexical == kInferredGraph || graph.lexical == kRunsGraph; }
+
+absl::Status At(absl::string_view place, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+}
+
+std::optional<TimeMicros> EndOfLifetime(TimeMicros from_us, uint64_t lifetime_ms) {
+  if (lifetime_ms == 0 || lifetime_ms >= static_cast<uint64_t>(kNever / 1000)) return std::nullopt;
+  TimeMicros end_us = from_us + static_cast<TimeMicros>(lifetime_ms) * 1000;
+  return end_us < kNever ? std::optional(end_us) : std::nullopt;
+}
 
 }  // namespace
 
@@ -20,24 +35,22 @@ BatchApplier::BatchApplier(Dictionary& dictionary, const Limits& limits)
       state_property_(dictionary.InternIri(DocentIri("StateProperty"))),
       default_graph_(dictionary.InternIri(kDefaultGraph)) {}
 
-absl::Status BatchApplier::Check(const QuadOperation& operation, size_t index) const {
-  const TermQuad& quad = operation.quad;
-  auto bad = [&](std::string_view what, const Term& term) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("operations[", index, "]: ", std::string(what), ", but it is ", ToNTriples(term)));
-  };
-  if (quad.subject.IsLiteral()) return bad("the subject must be an IRI or a blank node", quad.subject);
-  if (!quad.predicate.IsIri()) return bad("the predicate must be an IRI", quad.predicate);
-  if (!quad.graph.IsIri()) return bad("the graph must be an IRI", quad.graph);
-  if (IsReserved(quad.graph)) return bad("that graph is written by the server alone", quad.graph);
-  for (const Term* term : {&quad.subject, &quad.predicate, &quad.object}) {
-    if (term->lexical.empty() && !term->IsLiteral()) {
-      return absl::InvalidArgumentError(absl::StrCat("operations[", index, "]: an empty IRI or blank node label"));
-    }
-    if (term->lexical.size() > limits_.term_bytes) {
-      return absl::ResourceExhaustedError(absl::StrCat("operations[", index, "]: a term of ", term->lexical.size(),
-                                                       " bytes; the limit term_bytes is ", limits_.term_bytes));
-    }
+absl::Status BatchApplier::Check(const WriteBatch& batch) const {
+  if (!batch.source.empty()) {
+    const Term source = Term::Iri(batch.source);
+    if (absl::Status s = CheckTerm(source, limits_.term_bytes); !s.ok()) return At("source", s);
+    if (IsReserved(source)) return At("source", absl::InvalidArgumentError(kReserved));
+  }
+  for (size_t i = 0; i < batch.operations.size(); ++i) {
+    const TermQuad& quad = batch.operations[i].quad;
+    absl::Status status = CheckQuad(quad, limits_.term_bytes);
+    if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
+    if (status.ok() && IsReserved(quad.graph)) status = absl::InvalidArgumentError(kReserved);
+    if (!status.ok()) return At(absl::StrCat("operations[", i, "]"), status);
+  }
+  for (size_t i = 0; i < batch.readings.size(); ++i) {
+    absl::Status status = CheckTerm(batch.readings[i].value, limits_.term_bytes);
+    if (!status.ok()) return At(absl::StrCat("readings[", i, "]: value"), status);
   }
   return absl::OkStatus();
 }
@@ -47,14 +60,25 @@ Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
           quad.graph.lexical.empty() ? default_graph : dictionary_.Intern(quad.graph)};
 }
 
+std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_graph) const {
+  std::optional<TermId> subject = dictionary_.Find(quad.subject), predicate = dictionary_.Find(quad.predicate);
+  std::optional<TermId> object = dictionary_.Find(quad.object);
+  std::optional<TermId> graph = quad.graph.lexical.empty() ? default_graph : dictionary_.Find(quad.graph);
+  if (!subject || !predicate || !object || !graph) return std::nullopt;
+  return Quad{*subject, *predicate, *object, *graph};
+}
+
 void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
-  if (state_properties_known_) return;
+  // Rules may have changed them, too, which no batch tells: their number shows it.
+  const QuadPattern declarations{{}, type_, state_property_, {}};
+  uint64_t count = version.Count(declarations);
+  if (count == state_declarations_) return;
   state_properties_.clear();
-  version.ForEach({{}, type_, state_property_, {}}, [this](const Quad& quad) {
+  version.ForEach(declarations, [this](const Quad& quad) {
     state_properties_.insert(quad.subject);
     return true;
   });
-  state_properties_known_ = true;
+  state_declarations_ = count;
 }
 
 void BatchApplier::SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline) {
@@ -82,9 +106,9 @@ void BatchApplier::Add(const Quad& quad, const WriteBatch& batch, GraphWriter& w
     for (const Quad& other : old) Remove(other, writer, sum);
   }
   if (writer.Add(quad)) sum->Added(quad);
-  if (batch.mode != WriteBatch::Mode::kAssert) return;
-  if (batch.lifetime_ms > 0) SetDeadline(quad, batch.time_us + static_cast<TimeMicros>(batch.lifetime_ms) * 1000);
-  else if (!deadlines_.empty()) SetDeadline(quad, std::nullopt);
+  bool asserts = batch.mode == WriteBatch::Mode::kAssert;
+  std::optional<TimeMicros> end = asserts ? EndOfLifetime(batch.time_us, batch.lifetime_ms) : std::nullopt;
+  if (end || !deadlines_.empty()) SetDeadline(quad, end);
 }
 
 void BatchApplier::Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum) {
@@ -99,9 +123,7 @@ void BatchApplier::Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum)
 }
 
 absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& writer) {
-  for (size_t i = 0; i < batch.operations.size(); ++i) {
-    if (absl::Status status = Check(batch.operations[i], i); !status.ok()) return status;
-  }
+  if (absl::Status status = Check(batch); !status.ok()) return status;
   RefreshStateProperties(writer.current());
   absl::StatusOr<std::vector<QuadOperation>> read = MapReadings(batch.readings, dictionary_, writer.current());
   if (!read.ok()) return read.status();
@@ -112,15 +134,17 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
   const std::vector<QuadOperation>& readings = *read;
   for (const std::vector<QuadOperation>* operations : {&batch.operations, &readings}) {
     for (const QuadOperation& operation : *operations) {
-      Quad quad = Intern(operation.quad, graph);
-      if (operation.kind == QuadOperation::Kind::kAdd) Add(quad, batch, writer, &sum);
-      else Remove(quad, writer, &sum);
+      if (operation.kind == QuadOperation::Kind::kAdd) {
+        Add(Intern(operation.quad, graph), batch, writer, &sum);
+      } else if (std::optional<Quad> known = Find(operation.quad, graph)) {
+        Remove(*known, writer, &sum);
+      }
     }
   }
   Delta delta = sum.Net();
   for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
     for (const Quad& quad : *quads) {
-      if (quad.predicate == type_ && quad.object == state_property_) state_properties_known_ = false;
+      if (quad.predicate == type_ && quad.object == state_property_) state_declarations_ = kUnknown;
     }
   }
   return delta;
@@ -138,7 +162,7 @@ void BatchApplier::Rollback() {
   undo_.clear();
   for (auto it = undo.rbegin(); it != undo.rend(); ++it) SetDeadline(it->first, it->second);
   undo_.clear();
-  state_properties_known_ = false;
+  state_declarations_ = kUnknown;
 }
 
 }  // namespace docent

@@ -3,13 +3,15 @@
 //  - terms are checked and interned; quads without a graph go to the batch's source, or to docent:default
 //  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same subject and graph,
 //    the last in the batch wins
-//  - a fact told with a lifetime is withdrawn when it has passed, unless told again; the clock batch of that time does it
+//  - a fact told with a lifetime is withdrawn when it has passed, unless told again: with a new lifetime, or without one
+//    (then it stays). The first batch at or after that time does it, a clock batch if no other comes
 //  - sensor readings become facts by the graph's docent:ReadingMapping resources (reading_mapper.h)
 //
 // Commit or Rollback at the end of each turn, together with the writer. Writer thread only.
 #ifndef DOCENT_KB_SERVER_STORE_BATCH_APPLIER_H_
 #define DOCENT_KB_SERVER_STORE_BATCH_APPLIER_H_
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <utility>
@@ -32,8 +34,9 @@ class BatchApplier {
   // `dictionary` must outlive the applier.
   BatchApplier(Dictionary& dictionary, const Limits& limits);
 
-  // The net change. INVALID_ARGUMENT naming the operation and the term ("operations[3]: …"), RESOURCE_EXHAUSTED for a term
-  // over term_bytes: the graph is as it was.
+  // The net change. INVALID_ARGUMENT naming the place ("operations[3]: subject: …", "readings[0]: …", "source: …"): a term
+  // that RDF does not allow (term_check.h), a graph that is no IRI or that the server alone writes, a reading that no
+  // mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error the graph is as it was and nothing was interned.
   absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer);
 
   // When the next lifetime ends, if any.
@@ -43,8 +46,12 @@ class BatchApplier {
   void Rollback();
 
  private:
-  absl::Status Check(const QuadOperation& operation, size_t index) const;
+  static constexpr uint64_t kUnknown = ~uint64_t{0};
+
+  absl::Status Check(const WriteBatch& batch) const;
   Quad Intern(const TermQuad& quad, TermId default_graph);
+  // Nothing if a term of it was never interned, so that the graph cannot hold it.
+  std::optional<Quad> Find(const TermQuad& quad, TermId default_graph) const;
   void Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum);
   void Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum);
   void Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum);
@@ -58,7 +65,7 @@ class BatchApplier {
   const TermId default_graph_;
 
   absl::flat_hash_set<TermId> state_properties_;
-  bool state_properties_known_ = false;
+  uint64_t state_declarations_ = kUnknown;  // how many the graph held when state_properties_ was read
 
   absl::flat_hash_map<Quad, TimeMicros> deadlines_;
   std::set<std::pair<TimeMicros, Quad>> by_deadline_;

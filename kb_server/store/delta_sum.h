@@ -3,6 +3,8 @@
 #ifndef DOCENT_KB_SERVER_STORE_DELTA_SUM_H_
 #define DOCENT_KB_SERVER_STORE_DELTA_SUM_H_
 
+#include <vector>
+
 #include "absl/container/flat_hash_map.h"
 #include "kb_server/store/delta.h"
 
@@ -11,25 +13,37 @@ namespace docent {
 class DeltaSum {
  public:
   // Each call must tell of a real change of the graph, in order.
-  void Added(const Quad& quad) { Count(quad, 1); }
-  void Removed(const Quad& quad) { Count(quad, -1); }
+  void Added(const Quad& quad) { changes_.added.push_back(quad); }
+  void Removed(const Quad& quad) { changes_.removed.push_back(quad); }
   void Add(const Delta& delta) {
-    for (const Quad& quad : delta.removed) Removed(quad);
-    for (const Quad& quad : delta.added) Added(quad);
+    changes_.added.insert(changes_.added.end(), delta.added.begin(), delta.added.end());
+    changes_.removed.insert(changes_.removed.end(), delta.removed.begin(), delta.removed.end());
   }
 
+  // Each list in the order in which its quads were first changed: the same on every replay.
   Delta Net() const {
+    if (changes_.added.empty() || changes_.removed.empty()) return changes_;
+    absl::flat_hash_map<Quad, int> counts;  // a quad's changes alternate, so this ends at -1, 0 or 1
+    for (const Quad& quad : changes_.added) ++counts[quad];
+    for (const Quad& quad : changes_.removed) --counts[quad];
+    auto keep = [&counts](const std::vector<Quad>& quads, int sign) {
+      std::vector<Quad> kept;
+      for (const Quad& quad : quads) {
+        int& count = counts[quad];
+        if (count != sign) continue;
+        kept.push_back(quad);
+        count = 0;  // once
+      }
+      return kept;
+    };
     Delta net;
-    for (const auto& [quad, count] : counts_) (count > 0 ? net.added : net.removed).push_back(quad);
+    net.added = keep(changes_.added, 1);
+    net.removed = keep(changes_.removed, -1);
     return net;
   }
 
  private:
-  void Count(const Quad& quad, int by) {
-    auto [it, inserted] = counts_.try_emplace(quad, by);
-    if (!inserted && (it->second += by) == 0) counts_.erase(it);
-  }
-  absl::flat_hash_map<Quad, int> counts_;  // +1 added, -1 removed
+  Delta changes_;  // all of them, not net
 };
 
 }  // namespace docent
