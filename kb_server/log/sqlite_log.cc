@@ -104,6 +104,7 @@ absl::Status SqliteLog::CheckEnd() {
 
 absl::StatusOr<AppendResult> SqliteLog::Append(absl::Span<const std::string> records, uint64_t epoch,
                                                uint64_t expected_head) {
+  WaitForCheckpoint();
   absl::MutexLock lock(&append_mutex_);
   const HeadRow old_head = CurrentHead();
   AppendResult result;

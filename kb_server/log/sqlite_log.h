@@ -84,6 +84,8 @@ class SqliteLog final : public ContextLog {
   void StartCheckpoints();
   void StopCheckpoints();
   void CheckpointLoop();
+  // Holds an append back while the checkpoint thread is far behind: the write-ahead log must not grow without bound.
+  void WaitForCheckpoint();
 
   const SqliteLogOptions options_;
   DataFolder folder_;

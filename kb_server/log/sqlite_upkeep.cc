@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "kb_server/log/sqlite_log.h"
 
 namespace docent {
@@ -49,7 +50,10 @@ absl::Status SqliteLog::TrimStep(const Verified& last_dropped) {
 }
 
 void SqliteLog::StartCheckpoints() {
-  next_checkpoint_pages_ = options_.checkpoint_pages;
+  {
+    absl::MutexLock lock(&head_mutex_);
+    next_checkpoint_pages_ = options_.checkpoint_pages;
+  }
   {
     absl::MutexLock lock(&append_mutex_);
     // Called after each commit with the length of the write-ahead log.
@@ -72,6 +76,15 @@ void SqliteLog::StopCheckpoints() {
     stopping_ = true;
   }
   if (checkpoint_thread_.joinable()) checkpoint_thread_.join();
+}
+
+void SqliteLog::WaitForCheckpoint() {
+  const auto near = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
+    return stopping_ || wal_pages_ < next_checkpoint_pages_ + 3 * options_.checkpoint_pages;
+  };
+  absl::MutexLock lock(&head_mutex_);
+  // The time limit is for a disk on which the checkpoint hangs: then appends go on, slowly, as long as it lets them.
+  head_mutex_.AwaitWithTimeout(absl::Condition(&near), absl::Seconds(1));
 }
 
 void SqliteLog::CheckpointLoop() {

@@ -268,8 +268,9 @@ TEST(SqliteLogTest, WriteAheadLogDoesNotGrow) {
   auto log = OpenLog(folder.path(), options);
   const std::string record(20000, 'x');
   for (uint64_t i = 0; i < 1000; ++i) ASSERT_TRUE(log->Append(absl::MakeSpan(&record, 1), 1, i).ok());
-  // 20 MB were written; the file starts again whenever it was carried over.
-  EXPECT_LT(std::filesystem::file_size(folder.File("log.sqlite-wal")), 10u << 20);
+  // 20 MB were written; the file starts again whenever it was carried over, and appends wait when it is four times as
+  // long as it should be.
+  EXPECT_LT(std::filesystem::file_size(folder.File("log.sqlite-wal")), 1u << 20);
 }
 
 TEST(SqliteLogTest, SecondServerIsRefused) {
