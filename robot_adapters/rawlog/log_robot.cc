@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "absl/strings/str_format.h"
 #include "kb_server/rdf/vocabulary.h"
@@ -27,8 +28,13 @@ std::string JsonString(const std::string& text) {
 
 }  // namespace
 
-LogRobot::LogRobot(maps::HallLayout layout, std::shared_ptr<const maps::HallModel> building, double speed)
-    : layout_(std::move(layout)), regions_(layout_), building_(std::move(building)), speed_(speed) {}
+LogRobot::LogRobot(std::string robot, maps::HallLayout layout, std::shared_ptr<const maps::HallModel> building,
+                   double speed)
+    : robot_(std::move(robot)),
+      layout_(std::move(layout)),
+      regions_(layout_),
+      building_(std::move(building)),
+      speed_(speed) {}
 
 absl::StatusOr<std::unique_ptr<LogRobot>> LogRobot::Start(LogRobotOptions options) {
   if (!(options.speed > 0) || !std::isfinite(options.speed)) {
@@ -46,7 +52,7 @@ absl::StatusOr<std::unique_ptr<LogRobot>> LogRobot::Start(LogRobotOptions option
   absl::StatusOr<std::shared_ptr<const maps::HallModel>> building = BuildingFromSimplemap(*map);
   if (!building.ok()) return building.status();
 
-  std::unique_ptr<LogRobot> robot(new LogRobot(*std::move(layout), *building, options.speed));
+  std::unique_ptr<LogRobot> robot(new LogRobot(options.adapter.robot, *std::move(layout), *building, options.speed));
   robot->replay_ = std::make_unique<LogReplay>(*building, *std::move(drive), &robot->regions_, options.localiser,
                                                options.seed);
   absl::StatusOr<std::unique_ptr<RobotAdapter>> adapter =
@@ -95,16 +101,15 @@ absl::Status LogRobot::Replay(const Sleep& sleep) {
   return absl::OkStatus();
 }
 
+// One batch, so that no reader sees the pose of one step with the region of another.
 void LogRobot::Tell(const ReplayedStep& step) {
-  adapter_->SetState(DocentIri("x"), Decimal(step.estimate.x_m, 3));
-  adapter_->SetState(DocentIri("y"), Decimal(step.estimate.y_m, 3));
-  adapter_->SetState(DocentIri("heading"), Decimal(step.estimate.heading_rad, 3));
-  adapter_->SetState(DocentIri("localised"), Term::Boolean(step.estimate.localised));
-  if (step.region != nullptr) {
-    adapter_->SetState(DocentIri("isAt"), Term::Iri(step.region->iri));
-  } else {
-    adapter_->ClearState(DocentIri("isAt"));
-  }
+  std::optional<Term> region;
+  if (step.region != nullptr) region = Term::Iri(step.region->iri);
+  adapter_->facts().SetAll(robot_, {{DocentIri("x"), Decimal(step.estimate.x_m, 3)},
+                                    {DocentIri("y"), Decimal(step.estimate.y_m, 3)},
+                                    {DocentIri("heading"), Decimal(step.estimate.heading_rad, 3)},
+                                    {DocentIri("localised"), Term::Boolean(step.estimate.localised)},
+                                    {DocentIri("isAt"), region}});
 }
 
 std::vector<ReplayedStep> LogRobot::Steps() const {

@@ -54,12 +54,13 @@ class LogRobot {
   RobotAdapter& adapter() { return *adapter_; }
 
  private:
-  LogRobot(maps::HallLayout layout, std::shared_ptr<const maps::HallModel> building, double speed);
+  LogRobot(std::string robot, maps::HallLayout layout, std::shared_ptr<const maps::HallModel> building, double speed);
   Operation NoteArrival();
   void Tell(const ReplayedStep& step);
   // The first step in each region, in the order of entry.
   std::vector<std::pair<const maps::Region*, size_t>> Entries() const;
 
+  const std::string robot_;  // IRI
   const maps::HallLayout layout_;
   const maps::RegionIndex regions_;
   const std::shared_ptr<const maps::HallModel> building_;
