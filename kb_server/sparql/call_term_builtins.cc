@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/expression_evaluator.h"
-#include "kb_server/sparql/iri_resolver.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
@@ -54,7 +54,7 @@ Value MakeIri(const Value& v, EvaluationContext& context) {
   if (v.text().find_first_of("<>\"{}|^`\\ \t\r\n") != std::string_view::npos) return Value::Error();
   if (IsAbsoluteIri(v.text())) return Value::Iri(std::string(v.text()));
   if (context.base_iri.empty()) return Value::Error();
-  return Value::Iri(ResolveIri(context.base_iri, v.text()));
+  return Value::Iri(ResolveIri(v.text(), context.base_iri));
 }
 
 Value DatatypeOf(const Value& v, EvaluationContext& context) {

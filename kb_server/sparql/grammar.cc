@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/iri_resolver.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
@@ -127,7 +127,7 @@ std::optional<std::string> Grammar::Resolve(const Token& iri) {
           iri.text.find(':') == std::string::npos ? "write BASE <http://…/> before the query, or the whole IRI" : "");
     return std::nullopt;
   }
-  return ResolveIri(base_iri_, iri.text);
+  return ResolveIri(iri.text, base_iri_);
 }
 
 std::optional<std::string> Grammar::Expand(const Token& name) {

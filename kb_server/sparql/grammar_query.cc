@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "kb_server/sparql/grammar.h"
-#include "kb_server/sparql/iri_resolver.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {

@@ -1,0 +1,127 @@
+#include "tests/conformance/sparql/w3c_manifest.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+constexpr char kMf[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-manifest#";
+constexpr char kQt[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-query#";
+
+class Graph {
+ public:
+  explicit Graph(const std::vector<TermQuad>& quads) {
+    for (const TermQuad& q : quads) values_[{Key(q.subject), q.predicate.lexical}].push_back(q.object);
+  }
+  std::vector<Term> All(const Term& subject, const std::string& predicate) const {
+    const auto it = values_.find({Key(subject), predicate});
+    return it == values_.end() ? std::vector<Term>() : it->second;
+  }
+  Term One(const Term& subject, const std::string& predicate) const {
+    const std::vector<Term> all = All(subject, predicate);
+    return all.empty() ? Term{} : all[0];
+  }
+  std::vector<Term> List(Term cell) const {
+    std::vector<Term> out;
+    const std::string rdf(kRdfNs);
+    while (!cell.lexical.empty() && cell.lexical != rdf + "nil") {
+      out.push_back(One(cell, rdf + "first"));
+      cell = One(cell, rdf + "rest");
+    }
+    return out;
+  }
+  Term WithType(const std::string& type) const {
+    for (const auto& [key, objects] : values_) {
+      if (key.second != kRdfType) continue;
+      for (const Term& o : objects) {
+        if (o.lexical == type) return key.first[0] == '_' ? Term::Blank(key.first.substr(1)) : Term::Iri(key.first);
+      }
+    }
+    return Term{};
+  }
+
+ private:
+  static std::string Key(const Term& t) { return t.IsBlank() ? "_" + t.lexical : t.lexical; }
+  std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
+};
+
+std::string LocalName(const std::string& iri) { return iri.substr(iri.find_last_of("#/") + 1); }
+
+}  // namespace
+
+std::filesystem::path W3cRoot() {
+  const char* given = std::getenv("DOCENT_W3C_TESTS");
+  return (given != nullptr ? std::filesystem::path(given)
+                           : std::filesystem::path(DOCENT_SOURCE_DIR) / "../shared/w3c-rdf-tests") /
+         "sparql";
+}
+
+std::filesystem::path W3cFile(const std::string& iri) {
+  const std::string base = kW3cBase;
+  return W3cRoot() / (iri.starts_with(base) ? iri.substr(base.size()) : iri);
+}
+
+std::string ReadText(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  EXPECT_TRUE(in.good()) << path;
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
+  ParseRdfOptions options;
+  options.base_iri = kW3cBase + folder + "/manifest.ttl";
+  const std::string text = ReadText(W3cFile(options.base_iri));
+  const ParsedRdf parsed = ParseRdf(text, RdfFormat::kTurtle, options);
+  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+  const Graph graph(parsed.quads);
+  const std::string mf = kMf, qt = kQt;
+  std::vector<W3cQueryTest> tests;
+  for (const Term& entry : graph.List(graph.One(graph.WithType(mf + "Manifest"), mf + "entries"))) {
+    W3cQueryTest test;
+    bool query_test = true;
+    for (const Term& type : graph.All(entry, std::string(kRdfType))) {
+      const std::string kind = LocalName(type.lexical);
+      if (kind == "QueryEvaluationTest") {
+        test.kind = W3cQueryTest::Kind::kEvaluation;
+      } else if (kind == "CSVResultFormatTest") {
+        test.kind = W3cQueryTest::Kind::kCsvResult;
+      } else if (kind == "PositiveSyntaxTest" || kind == "PositiveSyntaxTest11") {
+        test.kind = W3cQueryTest::Kind::kPositiveSyntax;
+      } else if (kind == "NegativeSyntaxTest" || kind == "NegativeSyntaxTest11") {
+        test.kind = W3cQueryTest::Kind::kNegativeSyntax;
+      } else {
+        query_test = false;
+      }
+    }
+    if (!query_test) continue;
+    test.name = folder + "/" + LocalName(entry.lexical);
+    const Term action = graph.One(entry, mf + "action");
+    test.query = action.IsIri() ? action.lexical : graph.One(action, qt + "query").lexical;
+    for (const Term& data : graph.All(action, qt + "data")) test.data.push_back(data.lexical);
+    for (const Term& data : graph.All(action, qt + "graphData")) {
+      if (data.IsIri()) {
+        test.named.emplace_back(data.lexical, data.lexical);
+      } else {
+        const std::string file = graph.One(data, qt + "graph").lexical;
+        const Term label = graph.One(data, std::string(kRdfsNs) + "label");
+        test.named.emplace_back(label.lexical.empty() ? file : label.lexical, file);
+      }
+    }
+    test.result = graph.One(entry, mf + "result").lexical;
+    test.lax = LocalName(graph.One(entry, mf + "resultCardinality").lexical) == "LaxCardinality";
+    tests.push_back(std::move(test));
+  }
+  return tests;
+}
+
+}  // namespace docent
