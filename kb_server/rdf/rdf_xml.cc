@@ -91,7 +91,7 @@ class RdfXmlReader {
   // The span of a place that Raptor names: it counts lines from 1 and columns, if it knows them, in bytes.
   SourceSpan SpanOf(const raptor_locator* locator) const {
     int line = locator == nullptr ? 0 : raptor_locator_line(const_cast<raptor_locator*>(locator));
-    if (line <= 0) return {};
+    if (line <= 0) return SpanAt(text_, 0);
     size_t start = 0;
     for (int i = 1; i < line; ++i) {
       size_t end = text_.find('\n', start);

@@ -58,7 +58,7 @@ std::string FormatDecimal(InlineDecimalValue value) {
 }
 
 std::optional<TermId> EncodeDecimal(std::string_view text) {
-  std::array<char, 24> digits;
+  std::array<char, 40> digits;
   size_t count = 0;
   int64_t scale = 0;
   bool point = false;

@@ -1,0 +1,107 @@
+#include "kb_server/rdf/dictionary.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+std::vector<Term> ManyKinds() {
+  return {Term::Iri("http://a"),
+          Term::Blank("http://a"),
+          Term::Literal("http://a"),
+          Term::Literal(""),
+          Term::Literal(std::string("a\0b", 3)),
+          Term::Literal("http://a", "http://t"),
+          Term::Literal("http://a", "http://u"),
+          Term::LangString("http://a", "en"),
+          Term::LangString("http://a", "en-gb"),
+          Term::Literal("007", std::string(kXsdInteger)),
+          Term::Literal(std::string(100000, 'x'))};
+}
+
+TEST(DictionaryTest, RoundTripAndIdentity) {
+  Dictionary dictionary;
+  std::vector<TermId> ids;
+  for (const Term& term : ManyKinds()) {
+    EXPECT_FALSE(dictionary.Find(term).has_value());
+    ids.push_back(dictionary.Intern(term));
+  }
+  size_t size = dictionary.size();
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Term term = ManyKinds()[i];
+    EXPECT_EQ(dictionary.Decode(ids[i]), term);
+    EXPECT_EQ(dictionary.Intern(term), ids[i]);
+    EXPECT_EQ(dictionary.Find(term), ids[i]);
+    EXPECT_EQ(dictionary.Lexical(ids[i]), term.lexical);
+    for (size_t j = 0; j < i; ++j) EXPECT_NE(ids[i], ids[j]);
+  }
+  EXPECT_EQ(dictionary.size(), size);
+  EXPECT_GT(dictionary.bytes(), 100000u);
+}
+
+TEST(DictionaryTest, InlineLiteralsMakeNoEntry) {
+  Dictionary dictionary;
+  TermId id = dictionary.Intern(Term::Literal("1.25", std::string(kXsdDecimal)));
+  EXPECT_EQ(dictionary.size(), 0u);
+  EXPECT_EQ(dictionary.Decode(id), Term::Literal("1.25", std::string(kXsdDecimal)));
+  EXPECT_EQ(dictionary.Find(Term::Integer(3)), dictionary.Intern(Term::Integer(3)));
+}
+
+TEST(DictionaryTest, DatatypeAndLanguage) {
+  Dictionary dictionary;
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Literal("x"))), kXsdString);
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Literal("x", "http://t"))), "http://t");
+  TermId english = dictionary.Intern(Term::LangString("x", "en"));
+  EXPECT_EQ(dictionary.Datatype(english), kRdfLangString);
+  EXPECT_EQ(dictionary.Language(english), "en");
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Integer(1))), kXsdInteger);
+  EXPECT_EQ(dictionary.Datatype(dictionary.InternIri("http://a")), "");
+  EXPECT_EQ(dictionary.Language(dictionary.Intern(Term::Literal("x"))), "");
+}
+
+TEST(DictionaryTest, SameOrderGivesTheSameIds) {
+  Dictionary a, b;
+  for (int i = 0; i < 5000; ++i) {
+    Term term = i % 3 == 0 ? Term::Literal("v" + std::to_string(i), "http://t" + std::to_string(i % 7))
+                           : Term::Iri("http://e/" + std::to_string(i % 1000));
+    ASSERT_EQ(a.Intern(term), b.Intern(term));
+  }
+}
+
+// One writer; readers find and decode what it has published through an atomic, and look for terms not yet there.
+TEST(DictionaryTest, ReadersBesideTheWriter) {
+  Dictionary dictionary;
+  constexpr uint64_t kTerms = 40000;
+  auto text = [](uint64_t i) { return "http://example.org/" + std::to_string(i); };
+  std::atomic<uint64_t> published{0};
+  std::atomic<bool> wrong{false};
+  auto read = [&](uint64_t step) {
+    for (uint64_t i = 0; published.load(std::memory_order_acquire) < kTerms; i += step) {
+      uint64_t count = published.load(std::memory_order_acquire);
+      if (count == 0) continue;
+      uint64_t n = i % count;
+      TermId id = TermId::Make(TermId::Tag::kIri, n);
+      if (dictionary.Lexical(id) != text(n) || dictionary.FindIri(text(n)) != id) wrong = true;
+      std::optional<TermId> later = dictionary.FindIri(text(n + 1000));
+      if (later && dictionary.Decode(*later).lexical != text(n + 1000)) wrong = true;
+    }
+  };
+  std::thread first(read, 7), second(read, 13);
+  for (uint64_t i = 0; i < kTerms; ++i) {
+    dictionary.InternIri(text(i));
+    published.store(i + 1, std::memory_order_release);
+  }
+  first.join();
+  second.join();
+  EXPECT_FALSE(wrong);
+}
+
+}  // namespace
+}  // namespace docent
