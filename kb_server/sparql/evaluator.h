@@ -58,7 +58,7 @@ struct RunOptions {
 
 class PreparedQuery {
  public:
-  // UNIMPLEMENTED, with the place, for what the evaluator does not do (SERVICE, DESCRIBE, recursive paths);
+  // UNIMPLEMENTED, with the place, for what the evaluator does not do (SERVICE, DESCRIBE);
   // INVALID_ARGUMENT for an unknown function or a variable in `bound` that the query does not have.
   // `dictionary` must outlive the result; `query` need not.
   static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(const Query& query, const Dictionary& dictionary,

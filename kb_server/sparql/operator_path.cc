@@ -37,7 +37,10 @@ class PathOperator final : public Operator {
     if (from_.IsNone() && to_.IsNone()) {
       starts_ = AllNodes();
     } else {
-      starts_.push_back(forward_ ? from_ : to_);
+      const TermId start = forward_ ? from_ : to_;
+      // Between two variables a path of length zero leads from a node of the graph to itself, and from nothing else.
+      const bool variables = node_.subject.slot >= 0 && node_.object.slot >= 0;
+      if (!variables || IsNode(start)) starts_.push_back(start);
     }
   }
 
@@ -76,6 +79,12 @@ class PathOperator final : public Operator {
     PatternScan scan;
     scan.Open(triple_, row, context_);
     while (scan.Next(row)) visit(row[0], row[1], row[2]);
+  }
+  bool AnyTriple(TermId subject, TermId object) {
+    TermId row[4] = {subject, TermId(), object, graph_};
+    PatternScan scan;
+    scan.Open(triple_, row, context_);
+    return scan.Next(row);
   }
 
   // How many IRIs `path` holds: the constants of a path stand in the order of its IRIs.
@@ -178,6 +187,8 @@ class PathOperator final : public Operator {
     if (has_against) collect(against, !forward);
     return out;
   }
+
+  bool IsNode(TermId id) { return AnyTriple(id, TermId()) || AnyTriple(TermId(), id); }
 
   std::vector<TermId> AllNodes() {
     std::vector<TermId> out;

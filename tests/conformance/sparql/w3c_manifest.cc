@@ -91,10 +91,8 @@ std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
     bool query_test = true;
     for (const Term& type : graph.All(entry, std::string(kRdfType))) {
       const std::string kind = LocalName(type.lexical);
-      if (kind == "QueryEvaluationTest") {
+      if (kind == "QueryEvaluationTest" || kind == "CSVResultFormatTest") {
         test.kind = W3cQueryTest::Kind::kEvaluation;
-      } else if (kind == "CSVResultFormatTest") {
-        test.kind = W3cQueryTest::Kind::kCsvResult;
       } else if (kind == "PositiveSyntaxTest" || kind == "PositiveSyntaxTest11") {
         test.kind = W3cQueryTest::Kind::kPositiveSyntax;
       } else if (kind == "NegativeSyntaxTest" || kind == "NegativeSyntaxTest11") {

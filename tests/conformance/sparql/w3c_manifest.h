@@ -10,7 +10,7 @@
 namespace docent {
 
 struct W3cQueryTest {
-  enum class Kind { kEvaluation, kPositiveSyntax, kNegativeSyntax, kCsvResult };
+  enum class Kind { kEvaluation, kPositiveSyntax, kNegativeSyntax };
   Kind kind = Kind::kEvaluation;
   std::string name;  // folder/name-of-the-entry
   std::string query;                                       // files below are IRIs beneath kBase
