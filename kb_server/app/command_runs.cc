@@ -223,7 +223,8 @@ void AddRunCommand(CLI::App* app, int* exit_code) {
   AddClientOptions(command, &arguments->client);
   command->add_option("workflow", arguments->workflow, "Name of the workflow (CAWL/@name)")->required();
   command->add_option("--flow", arguments->flow, "Flow within it (default: the one that its activator starts)");
-  command->add_option("--var", arguments->variables, "NAME=VALUE, a variable of the run; may be repeated");
+  command->add_option("--var", arguments->variables, "NAME=VALUE, a variable of the run; may be repeated")
+      ->allow_extra_args(false);
   command->add_flag("--detach", arguments->detach, "Print the run's id and do not wait");
   command->callback([arguments, exit_code] { *exit_code = StartRun(*arguments); });
 }

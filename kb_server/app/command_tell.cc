@@ -135,8 +135,9 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
   AddClientOptions(command, &arguments->client);
   command->add_option("facts", arguments->facts, "Turtle, e.g. 'expo:John docent:selected expo:B03'");
   command->add_option("--withdraw", arguments->withdraw, "Turtle: facts that no longer hold");
-  command->add_option("--reading", arguments->readings, "SENSOR=VALUE; the graph's reading mappings make it a fact");
-  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes");
+  command->add_option("--reading", arguments->readings, "SENSOR=VALUE; the graph's reading mappings make it a fact")
+      ->allow_extra_args(false);
+  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")->allow_extra_args(false);
   command->add_option("--source", arguments->source, "IRI of who says it");
   command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
   command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time");

@@ -1,10 +1,12 @@
 // docent: the server and its command line.
 #include <CLI/CLI.hpp>
+#include <stdlib.h>
 
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 
 int main(int argc, char** argv) {
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // what gRPC would log reaches people through our own errors
   CLI::App app{"Docent: a semantic context-reasoning server for service robots"};
   app.set_version_flag("--version", std::string(DOCENT_VERSION));
   app.require_subcommand(1);

@@ -174,7 +174,7 @@ absl::Status Server::StartHttp() {
   HttpRoutes routes;
   AddHealthRoute(&routes, [this] { return status(); });
   AddMetricsRoute(&routes, &metrics_);
-  AddSparqlRoute(&routes, &ports_);
+  AddSparqlRoutes(&routes, &ports_, &metrics_);
   HttpServerOptions options;
   options.listen = settings_.http_address;
   options.connections = settings_.limits.http_connections;

@@ -22,6 +22,28 @@ std::string_view LineOf(std::string_view source, int line) {
 
 bool IsContinuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
+// The part of a long line around `column` (from 1, in code points), with "…" where something is left out, and where
+// the column is in it. A line may hold a literal of a megabyte.
+struct Excerpt {
+  std::string text;
+  int column;
+};
+Excerpt ExcerptOf(std::string_view line, int column) {
+  constexpr int kBefore = 100, kAfter = 60;
+  const int first = column > kBefore + 1 ? column - kBefore : 1;  // code points [first, last] are shown
+  const int last = column + kAfter;
+  Excerpt excerpt{first > 1 ? "…" : "", column - first + (first > 1 ? 2 : 1)};
+  int current = 0;
+  for (size_t i = 0; i < line.size(); ++i) {
+    if (!IsContinuation(line[i]) && ++current > last) {
+      excerpt.text += "…";
+      break;
+    }
+    if (current >= first) excerpt.text += line[i];
+  }
+  return excerpt;
+}
+
 // Edits (insert, delete, replace, swap of neighbours) from `a` to `b`: the optimal string alignment distance.
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -53,11 +75,12 @@ std::string Render(const Diagnostics& diagnostics, std::string_view source) {
     if (d.span.line > 0) absl::StrAppend(&out, d.span.line, ":", d.span.column, ": ");
     else if (!d.file.empty()) out += " ";
     absl::StrAppend(&out, d.severity == Diagnostic::Severity::kError ? "error: " : "warning: ", d.message, "\n");
-    std::string_view text = d.span.line > 0 ? LineOf(source, d.span.line) : std::string_view();
-    if (!text.empty()) {
+    std::string_view line = d.span.line > 0 ? LineOf(source, d.span.line) : std::string_view();
+    if (!line.empty()) {
+      const auto [text, caret] = ExcerptOf(line, d.span.column);
       out.append("  ").append(text).append("\n  ");
       int column = 1;
-      for (size_t i = 0; i < text.size() && column < d.span.column; ++i) {
+      for (size_t i = 0; i < text.size() && column < caret; ++i) {
         if (IsContinuation(text[i])) continue;
         out += text[i] == '\t' ? '\t' : ' ';
         ++column;

@@ -147,9 +147,30 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
   return batch;
 }
 
+namespace {
+
+// A status message travels in HTTP/2 headers, of which clients accept 8 KiB by default, and bytes outside of printable
+// ASCII take three there (gRPC over HTTP/2, "Status-Message").
+std::string CutToHeaders(absl::string_view message) {
+  constexpr size_t kHeaderBytes = 6000;
+  size_t encoded = 0, line_end = 0;
+  for (size_t i = 0; i < message.size(); ++i) {
+    encoded += message[i] < ' ' || message[i] > '~' || message[i] == '%' ? 3 : 1;
+    if (encoded > kHeaderBytes) {
+      size_t cut = line_end > 0 ? line_end : i;
+      while (cut > 0 && (static_cast<unsigned char>(message[cut]) & 0xC0) == 0x80) --cut;  // whole code points
+      return absl::StrCat(message.substr(0, cut), "… (", message.size() - cut, " more bytes)");
+    }
+    if (message[i] == '\n') line_end = i + 1;
+  }
+  return std::string(message);
+}
+
+}  // namespace
+
 grpc::Status ToGrpc(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
-  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), std::string(status.message()));
+  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), CutToHeaders(status.message()));
 }
 
 }  // namespace docent
