@@ -19,12 +19,12 @@ constexpr absl::Duration kShortestPause = absl::Milliseconds(20);
 FleetMember::FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return)
     : link_(link), request_(std::move(request)), on_return_(std::move(on_return)), thread_([this] { Run(); }) {}
 
-FleetMember::~FleetMember() {
+void FleetMember::Stop() {
   {
     absl::MutexLock lock(&mutex_);
     stopped_ = true;
   }
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 bool FleetMember::joined() const {

@@ -17,8 +17,9 @@ class FleetMember {
  public:
   // `link` must outlive it. `on_return` is called after each Join that follows a failed one (and after the first).
   FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return);
-  // The link must have been shut down, or a call may keep this waiting for its timeout.
-  ~FleetMember();
+  ~FleetMember() { Stop(); }
+  // Joins no more. The link should have been shut down, or a call may keep this waiting for its timeout.
+  void Stop();
 
   bool joined() const;
 

@@ -46,15 +46,18 @@ class RobotAdapter::Impl {
         clock(this->options.clock != nullptr ? this->options.clock : &system_clock),
         link(this->options.server) {}
 
-  ~Impl() {
+  ~Impl() { Shutdown(); }
+
+  void Shutdown() {
     if (commands != nullptr) commands->Stop();
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
+    server.reset();
     service.reset();
     commands.reset();  // waits for the operations, whose last facts are told meanwhile
     if (facts != nullptr) facts->Flush(member != nullptr && member->joined() ? options.linger : absl::ZeroDuration());
     link.Shutdown();
-    member.reset();
-    facts.reset();
+    if (member != nullptr) member->Stop();
+    if (facts != nullptr) facts->Stop(absl::ZeroDuration());
   }
 
   absl::Status Start(std::vector<Operation> operations);
@@ -156,6 +159,9 @@ absl::StatusOr<std::unique_ptr<RobotAdapter>> RobotAdapter::Start(AdapterOptions
   return std::unique_ptr<RobotAdapter>(new RobotAdapter(std::move(impl)));
 }
 
+void RobotAdapter::Shutdown() {
+  impl_->Shutdown();
+}
 void RobotAdapter::SetState(const std::string& predicate, Term value) {
   impl_->facts->Set(impl_->options.robot, predicate, std::move(value));
 }

@@ -78,10 +78,13 @@ class RobotAdapter {
   // others: the journal cannot be read or written.
   static absl::StatusOr<std::unique_ptr<RobotAdapter>> Start(AdapterOptions options, std::vector<Operation> operations);
 
-  // Ends running commands as failed, waits for their functions, and delivers the last facts for at most `linger`.
-  ~RobotAdapter();
+  ~RobotAdapter();  // Shutdown, if that was not done
   RobotAdapter(const RobotAdapter&) = delete;
   RobotAdapter& operator=(const RobotAdapter&) = delete;
+
+  // Ends running commands as failed, waits for their functions, and delivers the last facts for at most `linger`. What
+  // is told afterwards is not delivered. Not from an operation.
+  void Shutdown();
 
   // The robot's property has this value now, until told otherwise. Sent only when it changed.
   void SetState(const std::string& predicate, Term value);

@@ -2,29 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "absl/strings/str_format.h"
 #include "kb_server/rdf/term.h"
 #include "maps/hall_picture.h"
+#include "robot_adapters/sim/text_file.h"
 
 namespace docent::robot {
 namespace {
 
 constexpr double kDegreesPerRad = 180 / std::numbers::pi;
-
-// Written aside and renamed, so that a reader never sees half of it.
-absl::Status WriteFile(const std::string& path, const std::string& text) {
-  const std::string aside = path + ".part";
-  std::ofstream out(aside, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out || std::rename(aside.c_str(), path.c_str()) != 0) {
-    return absl::ErrnoToStatus(errno, absl::StrFormat("cannot write %s", path));
-  }
-  return absl::OkStatus();
-}
 
 std::string CsvOf(const std::vector<TracePoint>& trace) {
   std::string csv = "time_s,true_x_m,true_y_m,true_heading_rad,estimated_x_m,estimated_y_m,estimated_heading_rad\n";
@@ -85,8 +73,8 @@ PathError ErrorOf(const std::vector<TracePoint>& trace) {
 
 absl::Status WriteReport(const DriveReport& report, const maps::HallLayout& layout, const std::string& folder) {
   const PathError error = ErrorOf(report.trace);
-  if (absl::Status status = WriteFile(folder + "/path.csv", CsvOf(report.trace)); !status.ok()) return status;
-  if (absl::Status status = WriteFile(folder + "/report.json", JsonOf(report, error)); !status.ok()) return status;
+  if (absl::Status status = WriteTextFile(folder + "/path.csv", CsvOf(report.trace)); !status.ok()) return status;
+  if (absl::Status status = WriteTextFile(folder + "/report.json", JsonOf(report, error)); !status.ok()) return status;
   return WritePicture(report, error, layout, folder + "/path.png");
 }
 

@@ -1,0 +1,29 @@
+// The page on the robot's screen: a booth presented, with its place in the hall. Pure; any thread.
+#ifndef DOCENT_ROBOT_ADAPTERS_SIM_BOOTH_PAGE_H_
+#define DOCENT_ROBOT_ADAPTERS_SIM_BOOTH_PAGE_H_
+
+#include <string>
+#include <string_view>
+
+#include "maps/hall_layout.h"
+#include "robot_adapters/sim/graph_questions.h"
+
+namespace docent::robot {
+
+// &, <, >, " and ' as character references.
+std::string EscapeHtml(std::string_view text);
+
+// A whole HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside. Texts of `booth`
+// are plain text; they are escaped here.
+std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
+                      std::string_view robot_name);
+
+// What the screen shows while there is nothing to present.
+std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_name);
+
+// What the voice says about a booth.
+std::string SpokenText(const BoothInfo& booth);
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_SIM_BOOTH_PAGE_H_

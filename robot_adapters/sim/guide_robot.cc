@@ -1,0 +1,307 @@
+#include "robot_adapters/sim/guide_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/synchronization/notification.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "maps/regions.h"
+#include "robot_adapters/sdk/decimal.h"
+#include "robot_adapters/sim/booth_page.h"
+#include "robot_adapters/sim/graph_questions.h"
+#include "robot_adapters/sim/living_body.h"
+#include "robot_adapters/sim/screen_server.h"
+#include "robot_adapters/sim/text_file.h"
+#include "robot_adapters/sim/voice.h"
+#include "robot_adapters/sim/world_state.h"
+
+namespace docent::robot {
+
+using maps::Point2;
+using maps::Pose2;
+
+namespace {
+
+constexpr double kSocialDistanceM = 1.0;   // how far from a visitor the robot stops
+constexpr double kSearchRadiusM = 3.0;     // around a place where it does not fit
+constexpr double kRegionMarginM = 0.15;    // leaving a region takes so much, see RegionIndex
+// A pose is told again when it has moved by this much: the filter's noise of a standing robot is smaller.
+constexpr double kToldMoveM = 0.02;
+constexpr double kToldTurnRad = 0.02;
+constexpr std::chrono::milliseconds kScreenChange{1500};  // simulated: until a page can be read
+
+absl::Status CheckOptions(const GuideRobotOptions& options) {
+  if (!(options.speed >= 0.1 && options.speed <= 100)) {
+    return absl::InvalidArgumentError(absl::StrFormat("speed = %g is not within 0.1..100", options.speed));
+  }
+  std::error_code error;
+  std::filesystem::create_directories(options.folder, error);
+  if (error) {
+    return absl::InvalidArgumentError(absl::StrCat("cannot make the folder ", options.folder, ": ", error.message()));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Pose2> DockOf(const maps::HallLayout& layout) {
+  const maps::Region* found = nullptr;
+  int best = 0;
+  for (const maps::Region& region : layout.regions) {
+    if (!region.service_point) continue;
+    const std::string name = absl::AsciiStrToLower(region.name);
+    const int rank = absl::StrContains(name, "dock") ? 3 : region.is_booth ? 1 : 2;
+    if (rank > best) {
+      best = rank;
+      found = &region;
+    }
+  }
+  if (found == nullptr) {
+    return absl::InvalidArgumentError("the hall has no service point where a robot could start; give --start");
+  }
+  return *found->service_point;
+}
+
+class GuideRobot::Impl {
+ public:
+  Impl(GuideRobotOptions options, const maps::HallLayout& layout)
+      : options_(std::move(options)), layout_(layout), regions_(layout_) {}
+
+  // Operations use everything, so they end first; then the body, which tells its pose.
+  ~Impl() {
+    if (adapter_ != nullptr) adapter_->Shutdown();
+    body_.reset();
+  }
+
+  absl::Status Start(std::shared_ptr<const maps::HallModel> hall) {
+    if (absl::Status status = CheckOptions(options_); !status.ok()) return status;
+    const std::string world_path = options_.folder + "/world.state";
+    std::optional<Pose2> start = options_.start ? options_.start : LoadWorld(world_path);
+    if (!start) {
+      auto dock = DockOf(layout_);
+      if (!dock.ok()) return dock.status();
+      start = *dock;
+    }
+    auto body = GuideBody::Create(std::move(hall), layout_, options_.body, *start, options_.seed);
+    if (!body.ok()) return body.status();
+    auto screen = ScreenServer::Start(options_.screen_port);
+    if (!screen.ok()) return screen.status();
+    screen_ = *std::move(screen);
+    screen_->Show("standby", StandbyPage(layout_, Name()));
+
+    AdapterOptions adapter = options_.adapter;
+    adapter.journal_path = options_.folder + "/commands.journal";
+    adapter.transient_states = {DocentIri("isAt"), DocentIri("screenPage")};
+    auto started = RobotAdapter::Start(adapter, Operations());
+    if (!started.ok()) return started.status();
+    {
+      absl::MutexLock lock(&mutex_);
+      adapter_ = *std::move(started);
+    }
+    body_ = std::make_unique<LivingBody>(*std::move(body), options_.speed, world_path,
+                                         [this](const LivingBody::Pose& pose) { TellPose(pose); });
+    ready_.Notify();
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<PathError> WriteReportNow() {
+    DriveReport report = body_->Report();
+    report.robot = options_.adapter.robot;
+    if (absl::Status status = WriteReport(report, layout_, options_.folder); !status.ok()) return status;
+    return ErrorOf(report.trace);
+  }
+
+  std::string screen_address() const { return screen_->address(); }
+  const std::string& address() const { return adapter_->address(); }
+  bool localised() const { return body_->pose().localised; }
+
+ private:
+  std::string Name() const {
+    return options_.adapter.label.empty() ? FileNameOf(options_.adapter.robot) : options_.adapter.label;
+  }
+
+  std::vector<Operation> Operations() {
+    auto bind = [this](absl::StatusOr<NamedTerms> (Impl::*method)(OperationContext&)) {
+      return [this, method](OperationContext& context) {
+        ready_.WaitForNotification();  // a command may come before the body lives
+        return (this->*method)(context);
+      };
+    };
+    return {
+        {"moveToUser", {"user"}, {}, true, "Drives to where the user is", bind(&Impl::MoveToUser)},
+        {"moveToBooth", {"booth"}, {}, true, "Drives to the place before a booth", bind(&Impl::MoveToBooth)},
+        {"displayBoothInfo", {"booth"}, {"page"}, true, "Shows a page about the booth", bind(&Impl::DisplayBoothInfo)},
+        {"briefBoothInfo", {"booth"}, {"file"}, false, "Speaks about the booth", bind(&Impl::BriefBoothInfo)},
+    };
+  }
+
+  absl::StatusOr<NamedTerms> MoveToUser(OperationContext& context) {
+    auto user = IriArgument(context, "user");
+    if (!user.ok()) return user.status();
+    auto whereabouts = AskWhereIs(adapter_->server(), context, *user);
+    if (!whereabouts.ok()) return whereabouts.status();
+    auto goal = GoalNear(*whereabouts);
+    if (!goal.ok()) return goal.status();
+    return Drive(*goal, context);
+  }
+
+  absl::StatusOr<NamedTerms> MoveToBooth(OperationContext& context) {
+    auto booth = IriArgument(context, "booth");
+    if (!booth.ok()) return booth.status();
+    auto goal = GoalIn(*booth);
+    if (!goal.ok()) return goal.status();
+    return Drive(*goal, context);
+  }
+
+  absl::StatusOr<NamedTerms> Drive(const Pose2& goal, OperationContext& context) {
+    absl::Status driven = body_->Drive(goal, context);
+    TellPose(body_->pose());  // where it stands now is on its way before the end of the command is
+    if (!driven.ok()) return driven;
+    return NamedTerms{};
+  }
+
+  // Beside a person whose coordinates are known; otherwise where one stands in the region that they are in.
+  absl::StatusOr<Pose2> GoalNear(const Whereabouts& whereabouts) {
+    if (!whereabouts.point) {
+      absl::StatusOr<Pose2> goal = absl::NotFoundError("");
+      for (const std::string& region : whereabouts.regions) {
+        goal = GoalIn(region);
+        if (goal.ok()) break;
+      }
+      return goal;
+    }
+    const Point2 person = *whereabouts.point, here = body_->pose().estimate.position();
+    const double distance_m = std::max(1e-6, maps::Distance(person, here));
+    const double share = std::min(1.0, kSocialDistanceM / distance_m);
+    auto place = body_->NearestFree({person.x_m + share * (here.x_m - person.x_m),
+                                     person.y_m + share * (here.y_m - person.y_m)}, kSearchRadiusM);
+    if (!place.ok()) return place.status();
+    return Pose2{place->x_m, place->y_m, std::atan2(person.y_m - place->y_m, person.x_m - place->x_m)};
+  }
+
+  absl::StatusOr<Pose2> GoalIn(const std::string& region_iri) {
+    const maps::Region* region = layout_.FindRegion(region_iri);
+    if (region == nullptr) return absl::NotFoundError(absl::StrCat("the robot's hall has no region <", region_iri, ">"));
+    if (region->service_point) return *region->service_point;
+    const Point2 middle = maps::Centroid(region->outline);
+    auto place = body_->NearestFree(middle, kSearchRadiusM);
+    if (!place.ok()) return place.status();
+    return Pose2{place->x_m, place->y_m, 0};
+  }
+
+  absl::StatusOr<NamedTerms> DisplayBoothInfo(OperationContext& context) {
+    auto booth = BoothOf(context);
+    if (!booth.ok()) return booth.status();
+    const std::string name = FileNameOf(booth->iri);
+    const std::string html = BoothPage(*booth, layout_, body_->pose().estimate, Name());
+    const std::string file = absl::StrCat(options_.folder, "/screen_", name, ".html");
+    if (absl::Status status = WriteTextFile(file, html); !status.ok()) return status;
+    const Term page = Term::Iri(screen_->Show(name, html));
+    adapter_->SetState(DocentIri("screenPage"), page);
+    context.ReportProgress(0.5, "the page is on the screen");
+    if (!context.SleepFor(Scaled(kScreenChange))) return absl::CancelledError("stopped while showing the page");
+    return NamedTerms{{"page", page}};
+  }
+
+  absl::StatusOr<NamedTerms> BriefBoothInfo(OperationContext& context) {
+    auto booth = BoothOf(context);
+    if (!booth.ok()) return booth.status();
+    const std::string file =
+        std::filesystem::absolute(absl::StrCat(options_.folder, "/briefing_", FileNameOf(booth->iri), ".wav")).string();
+    context.ReportProgress(0, "preparing to speak");
+    auto length = SpeakToFile(SpokenText(*booth), file, [&context] { return !context.StopRequested(); });
+    if (!length.ok()) return length.status();
+    adapter_->SetState(DocentIri("spokenFile"), Term::Literal(file));
+    constexpr int kParts = 20;
+    for (int i = 0; i < kParts; ++i) {
+      context.ReportProgress(static_cast<double>(i) / kParts, "speaking");
+      if (!context.SleepFor(Scaled(*length) / kParts)) return absl::CancelledError("stopped while speaking");
+    }
+    return NamedTerms{{"file", Term::Literal(file)}};
+  }
+
+  // What the graph tells of the booth, completed by the robot's own layout.
+  absl::StatusOr<BoothInfo> BoothOf(OperationContext& context) {
+    auto iri = IriArgument(context, "booth");
+    if (!iri.ok()) return iri.status();
+    auto info = AskAboutBooth(adapter_->server(), context, *iri);
+    if (!info.ok()) return info.status();
+    if (const maps::Region* region = layout_.FindRegion(*iri); region != nullptr) {
+      if (info->name.empty()) info->name = region->name;
+      if (info->description.empty()) info->description = region->description;
+      if (info->exhibitor.empty()) info->exhibitor = region->exhibitor;
+    }
+    if (info->name.empty() && info->description.empty()) {
+      return absl::NotFoundError(absl::StrCat("neither the graph nor the robot's hall knows the booth <", *iri, ">"));
+    }
+    return info;
+  }
+
+  std::chrono::microseconds Scaled(std::chrono::milliseconds simulated) const {
+    return std::chrono::duration_cast<std::chrono::microseconds>(simulated / options_.speed);
+  }
+
+  void TellPose(const LivingBody::Pose& pose) {
+    absl::MutexLock lock(&mutex_);
+    if (adapter_ == nullptr) return;
+    std::vector<std::pair<std::string, std::optional<Term>>> facts = {
+        {DocentIri("localised"), Term::Boolean(pose.localised)}};
+    if (pose.localised) {
+      region_ = regions_.Innermost(pose.estimate.position(), region_, kRegionMarginM);
+      facts.emplace_back(DocentIri("isAt"), region_ != nullptr ? std::optional(Term::Iri(region_->iri)) : std::nullopt);
+      const bool moved =
+          !told_ || maps::Distance(told_->position(), pose.estimate.position()) > kToldMoveM ||
+          std::abs(maps::WrapAngle(told_->heading_rad - pose.estimate.heading_rad)) > kToldTurnRad;
+      if (moved) {
+        told_ = pose.estimate;
+        facts.emplace_back(DocentIri("x"), Decimal(pose.estimate.x_m, 3));
+        facts.emplace_back(DocentIri("y"), Decimal(pose.estimate.y_m, 3));
+        facts.emplace_back(DocentIri("heading"), Decimal(pose.estimate.heading_rad, 3));
+      }
+    }
+    adapter_->facts().SetAll(options_.adapter.robot, std::move(facts));
+  }
+
+  const GuideRobotOptions options_;
+  const maps::HallLayout layout_;
+  const maps::RegionIndex regions_;
+  std::unique_ptr<ScreenServer> screen_;
+  std::unique_ptr<LivingBody> body_;
+  absl::Notification ready_;
+  absl::Mutex mutex_;
+  const maps::Region* region_ ABSL_GUARDED_BY(mutex_) = nullptr;  // told as docent:isAt
+  std::optional<Pose2> told_ ABSL_GUARDED_BY(mutex_);
+  std::unique_ptr<RobotAdapter> adapter_;
+};
+
+GuideRobot::GuideRobot(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+GuideRobot::~GuideRobot() = default;
+
+absl::StatusOr<std::unique_ptr<GuideRobot>> GuideRobot::Start(GuideRobotOptions options,
+                                                              const maps::HallLayout& layout,
+                                                              std::shared_ptr<const maps::HallModel> hall) {
+  auto impl = std::make_unique<Impl>(std::move(options), layout);
+  if (absl::Status status = impl->Start(std::move(hall)); !status.ok()) return status;
+  return std::unique_ptr<GuideRobot>(new GuideRobot(std::move(impl)));
+}
+
+absl::StatusOr<PathError> GuideRobot::WriteReportNow() {
+  return impl_->WriteReportNow();
+}
+const std::string& GuideRobot::address() const {
+  return impl_->address();
+}
+std::string GuideRobot::screen_address() const {
+  return impl_->screen_address();
+}
+bool GuideRobot::localised() const {
+  return impl_->localised();
+}
+
+}  // namespace docent::robot

@@ -1,0 +1,164 @@
+#include "robot_adapters/sim/screen_server.h"
+
+#include <utility>  // before asio: Boost 1.74 with GCC 12 needs it
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+
+#include <chrono>
+#include <map>
+#include <thread>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+
+namespace docent::robot {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using tcp = asio::ip::tcp;
+
+namespace {
+
+constexpr std::chrono::seconds kConnectionTimeout{15};
+constexpr size_t kRequestBodyBytes = 1024;
+
+// What is shown; shared by the server's thread and whoever shows something.
+class Pages {
+ public:
+  void Put(const std::string& name, std::string html) {
+    absl::MutexLock lock(&mutex_);
+    pages_["/"] = html;
+    pages_["/" + name] = std::move(html);
+  }
+  // False: no such page.
+  bool Get(const std::string& path, std::string* html) const {
+    absl::MutexLock lock(&mutex_);
+    auto found = pages_.find(path);
+    if (found == pages_.end()) return false;
+    *html = found->second;
+    return true;
+  }
+
+ private:
+  mutable absl::Mutex mutex_;
+  std::map<std::string, std::string> pages_ ABSL_GUARDED_BY(mutex_);
+};
+
+http::response<http::string_body> Answer(const http::request_parser<http::string_body>::value_type& request,
+                                         const Pages& pages) {
+  http::response<http::string_body> response;
+  response.version(request.version());
+  response.keep_alive(false);
+  response.set(http::field::content_type, "text/html; charset=utf-8");
+  response.set(http::field::cache_control, "no-store");
+  response.set("Content-Security-Policy", "default-src 'none'; style-src 'unsafe-inline'");
+  if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    response.result(http::status::method_not_allowed);
+    response.set(http::field::allow, "GET, HEAD");
+  } else if (!pages.Get(std::string(request.target()), &response.body())) {
+    response.result(http::status::not_found);
+    response.body() = "<!DOCTYPE html><title>Not found</title><p>The screen has no such page.";
+  }
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();
+  return response;
+}
+
+// One connection: one request, one answer.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket socket, const Pages& pages) : stream_(std::move(socket)), pages_(pages) {}
+
+  void Run() {
+    stream_.expires_after(kConnectionTimeout);
+    parser_.body_limit(kRequestBodyBytes);
+    http::async_read(stream_, buffer_, parser_, [self = shared_from_this()](beast::error_code error, size_t) {
+      if (!error) self->Write();
+    });
+  }
+
+ private:
+  void Write() {
+    response_ = Answer(parser_.get(), pages_);
+    http::async_write(stream_, response_, [self = shared_from_this()](beast::error_code, size_t) {
+      beast::error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    });
+  }
+
+  beast::tcp_stream stream_;
+  const Pages& pages_;
+  beast::flat_buffer buffer_;
+  http::request_parser<http::string_body> parser_;
+  http::response<http::string_body> response_;
+};
+
+}  // namespace
+
+class ScreenServer::Impl {
+ public:
+  ~Impl() {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  absl::Status Listen(int port) {
+    beast::error_code error;
+    const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), static_cast<uint16_t>(port));
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(kConnectionLimit, error);
+    if (error) {
+      return absl::UnavailableError(
+          absl::StrCat("cannot show the screen at 127.0.0.1:", port, ": ", error.message()));
+    }
+    port_ = acceptor_.local_endpoint().port();
+    Accept();
+    thread_ = std::thread([this] { io_.run(); });
+    return absl::OkStatus();
+  }
+
+  Pages pages_;
+  int port_ = 0;
+
+ private:
+  void Accept() {
+    acceptor_.async_accept([this](beast::error_code error, tcp::socket socket) {
+      if (!error) std::make_shared<Connection>(std::move(socket), pages_)->Run();
+      if (error != asio::error::operation_aborted) Accept();
+    });
+  }
+
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_{io_};
+  std::thread thread_;
+};
+
+ScreenServer::ScreenServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ScreenServer::~ScreenServer() = default;
+
+absl::StatusOr<std::unique_ptr<ScreenServer>> ScreenServer::Start(int port) {
+  auto impl = std::make_unique<Impl>();
+  if (absl::Status status = impl->Listen(port); !status.ok()) return status;
+  return std::unique_ptr<ScreenServer>(new ScreenServer(std::move(impl)));
+}
+
+std::string ScreenServer::Show(const std::string& name, std::string html) {
+  impl_->pages_.Put(name, std::move(html));
+  return address() + name;
+}
+
+int ScreenServer::port() const {
+  return impl_->port_;
+}
+
+std::string ScreenServer::address() const {
+  return absl::StrCat("http://127.0.0.1:", impl_->port_, "/");
+}
+
+}  // namespace docent::robot

@@ -1,0 +1,37 @@
+// The robot's screen: a small HTTP server on loopback that shows the robot's pages. GET and HEAD only.
+//
+// One thread of its own serves all connections asynchronously; each has a time limit. `Show` from any thread.
+#ifndef DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
+#define DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace docent::robot {
+
+class ScreenServer {
+ public:
+  static constexpr int kConnectionLimit = 64;  // that wait to be accepted
+
+  // `port` 0 takes a free one. UNAVAILABLE: the port is taken.
+  static absl::StatusOr<std::unique_ptr<ScreenServer>> Start(int port);
+  ~ScreenServer();
+
+  // Serves `html` at /NAME and on the screen itself, /. NAME: letters, digits, - and _ (see FileNameOf).
+  // The address of /NAME.
+  std::string Show(const std::string& name, std::string html);
+
+  int port() const;
+  std::string address() const;  // "http://127.0.0.1:PORT/"
+
+ private:
+  class Impl;
+  explicit ScreenServer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent::robot
+
+#endif  // DOCENT_ROBOT_ADAPTERS_SIM_SCREEN_SERVER_H_
