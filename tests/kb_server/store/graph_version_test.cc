@@ -1,0 +1,168 @@
+#include "kb_server/store/graph_version.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <random>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "absl/synchronization/mutex.h"
+#include "kb_server/store/graph_writer.h"
+
+namespace docent {
+namespace {
+
+TermId Id(uint64_t n) { return TermId::Make(TermId::Tag::kIri, n); }
+Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) { return {Id(s), Id(p), Id(o), Id(g)}; }
+
+std::vector<Quad> Found(const GraphVersion& version, const QuadPattern& pattern) {
+  std::vector<Quad> found;
+  version.ForEach(pattern, [&found](const Quad& quad) {
+    found.push_back(quad);
+    return true;
+  });
+  return found;
+}
+
+TEST(GraphVersionTest, EmptyGraph) {
+  GraphVersion version;
+  EXPECT_EQ(version.size(), 0u);
+  EXPECT_EQ(version.revision(), Revision(0));
+  EXPECT_FALSE(version.Scan({}).Valid());
+  EXPECT_EQ(version.Count({}), 0u);
+  EXPECT_TRUE(version.graphs().empty());
+  EXPECT_FALSE(version.Contains(Q(1, 2, 3)));
+}
+
+// Every combination of bound positions against a plain list, with exact counts where they are promised.
+TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
+  std::mt19937_64 random(5);
+  std::set<Quad> model;
+  GraphWriter writer(nullptr);
+  for (int i = 0; i < 3000; ++i) {
+    Quad quad = Q(random() % 20, random() % 6, random() % 25, random() % 4 + 1);
+    EXPECT_EQ(writer.Add(quad), model.insert(quad).second);
+  }
+  const GraphVersion& version = writer.current();
+  version.CheckInvariants();
+  for (int mask = 0; mask < 16; ++mask) {
+    for (int i = 0; i < 30; ++i) {
+      Quad q = Q(random() % 20, random() % 6, random() % 25, random() % 5 + 1);
+      QuadPattern pattern{(mask & 1) ? q.subject : TermId(), (mask & 2) ? q.predicate : TermId(),
+                          (mask & 4) ? q.object : TermId(), (mask & 8) ? q.graph : TermId()};
+      std::vector<Quad> expected;
+      for (const Quad& quad : model) {
+        if (pattern.Matches(quad)) expected.push_back(quad);
+      }
+      std::vector<Quad> found = Found(version, pattern);
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, expected) << "mask " << mask;
+      bool exact = (mask & 8) == 0 || mask == 8 || mask == 9 || mask == 11 || mask == 15;
+      if (exact) ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
+      else ASSERT_GE(version.Count(pattern), expected.size()) << "mask " << mask;
+      for (int order = 0; order < kIndexOrders; ++order) {
+        size_t count = 0;
+        for (QuadCursor c = version.ScanInOrder(pattern, IndexOrder(order)); c.Valid(); c.Next()) ++count;
+        ASSERT_EQ(count, expected.size()) << "mask " << mask << " order " << order;
+      }
+    }
+  }
+}
+
+TEST(GraphVersionTest, CopiesOfATripleAreAdjacent) {
+  GraphWriter writer(nullptr);
+  for (uint64_t i = 0; i < 50; ++i) {
+    writer.Add(Q(i % 7, i % 3, i, 1));
+    writer.Add(Q(i % 7, i % 3, i, 2));
+  }
+  for (const QuadPattern& pattern : {QuadPattern{}, QuadPattern{Id(3), {}, {}, {}}, QuadPattern{{}, Id(2), {}, {}}}) {
+    std::vector<Quad> found = Found(writer.current(), pattern);
+    ASSERT_EQ(found.size() % 2, 0u);
+    for (size_t i = 0; i < found.size(); i += 2) {
+      EXPECT_EQ(found[i].object, found[i + 1].object);
+      EXPECT_NE(found[i].graph, found[i + 1].graph);
+    }
+  }
+}
+
+TEST(GraphVersionTest, SeekGoesForwardWithinTheMatches) {
+  GraphWriter writer(nullptr);
+  for (uint64_t o = 0; o < 2000; o += 2) writer.Add(Q(1, 2, o));
+  writer.Add(Q(2, 2, 5));
+  QuadCursor cursor = writer.current().Scan({Id(1), Id(2), {}, {}});
+  cursor.Seek(Q(1, 2, 701, 0));
+  ASSERT_TRUE(cursor.Valid());
+  EXPECT_EQ(cursor.quad().object, Id(702));
+  cursor.Seek(Q(1, 2, 3, 0));  // behind: stays
+  EXPECT_EQ(cursor.quad().object, Id(702));
+  cursor.Seek(Q(1, 2, 1998, 1));
+  EXPECT_EQ(cursor.quad().object, Id(1998));
+  cursor.Seek(Q(2, 0, 0, 0));
+  EXPECT_FALSE(cursor.Valid());  // the pattern ends before
+}
+
+TEST(GraphVersionTest, GraphsComeAndGo) {
+  GraphWriter writer(nullptr);
+  for (uint64_t g = 10; g > 0; --g) {
+    for (uint64_t i = 0; i < 300; ++i) writer.Add(Q(i, 1, 1, g));
+  }
+  std::vector<TermId> graphs = writer.current().graphs();
+  EXPECT_EQ(graphs.size(), 10u);
+  EXPECT_TRUE(std::is_sorted(graphs.begin(), graphs.end()));
+  for (uint64_t i = 0; i < 300; ++i) writer.Remove(Q(i, 1, 1, 4));
+  graphs = writer.current().graphs();
+  EXPECT_EQ(graphs.size(), 9u);
+  EXPECT_EQ(std::count(graphs.begin(), graphs.end(), Id(4)), 0);
+}
+
+// Readers walk versions while the writer makes and drops others: nothing that a reader holds ever changes.
+TEST(GraphVersionTest, ReadersBesideTheWriter) {
+  absl::Mutex mutex;
+  GraphVersionPtr newest;
+  std::atomic<bool> stop{false}, wrong{false};
+  GraphWriter writer(nullptr);
+  for (uint64_t i = 0; i < 2000; ++i) writer.Add(Q(i, 1, 0));
+  newest = writer.Freeze(Revision(1));
+  auto read = [&] {
+    while (!stop) {
+      GraphVersionPtr version;
+      {
+        absl::MutexLock lock(&mutex);
+        version = newest;
+      }
+      // In every version each subject has exactly one value, and the values say the revision that set them.
+      uint64_t count = 0;
+      version->ForEach({{}, Id(1), {}, {}}, [&](const Quad& quad) {
+        ++count;
+        if (quad.object.payload() > version->revision().value()) wrong = true;
+        return true;
+      });
+      if (count != 2000 || version->size() != 2000 || version->graphs().size() != 1) wrong = true;
+    }
+  };
+  std::thread first(read), second(read);
+  std::vector<uint64_t> value(2000, 0);
+  std::mt19937_64 random(9);
+  for (uint64_t revision = 2; revision < 600; ++revision) {
+    for (int i = 0; i < 5; ++i) {
+      uint64_t s = random() % 2000;
+      writer.Remove(Q(s, 1, value[s]));
+      writer.Add(Q(s, 1, revision));
+      value[s] = revision;
+    }
+    GraphVersionPtr version = writer.Freeze(Revision(revision));
+    absl::MutexLock lock(&mutex);
+    newest.swap(version);
+  }
+  stop = true;
+  first.join();
+  second.join();
+  EXPECT_FALSE(wrong);
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,117 @@
+#include "kb_server/store/graph_writer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "kb_server/store/delta_sum.h"
+
+namespace docent {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TermId Id(uint64_t n) { return TermId::Make(TermId::Tag::kIri, n); }
+Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) { return {Id(s), Id(p), Id(o), Id(g)}; }
+
+TEST(GraphWriterTest, AddAndRemoveTellWhetherTheGraphChanged) {
+  GraphWriter writer(nullptr);
+  EXPECT_TRUE(writer.Add(Q(1, 2, 3)));
+  EXPECT_FALSE(writer.Add(Q(1, 2, 3)));
+  EXPECT_TRUE(writer.Add(Q(1, 2, 3, 2)));  // another graph, another quad
+  EXPECT_TRUE(writer.Remove(Q(1, 2, 3)));
+  EXPECT_FALSE(writer.Remove(Q(1, 2, 3)));
+  EXPECT_EQ(writer.current().size(), 1u);
+}
+
+TEST(GraphWriterTest, ApplyGivesTheNetChange) {
+  GraphWriter writer(nullptr);
+  writer.Add(Q(1, 1, 1));
+  Delta delta = writer.Apply({Q(1, 1, 1), Q(1, 1, 2), Q(1, 1, 3), Q(1, 1, 2)}, {Q(1, 1, 3), Q(1, 1, 1), Q(1, 1, 9)});
+  EXPECT_THAT(delta.added, ElementsAre(Q(1, 1, 2)));
+  EXPECT_THAT(delta.removed, ElementsAre(Q(1, 1, 1)));
+}
+
+TEST(GraphWriterTest, FrozenVersionsStayAsTheyAre) {
+  GraphWriter writer(nullptr);
+  writer.Add(Q(1, 1, 1));
+  GraphVersionPtr one = writer.Freeze(Revision(1));
+  writer.Add(Q(1, 1, 2));
+  writer.Remove(Q(1, 1, 1));
+  GraphVersionPtr two = writer.Freeze(Revision(2));
+  writer.Add(Q(1, 1, 3));
+  EXPECT_EQ(one->size(), 1u);
+  EXPECT_TRUE(one->Contains(Q(1, 1, 1)));
+  EXPECT_FALSE(two->Contains(Q(1, 1, 1)));
+  EXPECT_TRUE(two->Contains(Q(1, 1, 2)));
+  EXPECT_FALSE(two->Contains(Q(1, 1, 3)));
+  EXPECT_EQ(two->revision(), Revision(2));
+}
+
+TEST(GraphWriterTest, RollbackGoesToTheLastFrozenVersion) {
+  GraphWriter writer(nullptr);
+  writer.Add(Q(1, 1, 1));
+  GraphVersionPtr one = writer.Freeze(Revision(1));
+  for (uint64_t i = 2; i < 1000; ++i) writer.Add(Q(1, 1, i));
+  writer.Remove(Q(1, 1, 1));
+  writer.Rollback();
+  EXPECT_EQ(writer.current().size(), 1u);
+  EXPECT_TRUE(writer.current().Contains(Q(1, 1, 1)));
+  writer.Add(Q(1, 1, 5));
+  GraphVersionPtr two = writer.Freeze(Revision(2));
+  EXPECT_EQ(two->size(), 2u);
+  EXPECT_EQ(one->size(), 1u);
+}
+
+TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
+  GraphWriter base(nullptr);
+  for (uint64_t i = 0; i < 1000; ++i) base.Add(Q(i, 1, 1));
+  GraphVersionPtr start = base.Freeze(Revision(1));
+  GraphWriter a(start), b(start);
+  a.Add(Q(5, 2, 2));
+  b.Remove(Q(5, 1, 1));
+  EXPECT_TRUE(a.current().Contains(Q(5, 1, 1)));
+  EXPECT_FALSE(b.current().Contains(Q(5, 2, 2)));
+  EXPECT_EQ(start->size(), 1000u);
+}
+
+TEST(GraphWriterTest, BulkLoadEqualsAdding) {
+  std::mt19937_64 random(2);
+  std::vector<Quad> quads;
+  for (int i = 0; i < 20000; ++i) quads.push_back(Q(random() % 500, random() % 9, random() % 900, random() % 3 + 1));
+  GraphWriter bulk(nullptr), one_by_one(nullptr);
+  bulk.BulkLoad(quads);
+  for (const Quad& quad : quads) one_by_one.Add(quad);
+  bulk.current().CheckInvariants();
+  ASSERT_EQ(bulk.current().size(), one_by_one.current().size());
+  for (const Quad& quad : quads) ASSERT_TRUE(bulk.current().Contains(quad));
+  EXPECT_TRUE(bulk.Add(Q(1000, 1, 1)));
+  bulk.current().CheckInvariants();
+}
+
+TEST(DeltaSumTest, WhatWasUndoneDidNotHappen) {
+  DeltaSum sum;
+  sum.Added(Q(1, 1, 3));
+  sum.Added(Q(1, 1, 1));
+  sum.Removed(Q(1, 1, 2));
+  sum.Removed(Q(1, 1, 1));
+  sum.Added(Q(1, 1, 2));
+  sum.Add({{Q(1, 1, 1)}, {Q(1, 1, 4), Q(1, 1, 2)}});
+  Delta net = sum.Net();
+  EXPECT_THAT(net.added, ElementsAre(Q(1, 1, 3), Q(1, 1, 1)));
+  EXPECT_THAT(net.removed, ElementsAre(Q(1, 1, 2), Q(1, 1, 4)));
+}
+
+TEST(DeltaSumTest, OneKindOfChangeKeepsItsOrder) {
+  DeltaSum sum;
+  EXPECT_TRUE(sum.Net().empty());
+  sum.Removed(Q(9, 1, 1));
+  sum.Removed(Q(2, 1, 1));
+  EXPECT_THAT(sum.Net().removed, ElementsAre(Q(9, 1, 1), Q(2, 1, 1)));
+  EXPECT_THAT(sum.Net().added, IsEmpty());
+}
+
+}  // namespace
+}  // namespace docent
