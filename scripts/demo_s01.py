@@ -2,7 +2,7 @@
 """Scenario s01 for people: starts server, robot and visitor, and prints what happens, fact → condition → command → result."""
 import argparse
 import json
-import pathlib
+import re
 import shutil
 import signal
 import sys
@@ -13,15 +13,13 @@ import docent_stage as stage
 
 FOLDER = stage.ROOT / "build" / "demo" / "s01"
 BOLD, DIM, PLAIN = ("\033[1m", "\033[2m", "\033[0m") if sys.stdout.isatty() else ("", "", "")
-WORDS = {"fact": "fact", "run": "run", "node": "condition", "invocation": "service", "command": "command",
-         "step": "step", "report": "result", "result": "result"}
 
 
 class Timeline:
     """Prints one line an event, with the time since the beginning. Any thread."""
 
-    def __init__(self):
-        self.start, self.lock = time.time(), threading.Lock()
+    def __init__(self, server):
+        self.server, self.start, self.lock = server, time.time(), threading.Lock()
 
     def line(self, kind, words, at=None, more=()):
         since = (at or time.time()) - self.start
@@ -30,47 +28,79 @@ class Timeline:
             for detail in more:
                 print(f"{'':22}{DIM}{detail}{PLAIN}", flush=True)
 
-    def event(self, event):
-        """One RunEvent (proto/docent/v1/workflows.proto) as `docent runs --watch --json` prints it."""
-        at = int(event["timeUs"]) / 1e6
-        kind, detail = event["kind"], event.get("detail", "").strip().splitlines()
-        place = "/".join(filter(None, [event.get("run"), event.get("node")]))
-        change = f"{event.get('from') or '·'} → {event['to']}" if event.get("to") else ""
-        head = " ".join(filter(None, [place, change]))
-        if len(detail) == 1 and len(detail[0]) < 90:
-            self.line(WORDS.get(kind, kind), f"{head}  {detail[0]}", at)
+    def events(self, events):
+        """RunEvents (proto/docent/v1/workflows.proto) of a moment; within a turn what came in stands before what went out."""
+        order = {"report": 0, "command": 2}
+        for event in sorted(events, key=lambda e: (int(e["revision"]), order.get(e["kind"], 1))):
+            getattr(self, "show_" + event["kind"])(event, event.get("to", ""), event.get("detail", "").strip(),
+                                                   int(event["timeUs"]) / 1e6)
+
+    def show_run(self, event, to, detail, at):
+        facts = [f.strip(" .") + " ." for f in shorten_text(detail.partition(": ")[2]).split(" . ") if f.strip(" .")]
+        words = f"{event['run']} begins, because" if to == "running" else f"{event['run']} is {to}"
+        self.line("run", words, at, facts)
+
+    def show_node(self, event, to, detail, at):
+        """A condition that opened is shown with its facts, a node that waits with what it waits for."""
+        node = event["node"]
+        if to == "running":
+            because = self.look(event, "firedBecause")
+            self.line("condition", f"{node} fires: {shorten_text(detail)}", at, because)
+        elif to == "waiting":
+            asks = [l for l in self.look(event, "waitsFor") if not l.startswith("PREFIX")]
+            self.line("condition", f"{node} waits {detail}" + (" until" if asks else ""), at, asks)
         else:
-            self.line(WORDS.get(kind, kind), head, at, [shorten_text(d) for d in detail])
+            self.line("result", f"{node} is {to}: {shorten_text(detail)}", at)
+
+    def look(self, event, name):
+        """The lines of a property of the node, as the graph has it now."""
+        node = f"urn:docent:run:{event['run']}/{event['node']}"
+        rows = self.server.select(f"SELECT ?text {{ <{node}> docent:{name} ?text }}")
+        return [shorten_text(line).rstrip() for row in rows for line in row["text"].splitlines() if line.strip()]
+
+    def show_invocation(self, event, to, detail, at):
+        """An RSEL process, or with "N/M" one of its steps."""
+        place, _, words = shorten_text(detail).partition(": ")
+        step = re.search(r" (\d+/\d+) (\w+):?$", place.rstrip(":") + ":")
+        if step:
+            self.line("step", f"{step[1]} {step[2]} is {to}{': ' if words else ''}{words}", at)
+        elif to == "running":
+            self.line("service", f"{words}", at)
+
+    def show_command(self, event, to, detail, at):
+        sent = re.match(r"(\S+) to (\S+): (\w+\(.*?\)),", detail)
+        robot = stage.shorten(sent[2])
+        self.line("command", f"to {robot}: {shorten_text(sent[3])}   {DIM}{sent[1]}{PLAIN}", at)
+
+    def show_report(self, event, to, detail, at):
+        command, _, words = detail.partition(": ")
+        self.line("answer", f"{to}{': ' if words else ''}{words}   {DIM}{command}{PLAIN}", at)
 
 
 def shorten_text(text):
-    """IRIs of an N-Triples or SPARQL line as prefixed names."""
-    for name, iri in stage.PREFIXES.items():
-        text = text.replace(f"<{iri}", f"{name}:<")
-    while ":<" in text and ">" in text[text.index(":<"):]:
-        begin = text.index(":<")
-        end = text.index(">", begin)
-        text = text[:begin + 1] + text[begin + 2:end] + text[end + 1:]
-    return text
+    """IRIs of N-Triples or SPARQL lines as prefixed names."""
+    return re.sub(r"<([^<>\s]+)>", lambda iri: stage.shorten(iri[1]) if stage.shorten(iri[1]) != iri[1] else iri[0], text)
 
 
 def watch(server, timeline, ended):
-    """Follows all runs until the first ends; its state goes to `ended`."""
+    """Follows all runs until the first ends; its state goes to `ended`. Also shows where the robot is."""
     process = server.stage.start("watch", [server.stage.bin / "docent", "runs", "--watch", "--json", "--server", server.grpc])
-    seen = 0
+    seen, region = 0, ""
     while not ended.get("state"):
-        lines = process.output().splitlines(keepends=True)
-        for line in lines[seen:]:
-            if not line.endswith("\n"):
-                break
-            seen += 1
-            event = json.loads(line)
-            timeline.event(event)
+        time.sleep(0.05)
+        lines = [l for l in process.output().splitlines(keepends=True) if l.endswith("\n")]
+        events = [json.loads(line) for line in lines[seen:]]
+        seen = len(lines)
+        now = next((row["r"] for row in server.select("SELECT ?r { expo:R01 docent:isAt ?r }")), "")
+        if now != region:
+            region = now
+            timeline.line("fact", f"expo:R01 docent:isAt {region or '(nowhere)'}")
+        timeline.events(events)
+        for event in events:
             if event["kind"] == "run" and event["to"] in ("done", "failed", "cancelled"):
                 ended.update(state=event["to"], run=event["run"], detail=event.get("detail", ""))
         if not process.running():
             raise stage.StageError(f"docent runs --watch ended: {process.tail()}")
-        time.sleep(0.02)
 
 
 def show_end(server, robot, ended):
@@ -101,16 +131,18 @@ def main():
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(130))
     shutil.rmtree(FOLDER, ignore_errors=True)
-    timeline, ended = Timeline(), {}
+    ended = {}
     with stage.Stage(FOLDER) as show:
         server = show.server()
+        timeline = Timeline(server)
         timeline.line("server", f"docent serves gRPC at {server.grpc}, HTTP at {server.http}")
         stage.load_s01(server)
         timeline.line("loaded", "ontology, hall, world, rules, robot services, workflow")
         robot = show.robot(server, seed=arguments.seed, speed=arguments.speed)
         server.wait_for("expo:R01 docent:status docent:Standby ; docent:localised true", 120)
         timeline.line("robot", f"R01 is on standby at {server.select('SELECT ?r { expo:R01 docent:isAt ?r }')[0]['r']}")
-        visitor = stage.Visitor(server, arguments.booth, on_step=lambda words: timeline.line("visitor", words))
+        visitor = stage.Visitor(server, arguments.booth,
+                                on_step=lambda words, fact: timeline.line("fact", fact, more=[words]))
         visitor.start()
         watch(server, timeline, ended)
         visitor.join(10)

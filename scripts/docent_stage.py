@@ -19,6 +19,7 @@ PREFIXES = {
     "docent": "https://w3id.org/docent#", "expo": "https://w3id.org/docent/expo#", "schema": "https://schema.org/",
     "geo": "http://www.opengis.net/ont/geosparql#", "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
     "prov": "http://www.w3.org/ns/prov#", "xsd": "http://www.w3.org/2001/XMLSchema#",
+    "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
 }
 SPARQL_PROLOGUE = "".join(f"PREFIX {name}: <{iri}>\n" for name, iri in PREFIXES.items())
 EXPO = PREFIXES["expo"]
@@ -265,7 +266,7 @@ class Visitor(threading.Thread):
 
     SENSORS, PHONE = "urn:docent:source:sensors", "urn:docent:source:johns-phone"
 
-    def __init__(self, server, booth="B03", patience_s=300, on_step=lambda words: None):
+    def __init__(self, server, booth="B03", patience_s=300, on_step=lambda words, fact: None):
         super().__init__(daemon=True)
         self.server, self.booth, self.patience_s, self.on_step = server, booth, patience_s, on_step
         self.told = []  # (facts as an ASK pattern, acknowledgement)
@@ -273,29 +274,25 @@ class Visitor(threading.Thread):
 
     def run(self):
         try:
-            self.say("John comes in; the door sensor reads his badge")
-            self.tell("arrives", "expo:John docent:isAt expo:Entrance", readings=[("expo:DoorSensor", "tag-17")])
-            self.say("John asks for the booth guide on his phone")
-            self.tell("asks", "expo:John docent:chose expo:BoothGuideService")
-            self.server.wait_for("expo:John docent:isNear expo:R01", self.patience_s)
-            self.say(f"R01 is with John; he selects booth {self.booth}")
-            self.tell("selects", f"expo:John docent:selected expo:{self.booth}")
-            self.server.wait_for(f"expo:R01 docent:isAt expo:{self.booth}", self.patience_s)
-            self.say(f"John has followed R01; the beacon of {self.booth} reads his badge")
-            self.tell("follows", f"expo:John docent:isAt expo:{self.booth}",
+            self.step("arrives", "expo:John docent:isAt expo:Entrance", "John comes in; the door sensor reads his badge, tag-17",
+                      readings=[("expo:DoorSensor", "tag-17")])
+            self.step("asks", "expo:John docent:chose expo:BoothGuideService", "John asks for the booth guide on his phone")
+            self.server.wait_for("expo:John docent:isNear expo:R01 . expo:R01 docent:status docent:Standby", self.patience_s)
+            self.step("selects", f"expo:John docent:selected expo:{self.booth}", "R01 stands before John; he selects a booth")
+            self.server.wait_for(f"expo:R01 docent:isAt expo:{self.booth} ; docent:status docent:Standby", self.patience_s)
+            self.step("follows", f"expo:John docent:isAt expo:{self.booth}", "John has followed R01; the booth's beacon reads his badge",
                       readings=[(f"expo:{self.booth}Beacon", "tag-17")])
         except Exception as error:  # shown by whoever joins this thread
             self.error = error
 
-    def say(self, words):
-        self.on_step(words)
+    def step(self, name, fact, words, readings=()):
+        self.on_step(words, fact)
 
-    def tell(self, step, fact, readings=()):
         def attempt():
             try:
                 if readings:
-                    return self.server.tell(readings=readings, source=self.SENSORS, request_id=f"john-{step}")
-                return self.server.tell(fact, source=self.PHONE, request_id=f"john-{step}")
+                    return self.server.tell(readings=readings, source=self.SENSORS, request_id=f"john-{name}")
+                return self.server.tell(fact, source=self.PHONE, request_id=f"john-{name}")
             except StageError:
                 return None
-        self.told.append((fact, wait_until(attempt, self.patience_s, f"John's step {step}")))
+        self.told.append((fact, wait_until(attempt, self.patience_s, f"John's step {name}")))
