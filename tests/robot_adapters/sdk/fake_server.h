@@ -1,4 +1,4 @@
-// A docent server for tests of adapters: takes facts and joins, answers every query with what the test laid down.
+// A docent server for tests of adapters: takes facts and joins, answers queries with what the test laid down.
 #ifndef DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
 #define DOCENT_TESTS_ROBOT_ADAPTERS_SDK_FAKE_SERVER_H_
 
@@ -58,7 +58,12 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
                      grpc::ServerWriter<v1::QueryReply>* writer) override {
     absl::MutexLock lock(&mutex_);
     queries_.push_back(request->query());
-    for (const v1::QueryReply& reply : answer_) writer->Write(reply);
+    for (const auto& [words, replies] : answers_) {
+      if (request->query().find(words) == std::string::npos) continue;
+      for (const v1::QueryReply& reply : replies) writer->Write(reply);
+      return grpc::Status::OK;
+    }
+    writer->Write(Header({}));
     return grpc::Status::OK;
   }
   grpc::Status Join(grpc::ServerContext*, const v1::JoinRequest* request, v1::JoinReply* reply) override {
@@ -99,9 +104,27 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
     absl::MutexLock lock(&mutex_);
     return queries_;
   }
-  void SetAnswer(std::vector<v1::QueryReply> answer) {
+  // Queries that contain `words` get one row of these IRIs and strings; an empty value is unbound. Newest first.
+  void AnswerRow(const std::string& words, const std::vector<std::string>& values) {
+    v1::QueryReply row;
+    std::vector<std::string> variables;
+    for (const std::string& value : values) {
+      variables.push_back(absl::StrCat("v", variables.size()));
+      v1::Term* term = row.mutable_row()->add_values();
+      if (value.find("://") != std::string::npos) {
+        term->set_iri(value);
+      } else if (!value.empty()) {
+        term->mutable_literal()->set_lexical(value);
+      }
+    }
     absl::MutexLock lock(&mutex_);
-    answer_ = std::move(answer);
+    answers_.insert(answers_.begin(), {words, {Header(variables), row}});
+  }
+  static v1::QueryReply Header(const std::vector<std::string>& variables) {
+    v1::QueryReply reply;
+    for (const std::string& variable : variables) reply.mutable_header()->add_variables(variable);
+    reply.mutable_header()->set_revision(9);
+    return reply;
   }
   void SetLease(uint32_t lease_ms) {
     absl::MutexLock lock(&mutex_);
@@ -116,7 +139,7 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
   std::vector<v1::AssertRequest> batches_;
   std::vector<v1::JoinRequest> joins_;
   std::vector<std::string> queries_;
-  std::vector<v1::QueryReply> answer_;
+  std::vector<std::pair<std::string, std::vector<v1::QueryReply>>> answers_;
   std::map<std::pair<std::string, std::string>, std::string> values_;
 };
 

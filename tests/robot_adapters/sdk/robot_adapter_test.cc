@@ -334,16 +334,24 @@ TEST_F(RobotAdapterTest, ServerThatComesBackIsJoinedAndToldTheStatesAgain) {
   EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("battery"), "79"));
 }
 
+TEST_F(RobotAdapterTest, WithdrawsWhatAnEarlierLifeLeftBehind) {
+  server_.AnswerRow("VALUES ?p", {DocentIri("currentCommand"), "run/old"});
+  StartAdapter();
+  auto withdrawn = [this] {
+    for (const v1::AssertRequest& batch : server_.batches()) {
+      for (const v1::Quad& quad : batch.remove()) {
+        if (quad.object().literal().lexical() == "run/old") return true;
+      }
+    }
+    return false;
+  };
+  for (int i = 0; i < 3000 && !withdrawn(); ++i) absl::SleepFor(absl::Milliseconds(10));
+  EXPECT_TRUE(withdrawn());
+}
+
 TEST_F(RobotAdapterTest, QueriesTheServer) {
   StartAdapter();
-  v1::QueryReply header;
-  header.mutable_header()->add_variables("r");
-  header.mutable_header()->add_variables("n");
-  header.mutable_header()->set_revision(9);
-  v1::QueryReply row;
-  row.mutable_row()->add_values()->set_iri("http://example.org/b3");
-  row.mutable_row()->add_values();
-  server_.SetAnswer({header, row});
+  server_.AnswerRow("?r ?n", {"http://example.org/b3", ""});
   auto answer = adapter_->server().Query("SELECT ?r ?n {}", absl::Seconds(20));
   ASSERT_TRUE(answer.ok()) << answer.status();
   EXPECT_EQ(answer->revision, 9u);
