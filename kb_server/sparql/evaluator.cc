@@ -317,6 +317,7 @@ void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const Ter
     PrepareExpression(*expression, {&program.context, base.size(), base.data()});
     arranged = true;
   }
+  ForgetExpression(*expression);
   std::fill(base.begin(), base.end(), TermId());
   std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())), base.begin());
 }

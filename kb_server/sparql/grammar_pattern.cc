@@ -54,13 +54,21 @@ std::optional<Grammar::Group> Grammar::GroupWithFilter() {
   return group;
 }
 
+// Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken FILTER or BIND.
 void Grammar::RecoverInGroup() {
-  for (int open = 0; Peek().kind != TokenKind::kEnd;) {
+  for (int open = 0, parentheses = 0; Peek().kind != TokenKind::kEnd;) {
     if (At("}") && open == 0) return;
     const Token token = Take();
     if (token.Is("{")) ++open;
     if (token.Is("}")) --open;
-    if (token.Is(".") && open == 0) return;
+    if (token.Is("(")) ++parentheses;
+    if (token.Is(")")) --parentheses;
+    if (open != 0) continue;
+    if (token.Is(".") && parentheses <= 0) return;
+    const TokenKind next = Peek().kind;
+    const bool begins = next == TokenKind::kVariable || next == TokenKind::kIri || next == TokenKind::kPrefixedName ||
+                        next == TokenKind::kBlankLabel || next == TokenKind::kWord || At("{");
+    if (token.Is(")") && parentheses < 0 && begins) return;
   }
 }
 

@@ -35,6 +35,10 @@ class BgpOperator final : public Operator {
     }
   }
 
+  void Forget() override {
+    for (const PlanExpressionPtr& filter : node_.filters) ForgetExpression(*filter);
+  }
+
   void Start(const TermId* in) override {
     std::copy(in, in + row_.size(), row_.begin());
     state_ = State::kFresh;

@@ -117,7 +117,13 @@ class GroupOperator final : public Operator {
     }
     return false;
   }
-  void Forget() override { child_->Forget(); }
+  void Forget() override {
+    child_->Forget();
+    for (auto& [slot, key] : node_.keys) ForgetExpression(*key);
+    for (auto& aggregate : node_.aggregates) {
+      if (aggregate.expression) ForgetExpression(*aggregate.expression);
+    }
+  }
 
  private:
   struct Group {
@@ -184,7 +190,10 @@ class OrderByOperator final : public Operator {
     std::copy(row.slots.begin(), row.slots.end(), out);
     return true;
   }
-  void Forget() override { child_->Forget(); }
+  void Forget() override {
+    child_->Forget();
+    for (auto& [expression, descending] : node_.order) ForgetExpression(*expression);
+  }
 
  private:
   struct Row {

@@ -50,6 +50,7 @@ class LoopJoin final : public Operator {
   void Forget() override {
     left_->Forget();
     right_->Forget();
+    if (node_.expression) ForgetExpression(*node_.expression);
   }
 
  private:
@@ -220,6 +221,7 @@ class HashJoin final : public Operator {
   void Forget() override {
     left_->Forget();
     table_.Forget();
+    if (node_.expression) ForgetExpression(*node_.expression);
   }
 
  private:

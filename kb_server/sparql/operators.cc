@@ -20,6 +20,11 @@ void PrepareExpression(PlanExpression& e, const BuildContext& build) {
   e.exists_operator = BuildOperator(*e.exists, {build.context, build.slots, e.exists_base.data()});
 }
 
+void ForgetExpression(PlanExpression& e) {
+  for (const PlanExpressionPtr& argument : e.arguments) ForgetExpression(*argument);
+  if (e.exists_operator) e.exists_operator->Forget();
+}
+
 bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out) {
   for (const int slot : slots) {
     if (b[slot].IsNone()) continue;
@@ -33,11 +38,6 @@ bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermI
 }
 
 namespace {
-
-void ForgetExists(PlanExpression& e) {
-  for (const PlanExpressionPtr& argument : e.arguments) ForgetExists(*argument);
-  if (e.exists_operator) e.exists_operator->Forget();
-}
 
 class FilterOperator final : public Operator {
  public:
@@ -58,7 +58,7 @@ class FilterOperator final : public Operator {
   }
   void Forget() override {
     child_->Forget();
-    for (const PlanExpressionPtr& filter : node_.filters) ForgetExists(*filter);
+    for (const PlanExpressionPtr& filter : node_.filters) ForgetExpression(*filter);
   }
 
  private:
@@ -116,7 +116,7 @@ class ExtendOperator final : public Operator {
   }
   void Forget() override {
     child_->Forget();
-    ForgetExists(*node_.expression);
+    ForgetExpression(*node_.expression);
   }
 
  private:

@@ -44,6 +44,8 @@ std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build)
 std::unique_ptr<Operator> BuildPath(PlanNode& node, const BuildContext& build);
 // Builds the operators of the EXISTS in an expression.
 void PrepareExpression(PlanExpression& e, const BuildContext& build);
+// A new run: they forget what they kept of the run before, which may have been on another version.
+void ForgetExpression(PlanExpression& e);
 
 // True if the two rows agree wherever both are bound at `slots`; then `out` (a copy of `a`) gets what `b` has besides.
 bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out);
