@@ -16,7 +16,8 @@ import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PREFIXES = {
-    "docent": "https://w3id.org/docent#", "expo": "https://w3id.org/docent/expo#", "schema": "https://schema.org/",
+    "docent": "https://w3id.org/docent#", "expo": "https://w3id.org/docent/expo#",
+    "s02": "https://w3id.org/docent/s02#", "schema": "https://schema.org/",
     "geo": "http://www.opengis.net/ont/geosparql#", "rdfs": "http://www.w3.org/2000/01/rdf-schema#",
     "prov": "http://www.w3.org/ns/prov#", "xsd": "http://www.w3.org/2001/XMLSchema#",
     "rdf": "http://www.w3.org/1999/02/22-rdf-syntax-ns#",
@@ -240,6 +241,16 @@ class Robot:
 
     def stop(self):
         return self.process.stop()
+
+
+# ---- scenario s02 -------------------------------------------------------------------------------------------------------
+
+S02 = ROOT / "scenarios" / "s02_real_robot_log"
+
+
+def load_s02(server, layout=S02 / "layout.ttl"):
+    load_ontology(server)
+    server.load(layout, S02 / "world.ttl", S02 / "s02.cawl.xml")
 
 
 # ---- scenario s01 -------------------------------------------------------------------------------------------------------
