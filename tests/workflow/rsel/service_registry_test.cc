@@ -1,0 +1,156 @@
+#include "workflow/rsel/service_registry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "absl/strings/str_cat.h"
+#include "workflow/rsel/feasibility.h"
+#include "workflow/rsel/generator.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent::rsel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+DocumentPtr Parse(const std::string& text) {
+  ParsedRsel parsed = ParseRsel(text, "f");
+  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+  return parsed.document;
+}
+
+const char kLead[] = "<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
+                     "<input part=\"booth\" from=\"booth\"/></invoke></process></rsel>";
+const char kTour[] = "<rsel name=\"tour\" version=\"2\"><process name=\"Tour\"><invoke operation=\"Lead\"/>"
+                     "<invoke operation=\"wave\"/></process></rsel>";
+
+TEST(ServiceRegistry, ReusesProcessesOfOtherDocuments) {
+  ServiceRegistry registry;
+  ASSERT_THAT(registry.Put(Parse(kLead)), IsEmpty());
+  ASSERT_THAT(registry.Put(Parse(kTour)), IsEmpty());
+  PlanPtr tour = registry.Find("Tour");
+  ASSERT_NE(tour, nullptr);
+  EXPECT_THAT(tour->inputs, ElementsAre("booth"));
+  ASSERT_THAT(tour->steps, SizeIs(2));
+  EXPECT_EQ(tour->steps[0].path, "Lead/move");
+  EXPECT_EQ(tour->version, "2");
+  EXPECT_THAT(registry.ProcessNames(), ElementsAre("Lead", "Tour"));
+  EXPECT_EQ(registry.version(), 2u);
+}
+
+TEST(ServiceRegistry, ARunningPlanSurvivesReplacement) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  PlanPtr before = registry.Find("Lead");
+  registry.Put(Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"fly\"/></process></rsel>"));
+  EXPECT_EQ(before->steps[0].operation, "move");
+  EXPECT_EQ(registry.Find("Lead")->steps[0].operation, "fly");
+}
+
+TEST(ServiceRegistry, AFailedPutChangesNothing) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  registry.Put(Parse(kTour));
+  // Tour gives Lead a booth; a Lead that wants a place as well breaks it.
+  Diagnostics broken = registry.Put(Parse("<rsel name=\"lead\"><message name=\"M\"><part name=\"booth\"/><part name=\"place\"/>"
+                                          "</message><process name=\"Lead\" input=\"M\"><invoke operation=\"m\"/></process>"
+                                          "<process name=\"Tour\"><invoke operation=\"m\"/></process></rsel>"));
+  ASSERT_TRUE(HasErrors(broken));
+  EXPECT_THAT(broken[0].message, HasSubstr("already registered by document tour"));
+  EXPECT_EQ(registry.version(), 2u);
+  EXPECT_EQ(registry.Find("Lead")->steps[0].operation, "move");
+}
+
+TEST(ServiceRegistry, AChangeThatBreaksAnotherDocumentIsRefused) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  registry.Put(Parse("<rsel name=\"tour\"><process name=\"Tour\"><invoke operation=\"Lead\">"
+                     "<input part=\"booth\" from=\"first\"/></invoke></process></rsel>"));
+  Diagnostics broken = registry.Put(Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
+                                          "<input part=\"place\" from=\"place\"/></invoke></process></rsel>"));
+  ASSERT_TRUE(HasErrors(broken));
+  EXPECT_THAT(broken[0].message, HasSubstr("the registered document tour would no longer work"));
+}
+
+TEST(ServiceRegistry, RemoveKeepsWhatOthersNeed) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  registry.Put(Parse(kTour));
+  absl::Status refused = registry.Remove("lead");
+  EXPECT_EQ(refused.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("part of process Tour"));
+  EXPECT_TRUE(registry.Remove("tour").ok());
+  EXPECT_TRUE(registry.Remove("lead").ok());
+  EXPECT_EQ(registry.Remove("lead").code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(registry.Plans(), IsEmpty());
+}
+
+TEST(ServiceRegistry, CopiesAreIndependent) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  ServiceRegistry copy = registry;
+  copy.Put(Parse(kTour));
+  EXPECT_EQ(registry.Find("Tour"), nullptr);
+  EXPECT_NE(copy.Find("Tour"), nullptr);
+}
+
+TEST(ServiceRegistry, StepsAreLimited) {
+  auto text = [](int invokes) {
+    std::string out = "<rsel name=\"big\"><process name=\"Ten\">";
+    for (int i = 0; i < 10; ++i) out += "<invoke operation=\"x\"/>";
+    out += "</process><process name=\"Big\">";
+    for (int i = 0; i < invokes; ++i) out += "<invoke operation=\"Ten\"/>";
+    return out + "</process></rsel>";
+  };
+  ServiceRegistry registry;
+  EXPECT_THAT(registry.Put(Parse(text(100))), IsEmpty());
+  EXPECT_THAT(registry.Find("Big")->steps, SizeIs(1000));
+  Diagnostics over = registry.Put(Parse(text(101)));
+  ASSERT_TRUE(HasErrors(over));
+  EXPECT_THAT(over[0].message, HasSubstr("more than 1000 steps"));
+}
+
+TEST(ServiceRegistry, NestingIsLimitedAndDoublingEnds) {
+  std::string text = "<rsel name=\"deep\">";
+  for (int i = 0; i < 60; ++i) {
+    std::string next = absl::StrCat("<invoke operation=\"p", i + 1, "\"/>");
+    absl::StrAppend(&text, "<process name=\"p", i, "\">", next, next, "</process>");
+  }
+  ServiceRegistry registry;
+  EXPECT_TRUE(HasErrors(registry.Put(Parse(text + "</rsel>"))));
+}
+
+TEST(Feasibility, OneRobotMustOfferAll) {
+  ServiceRegistry registry;
+  registry.Put(Parse(kLead));
+  registry.Put(Parse(kTour));
+  std::vector<OfferedOperation> offered = {{RobotId("urn:r2"), "move", {"booth"}, {}, true, ""},
+                                           {RobotId("urn:r1"), "move", {"booth"}, {}, true, ""},
+                                           {RobotId("urn:r1"), "wave", {}, {}, true, ""}};
+  EXPECT_THAT(CapableRobots(*registry.Find("Tour"), offered), ElementsAre(RobotId("urn:r1")));
+  EXPECT_THAT(CapableRobots(*registry.Find("Lead"), offered), ElementsAre(RobotId("urn:r1"), RobotId("urn:r2")));
+}
+
+TEST(Generator, WhatItWritesParsesAndIsFeasible) {
+  std::vector<OfferedOperation> offered = {
+      {RobotId("urn:r1"), "moveToUser", {"user"}, {}, true, "Drives to <the> \"user\" & waits"},
+      {RobotId("urn:r1"), "locate", {}, {"pose", "region"}, true, ""},
+      {RobotId("urn:r2"), "moveToUser", {"user"}, {}, true, "another"},
+      {RobotId("urn:r1"), "odd", {"not a name"}, {}, true, ""}};
+  std::string text = GenerateRsel("R & D", offered);
+  DocumentPtr document = Parse(text);
+  ASSERT_NE(document, nullptr);
+  EXPECT_EQ(document->name.value, "R & D");
+  ServiceRegistry registry;
+  EXPECT_THAT(registry.Put(document), IsEmpty());
+  EXPECT_THAT(registry.ProcessNames(), ElementsAre("locate", "moveToUser"));
+  EXPECT_THAT(CheckFeasibility(*document, registry, offered), IsEmpty());
+  EXPECT_THAT(registry.Find("moveToUser")->inputs, ElementsAre("user"));
+  EXPECT_THAT(registry.Find("locate")->outputs, SizeIs(2));
+}
+
+}  // namespace
+}  // namespace docent::rsel
