@@ -1,6 +1,7 @@
-// docent_log_bench [SECONDS] [FOLDER]: how many records a second the durable log takes, by records per transaction,
-// beside the same disk's bare write + fdatasync of the same bytes (the floor: no log can commit faster).
-// Every commit is one fdatasync. Records are those of a robot's pose update, encoded as the server does.
+// docent_log_bench [SECONDS] [FOLDER]: how many records a second the durable log takes, by records per
+// transaction, beside the same disk's bare write + fdatasync of the same bytes (the floor: no log can commit
+// faster). Every commit is one fdatasync. Records are those of a robot's pose update, encoded as the server
+// does.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -24,7 +25,8 @@ using Steady = std::chrono::steady_clock;
 TurnRecord PoseRecord(int i) {
   const Term robot = Term::Iri("https://w3id.org/docent/expo#R01");
   const auto decimal = [](int thousandths) {
-    return Term{TermKind::kLiteral, std::to_string(thousandths / 1000) + "." + std::to_string(thousandths % 1000),
+    return Term{TermKind::kLiteral,
+                std::to_string(thousandths / 1000) + "." + std::to_string(thousandths % 1000),
                 "http://www.w3.org/2001/XMLSchema#decimal", ""};
   };
   TurnRecord record;
@@ -33,9 +35,9 @@ TurnRecord PoseRecord(int i) {
   record.batch.source = "urn:docent:source:R01";
   record.batch.time_us = record.time_us;
   for (const char* property : {"x", "y", "heading"}) {
-    record.batch.operations.push_back(
-        {QuadOperation::Kind::kAdd,
-         {robot, Term::Iri(std::string("https://w3id.org/docent#") + property), decimal(12345 + i % 9000), Term{}}});
+    record.batch.operations.push_back({QuadOperation::Kind::kAdd,
+                                       {robot, Term::Iri(std::string("https://w3id.org/docent#") + property),
+                                        decimal(12345 + i % 9000), Term{}}});
   }
   return record;
 }
@@ -59,19 +61,21 @@ Figures Measure(double seconds, size_t records_per_commit, const std::function<b
   const double elapsed = std::chrono::duration<double>(before - start).count();
   std::sort(times_us.begin(), times_us.end());
   const auto at = [&](double share) { return times_us[static_cast<size_t>(share * (times_us.size() - 1))]; };
-  return {static_cast<double>(times_us.size() * records_per_commit) / elapsed, at(0.5), at(0.99), times_us.back()};
+  return {static_cast<double>(times_us.size() * records_per_commit) / elapsed, at(0.5), at(0.99),
+          times_us.back()};
 }
 
 void Print(const char* system, size_t records, const Figures& f) {
-  std::printf("%-16s %8zu %12.0f %10.0f %10.0f %10.0f\n", system, records, f.records_per_second, f.p50_us, f.p99_us,
-              f.max_us);
+  std::printf("%-16s %8zu %12.0f %10.0f %10.0f %10.0f\n", system, records, f.records_per_second, f.p50_us,
+              f.p99_us, f.max_us);
   std::fflush(stdout);
 }
 
 int Main(double seconds, const std::string& folder) {
   std::string bytes = *EncodeTurnRecord(PoseRecord(1));
   std::printf("one record: %zu bytes; %.0f s a line\n", bytes.size(), seconds);
-  std::printf("%-16s %8s %12s %10s %10s %10s\n", "system", "records", "records/s", "p50 us", "p99 us", "max us");
+  std::printf("%-16s %8s %12s %10s %10s %10s\n", "system", "records", "records/s", "p50 us", "p99 us",
+              "max us");
   for (const size_t per_commit : {1u, 10u, 100u, 1000u}) {
     std::filesystem::remove_all(folder);
     {
@@ -119,7 +123,9 @@ int Main(double seconds, const std::string& folder) {
 
 int main(int argc, char** argv) {
   if (argc > 3 || (argc > 1 && argv[1][0] == '-')) {
-    std::fprintf(stderr, "usage: docent_log_bench [SECONDS] [FOLDER]\nThe log is made in FOLDER/docent_log_bench and removed.\n");
+    std::fprintf(stderr,
+                 "usage: docent_log_bench [SECONDS] [FOLDER]\nThe log is made in FOLDER/docent_log_bench and "
+                 "removed.\n");
     return 2;
   }
   const double seconds = argc > 1 ? std::atof(argv[1]) : 2;

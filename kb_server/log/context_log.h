@@ -1,13 +1,13 @@
-// The one ordered, durable log of everything that affects a turn, behind which stand two engines (SQLite on one
-// machine, PostgreSQL where one is not enough). Its records are opaque bytes here; kb_server/log/record_codec.h says
-// what is in them.
+// The one ordered, durable log of everything that affects a turn, behind which stand two engines (SQLite on
+// one machine, PostgreSQL where one is not enough). Its records are opaque bytes here;
+// kb_server/log/record_codec.h says what is in them.
 //
-// Every record carries a CRC32C of its own bytes and the SHA-256 of the record before it. A record that is wrong is
-// corruption: an error that names its offset, never a silent cut. Offsets count from 1 without gaps; 0 is "before the
-// first record".
+// Every record carries a CRC32C of its own bytes and the SHA-256 of the record before it. A record that is
+// wrong is corruption: an error that names its offset, never a silent cut. Offsets count from 1 without gaps;
+// 0 is "before the first record".
 //
-// Threads: all methods may be called from any thread. `Append` is meant for one writer; several are served one by one.
-// Reads do not wait for appends, nor appends for reads.
+// Threads: all methods may be called from any thread. `Append` is meant for one writer; several are served
+// one by one. Reads do not wait for appends, nor appends for reads.
 #ifndef DOCENT_KB_SERVER_LOG_CONTEXT_LOG_H_
 #define DOCENT_KB_SERVER_LOG_CONTEXT_LOG_H_
 
@@ -56,17 +56,17 @@ class ContextLog {
  public:
   virtual ~ContextLog() = default;
 
-  // Appends `records` as one transaction with one sync to disk (group commit): all of them or none. They get the
-  // offsets expected_head+1, expected_head+2, …. A higher `epoch` than the head's claims the log for this writer; an
-  // empty `records` with a higher epoch only claims. Refusals are outcomes. Errors: RESOURCE_EXHAUSTED (disk full),
-  // UNAVAILABLE (I/O error), DATA_LOSS; after an error nothing of the batch is in the log, and a later append may
-  // succeed.
+  // Appends `records` as one transaction with one sync to disk (group commit): all of them or none. They get
+  // the offsets expected_head+1, expected_head+2, …. A higher `epoch` than the head's claims the log for this
+  // writer; an empty `records` with a higher epoch only claims. Refusals are outcomes. Errors:
+  // RESOURCE_EXHAUSTED (disk full), UNAVAILABLE (I/O error), DATA_LOSS; after an error nothing of the batch
+  // is in the log, and a later append may succeed.
   virtual absl::StatusOr<AppendResult> Append(absl::Span<const std::string> records, uint64_t epoch,
                                               uint64_t expected_head) = 0;
 
-  // Records from offset `from` on in order: at most `max`, and no more than about kReadBytes of data (at least one
-  // record); none beyond the head. Verified. OUT_OF_RANGE for a `from` that was trimmed away; DATA_LOSS naming the
-  // first wrong offset.
+  // Records from offset `from` on in order: at most `max`, and no more than about kReadBytes of data (at
+  // least one record); none beyond the head. Verified. OUT_OF_RANGE for a `from` that was trimmed away;
+  // DATA_LOSS naming the first wrong offset.
   virtual absl::StatusOr<std::vector<LogEntry>> Read(uint64_t from, size_t max) = 0;
   static constexpr size_t kReadBytes = 16u << 20;
 
@@ -77,15 +77,16 @@ class ContextLog {
   // The offset of the first record that is still there; head + 1 if there is none.
   virtual absl::StatusOr<uint64_t> First() = 0;
 
-  // Keeps `data` as the state after record `offset` (≤ head), durably; replaces a snapshot of the same offset.
-  // Afterwards the two newest snapshots are kept and older ones dropped.
+  // Keeps `data` as the state after record `offset` (≤ head), durably; replaces a snapshot of the same
+  // offset. Afterwards the two newest snapshots are kept and older ones dropped.
   virtual absl::Status SnapshotPut(uint64_t offset, std::string_view data) = 0;
-  // The newest snapshot with offset ≤ `at_most`, verified; nullopt if there is none. DATA_LOSS if it is damaged: the
-  // caller may go on with an older one (at_most = its offset - 1) as long as the records after it are there.
+  // The newest snapshot with offset ≤ `at_most`, verified; nullopt if there is none. DATA_LOSS if it is
+  // damaged: the caller may go on with an older one (at_most = its offset - 1) as long as the records after
+  // it are there.
   virtual absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t at_most) = 0;
 
-  // Drops the records with offset < `before`. FAILED_PRECONDITION unless a snapshot with offset ≥ before-1 exists:
-  // the state must stay derivable.
+  // Drops the records with offset < `before`. FAILED_PRECONDITION unless a snapshot with offset ≥ before-1
+  // exists: the state must stay derivable.
   virtual absl::Status Trim(uint64_t before) = 0;
 };
 

@@ -41,7 +41,8 @@ absl::Status FileError(int error, const std::string& what) {
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return absl::ResourceExhaustedError(absl::StrCat(message, "; make room on the disk of the data folder"));
+      return absl::ResourceExhaustedError(
+          absl::StrCat(message, "; make room on the disk of the data folder"));
     case ENOENT:
       return absl::NotFoundError(message);
     case ENOTDIR:
@@ -78,12 +79,13 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
   if (!folder.lock_.valid()) return FileError(errno, what);
   if (flock(folder.lock_.fd(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return FileError(errno, what);
-    return absl::FailedPreconditionError(
-        absl::StrCat(what, ": it is in use by ", Holder(folder.lock_.fd()), "; stop that one or choose another folder"));
+    return absl::FailedPreconditionError(absl::StrCat(what, ": it is in use by ", Holder(folder.lock_.fd()),
+                                                      "; stop that one or choose another folder"));
   }
   // For the next one's message only: that it may not fit on a full disk does no harm.
   const std::string pid = absl::StrCat(getpid(), "\n");
-  if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0) errno = 0;
+  if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0)
+    errno = 0;
 
   folder.mark_ = FileHandle(open(folder.File("head").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
   if (!folder.mark_.valid()) return FileError(errno, what);
@@ -102,6 +104,8 @@ void DataFolder::SetHeadMark(uint64_t offset) {
   if (pwrite(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark) && ftruncate(mark_.fd(), 0) != 0) errno = 0;
 }
 
-void DataFolder::SyncHeadMark() { fdatasync(mark_.fd()); }
+void DataFolder::SyncHeadMark() {
+  fdatasync(mark_.fd());
+}
 
 }  // namespace docent

@@ -1,9 +1,9 @@
 // The folder in which a server keeps its log: made if absent, checked, and held by one process at a time.
 //
-// It also holds the *head mark*: a file of a few bytes that is overwritten, without a sync, after each commit. If the
-// database later ends before the mark, acknowledged records have been lost (a damaged write-ahead log looks to SQLite
-// like one that was cut off by a crash, and it drops the rest without a word). After a power cut the mark may be older
-// than the database, never newer. One thread at a time.
+// It also holds the *head mark*: a file of a few bytes that is overwritten, without a sync, after each
+// commit. If the database later ends before the mark, acknowledged records have been lost (a damaged
+// write-ahead log looks to SQLite like one that was cut off by a crash, and it drops the rest without a
+// word). After a power cut the mark may be older than the database, never newer. One thread at a time.
 #ifndef DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_
 #define DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_
 
@@ -33,8 +33,8 @@ class FileHandle {
 
 class DataFolder {
  public:
-  // Makes `path` (with parents) if absent and takes its lock. Errors, each one line: INVALID_ARGUMENT (not a folder),
-  // PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in use, by which process).
+  // Makes `path` (with parents) if absent and takes its lock. Errors, each one line: INVALID_ARGUMENT (not a
+  // folder), PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in use, by which process).
   static absl::StatusOr<DataFolder> Open(const std::string& path);
 
   const std::string& path() const { return path_; }

@@ -21,7 +21,8 @@ constexpr TableOfEight MakeTables() {
     tables[0][b] = crc;
   }
   for (uint32_t b = 0; b < 256; ++b) {
-    for (size_t k = 1; k < 8; ++k) tables[k][b] = (tables[k - 1][b] >> 8) ^ tables[0][tables[k - 1][b] & 0xFF];
+    for (size_t k = 1; k < 8; ++k)
+      tables[k][b] = (tables[k - 1][b] >> 8) ^ tables[0][tables[k - 1][b] & 0xFF];
   }
   return tables;
 }
@@ -37,8 +38,8 @@ std::array<char, 8> LittleEndian(uint64_t value) {
   return bytes;
 }
 
-// SHA-256 of what is added. A failure inside OpenSSL means that memory ran out or the library is broken; there is no
-// log to go on with then.
+// SHA-256 of what is added. A failure inside OpenSSL means that memory ran out or the library is broken;
+// there is no log to go on with then.
 class Hasher {
  public:
   Hasher() { Require(EVP_DigestInit_ex(Context(), EVP_sha256(), nullptr)); }
@@ -77,8 +78,8 @@ Crc32c& Crc32c::Add(std::string_view bytes) {
   size_t left = bytes.size();
   uint32_t crc = state_;
   for (; left >= 8; left -= 8, p += 8) {
-    crc ^= static_cast<uint32_t>(p[0]) | static_cast<uint32_t>(p[1]) << 8 | static_cast<uint32_t>(p[2]) << 16 |
-           static_cast<uint32_t>(p[3]) << 24;
+    crc ^= static_cast<uint32_t>(p[0]) | static_cast<uint32_t>(p[1]) << 8 |
+           static_cast<uint32_t>(p[2]) << 16 | static_cast<uint32_t>(p[3]) << 24;
     crc = kTables[7][crc & 0xFF] ^ kTables[6][(crc >> 8) & 0xFF] ^ kTables[5][(crc >> 16) & 0xFF] ^
           kTables[4][crc >> 24] ^ kTables[3][p[4]] ^ kTables[2][p[5]] ^ kTables[1][p[6]] ^ kTables[0][p[7]];
   }
@@ -100,6 +101,8 @@ ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous,
   return Hasher().Add(AsBytes(previous)).Add(offset).Add(epoch).Add(data).Finish();
 }
 
-ChainHash Sha256(std::string_view bytes) { return Hasher().Add(bytes).Finish(); }
+ChainHash Sha256(std::string_view bytes) {
+  return Hasher().Add(bytes).Finish();
+}
 
 }  // namespace docent

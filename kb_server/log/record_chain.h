@@ -1,5 +1,5 @@
-// What makes damage visible: the CRC32C of each record and the SHA-256 chain through all of them. SQLite does not
-// notice a flipped byte in a row (measured), so the log checks for itself. Any thread.
+// What makes damage visible: the CRC32C of each record and the SHA-256 chain through all of them. SQLite does
+// not notice a flipped byte in a row (measured), so the log checks for itself. Any thread.
 #ifndef DOCENT_KB_SERVER_LOG_RECORD_CHAIN_H_
 #define DOCENT_KB_SERVER_LOG_RECORD_CHAIN_H_
 
@@ -29,8 +29,8 @@ class Crc32c {
 // The CRC kept beside a record: over its offset, epoch, the previous record's hash and its data.
 uint32_t RecordCrc(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data);
 
-// The hash of a record: SHA-256 over the previous record's hash, its own offset, epoch and data. Record 1 has a
-// previous hash of 32 zero bytes.
+// The hash of a record: SHA-256 over the previous record's hash, its own offset, epoch and data. Record 1 has
+// a previous hash of 32 zero bytes.
 ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data);
 
 // SHA-256 of `bytes`.

@@ -11,7 +11,8 @@
 namespace docent {
 namespace {
 
-// The enums' values are written as they are: their order is part of the log's format. New values go to the end.
+// The enums' values are written as they are: their order is part of the log's format. New values go to the
+// end.
 static_assert(static_cast<int>(TermKind::kLiteral) == log::TermEntry::LITERAL);
 static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
 static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
@@ -120,16 +121,17 @@ void EncodeDecisions(const TurnRecord& record, TermTable* terms, log::Turn* turn
   }
 }
 
-// Reads one parsed message. The first thing that does not fit ends up in `status`; what is returned then is unused.
+// Reads one parsed message. The first thing that does not fit ends up in `status`; what is returned then is
+// unused.
 class Decoder {
  public:
   Decoder(uint64_t offset, const log::Turn& turn) : offset_(offset), turn_(turn) {}
 
   absl::StatusOr<TurnRecord> Decode() {
     if (turn_.min_reader() > kRecordReader) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("log record ", offset_, " was written by a newer Docent (record format ", turn_.min_reader(),
-                       ", this one reads up to ", kRecordReader, "): start the newer version"));
+      return absl::FailedPreconditionError(absl::StrCat(
+          "log record ", offset_, " was written by a newer Docent (record format ", turn_.min_reader(),
+          ", this one reads up to ", kRecordReader, "): start the newer version"));
     }
     DecodeTerms();
     TurnRecord record;
@@ -144,7 +146,8 @@ class Decoder {
 
  private:
   void Fail(const std::string& what) {
-    if (status_.ok()) status_ = absl::DataLossError(absl::StrCat("log record ", offset_, " does not decode: ", what));
+    if (status_.ok())
+      status_ = absl::DataLossError(absl::StrCat("log record ", offset_, " does not decode: ", what));
   }
 
   void DecodeTerms() {
@@ -152,7 +155,8 @@ class Decoder {
     terms_.emplace_back();  // number 0: no term
     for (const log::TermEntry& entry : turn_.terms()) {
       Term term;
-      if (entry.kind() < log::TermEntry::IRI || entry.kind() > log::TermEntry::LITERAL) Fail("unknown kind of term");
+      if (entry.kind() < log::TermEntry::IRI || entry.kind() > log::TermEntry::LITERAL)
+        Fail("unknown kind of term");
       term.kind = static_cast<TermKind>(entry.kind());
       term.lexical = entry.lexical();
       term.language = entry.language();
@@ -193,7 +197,8 @@ class Decoder {
     for (size_t i = 0; i < batch->operations.size(); ++i) {
       TermQuad& quad = batch->operations[i].quad;
       int at = static_cast<int>(i * 4);
-      for (Term* term : {&quad.subject, &quad.predicate, &quad.object, &quad.graph}) *term = TermOf(in.quads(at++));
+      for (Term* term : {&quad.subject, &quad.predicate, &quad.object, &quad.graph})
+        *term = TermOf(in.quads(at++));
     }
     for (const uint32_t position : in.removes()) {
       if (position >= batch->operations.size()) return Fail("a removal beyond the operations");
@@ -214,13 +219,14 @@ class Decoder {
     }
     for (const log::DocumentChange& entry : in.documents()) {
       batch->documents.push_back({EnumOf(entry.kind(), Document::Kind::kRsel, "kind of document"),
-                                  EnumOf(entry.action(), Document::Action::kRemove, "document action"), entry.name(),
-                                  entry.text()});
+                                  EnumOf(entry.action(), Document::Action::kRemove, "document action"),
+                                  entry.name(), entry.text()});
     }
     for (const log::Report& entry : in.reports()) {
-      batch->reports.push_back({CommandId(entry.command()),
-                                EnumOf(entry.outcome(), CommandReport::Outcome::kUnreachable, "command outcome"),
-                                entry.message(), entry.progress(), entry.incarnation(), Named(entry.results())});
+      batch->reports.push_back(
+          {CommandId(entry.command()),
+           EnumOf(entry.outcome(), CommandReport::Outcome::kUnreachable, "command outcome"), entry.message(),
+           entry.progress(), entry.incarnation(), Named(entry.results())});
     }
     for (const log::RunWish& entry : in.run_requests()) {
       batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kInvokeService, "run request"),

@@ -96,10 +96,12 @@ absl::Status SnapshotFiles::Put(uint64_t offset, std::string_view data) {
 absl::StatusOr<std::vector<uint64_t>> SnapshotFiles::Offsets() const {
   std::vector<uint64_t> offsets;
   std::error_code error;
-  for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+  for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end;
+       entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     uint64_t offset = 0;
-    if (name.starts_with(kPrefix) && absl::SimpleAtoi(name.substr(kPrefix.size()), &offset)) offsets.push_back(offset);
+    if (name.starts_with(kPrefix) && absl::SimpleAtoi(name.substr(kPrefix.size()), &offset))
+      offsets.push_back(offset);
   }
   if (error) return FileError(error.value(), absl::StrCat("cannot list the data folder ", folder_));
   std::sort(offsets.begin(), offsets.end());
@@ -115,8 +117,8 @@ absl::StatusOr<std::optional<LogSnapshot>> SnapshotFiles::Get(uint64_t at_most) 
   snapshot.offset = *std::prev(after);
 
   const std::string what = absl::StrCat("cannot read the snapshot at offset ", snapshot.offset);
-  const absl::Status damaged =
-      absl::DataLossError(absl::StrCat("the snapshot at offset ", snapshot.offset, " is damaged: ", Path(snapshot.offset)));
+  const absl::Status damaged = absl::DataLossError(
+      absl::StrCat("the snapshot at offset ", snapshot.offset, " is damaged: ", Path(snapshot.offset)));
   FileHandle file(open(Path(snapshot.offset).c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.valid()) return FileError(errno, what);
   struct stat facts;
@@ -126,7 +128,8 @@ absl::StatusOr<std::optional<LogSnapshot>> SnapshotFiles::Get(uint64_t at_most) 
   absl::StatusOr<size_t> got = ReadAll(file.fd(), reinterpret_cast<char*>(&header), sizeof(header), what);
   if (!got.ok()) return got.status();
   if (*got != sizeof(header) || std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
-      header.offset != snapshot.offset || header.length != static_cast<size_t>(facts.st_size) - sizeof(header)) {
+      header.offset != snapshot.offset ||
+      header.length != static_cast<size_t>(facts.st_size) - sizeof(header)) {
     return damaged;
   }
   snapshot.data.resize(header.length);

@@ -1,5 +1,5 @@
-// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset, length, SHA-256 of the
-// content), written to a temporary file, synced and renamed: a snapshot is there whole or not at all.
+// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset, length, SHA-256
+// of the content), written to a temporary file, synced and renamed: a snapshot is there whole or not at all.
 // One thread at a time.
 #ifndef DOCENT_KB_SERVER_LOG_SNAPSHOT_FILES_H_
 #define DOCENT_KB_SERVER_LOG_SNAPSHOT_FILES_H_
@@ -18,7 +18,8 @@ namespace docent {
 
 class SnapshotFiles {
  public:
-  static constexpr size_t kKept = 2;  // newest snapshots kept: the second is for the case that the first is damaged
+  static constexpr size_t kKept =
+      2;  // newest snapshots kept: the second is for the case that the first is damaged
 
   explicit SnapshotFiles(std::string folder) : folder_(std::move(folder)) {}
 

@@ -10,7 +10,8 @@ absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
   const std::string message = absl::StrCat(what, ": ", detail);
   switch (code & 0xFF) {
     case SQLITE_FULL:
-      return absl::ResourceExhaustedError(absl::StrCat(message, "; make room on the disk of the data folder"));
+      return absl::ResourceExhaustedError(
+          absl::StrCat(message, "; make room on the disk of the data folder"));
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
     case SQLITE_MISMATCH:
@@ -84,13 +85,16 @@ uint64_t Statement::Integer(int column) const {
 
 std::string_view Statement::Bytes(int column) const {
   const void* data = sqlite3_column_blob(statement_.get(), column);
-  return {static_cast<const char*>(data), static_cast<size_t>(sqlite3_column_bytes(statement_.get(), column))};
+  return {static_cast<const char*>(data),
+          static_cast<size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
 bool Statement::IsInteger(int column) const {
   return sqlite3_column_type(statement_.get(), column) == SQLITE_INTEGER;
 }
 
-bool Statement::IsBytes(int column) const { return sqlite3_column_type(statement_.get(), column) == SQLITE_BLOB; }
+bool Statement::IsBytes(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_BLOB;
+}
 
 }  // namespace docent

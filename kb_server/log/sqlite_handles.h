@@ -19,8 +19,8 @@ struct CloseDatabase {
 };
 using DatabaseHandle = std::unique_ptr<sqlite3, CloseDatabase>;
 
-// The status of result code `code` while doing `what`: RESOURCE_EXHAUSTED for a full disk, DATA_LOSS for a damaged
-// file, PERMISSION_DENIED, UNAVAILABLE for I/O errors and locks, else INTERNAL.
+// The status of result code `code` while doing `what`: RESOURCE_EXHAUSTED for a full disk, DATA_LOSS for a
+// damaged file, PERMISSION_DENIED, UNAVAILABLE for I/O errors and locks, else INTERNAL.
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what);
 
 // Runs statements without results ("PRAGMA …; CREATE …").

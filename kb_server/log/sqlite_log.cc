@@ -57,10 +57,12 @@ absl::Status SqliteLog::Prepare() {
   const Wanted all[] = {
       {&begin_, writer_.get(), "BEGIN IMMEDIATE"},
       {&commit_, writer_.get(), "COMMIT"},
-      {&insert_, writer_.get(), "INSERT INTO ctxlog(seq, epoch, crc, prev_hash, data) VALUES(?1, ?2, ?3, ?4, ?5)"},
+      {&insert_, writer_.get(),
+       "INSERT INTO ctxlog(seq, epoch, crc, prev_hash, data) VALUES(?1, ?2, ?3, ?4, ?5)"},
       // A stale epoch or head is refused by the database itself: no row matches then.
       {&store_head_, writer_.get(),
-       "UPDATE head SET seq=?1, epoch=?2, hash=?3, base_seq=?4, base_hash=?5, crc=?6 WHERE seq=?7 AND epoch=?8"},
+       "UPDATE head SET seq=?1, epoch=?2, hash=?3, base_seq=?4, base_hash=?5, crc=?6 WHERE seq=?7 AND "
+       "epoch=?8"},
       {&delete_before_, writer_.get(), "DELETE FROM ctxlog WHERE seq <= ?1"},
       {&select_, reader_.get(),
        "SELECT seq, epoch, crc, prev_hash, data FROM ctxlog WHERE seq >= ?1 ORDER BY seq LIMIT ?2"},
@@ -81,15 +83,17 @@ absl::Status SqliteLog::CheckEnd() {
   if (head->offset < head->base_offset) return absl::DataLossError("the log's head row is damaged");
   const std::optional<uint64_t> mark = folder_.HeadMark();
   if (mark.has_value() && *mark > head->offset) {
-    return absl::DataLossError(absl::StrCat("the log ends at offset ", head->offset, " but records up to ", *mark,
-                                            " were acknowledged: it is damaged or an old copy; to go on with it all "
-                                            "the same, delete the file ",
-                                            folder_.File("head")));
+    return absl::DataLossError(
+        absl::StrCat("the log ends at offset ", head->offset, " but records up to ", *mark,
+                     " were acknowledged: it is damaged or an old copy; to go on with it all "
+                     "the same, delete the file ",
+                     folder_.File("head")));
   }
   if (head->offset > head->base_offset) {
     const absl::StatusOr<Verified> last = At(head->offset, *head);
     if (!last.ok()) return last.status();
-    if (last->hash != head->hash) return Damaged(head->offset, "the last record is not the one that the head names");
+    if (last->hash != head->hash)
+      return Damaged(head->offset, "the last record is not the one that the head names");
   } else if (head->hash != head->base_hash) {
     return absl::DataLossError("the log's head row is damaged");
   }
@@ -161,7 +165,8 @@ absl::Status SqliteLog::StoreHead(const HeadRow& old_head, const HeadRow& new_he
                                   .Bind(8, old_head.epoch)
                                   .Run("cannot append to the log");
   if (!status.ok()) return status;
-  if (sqlite3_changes(writer_.get()) != 1) return absl::DataLossError("the log's head row was changed by another hand");
+  if (sqlite3_changes(writer_.get()) != 1)
+    return absl::DataLossError("the log's head row was changed by another hand");
   return absl::OkStatus();
 }
 
@@ -193,7 +198,8 @@ absl::StatusOr<LogEntry> SqliteLog::TakeRow(Statement& row, Verified* previous) 
   LogEntry entry;
   entry.offset = offset;
   entry.epoch = row.Integer(1);
-  if (row.Bytes(3) != AsBytes(previous->hash)) return Damaged(offset, "it does not follow the record before it");
+  if (row.Bytes(3) != AsBytes(previous->hash))
+    return Damaged(offset, "it does not follow the record before it");
   if (row.Integer(2) != RecordCrc(offset, entry.epoch, previous->hash, row.Bytes(4))) {
     return Damaged(offset, "its checksum is wrong");
   }
@@ -237,8 +243,8 @@ absl::StatusOr<std::vector<LogEntry>> SqliteLog::Read(uint64_t from, size_t max)
 absl::StatusOr<std::vector<LogEntry>> SqliteLog::ReadUpTo(const HeadRow& head, uint64_t from, size_t max) {
   std::vector<LogEntry> entries;
   if (from <= head.base_offset) {
-    return absl::OutOfRangeError(absl::StrCat("log records up to ", head.base_offset, " were trimmed away, ", from,
-                                              " among them; start from a snapshot"));
+    return absl::OutOfRangeError(absl::StrCat("log records up to ", head.base_offset, " were trimmed away, ",
+                                              from, " among them; start from a snapshot"));
   }
   if (from > head.offset || max == 0) return entries;
   const absl::StatusOr<Verified> start = At(from - 1, head);
@@ -281,12 +287,15 @@ absl::StatusOr<LogHead> SqliteLog::Head() {
   return LogHead{head.offset, head.epoch};
 }
 
-absl::StatusOr<uint64_t> SqliteLog::First() { return CurrentHead().base_offset + 1; }
+absl::StatusOr<uint64_t> SqliteLog::First() {
+  return CurrentHead().base_offset + 1;
+}
 
 absl::Status SqliteLog::SnapshotPut(uint64_t offset, std::string_view data) {
   const uint64_t end = CurrentHead().offset;
   if (offset > end) {
-    return absl::InvalidArgumentError(absl::StrCat("a snapshot at offset ", offset, " of a log that ends at ", end));
+    return absl::InvalidArgumentError(
+        absl::StrCat("a snapshot at offset ", offset, " of a log that ends at ", end));
   }
   absl::MutexLock lock(&snapshot_mutex_);
   return snapshots_.Put(offset, data);

@@ -1,12 +1,12 @@
-// The durable log of one machine: SQLite in WAL mode with synchronous=FULL, so that a commit is one append to the
-// write-ahead log and one fdatasync, however many records it carries.
+// The durable log of one machine: SQLite in WAL mode with synchronous=FULL, so that a commit is one append to
+// the write-ahead log and one fdatasync, however many records it carries.
 //
-// Why SQLite: measured on 150-byte records it commits 8.9k one-record and 490k records/s in batches of 100, more than
-// LMDB, RocksDB or an own file (bench/log_bench_main.cc repeats the first part). It does not notice a flipped byte;
-// record_chain.h does.
+// Why SQLite: measured on 150-byte records it commits 8.9k one-record and 490k records/s in batches of 100,
+// more than LMDB, RocksDB or an own file (bench/log_bench_main.cc repeats the first part). It does not notice
+// a flipped byte; record_chain.h does.
 //
-// Threads: see ContextLog. Three connections: appends, reads, and a background thread that carries the write-ahead log
-// over into the database, so that no append pays for it.
+// Threads: see ContextLog. Three connections: appends, reads, and a background thread that carries the
+// write-ahead log over into the database, so that no append pays for it.
 #ifndef DOCENT_KB_SERVER_LOG_SQLITE_LOG_H_
 #define DOCENT_KB_SERVER_LOG_SQLITE_LOG_H_
 
@@ -25,8 +25,8 @@
 namespace docent {
 
 struct SqliteLogOptions {
-  // Pages (4 KiB) of write-ahead log after which the background thread carries them over. 1 … 1000000. 2000 keeps the
-  // file at about 8 MB; fewer pages mean more often, more pages mean a longer start after a crash.
+  // Pages (4 KiB) of write-ahead log after which the background thread carries them over. 1 … 1000000. 2000
+  // keeps the file at about 8 MB; fewer pages mean more often, more pages mean a longer start after a crash.
   int checkpoint_pages = 2000;
   // Records deleted in one transaction when trimming, so that appends wait little in between. 1 … 1000000.
   uint64_t trim_step = 5000;
@@ -34,8 +34,8 @@ struct SqliteLogOptions {
 
 class SqliteLog final : public ContextLog {
  public:
-  // Opens the log in `folder` (made if absent), takes the folder's lock for the life of the object, and checks format,
-  // head and last record. The errors are one line each:
+  // Opens the log in `folder` (made if absent), takes the folder's lock for the life of the object, and
+  // checks format, head and last record. The errors are one line each:
   //   PERMISSION_DENIED, INVALID_ARGUMENT  the folder cannot be used, or holds something else
   //   FAILED_PRECONDITION                  another server uses it, or the log has a newer format
   //   DATA_LOSS                            the log is damaged, or ends before what was acknowledged
@@ -67,8 +67,10 @@ class SqliteLog final : public ContextLog {
   SqliteLog(DataFolder folder, const SqliteLogOptions& options);
   absl::Status Prepare();
   absl::Status CheckEnd();
-  absl::Status Insert(absl::Span<const std::string> records, HeadRow* head) ABSL_EXCLUSIVE_LOCKS_REQUIRED(append_mutex_);
-  absl::Status StoreHead(const HeadRow& old_head, const HeadRow& new_head) ABSL_EXCLUSIVE_LOCKS_REQUIRED(append_mutex_);
+  absl::Status Insert(absl::Span<const std::string> records, HeadRow* head)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(append_mutex_);
+  absl::Status StoreHead(const HeadRow& old_head, const HeadRow& new_head)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(append_mutex_);
   // Commits the open transaction, or rolls it back if `status` is an error or committing is.
   absl::Status Finish(absl::Status status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(append_mutex_);
   void Publish(const HeadRow& head);
@@ -79,12 +81,14 @@ class SqliteLog final : public ContextLog {
   // Verifies the row on which `row` stands as the record after `previous`; moves `previous` on.
   static absl::StatusOr<LogEntry> TakeRow(Statement& row, Verified* previous);
   // Offset and hash of record `offset`, which must be there (or be the last one trimmed).
-  absl::StatusOr<Verified> At(uint64_t offset, const HeadRow& head) ABSL_EXCLUSIVE_LOCKS_REQUIRED(read_mutex_);
+  absl::StatusOr<Verified> At(uint64_t offset, const HeadRow& head)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(read_mutex_);
   absl::Status TrimStep(const Verified& last_dropped);
   void StartCheckpoints();
   void StopCheckpoints();
   void CheckpointLoop();
-  // Holds an append back while the checkpoint thread is far behind: the write-ahead log must not grow without bound.
+  // Holds an append back while the checkpoint thread is far behind: the write-ahead log must not grow without
+  // bound.
   void WaitForCheckpoint();
 
   const SqliteLogOptions options_;
@@ -101,14 +105,15 @@ class SqliteLog final : public ContextLog {
   absl::Mutex read_mutex_;
   DatabaseHandle reader_ ABSL_GUARDED_BY(read_mutex_);
   Statement select_ ABSL_GUARDED_BY(read_mutex_);
-  Verified last_read_ ABSL_GUARDED_BY(read_mutex_);  // so that reading on does not read the record before again
+  Verified last_read_
+      ABSL_GUARDED_BY(read_mutex_);  // so that reading on does not read the record before again
 
   absl::Mutex snapshot_mutex_;
   SnapshotFiles snapshots_ ABSL_GUARDED_BY(snapshot_mutex_);
 
   // Taken last, for moments.
   absl::Mutex head_mutex_;
-  HeadRow head_ ABSL_GUARDED_BY(head_mutex_);  // durable
+  HeadRow head_ ABSL_GUARDED_BY(head_mutex_);       // durable
   int wal_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length of the write-ahead log after the last commit
   int next_checkpoint_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(head_mutex_) = false;

@@ -19,17 +19,18 @@ absl::StatusOr<uint64_t> OneInteger(sqlite3* db, const char* sql) {
 
 absl::Status MakeTables(sqlite3* db) {
   const HeadRow empty;
-  absl::Status status = Execute(
-      db,
-      absl::StrCat("BEGIN IMMEDIATE;"
-                   "CREATE TABLE ctxlog(seq INTEGER PRIMARY KEY, epoch INTEGER NOT NULL, crc INTEGER NOT NULL,"
-                   " prev_hash BLOB NOT NULL, data BLOB NOT NULL);"
-                   "CREATE TABLE head(seq INTEGER NOT NULL, epoch INTEGER NOT NULL, hash BLOB NOT NULL,"
-                   " base_seq INTEGER NOT NULL, base_hash BLOB NOT NULL, crc INTEGER NOT NULL);"
-                   "INSERT INTO head VALUES(0, 0, zeroblob(32), 0, zeroblob(32), ",
-                   empty.Crc(), "); PRAGMA application_id=", kLogApplicationId, "; PRAGMA user_version=", kLogFormat,
-                   "; COMMIT"),
-      "cannot make the log");
+  absl::Status status =
+      Execute(db,
+              absl::StrCat(
+                  "BEGIN IMMEDIATE;"
+                  "CREATE TABLE ctxlog(seq INTEGER PRIMARY KEY, epoch INTEGER NOT NULL, crc INTEGER NOT NULL,"
+                  " prev_hash BLOB NOT NULL, data BLOB NOT NULL);"
+                  "CREATE TABLE head(seq INTEGER NOT NULL, epoch INTEGER NOT NULL, hash BLOB NOT NULL,"
+                  " base_seq INTEGER NOT NULL, base_hash BLOB NOT NULL, crc INTEGER NOT NULL);"
+                  "INSERT INTO head VALUES(0, 0, zeroblob(32), 0, zeroblob(32), ",
+                  empty.Crc(), "); PRAGMA application_id=", kLogApplicationId,
+                  "; PRAGMA user_version=", kLogFormat, "; COMMIT"),
+              "cannot make the log");
   return status;
 }
 
@@ -48,18 +49,19 @@ uint32_t HeadRow::Crc() const {
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
   sqlite3* raw = nullptr;
   // Each connection is guarded by a mutex of ours.
-  const int code =
-      sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int code = sqlite3_open_v2(path.c_str(), &raw,
+                                   SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   DatabaseHandle db(raw);
   const std::string what = absl::StrCat("cannot open the log ", path);
   if (code != SQLITE_OK) return SqliteError(raw, code, what);
   sqlite3_extended_result_codes(raw, 1);
   sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_busy_timeout(raw, 10000);  // ms; only our own connections compete, for moments
-  const absl::Status status = Execute(raw,
-                                      "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0;"
-                                      "PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF; PRAGMA foreign_keys=OFF",
-                                      what);
+  const absl::Status status =
+      Execute(raw,
+              "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA wal_autocheckpoint=0;"
+              "PRAGMA cell_size_check=ON; PRAGMA trusted_schema=OFF; PRAGMA foreign_keys=OFF",
+              what);
   if (!status.ok()) return status;
   return db;
 }
@@ -73,14 +75,17 @@ absl::Status PrepareSchema(sqlite3* db, const std::string& path) {
   if (!format.ok()) return format.status();
   if (*tables == 0 && *application == 0 && *format == 0) return MakeTables(db);
   if (*application != kLogApplicationId) {
-    return absl::InvalidArgumentError(absl::StrCat(path, " is not a Docent log (application id ", *application, ")"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, " is not a Docent log (application id ", *application, ")"));
   }
   if (*format > kLogFormat) {
-    return absl::FailedPreconditionError(absl::StrCat("the log ", path, " has format ", *format,
-                                                      ", written by a newer Docent; this one knows formats up to ",
-                                                      kLogFormat, ": start the newer version"));
+    return absl::FailedPreconditionError(
+        absl::StrCat("the log ", path, " has format ", *format,
+                     ", written by a newer Docent; this one knows formats up to ", kLogFormat,
+                     ": start the newer version"));
   }
-  if (*format == 0) return absl::DataLossError(absl::StrCat("the log ", path, " is damaged: it has no format number"));
+  if (*format == 0)
+    return absl::DataLossError(absl::StrCat("the log ", path, " is damaged: it has no format number"));
   return absl::OkStatus();
 }
 

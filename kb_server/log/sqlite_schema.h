@@ -1,7 +1,8 @@
 // The log's database file: tables, format number, settings. Only kb_server/log includes this.
 //
 //   ctxlog(seq, epoch, crc, prev_hash, data)   one row a record
-//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the hash of the
+//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the
+//   hash of the
 //        newest record, and offset and hash of the last record that was trimmed away (0 and zeros: none)
 //
 // The format number is the file's user_version, and its application_id says that it is a Docent log.
@@ -35,8 +36,8 @@ struct HeadRow {
 // A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);
 
-// Makes the tables in an empty file, or checks those of an existing one. FAILED_PRECONDITION for a newer format,
-// INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS for a damaged one.
+// Makes the tables in an empty file, or checks those of an existing one. FAILED_PRECONDITION for a newer
+// format, INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS for a damaged one.
 absl::Status PrepareSchema(sqlite3* db, const std::string& path);
 
 // Reads and verifies the head row.

@@ -1,4 +1,5 @@
-// The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the database.
+// The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the
+// database.
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
@@ -15,7 +16,8 @@ absl::Status SqliteLog::Trim(uint64_t before) {
     if (!offsets.ok()) return offsets.status();
     if (offsets->empty() || offsets->back() < before - 1) {
       return absl::FailedPreconditionError(absl::StrCat("cannot drop the log records before ", before,
-                                                        ": there is no snapshot at or after offset ", before - 1));
+                                                        ": there is no snapshot at or after offset ",
+                                                        before - 1));
     }
   }
   while (true) {
@@ -83,7 +85,8 @@ void SqliteLog::WaitForCheckpoint() {
     return stopping_ || wal_pages_ < next_checkpoint_pages_ + 3 * options_.checkpoint_pages;
   };
   absl::MutexLock lock(&head_mutex_);
-  // The time limit is for a disk on which the checkpoint hangs: then appends go on, slowly, as long as it lets them.
+  // The time limit is for a disk on which the checkpoint hangs: then appends go on, slowly, as long as it
+  // lets them.
   head_mutex_.AwaitWithTimeout(absl::Condition(&near), absl::Seconds(1));
 }
 
@@ -97,9 +100,9 @@ void SqliteLog::CheckpointLoop() {
       head_mutex_.Await(absl::Condition(&due));
       if (stopping_) return;
     }
-    // First beside the appends; then, for what came meanwhile, between two of them: only a write-ahead log that was
-    // carried over to its end starts again from the beginning instead of growing. An error (a full disk) leaves the
-    // records where they are, as durable as before.
+    // First beside the appends; then, for what came meanwhile, between two of them: only a write-ahead log
+    // that was carried over to its end starts again from the beginning instead of growing. An error (a full
+    // disk) leaves the records where they are, as durable as before.
     int pages = 0;
     int moved = 0;
     sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);

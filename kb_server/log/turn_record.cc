@@ -7,7 +7,8 @@
 namespace docent {
 namespace {
 
-constexpr size_t kDifferencesShown = 5;  // one wrong decision shifts all that follow: the first few tell the story
+constexpr size_t kDifferencesShown =
+    5;  // one wrong decision shifts all that follow: the first few tell the story
 
 template <typename Entry>
 size_t Compare(const char* what, const std::vector<Entry>& recorded, const std::vector<Entry>& derived,
@@ -39,7 +40,8 @@ std::optional<std::string> DecisionDifference(const TurnRecord& recorded, const 
 
 std::string ToDisplay(const Transition& transition) {
   return absl::StrCat(transition.subject, " ", transition.from.empty() ? "new" : transition.from, " → ",
-                      transition.to, transition.cause.empty() ? "" : absl::StrCat(" (because ", transition.cause, ")"));
+                      transition.to,
+                      transition.cause.empty() ? "" : absl::StrCat(" (because ", transition.cause, ")"));
 }
 
 std::string ToDisplay(const CommandEntry& command) {
@@ -47,11 +49,12 @@ std::string ToDisplay(const CommandEntry& command) {
   for (const auto& [name, value] : command.arguments) {
     absl::StrAppend(&arguments, arguments.empty() ? "" : ", ", name, "=", ToDisplay(value));
   }
-  return absl::StrCat(command.id.value(), " to ", command.robot.value(), ": ", command.operation, "(", arguments,
-                      "), guard as of ", command.guard_revision.value(), ", deadline ", command.deadline_us, " us, ",
-                      command.expected_incarnation.empty() ? "any incarnation"
-                                                           : absl::StrCat("incarnation ", command.expected_incarnation),
-                      command.idempotent ? ", idempotent" : "");
+  return absl::StrCat(
+      command.id.value(), " to ", command.robot.value(), ": ", command.operation, "(", arguments,
+      "), guard as of ", command.guard_revision.value(), ", deadline ", command.deadline_us, " us, ",
+      command.expected_incarnation.empty() ? "any incarnation"
+                                           : absl::StrCat("incarnation ", command.expected_incarnation),
+      command.idempotent ? ", idempotent" : "");
 }
 
 }  // namespace docent

@@ -1,9 +1,9 @@
 // What the log keeps of one turn: its input and what the turn decided. Inferred facts are not here, they are
 // derived again.
 //
-// Replay feeds `batch` to the same stages, derives transitions and commands anew, and compares them with those
-// recorded (DecisionDifference). Under the same `engine_version` a difference is an error; after an upgrade the
-// recorded decisions stand. Values; any thread.
+// Replay feeds `batch` to the same stages, derives transitions and commands anew, and compares them with
+// those recorded (DecisionDifference). Under the same `engine_version` a difference is an error; after an
+// upgrade the recorded decisions stand. Values; any thread.
 #ifndef DOCENT_KB_SERVER_LOG_TURN_RECORD_H_
 #define DOCENT_KB_SERVER_LOG_TURN_RECORD_H_
 
@@ -25,21 +25,22 @@ struct Transition {
   std::string subject;  // "BoothGuide-1", "BoothGuide-1/Move2Booth" or "BoothGuide-1/Move2Booth/0"
   std::string from;     // state words of the vocabulary: "waiting", "running", …; empty: it did not exist
   std::string to;
-  std::string cause;    // for people: what made it happen
+  std::string cause;  // for people: what made it happen
 
   friend bool operator==(const Transition&, const Transition&) = default;
 };
 
-// One command that the turn decided to send to a robot, with everything needed to send it again after a restart.
+// One command that the turn decided to send to a robot, with everything needed to send it again after a
+// restart.
 struct CommandEntry {
   CommandId id;
   RobotId robot;
   std::string operation;
   std::vector<std::pair<std::string, Term>> arguments;  // parameter name → value, in the operation's order
-  std::string expected_incarnation;  // empty: any incarnation of the adapter will do
-  Revision guard_revision;           // the command's guard held as of this revision
+  std::string expected_incarnation;                     // empty: any incarnation of the adapter will do
+  Revision guard_revision;                              // the command's guard held as of this revision
   TimeMicros deadline_us = 0;
-  bool idempotent = false;           // may be sent again to another incarnation
+  bool idempotent = false;  // may be sent again to another incarnation
 
   friend bool operator==(const CommandEntry&, const CommandEntry&) = default;
 };
@@ -55,9 +56,9 @@ struct TurnRecord {
   friend bool operator==(const TurnRecord&, const TurnRecord&) = default;
 };
 
-// nullopt if both records hold the same transitions and commands in the same order. Otherwise a text for the error
-// message: for each of the first few places that differ one line "recorded: …" and one line "derived: …".
-// Inputs, times and engine versions are not compared.
+// nullopt if both records hold the same transitions and commands in the same order. Otherwise a text for the
+// error message: for each of the first few places that differ one line "recorded: …" and one line "derived:
+// …". Inputs, times and engine versions are not compared.
 std::optional<std::string> DecisionDifference(const TurnRecord& recorded, const TurnRecord& derived);
 
 // For people, on one line: "BoothGuide-1/Move2Booth waiting → running (because …)".

@@ -23,19 +23,24 @@ namespace net = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
-constexpr size_t kPieceBytes = 64u << 10;    // written at once, each with the write timeout
-constexpr size_t kDrainBytes = 4u << 20;     // read and dropped after a refusal, at most
+constexpr size_t kPieceBytes = 64u << 10;  // written at once, each with the write timeout
+constexpr size_t kDrainBytes = 4u << 20;   // read and dropped after a refusal, at most
 constexpr std::chrono::seconds kDrainTime{2};
 
-std::string_view View(beast::string_view text) { return {text.data(), text.size()}; }
+std::string_view View(beast::string_view text) {
+  return {text.data(), text.size()};
+}
 
 // The refusal for a request that could not be read; nullopt where nobody is there to read an answer.
-std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error, const HttpServerOptions& options) {
+std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
+                                      const HttpServerOptions& options) {
   if (error == http::error::body_limit) {
-    return TextResponse(413, absl::StrCat("the request body is larger than the limit http_body_bytes = ", options.body_bytes));
+    return TextResponse(413, absl::StrCat("the request body is larger than the limit http_body_bytes = ",
+                                          options.body_bytes));
   }
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-    return TextResponse(431, absl::StrCat("the request header is larger than ", options.header_bytes, " bytes"));
+    return TextResponse(431,
+                        absl::StrCat("the request header is larger than ", options.header_bytes, " bytes"));
   }
   if (error.category() == make_error_code(http::error::bad_method).category() &&
       error != http::error::end_of_stream && error != http::error::partial_message) {
@@ -86,9 +91,10 @@ net::awaitable<void> HttpConnection::Run() {
 }
 
 net::awaitable<void> HttpConnection::TurnAway() {
-  co_await RefuseAndClose(TextResponse(503, absl::StrCat("too many connections: the limit http_connections is ",
-                                                         shared_.options.connections)),
-                          11);
+  co_await RefuseAndClose(
+      TextResponse(503, absl::StrCat("too many connections: the limit http_connections is ",
+                                     shared_.options.connections)),
+      11);
   ErrorCode ignored;
   stream_.socket().close(ignored);
 }
@@ -140,7 +146,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   const bool sent = co_await SendAnswer(*answer_, head_only, version, keep_alive);
   ErrorCode ignored;
   stream_.socket().cancel(ignored);  // the watch
-  co_return sent && keep_alive;
+  co_return sent&& keep_alive;
 }
 
 net::awaitable<bool> HttpConnection::ReadBody(Parser& parser) {
@@ -196,8 +202,8 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   return std::nullopt;
 }
 
-std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length, unsigned version,
-                                     bool keep_alive) {
+std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length,
+                                     unsigned version, bool keep_alive) {
   const beast::string_view reason = http::obsolete_reason(static_cast<http::status>(response.status));
   std::string head = Concat("HTTP/1.1 ", std::to_string(response.status), " ", View(reason), "\r\n");
   if (!response.content_type.empty()) absl::StrAppend(&head, "Content-Type: ", response.content_type, "\r\n");
@@ -217,7 +223,8 @@ std::string HttpConnection::HeadText(const HttpResponse& response, std::optional
   return head + "\r\n";
 }
 
-net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_only, unsigned version, bool keep_alive) {
+net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_only, unsigned version,
+                                                bool keep_alive) {
   bool streamed = false;
   while (true) {
     HttpAnswer::Progress progress = answer.Take();
@@ -225,8 +232,9 @@ net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_on
     if (progress.head) {
       streamed = progress.streamed;
       const bool lasting = keep_alive && (!streamed || version >= 11);
-      bytes = HeadText(*progress.head, streamed ? std::nullopt : std::optional<size_t>(progress.head->body.size()),
-                       version, lasting);
+      bytes = HeadText(*progress.head,
+                       streamed ? std::nullopt : std::optional<size_t>(progress.head->body.size()), version,
+                       lasting);
       if (!streamed && !head_only) bytes += progress.head->body;
     }
     if (!head_only) bytes += streamed && version >= 11 ? ChunkOf(progress.data) : progress.data;
@@ -267,12 +275,13 @@ net::awaitable<void> HttpConnection::RefuseAndClose(HttpResponse response, unsig
   buffer_.consume(buffer_.size());
   for (size_t drained = 0; !error && drained < kDrainBytes && std::chrono::steady_clock::now() < until;) {
     stream_.expires_after(kDrainTime);
-    drained += co_await stream_.async_read_some(buffer_.prepare(kPieceBytes), net::redirect_error(net::use_awaitable, error));
+    drained += co_await stream_.async_read_some(buffer_.prepare(kPieceBytes),
+                                                net::redirect_error(net::use_awaitable, error));
   }
 }
 
-// While the answer is being made nothing else reads from the socket: an end of the stream is noticed here, so that a
-// query that nobody waits for is given up.
+// While the answer is being made nothing else reads from the socket: an end of the stream is noticed here, so
+// that a query that nobody waits for is given up.
 void HttpConnection::WatchClient(std::shared_ptr<HttpAnswer> answer) {
   stream_.socket().async_wait(Socket::wait_read, [self = shared_from_this(), answer](const ErrorCode& error) {
     if (error || !self->stream_.socket().is_open()) return;

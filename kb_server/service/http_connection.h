@@ -1,5 +1,5 @@
-// One connection of the HTTP server: reads requests one after the other, has them checked and handled, sends the
-// answers. Only http_server.cc and http_connection.cc include this.
+// One connection of the HTTP server: reads requests one after the other, has them checked and handled, sends
+// the answers. Only http_server.cc and http_connection.cc include this.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_CONNECTION_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_CONNECTION_H_
 
@@ -55,7 +55,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   Awaitable<bool> ServeOne();
   Awaitable<bool> ReadBody(Parser& parser);
   // The check that needs no body; nullopt: go on, `*handler` is set.
-  std::optional<HttpResponse> CheckHeader(Parser& parser, HttpRequest* request, const HttpHandler** handler) const;
+  std::optional<HttpResponse> CheckHeader(Parser& parser, HttpRequest* request,
+                                          const HttpHandler** handler) const;
   Awaitable<bool> SendAnswer(HttpAnswer& answer, bool head_only, unsigned version, bool keep_alive);
   // Status line and headers; `length` nullopt: chunked (or, for HTTP/1.0, until the end of the connection).
   static std::string HeadText(const HttpResponse& response, std::optional<size_t> length, unsigned version,

@@ -1,8 +1,8 @@
 // One request being answered: what a handler holds while it works, on whatever thread it likes.
 //
-// A handler answers once: `Respond` with the whole response, or `Begin`, `Write` …, `End` for one that is made while it
-// is sent. It may keep the exchange (shared_ptr) and answer later from another thread. Thread-safe. An exchange that
-// is dropped without an answer is answered with 500.
+// A handler answers once: `Respond` with the whole response, or `Begin`, `Write` …, `End` for one that is
+// made while it is sent. It may keep the exchange (shared_ptr) and answer later from another thread.
+// Thread-safe. An exchange that is dropped without an answer is answered with 500.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_EXCHANGE_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_EXCHANGE_H_
 
@@ -39,7 +39,9 @@ class HttpAnswer {
   static constexpr size_t kBufferBytes = 1u << 20;  // not yet sent; Write waits beyond
 
   void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool HasRoom() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return gone_ || progress_.data.size() < kBufferBytes; }
+  bool HasRoom() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return gone_ || progress_.data.size() < kBufferBytes;
+  }
 
   absl::Mutex mutex_;
   Progress progress_ ABSL_GUARDED_BY(mutex_);
@@ -65,15 +67,15 @@ class HttpExchange {
 
   // Status and headers of a streamed answer; its body is the first piece.
   void Begin(HttpResponse head);
-  // The next piece. Waits while the client is slower than the answer is made: never call it on a network thread. False:
-  // the client is gone, stop.
+  // The next piece. Waits while the client is slower than the answer is made: never call it on a network
+  // thread. False: the client is gone, stop.
   bool Write(std::string_view piece);
   void End();
   // The answer cannot be completed: the connection is cut, so that the client sees that something is missing.
   void Abort();
 
-  // `callback` is called once, from any thread, when the client has gone before the answer was complete; at once if it
-  // already has. It must not block.
+  // `callback` is called once, from any thread, when the client has gone before the answer was complete; at
+  // once if it already has. It must not block.
   void OnGone(std::function<void()> callback);
 
  private:

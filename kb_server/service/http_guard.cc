@@ -45,7 +45,8 @@ std::optional<HostAndPort> SplitHostAndPort(std::string_view text) {
   if (host.empty() || host.find_first_of(" \t/@?#") != std::string_view::npos) return std::nullopt;
   if (has_port) {
     uint32_t number = 0;
-    const bool digits = !port.empty() && port.size() <= 5 && std::all_of(port.begin(), port.end(), absl::ascii_isdigit);
+    const bool digits =
+        !port.empty() && port.size() <= 5 && std::all_of(port.begin(), port.end(), absl::ascii_isdigit);
     if (!digits || !absl::SimpleAtoi(ToAbsl(port), &number) || number > 65535) return std::nullopt;
     result.port = static_cast<uint16_t>(number);
   }
@@ -77,8 +78,9 @@ std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const 
   const std::string host = request.Header("host");
   if (host.empty()) return TextResponse(400, "the request has no Host header");
   if (!IsAllowedHost(host, 80)) {
-    return TextResponse(403, absl::StrCat("this server does not answer to the host name ", host, ". Use localhost:", port_,
-                                          ", or allow the name when starting the server"));
+    return TextResponse(
+        403, absl::StrCat("this server does not answer to the host name ", host, ". Use localhost:", port_,
+                          ", or allow the name when starting the server"));
   }
   const std::string origin = request.Header("origin");
   if (!origin.empty() && !IsAllowedOrigin(origin)) {

@@ -1,5 +1,5 @@
-// Whom the HTTP server answers: the defence against web pages of other sites that make a visitor's browser talk to a
-// server on its own machine (cross-site requests, DNS rebinding). Immutable; any thread.
+// Whom the HTTP server answers: the defence against web pages of other sites that make a visitor's browser
+// talk to a server on its own machine (cross-site requests, DNS rebinding). Immutable; any thread.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_GUARD_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_GUARD_H_
 
@@ -15,15 +15,16 @@ namespace docent {
 
 class HttpGuard {
  public:
-  // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the loopback names
-  // and addresses with `port`, which are always allowed.
+  // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
+  // loopback names and addresses with `port`, which are always allowed.
   HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
 
-  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or Origin that
-  // is not allowed.
+  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
+  // Origin that is not allowed.
   std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
 
-  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is given.
+  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is
+  // given.
   bool IsAllowedHost(std::string_view host, uint16_t default_port) const;
   // "http://localhost:7480" and the like; "null" is not.
   bool IsAllowedOrigin(std::string_view origin) const;
@@ -33,7 +34,8 @@ class HttpGuard {
   const std::vector<std::string> allowed_hosts_;
 };
 
-// "host:port", "[v6]:port" or a host alone → host (without brackets, lower case) and port. nullopt: not of that form.
+// "host:port", "[v6]:port" or a host alone → host (without brackets, lower case) and port. nullopt: not of
+// that form.
 struct HostAndPort {
   std::string host;
   std::optional<uint16_t> port;

@@ -7,7 +7,8 @@ namespace docent {
 void AddHealthRoute(HttpRoutes* routes, std::function<absl::Status()> health) {
   routes->Add("GET", "/healthz", [health = std::move(health)](std::shared_ptr<HttpExchange> exchange) {
     const absl::Status status = health();
-    exchange->Respond(status.ok() ? TextResponse(200, "ok") : TextResponse(503, std::string(status.message())));
+    exchange->Respond(status.ok() ? TextResponse(200, "ok")
+                                  : TextResponse(503, std::string(status.message())));
   });
 }
 
@@ -27,9 +28,10 @@ void AddHttpMetrics(Metrics* metrics, const HttpServer* server) {
                               [server] { return static_cast<double>(server->counts().connections); });
   metrics->AddCounterFunction("docent_http_requests_total", "HTTP requests answered, refused ones included.",
                               [server] { return static_cast<double>(server->counts().requests); });
-  metrics->AddCounterFunction("docent_http_refused_total",
-                              "HTTP requests refused before any handler saw them (host, origin, size, syntax).",
-                              [server] { return static_cast<double>(server->counts().refused); });
+  metrics->AddCounterFunction(
+      "docent_http_refused_total",
+      "HTTP requests refused before any handler saw them (host, origin, size, syntax).",
+      [server] { return static_cast<double>(server->counts().refused); });
 }
 
 }  // namespace docent

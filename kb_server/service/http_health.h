@@ -10,7 +10,8 @@
 
 namespace docent {
 
-// GET /healthz: 200 "ok" while `health` is OK, otherwise 503 with its message. Called on a network thread: quick.
+// GET /healthz: 200 "ok" while `health` is OK, otherwise 503 with its message. Called on a network thread:
+// quick.
 void AddHealthRoute(HttpRoutes* routes, std::function<absl::Status()> health);
 
 // GET /metrics: `metrics` in Prometheus text format. `metrics` must outlive the server.

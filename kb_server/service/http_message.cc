@@ -16,7 +16,9 @@ int HexDigit(char c) {
   return -1;
 }
 
-std::string_view Trim(std::string_view text) { return FromAbsl(absl::StripAsciiWhitespace(ToAbsl(text))); }
+std::string_view Trim(std::string_view text) {
+  return FromAbsl(absl::StripAsciiWhitespace(ToAbsl(text)));
+}
 
 // The text up to `separator`, which is cut off `*rest` together with it.
 std::string_view CutAt(std::string_view* rest, char separator) {
@@ -53,7 +55,10 @@ int Specificity(const std::string& range, std::string_view type) {
   if (range == type) return 3;
   if (range == "*/*") return 1;
   const size_t slash = type.find('/');
-  return range.size() == slash + 2 && range.ends_with("/*") && range.compare(0, slash, type.substr(0, slash)) == 0 ? 2 : 0;
+  return range.size() == slash + 2 && range.ends_with("/*") &&
+                 range.compare(0, slash, type.substr(0, slash)) == 0
+             ? 2
+             : 0;
 }
 
 }  // namespace

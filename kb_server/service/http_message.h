@@ -1,5 +1,5 @@
-// An HTTP request and response as plain values, and the small texts of HTTP: percent-encoding, forms, media types.
-// Any thread.
+// An HTTP request and response as plain values, and the small texts of HTTP: percent-encoding, forms, media
+// types. Any thread.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_MESSAGE_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_MESSAGE_H_
 
@@ -36,22 +36,23 @@ struct HttpResponse {
 // A plain-text response: `text` ends with a line break.
 HttpResponse TextResponse(int status, std::string text);
 
-// The HTTP status that fits a status code (INVALID_ARGUMENT 400, NOT_FOUND 404, DEADLINE_EXCEEDED 504, …), its message as
-// the text.
+// The HTTP status that fits a status code (INVALID_ARGUMENT 400, NOT_FOUND 404, DEADLINE_EXCEEDED 504, …),
+// its message as the text.
 HttpResponse ErrorResponse(const absl::Status& status);
 
 // "%41+b" → "A b" where `plus_is_space`; nullopt for a broken escape or an escape of U+0000.
 std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_space);
 
-// "a=1&b=%20" (application/x-www-form-urlencoded, a query string) → pairs in order; nullopt for a broken escape.
+// "a=1&b=%20" (application/x-www-form-urlencoded, a query string) → pairs in order; nullopt for a broken
+// escape.
 std::optional<HttpFields> ParseForm(std::string_view text);
 
 // "text/turtle; charset=UTF-8" → "text/turtle", in lower case.
 std::string MediaTypeOnly(std::string_view content_type);
 
-// Which of `offered` (media types without parameters, best first) a client wants that sent `accept` (RFC 9110 section
-// 12.5.1: quality values; a more specific range wins over a wildcard; equal quality: the first offered).
-// An empty `accept` takes anything. nullopt: none of them.
+// Which of `offered` (media types without parameters, best first) a client wants that sent `accept` (RFC 9110
+// section 12.5.1: quality values; a more specific range wins over a wildcard; equal quality: the first
+// offered). An empty `accept` takes anything. nullopt: none of them.
 std::optional<size_t> ChooseMediaType(std::string_view accept, const std::vector<std::string_view>& offered);
 
 }  // namespace docent

@@ -35,7 +35,8 @@ void HttpRoutes::Add(const std::string& method, const std::string& path, HttpHan
   handlers_[path].insert_or_assign(method, std::move(handler));
 }
 
-const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& path, HttpResponse* refusal) const {
+const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& path,
+                                    HttpResponse* refusal) const {
   const auto methods = handlers_.find(path);
   if (methods == handlers_.end()) {
     *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path));
@@ -44,7 +45,8 @@ const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& 
   const auto handler = methods->second.find(method);
   if (handler != methods->second.end()) return &handler->second;
   std::string allowed;
-  for (const auto& [name, ignored] : methods->second) absl::StrAppend(&allowed, allowed.empty() ? "" : ", ", name);
+  for (const auto& [name, ignored] : methods->second)
+    absl::StrAppend(&allowed, allowed.empty() ? "" : ", ", name);
   *refusal = TextResponse(405, absl::StrCat(path, " answers only ", allowed));
   refusal->headers.emplace_back("Allow", allowed);
   return nullptr;
@@ -106,22 +108,30 @@ void HttpServer::Impl::Stop() {
 }
 
 HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-HttpServer::~HttpServer() { impl_->Stop(); }
-const std::string& HttpServer::address() const { return impl_->address; }
-uint16_t HttpServer::port() const { return impl_->port; }
+HttpServer::~HttpServer() {
+  impl_->Stop();
+}
+const std::string& HttpServer::address() const {
+  return impl_->address;
+}
+uint16_t HttpServer::port() const {
+  return impl_->port;
+}
 
 HttpServer::Counts HttpServer::counts() const {
   return {impl_->shared.connections, impl_->shared.open, impl_->shared.requests, impl_->shared.refused};
 }
 
-absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOptions& options, HttpRoutes routes) {
+absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOptions& options,
+                                                              HttpRoutes routes) {
   const std::optional<HostAndPort> where = SplitHostAndPort(options.listen);
   if (!where || !where->port) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("cannot listen for HTTP on \"", options.listen, "\": give HOST:PORT, e.g. 127.0.0.1:7480"));
+    return absl::InvalidArgumentError(absl::StrCat("cannot listen for HTTP on \"", options.listen,
+                                                   "\": give HOST:PORT, e.g. 127.0.0.1:7480"));
   }
   const std::string what = absl::StrCat("cannot listen for HTTP on ", options.listen);
-  net::io_context early;  // for looking up the name and binding: the guard must know the port before anything is served
+  net::io_context
+      early;  // for looking up the name and binding: the guard must know the port before anything is served
   ErrorCode error;
   const auto found = Tcp::resolver(early).resolve(where->host, std::to_string(*where->port), error);
   if (error || found.empty()) return absl::InvalidArgumentError(absl::StrCat(what, ": ", error.message()));
@@ -137,7 +147,8 @@ absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOp
   auto impl = std::make_unique<Impl>(options, std::move(routes), listening.port());
   impl->port = listening.port();
   const std::string host = listening.address().to_string();
-  impl->address = absl::StrCat(listening.address().is_v6() ? absl::StrCat("[", host, "]") : host, ":", impl->port);
+  impl->address =
+      absl::StrCat(listening.address().is_v6() ? absl::StrCat("[", host, "]") : host, ":", impl->port);
   impl->acceptor.assign(endpoint.protocol(), bound.release(error), error);
   if (error) return absl::FailedPreconditionError(absl::StrCat(what, ": ", error.message()));
   net::co_spawn(impl->strand, impl->AcceptLoop(), net::detached);

@@ -1,12 +1,13 @@
-// A small HTTP/1.1 server on Boost.Beast and Asio coroutines: routes, limits, timeouts, keep-alive; nothing else. Beast
-// does not show here.
+// A small HTTP/1.1 server on Boost.Beast and Asio coroutines: routes, limits, timeouts, keep-alive; nothing
+// else. Beast does not show here.
 //
 //   HttpRoutes routes;
-//   routes.Add("GET", "/healthz", [](std::shared_ptr<HttpExchange> e) { e->Respond(TextResponse(200, "ok")); });
-//   auto server = HttpServer::Start({.listen = "127.0.0.1:7480"}, std::move(routes));
+//   routes.Add("GET", "/healthz", [](std::shared_ptr<HttpExchange> e) { e->Respond(TextResponse(200, "ok"));
+//   }); auto server = HttpServer::Start({.listen = "127.0.0.1:7480"}, std::move(routes));
 //
-// Handlers are called on a network thread and must return at once; what takes long answers later from a thread of its
-// own through the exchange. Each connection has one request in work at a time; pipelined ones wait their turn.
+// Handlers are called on a network thread and must return at once; what takes long answers later from a
+// thread of its own through the exchange. Each connection has one request in work at a time; pipelined ones
+// wait their turn.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_SERVER_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_SERVER_H_
 
@@ -34,13 +35,14 @@ class HttpRoutes {
   const HttpHandler* Find(std::string_view method, const std::string& path, HttpResponse* refusal) const;
 
  private:
-  std::map<std::string, std::map<std::string, HttpHandler, std::less<>>> handlers_;  // path → method → handler
+  std::map<std::string, std::map<std::string, HttpHandler, std::less<>>>
+      handlers_;  // path → method → handler
 };
 
 struct HttpServerOptions {
-  std::string listen = "127.0.0.1:7480";   // address or host name, and port; port 0 takes a free one
-  std::vector<std::string> allowed_hosts;  // beside the loopback names: see HttpGuard
-  int threads = 2;                         // network threads, 1 … 64
+  std::string listen = "127.0.0.1:7480";           // address or host name, and port; port 0 takes a free one
+  std::vector<std::string> allowed_hosts;          // beside the loopback names: see HttpGuard
+  int threads = 2;                                 // network threads, 1 … 64
   size_t connections = Limits{}.http_connections;  // beyond: 503
   size_t body_bytes = Limits{}.http_body_bytes;    // beyond: 413
   uint32_t header_bytes = 64u << 10;               // request line and headers; beyond: 431
@@ -52,10 +54,12 @@ struct HttpServerOptions {
 
 class HttpServer {
  public:
-  // Listens and serves. INVALID_ARGUMENT for an address that is none; FAILED_PRECONDITION for one that cannot be
-  // listened on (in use, not permitted): one line each.
-  static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const HttpServerOptions& options, HttpRoutes routes);
-  // Stops. Answers in work are cut off and their handlers told so (OnGone). Returns when no network thread runs.
+  // Listens and serves. INVALID_ARGUMENT for an address that is none; FAILED_PRECONDITION for one that cannot
+  // be listened on (in use, not permitted): one line each.
+  static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const HttpServerOptions& options,
+                                                           HttpRoutes routes);
+  // Stops. Answers in work are cut off and their handlers told so (OnGone). Returns when no network thread
+  // runs.
   ~HttpServer();
 
   // Where it listens, with the true port: "127.0.0.1:7480", "[::1]:7480".

@@ -39,7 +39,8 @@ ReadRequest Refused(int status, std::string text) {
   return read;
 }
 
-ReadRequest ReadParameters(const HttpFields& parameters, std::optional<std::string> body_query, const Limits& limits) {
+ReadRequest ReadParameters(const HttpFields& parameters, std::optional<std::string> body_query,
+                           const Limits& limits) {
   ReadRequest read;
   read.request.timeout_ms = limits.query_timeout_ms;
   int queries = 0;
@@ -53,7 +54,8 @@ ReadRequest ReadParameters(const HttpFields& parameters, std::optional<std::stri
       read.request.query = value;
       ++queries;
     } else if (name == "default-graph-uri" || name == "named-graph-uri") {
-      if (value.find(':') == std::string::npos) return Refused(400, name + " must be an absolute IRI, not \"" + value + "\"");
+      if (value.find(':') == std::string::npos)
+        return Refused(400, name + " must be an absolute IRI, not \"" + value + "\"");
       auto& graphs = name == "default-graph-uri" ? read.request.default_graphs : read.request.named_graphs;
       graphs.push_back(Term::Iri(value));
     } else if (name == "timeout") {
@@ -72,11 +74,12 @@ ReadRequest ReadParameters(const HttpFields& parameters, std::optional<std::stri
       return Refused(400, "this address answers queries; it does not take updates");
     }
   }
-  if (queries == 0) return Refused(400, "give a query: GET /sparql?query=… or POST it as application/sparql-query");
+  if (queries == 0)
+    return Refused(400, "give a query: GET /sparql?query=… or POST it as application/sparql-query");
   if (queries > 1) return Refused(400, "give one query, not several");
   if (read.request.query.size() > limits.query_text_bytes) {
-    return Refused(413, absl::StrCat("the query has ", read.request.query.size(), " bytes; the limit query_text_bytes is ",
-                                     limits.query_text_bytes));
+    return Refused(413, absl::StrCat("the query has ", read.request.query.size(),
+                                     " bytes; the limit query_text_bytes is ", limits.query_text_bytes));
   }
   return read;
 }
@@ -143,7 +146,10 @@ class QueryAnswer {
  public:
   QueryAnswer(const ServicePorts& ports, SparqlRequest request, std::shared_ptr<HttpExchange> exchange,
               Cancellation* cancellation)
-      : ports_(ports), request_(std::move(request)), exchange_(std::move(exchange)), cancellation_(*cancellation) {}
+      : ports_(ports),
+        request_(std::move(request)),
+        exchange_(std::move(exchange)),
+        cancellation_(*cancellation) {}
 
   // Answers the exchange, whatever happens. The status that the answer has.
   int Run() {
@@ -227,7 +233,8 @@ class QueryAnswer {
     return absl::OkStatus();
   }
 
-  absl::Status Graph(sparql::PreparedQuery& query, const std::vector<std::pair<std::string, std::string>>& prefixes) {
+  absl::Status Graph(sparql::PreparedQuery& query,
+                     const std::vector<std::pair<std::string, std::string>>& prefixes) {
     const GraphType* type = Choose(kGraphTypes, exchange_->request().Header("accept"));
     if (type == nullptr) return Respond(NotAcceptable(kGraphTypes));
     const absl::StatusOr<std::vector<TermQuad>> triples = query.Construct(run_options_);
@@ -241,7 +248,8 @@ class QueryAnswer {
     HttpResponse response;
     response.content_type = content_type;
     response.body = std::move(body);
-    response.headers = {{"Docent-Revision", absl::StrCat(version_->revision().value())}, {"Cache-Control", "no-cache"}};
+    response.headers = {{"Docent-Revision", absl::StrCat(version_->revision().value())},
+                        {"Cache-Control", "no-cache"}};
     return response;
   }
 
@@ -276,10 +284,13 @@ class QueryAnswer {
 
 struct SparqlMetrics {
   explicit SparqlMetrics(Metrics* metrics)
-      : seconds(metrics->AddHistogram("docent_sparql_seconds", "Time from request to whole answer of HTTP queries.",
+      : seconds(metrics->AddHistogram("docent_sparql_seconds",
+                                      "Time from request to whole answer of HTTP queries.",
                                       Metrics::LatencyBounds())),
-        ok(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries by outcome.", {{"outcome", "answered"}})),
-        failed(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries by outcome.", {{"outcome", "refused"}})) {}
+        ok(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries by outcome.",
+                               {{"outcome", "answered"}})),
+        failed(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries by outcome.",
+                                   {{"outcome", "refused"}})) {}
 
   Histogram& seconds;
   Counter& ok;
@@ -296,12 +307,12 @@ void Handle(const ServicePorts& ports, SparqlMetrics metrics, std::shared_ptr<Ht
   }
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
   exchange->OnGone([cancellation] { cancellation->Cancel(); });
-  const bool accepted =
-      ports.workers->Submit([&ports, metrics, start, exchange, cancellation, request = std::move(read.request)] {
-        const int status = QueryAnswer(ports, request, exchange, cancellation.get()).Run();
-        (status == 200 ? metrics.ok : metrics.failed).Add();
-        metrics.seconds.Observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-      });
+  const bool accepted = ports.workers->Submit([&ports, metrics, start, exchange, cancellation,
+                                               request = std::move(read.request)] {
+    const int status = QueryAnswer(ports, request, exchange, cancellation.get()).Run();
+    (status == 200 ? metrics.ok : metrics.failed).Add();
+    metrics.seconds.Observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  });
   if (!accepted) {
     metrics.failed.Add();
     HttpResponse busy = TextResponse(503, "too many queries wait; try again");

@@ -33,7 +33,8 @@ std::string LabelText(const Metrics::Labels& labels) {
 // `labels` with one more: "{a="1"}" and le="0.5" → "{a="1",le="0.5"}".
 std::string WithBound(const std::string& labels, const std::string& bound) {
   const std::string last = absl::StrCat("le=\"", bound, "\"}");
-  return labels.empty() ? absl::StrCat("{", last) : absl::StrCat(labels.substr(0, labels.size() - 1), ",", last);
+  return labels.empty() ? absl::StrCat("{", last)
+                        : absl::StrCat(labels.substr(0, labels.size() - 1), ",", last);
 }
 
 }  // namespace
@@ -96,8 +97,8 @@ Histogram& Metrics::AddHistogram(const std::string& name, const std::string& hel
   return *series.histogram;
 }
 
-void Metrics::AddCounterFunction(const std::string& name, const std::string& help, std::function<double()> read,
-                                 const Labels& labels) {
+void Metrics::AddCounterFunction(const std::string& name, const std::string& help,
+                                 std::function<double()> read, const Labels& labels) {
   absl::MutexLock lock(&mutex_);
   Find(name, help, "counter", labels).read = std::move(read);
 }
@@ -132,7 +133,8 @@ std::string Metrics::Render() const {
   absl::MutexLock lock(&mutex_);
   std::string out;
   for (const auto& [name, family] : families_) {
-    absl::StrAppend(&out, "# HELP ", name, " ", absl::StrReplaceAll(family.help, {{"\\", "\\\\"}, {"\n", "\\n"}}), "\n");
+    absl::StrAppend(&out, "# HELP ", name, " ",
+                    absl::StrReplaceAll(family.help, {{"\\", "\\\\"}, {"\n", "\\n"}}), "\n");
     absl::StrAppend(&out, "# TYPE ", name, " ", family.type, "\n");
     for (const auto& series : family.series) RenderSeries(name, *series, &out);
   }

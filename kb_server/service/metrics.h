@@ -1,8 +1,8 @@
-// Counters, gauges and histograms, written in the Prometheus text format (version 0.0.4), which is a line format.
-// (The prometheus-cpp package of Debian 12 cannot be installed beside the Redland libraries.)
+// Counters, gauges and histograms, written in the Prometheus text format (version 0.0.4), which is a line
+// format. (The prometheus-cpp package of Debian 12 cannot be installed beside the Redland libraries.)
 //
-// Metrics are added while the server is put together and live as long as the registry; changing one is an atomic
-// operation, so they may stand on hot paths. Thread-safe.
+// Metrics are added while the server is put together and live as long as the registry; changing one is an
+// atomic operation, so they may stand on hot paths. Thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_METRICS_H_
 #define DOCENT_KB_SERVER_SERVICE_METRICS_H_
 
@@ -60,13 +60,15 @@ class Metrics {
  public:
   using Labels = std::vector<std::pair<std::string, std::string>>;
 
-  // Names by Prometheus' rules ([a-z_:][a-z0-9_:]*, counters end in _total, units last: _seconds, _bytes). Adding the
-  // same name with other labels makes another series of that metric; with the same labels it gives the same one.
+  // Names by Prometheus' rules ([a-z_:][a-z0-9_:]*, counters end in _total, units last: _seconds, _bytes).
+  // Adding the same name with other labels makes another series of that metric; with the same labels it gives
+  // the same one.
   Counter& AddCounter(const std::string& name, const std::string& help, const Labels& labels = {});
   Gauge& AddGauge(const std::string& name, const std::string& help, const Labels& labels = {});
   Histogram& AddHistogram(const std::string& name, const std::string& help, std::vector<double> bounds,
                           const Labels& labels = {});
-  // A value that is read when the page is asked for. `read` is called from any thread and must outlive the registry.
+  // A value that is read when the page is asked for. `read` is called from any thread and must outlive the
+  // registry.
   void AddCounterFunction(const std::string& name, const std::string& help, std::function<double()> read,
                           const Labels& labels = {});
   void AddGaugeFunction(const std::string& name, const std::string& help, std::function<double()> read,

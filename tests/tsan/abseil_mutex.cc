@@ -1,9 +1,10 @@
-// Lets the thread sanitizer see Abseil's mutexes. Debian's Abseil is compiled without the sanitizer, so that everything
-// that an absl::Mutex guards looks like a data race to it. In the tsan preset every program is linked with this file and
+// Lets the thread sanitizer see Abseil's mutexes. Debian's Abseil is compiled without the sanitizer, so that
+// everything that an absl::Mutex guards looks like a data race to it. In the tsan preset every program is
+// linked with this file and
 // `-Wl,--wrap` of the functions below: each calls the real one and says what it orders.
 //
-// Unlock and Await may evaluate the conditions of *other* waiting threads: reads that happen under the mutex, but after
-// the point where it is said to be released. They are not looked at.
+// Unlock and Await may evaluate the conditions of *other* waiting threads: reads that happen under the mutex,
+// but after the point where it is said to be released. They are not looked at.
 #include <sanitizer/tsan_interface.h>
 
 #include "absl/synchronization/mutex.h"
@@ -37,31 +38,32 @@ void* NotifiedFlag(const absl::Notification* n) {
 #define WRAP_OF(name) JOIN(__wrap_, name)
 
 // Takes the mutex.
-#define WRAP_LOCK(name)                 \
-  extern "C" void REAL_OF(name)(void*); \
+#define WRAP_LOCK(name)                        \
+  extern "C" void REAL_OF(name)(void*);        \
   extern "C" void WRAP_OF(name)(void* mutex) { \
-    REAL_OF(name)(mutex);               \
-    __tsan_acquire(mutex);              \
+    REAL_OF(name)(mutex);                      \
+    __tsan_acquire(mutex);                     \
   }
 // Gives it back.
-#define WRAP_UNLOCK(name)               \
-  extern "C" void REAL_OF(name)(void*); \
+#define WRAP_UNLOCK(name)                      \
+  extern "C" void REAL_OF(name)(void*);        \
   extern "C" void WRAP_OF(name)(void* mutex) { \
-    __tsan_release(mutex);              \
-    IgnoreReads ignore;                 \
-    REAL_OF(name)(mutex);               \
+    __tsan_release(mutex);                     \
+    IgnoreReads ignore;                        \
+    REAL_OF(name)(mutex);                      \
   }
 // Gives it back and takes it again.
-#define WRAP_AWAIT(name, result, ...)                                                        \
-  extern "C" result REAL_OF(name)(void*, const absl::Condition& __VA_OPT__(, ) __VA_ARGS__); \
-  extern "C" result WRAP_OF(name)(void* mutex, const absl::Condition& condition __VA_OPT__(, __VA_ARGS__ limit)) { \
-    struct After {                                                                           \
-      void* mutex;                                                                           \
-      ~After() { __tsan_acquire(mutex); }                                                    \
-    } after{mutex};                                                                          \
-    __tsan_release(mutex);                                                                   \
-    IgnoreReads ignore;                                                                      \
-    return REAL_OF(name)(mutex, condition __VA_OPT__(, limit));                              \
+#define WRAP_AWAIT(name, result, ...)                                                                 \
+  extern "C" result REAL_OF(name)(void*, const absl::Condition& __VA_OPT__(, ) __VA_ARGS__);          \
+  extern "C" result WRAP_OF(name)(void* mutex,                                                        \
+                                  const absl::Condition& condition __VA_OPT__(, __VA_ARGS__ limit)) { \
+    struct After {                                                                                    \
+      void* mutex;                                                                                    \
+      ~After() { __tsan_acquire(mutex); }                                                             \
+    } after{mutex};                                                                                   \
+    __tsan_release(mutex);                                                                            \
+    IgnoreReads ignore;                                                                               \
+    return REAL_OF(name)(mutex, condition __VA_OPT__(, limit));                                       \
   }
 
 WRAP_LOCK(MUTEX(4LockEv))
@@ -83,11 +85,12 @@ extern "C" void WRAP_OF(NOTIFICATION_CONST(19WaitForNotificationEv))(const absl:
   REAL_OF(NOTIFICATION_CONST(19WaitForNotificationEv))(n);
   __tsan_acquire(NotifiedFlag(n));
 }
-extern "C" bool REAL_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(const absl::Notification*,
-                                                                                              absl::Duration);
-extern "C" bool WRAP_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(const absl::Notification* n,
-                                                                                              absl::Duration limit) {
-  const bool notified = REAL_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(n, limit);
+extern "C" bool REAL_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(
+    const absl::Notification*, absl::Duration);
+extern "C" bool WRAP_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(
+    const absl::Notification* n, absl::Duration limit) {
+  const bool notified =
+      REAL_OF(NOTIFICATION_CONST(30WaitForNotificationWithTimeoutENS0_8DurationE))(n, limit);
   if (notified) __tsan_acquire(NotifiedFlag(n));
   return notified;
 }

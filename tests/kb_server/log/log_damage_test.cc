@@ -1,5 +1,5 @@
-// Damage of every kind must be found: whatever byte of the log's files changes, either opening or reading says so, or
-// what is read is still exactly what was written.
+// Damage of every kind must be found: whatever byte of the log's files changes, either opening or reading
+// says so, or what is read is still exactly what was written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
@@ -19,7 +19,9 @@ using ::testing::HasSubstr;
 
 constexpr uint64_t kRecords = 12;
 
-std::string RecordText(uint64_t offset) { return absl::StrCat("the content of record ", offset); }
+std::string RecordText(uint64_t offset) {
+  return absl::StrCat("the content of record ", offset);
+}
 
 void Fill(const std::string& folder) {
   auto log = SqliteLog::Open(folder);
@@ -65,7 +67,7 @@ void RunSql(const std::string& file, const std::string& sql) {
 
 // After `sql` the log must be found damaged, with `words` in the message.
 void ExpectDamage(const std::string& sql, const std::string& words) {
-  TestFolder folder;
+  TestFolder folder(TestFolder::Where::kMemory);
   Fill(folder.path());
   RunSql(folder.File("log.sqlite"), sql);
   const absl::Status status = ReadBack(folder.path());
@@ -78,9 +80,11 @@ TEST(LogDamageTest, EveryColumnOfARecordIsGuarded) {
   ExpectDamage("UPDATE ctxlog SET crc=crc+1 WHERE seq=5", "damaged at offset 5: its checksum is wrong");
   ExpectDamage("UPDATE ctxlog SET crc=crc+4294967296 WHERE seq=5", "damaged at offset 5");
   ExpectDamage("UPDATE ctxlog SET epoch=0 WHERE seq=5", "damaged at offset 5: its checksum is wrong");
-  ExpectDamage("UPDATE ctxlog SET prev_hash=zeroblob(32) WHERE seq=5", "damaged at offset 5: it does not follow");
+  ExpectDamage("UPDATE ctxlog SET prev_hash=zeroblob(32) WHERE seq=5",
+               "damaged at offset 5: it does not follow");
   ExpectDamage("UPDATE ctxlog SET prev_hash=x'' WHERE seq=5", "damaged at offset 5: it does not follow");
-  ExpectDamage("UPDATE ctxlog SET data='text' WHERE seq=5", "damaged at offset 5: a column is of the wrong type");
+  ExpectDamage("UPDATE ctxlog SET data='text' WHERE seq=5",
+               "damaged at offset 5: a column is of the wrong type");
   ExpectDamage("DELETE FROM ctxlog WHERE seq=5", "damaged at offset 5: the record is missing");
   ExpectDamage("UPDATE ctxlog SET seq=100 WHERE seq=5", "offset");
 }
@@ -88,7 +92,8 @@ TEST(LogDamageTest, EveryColumnOfARecordIsGuarded) {
 TEST(LogDamageTest, TheEndIsGuarded) {
   ExpectDamage("DELETE FROM ctxlog WHERE seq=12", "damaged at offset 12: the record is missing");
   ExpectDamage("UPDATE ctxlog SET data=x'00' WHERE seq=12", "damaged at offset 12");
-  ExpectDamage("INSERT INTO ctxlog VALUES(13, 1, 0, zeroblob(32), x'')", "damaged at offset 13: a record after the head");
+  ExpectDamage("INSERT INTO ctxlog VALUES(13, 1, 0, zeroblob(32), x'')",
+               "damaged at offset 13: a record after the head");
   for (const char* column : {"seq", "epoch", "base_seq", "crc"}) {
     ExpectDamage(absl::StrCat("UPDATE head SET ", column, "=", column, "+1"), "head row is damaged");
   }
@@ -108,7 +113,8 @@ TEST(LogDamageTest, ARecordPutInItsPlaceBreaksTheChain) {
                                                  RecordCrc(5, 1, previous, "forged"), " WHERE seq=5"));
   const absl::Status status = ReadBack(folder.path());
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("damaged at offset 6: it does not follow the record before it"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("damaged at offset 6: it does not follow the record before it"));
 }
 
 TEST(LogDamageTest, AnOlderCopyIsNoticed) {
@@ -124,7 +130,8 @@ TEST(LogDamageTest, AnOlderCopyIsNoticed) {
   Replace(folder.File("log.sqlite"), older);
   const absl::Status status = ReadBack(folder.path());
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("ends at offset 12 but records up to 13 were acknowledged"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("ends at offset 12 but records up to 13 were acknowledged"));
   std::filesystem::remove(folder.File("head"));
   EXPECT_TRUE(ReadBack(folder.path()).ok());
 }
@@ -150,8 +157,8 @@ TEST(LogDamageTest, FlippedByteOfTheDatabaseFileIsFoundOrHarmless) {
 }
 
 TEST(LogDamageTest, FlippedByteOfTheWriteAheadLogIsFoundOrHarmless) {
-  // The files of a server that was killed: the records lie in the write-ahead log alone, and SQLite takes what follows
-  // a wrong byte there for the torn end of a crash.
+  // The files of a server that was killed: the records lie in the write-ahead log alone, and SQLite takes
+  // what follows a wrong byte there for the torn end of a crash.
   TestFolder folder(TestFolder::Where::kMemory);
   TestFolder killed(TestFolder::Where::kMemory);
   {

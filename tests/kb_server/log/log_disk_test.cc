@@ -1,5 +1,6 @@
-// What happens when the disk is full or the folder cannot be used. Each case runs in a child process, because it
-// changes a limit or the user of the whole process; the child's exit code is the line where an expectation failed.
+// What happens when the disk is full or the folder cannot be used. Each case runs in a child process, because
+// it changes a limit or the user of the whole process; the child's exit code is the line where an expectation
+// failed.
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
@@ -91,8 +92,9 @@ TEST(LogDiskTest, FullDiskRefusesAndRecovers) {
     return;  // mounting needs root; the limit above covers the same ways through the code
   }
   ExpectGoodChild([&] {
-    FillUpAndGoOn(folder.path(),
-                  [&] { REQUIRE_IN_CHILD(mount("tmpfs", folder.path().c_str(), "tmpfs", MS_REMOUNT, "size=64m") == 0); });
+    FillUpAndGoOn(folder.path(), [&] {
+      REQUIRE_IN_CHILD(mount("tmpfs", folder.path().c_str(), "tmpfs", MS_REMOUNT, "size=64m") == 0);
+    });
   });
   EXPECT_EQ(umount(folder.path().c_str()), 0);
 }

@@ -32,7 +32,8 @@ TEST(RecordCodecTest, EveryEnumValueComesBack) {
     record.batch.documents.push_back({static_cast<Document::Kind>(kind), Document::Action::kPut, "n", "t"});
   }
   for (int outcome = 0; outcome <= static_cast<int>(CommandReport::Outcome::kUnreachable); ++outcome) {
-    record.batch.reports.push_back({CommandId("c"), static_cast<CommandReport::Outcome>(outcome), "", 0, "", {}});
+    record.batch.reports.push_back(
+        {CommandId("c"), static_cast<CommandReport::Outcome>(outcome), "", 0, "", {}});
   }
   for (int kind = 0; kind <= static_cast<int>(RunRequest::Kind::kInvokeService); ++kind) {
     record.batch.run_requests.push_back({static_cast<RunRequest::Kind>(kind), "t", {}});
@@ -51,7 +52,8 @@ TEST(RecordCodecTest, EmptyRecordComesBack) {
 TEST(RecordCodecTest, TermsAreWrittenOnce) {
   TurnRecord record;
   const Term robot = Term::Iri("https://w3id.org/docent/expo#R01");
-  for (int i = 0; i < 1000; ++i) record.batch.operations.push_back({QuadOperation::Kind::kAdd, {robot, robot, robot, robot}});
+  for (int i = 0; i < 1000; ++i)
+    record.batch.operations.push_back({QuadOperation::Kind::kAdd, {robot, robot, robot, robot}});
   EXPECT_LT(Encoded(record).size(), 4200u);  // a byte a term and the term itself once
 }
 
@@ -76,16 +78,19 @@ TEST(RecordCodecTest, RecordThatNeedsANewerReaderIsRefused) {
   const std::string bytes("\x08\x02", 2);  // min_reader: 2
   const absl::StatusOr<TurnRecord> decoded = DecodeTurnRecord(12, bytes);
   EXPECT_EQ(decoded.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(decoded.status().message()), HasSubstr("log record 12 was written by a newer Docent"));
+  EXPECT_THAT(std::string(decoded.status().message()),
+              HasSubstr("log record 12 was written by a newer Docent"));
 }
 
 TEST(RecordCodecTest, WrongNumbersAreErrors) {
-  // batch (field 5) with quads (field 6, packed): term numbers beyond the table; three numbers instead of four.
-  for (const std::string& bytes : {std::string("\x2A\x06\x32\x04\x01\x01\x01\x01", 8), std::string("\x2A\x05\x32\x03\x00\x00\x00", 7),
-                                   std::string("\x2A\x02\x18\x09", 4) /* mode 9 */,
-                                   std::string("\x2A\x03\x3A\x01\x05", 5) /* removes operation 5 of none */,
-                                   std::string("\x22\x02\x18\x07", 4) /* a datatype that comes later */,
-                                   std::string("\x22\x02\x08\x07", 4) /* a kind of term that is none */}) {
+  // batch (field 5) with quads (field 6, packed): term numbers beyond the table; three numbers instead of
+  // four.
+  for (const std::string& bytes :
+       {std::string("\x2A\x06\x32\x04\x01\x01\x01\x01", 8), std::string("\x2A\x05\x32\x03\x00\x00\x00", 7),
+        std::string("\x2A\x02\x18\x09", 4) /* mode 9 */,
+        std::string("\x2A\x03\x3A\x01\x05", 5) /* removes operation 5 of none */,
+        std::string("\x22\x02\x18\x07", 4) /* a datatype that comes later */,
+        std::string("\x22\x02\x08\x07", 4) /* a kind of term that is none */}) {
     const absl::StatusOr<TurnRecord> decoded = DecodeTurnRecord(3, bytes);
     EXPECT_EQ(decoded.status().code(), absl::StatusCode::kDataLoss) << decoded.status();
     EXPECT_THAT(std::string(decoded.status().message()), HasSubstr("log record 3"));
@@ -94,7 +99,8 @@ TEST(RecordCodecTest, WrongNumbersAreErrors) {
 
 TEST(RecordCodecTest, DamagedBytesNeverCrash) {
   const std::string good = Encoded(FullRecord());
-  for (size_t length = 0; length < good.size(); ++length) DecodeTurnRecord(1, good.substr(0, length)).status().IgnoreError();
+  for (size_t length = 0; length < good.size(); ++length)
+    DecodeTurnRecord(1, good.substr(0, length)).status().IgnoreError();
   for (size_t i = 0; i < good.size(); ++i) {
     for (const int flip : {0x01, 0x80, 0xFF}) {
       std::string bad = good;
@@ -123,10 +129,15 @@ TEST(TurnRecordTest, DifferenceNamesPlaceAndBothSides) {
   derived.commands.clear();
   const std::optional<std::string> text = DecisionDifference(FullRecord(), derived);
   ASSERT_TRUE(text.has_value());
-  EXPECT_THAT(*text, HasSubstr("transition 2\n  recorded: BoothGuide-1/Move2Booth waiting → running (because R01 is at B03)\n"
-                               "  derived:  BoothGuide-1/Move2Booth waiting → failed"));
-  EXPECT_THAT(*text, HasSubstr("command 1\n  recorded: BoothGuide-1/Move2Booth/0/0/0/1 to https://w3id.org/docent/expo#R01: "
-                               "moveToBooth(booth="));
+  EXPECT_THAT(
+      *text,
+      HasSubstr(
+          "transition 2\n  recorded: BoothGuide-1/Move2Booth waiting → running (because R01 is at B03)\n"
+          "  derived:  BoothGuide-1/Move2Booth waiting → failed"));
+  EXPECT_THAT(
+      *text,
+      HasSubstr("command 1\n  recorded: BoothGuide-1/Move2Booth/0/0/0/1 to https://w3id.org/docent/expo#R01: "
+                "moveToBooth(booth="));
   EXPECT_THAT(*text, HasSubstr("derived:  none"));
 }
 

@@ -262,14 +262,14 @@ TEST(SqliteLogTest, ReadersAndTrimmerBesideTheWriter) {
 }
 
 TEST(SqliteLogTest, WriteAheadLogDoesNotGrow) {
-  TestFolder folder;
+  TestFolder folder(TestFolder::Where::kMemory);
   SqliteLogOptions options;
   options.checkpoint_pages = 16;
   auto log = OpenLog(folder.path(), options);
   const std::string record(20000, 'x');
   for (uint64_t i = 0; i < 1000; ++i) ASSERT_TRUE(log->Append(absl::MakeSpan(&record, 1), 1, i).ok());
-  // 20 MB were written; the file starts again whenever it was carried over, and appends wait when it is four times as
-  // long as it should be.
+  // 20 MB were written; the file starts again whenever it was carried over, and appends wait when it is four
+  // times as long as it should be.
   EXPECT_LT(std::filesystem::file_size(folder.File("log.sqlite-wal")), 1u << 20);
 }
 
@@ -279,7 +279,8 @@ TEST(SqliteLogTest, SecondServerIsRefused) {
   const auto second = SqliteLog::Open(folder.path());
   ASSERT_EQ(second.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(second.status().message()),
-              HasSubstr(absl::StrCat("cannot use the data folder ", folder.path(), ": it is in use by process ", getpid())));
+              HasSubstr(absl::StrCat("cannot use the data folder ", folder.path(),
+                                     ": it is in use by process ", getpid())));
   log.reset();
   EXPECT_TRUE(SqliteLog::Open(folder.path()).ok());
 }

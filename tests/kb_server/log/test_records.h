@@ -12,8 +12,8 @@
 
 namespace docent {
 
-// A folder of its own for one test, removed at the end. Where a test opens a log thousands of times it asks for one in
-// memory, where a sync costs nothing.
+// A folder of its own for one test, removed at the end. Where a test opens a log thousands of times it asks
+// for one in memory, where a sync costs nothing.
 class TestFolder {
  public:
   enum class Where { kDisk, kMemory };
@@ -61,14 +61,24 @@ inline TurnRecord FullRecord() {
   record.batch.readings = {{"urn:sensor:door", text, 77}, {"urn:sensor:beacon", robot, 0}};
   record.batch.documents = {{Document::Kind::kRsel, Document::Action::kRemove, "guide", ""},
                             {Document::Kind::kRules, Document::Action::kPut, "near", "RULE {} WHERE {}"}};
-  record.batch.reports = {{CommandId("BoothGuide-1/Move2Booth/0/0/0/0"), CommandReport::Outcome::kFailed, "wheel stuck",
-                           0.25, "inc-2", {{"distance", decimal}, {"at", robot}}}};
+  record.batch.reports = {{CommandId("BoothGuide-1/Move2Booth/0/0/0/0"),
+                           CommandReport::Outcome::kFailed,
+                           "wheel stuck",
+                           0.25,
+                           "inc-2",
+                           {{"distance", decimal}, {"at", robot}}}};
   record.batch.run_requests = {{RunRequest::Kind::kInvokeService, "BoothGuide", {{"booth", robot}}},
                                {RunRequest::Kind::kCancel, "BoothGuide-1", {}}};
   record.transitions = {{"BoothGuide-1", "", "running", "started"},
                         {"BoothGuide-1/Move2Booth", "waiting", "running", "R01 is at B03"}};
-  record.commands = {{CommandId("BoothGuide-1/Move2Booth/0/0/0/1"), RobotId("https://w3id.org/docent/expo#R01"),
-                      "moveToBooth", {{"booth", robot}, {"speed", decimal}}, "inc-2", Revision(41), 99887766, true}};
+  record.commands = {{CommandId("BoothGuide-1/Move2Booth/0/0/0/1"),
+                      RobotId("https://w3id.org/docent/expo#R01"),
+                      "moveToBooth",
+                      {{"booth", robot}, {"speed", decimal}},
+                      "inc-2",
+                      Revision(41),
+                      99887766,
+                      true}};
   return record;
 }
 

@@ -16,7 +16,7 @@
 namespace docent {
 
 struct HttpReply {
-  int status = 0;  // 0: no answer
+  int status = 0;                              // 0: no answer
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
   bool whole = false;  // the body came to its end
@@ -56,7 +56,8 @@ class HttpClient {
   HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
                 const std::string& body = "") {
     std::string text = method + " " + target + " HTTP/1.1\r\n" + headers;
-    if (headers.find("Host:") == std::string::npos) text += "Host: localhost:" + std::to_string(port_) + "\r\n";
+    if (headers.find("Host:") == std::string::npos)
+      text += "Host: localhost:" + std::to_string(port_) + "\r\n";
     if (!body.empty()) text += "Content-Length: " + std::to_string(body.size()) + "\r\n";
     Send(text + "\r\n" + body);
     return Receive(method == "HEAD");

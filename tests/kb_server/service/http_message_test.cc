@@ -11,7 +11,8 @@ TEST(HttpMessageTest, PercentDecoding) {
   EXPECT_EQ(PercentDecode("a%20b+c", false), "a b+c");
   EXPECT_EQ(PercentDecode("a%20b+c", true), "a b c");
   EXPECT_EQ(PercentDecode("%e2%82%AC", true), "€");
-  for (const char* bad : {"%", "%4", "%g0", "%0g", "%00"}) EXPECT_EQ(PercentDecode(bad, true), std::nullopt) << bad;
+  for (const char* bad : {"%", "%4", "%g0", "%0g", "%00"})
+    EXPECT_EQ(PercentDecode(bad, true), std::nullopt) << bad;
 }
 
 TEST(HttpMessageTest, Forms) {

@@ -16,7 +16,8 @@ using ::testing::HasSubstr;
 
 HttpRoutes EchoRoutes() {
   HttpRoutes routes;
-  routes.Add("GET", "/hello", [](std::shared_ptr<HttpExchange> e) { e->Respond(TextResponse(200, "hello")); });
+  routes.Add("GET", "/hello",
+             [](std::shared_ptr<HttpExchange> e) { e->Respond(TextResponse(200, "hello")); });
   routes.Add("GET", "/a b", [](std::shared_ptr<HttpExchange> e) {
     std::string text;
     for (const auto& [name, value] : e->request().parameters) absl::StrAppend(&text, name, "=", value, ";");
@@ -74,8 +75,8 @@ TEST(HttpServerTest, PipelinedRequestsAreAnsweredInOrder) {
   HttpClient client(server->port());
   std::string requests;
   for (int i = 0; i < 20; ++i) {
-    absl::StrAppend(&requests, "POST /length HTTP/1.1\r\nHost: 127.0.0.1:", server->port(), "\r\nContent-Length: ", i,
-                    "\r\n\r\n", std::string(i, 'x'));
+    absl::StrAppend(&requests, "POST /length HTTP/1.1\r\nHost: 127.0.0.1:", server->port(),
+                    "\r\nContent-Length: ", i, "\r\n\r\n", std::string(i, 'x'));
   }
   ASSERT_TRUE(client.Send(requests));
   for (int i = 0; i < 20; ++i) EXPECT_EQ(client.Receive().body, absl::StrCat(i, "\n"));
@@ -100,20 +101,25 @@ TEST(HttpServerTest, OnlyItsOwnHostNamesAreServed) {
   auto server = StartServer(EchoRoutes(), options);
   const std::string port = absl::StrCat(":", server->port());
   HttpClient client(server->port());
-  for (const std::string& host : {"localhost" + port, "LOCALHOST" + port, "127.0.0.1" + port, "127.1.2.3" + port,
-                                  "[::1]" + port, std::string("docent.example.org"),
-                                  std::string("docent.example.org:99"), std::string("robot.example.org:8080")}) {
+  for (const std::string& host :
+       {"localhost" + port, "LOCALHOST" + port, "127.0.0.1" + port, "127.1.2.3" + port, "[::1]" + port,
+        std::string("docent.example.org"), std::string("docent.example.org:99"),
+        std::string("robot.example.org:8080")}) {
     EXPECT_EQ(client.Ask("GET", "/hello", "Host: " + host + "\r\n").status, 200) << host;
   }
   for (const std::string& host :
-       {std::string("localhost"), std::string("localhost:1"), "evil.example.org" + port, "localhost.evil.example" + port,
-        std::string("robot.example.org"), "127.0.0.1.evil.example" + port, "1.2.3.4" + port, "user@localhost" + port,
-        "localhost" + port + port, std::string("[::1"), std::string("localhost:99999999999")}) {
+       {std::string("localhost"), std::string("localhost:1"), "evil.example.org" + port,
+        "localhost.evil.example" + port, std::string("robot.example.org"), "127.0.0.1.evil.example" + port,
+        "1.2.3.4" + port, "user@localhost" + port, "localhost" + port + port, std::string("[::1"),
+        std::string("localhost:99999999999")}) {
     const HttpReply reply = client.Ask("GET", "/hello", "Host: " + host + "\r\n");
     EXPECT_EQ(reply.status, 403) << host;
     EXPECT_THAT(reply.body, HasSubstr("does not answer to the host name"));
   }
-  EXPECT_EQ(client.Ask("GET", "/hello", absl::StrCat("Host: localhost", port, "\r\nHost: evil.example.org\r\n")).status, 400);
+  EXPECT_EQ(
+      client.Ask("GET", "/hello", absl::StrCat("Host: localhost", port, "\r\nHost: evil.example.org\r\n"))
+          .status,
+      400);
   client.Send("GET /hello HTTP/1.1\r\n\r\n");
   EXPECT_EQ(client.Receive().status, 400);
 }
@@ -122,12 +128,13 @@ TEST(HttpServerTest, OtherSitesAreRefused) {
   auto server = StartServer(EchoRoutes());
   const std::string port = absl::StrCat(":", server->port());
   HttpClient client(server->port());
-  for (const std::string& origin : {"http://localhost" + port, "http://127.0.0.1" + port, "http://[::1]" + port}) {
+  for (const std::string& origin :
+       {"http://localhost" + port, "http://127.0.0.1" + port, "http://[::1]" + port}) {
     EXPECT_EQ(client.Ask("POST", "/length", "Origin: " + origin + "\r\n", "abc").status, 200) << origin;
   }
-  for (const std::string& origin : {std::string("http://evil.example.org"), std::string("null"),
-                                    "http://localhost.evil.example" + port, std::string("http://localhost:1"),
-                                    std::string("file://"), std::string("http://localhost")}) {
+  for (const std::string& origin :
+       {std::string("http://evil.example.org"), std::string("null"), "http://localhost.evil.example" + port,
+        std::string("http://localhost:1"), std::string("file://"), std::string("http://localhost")}) {
     const HttpReply get = client.Ask("GET", "/hello", "Origin: " + origin + "\r\n");
     EXPECT_EQ(get.status, 403) << origin;
     EXPECT_THAT(get.body, HasSubstr("requests from web pages of " + origin + " are refused"));
@@ -141,8 +148,10 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
   auto server = StartServer(EchoRoutes());
   HttpClient good(server->port());
   for (const std::string& bytes :
-       {std::string("nonsense\r\n\r\n"), std::string("GET /hello HTTP/9.9\r\n\r\n"), std::string("\x16\x03\x01\x02", 4) + "\r\n\r\n",
-        std::string("GET /hello HTTP/1.1\r\nHost localhost\r\n\r\n"), std::string("POST /length HTTP/1.1\r\nContent-Length: x\r\n\r\n"),
+       {std::string("nonsense\r\n\r\n"), std::string("GET /hello HTTP/9.9\r\n\r\n"),
+        std::string("\x16\x03\x01\x02", 4) + "\r\n\r\n",
+        std::string("GET /hello HTTP/1.1\r\nHost localhost\r\n\r\n"),
+        std::string("POST /length HTTP/1.1\r\nContent-Length: x\r\n\r\n"),
         std::string("POST /length HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n")}) {
     HttpClient client(server->port());
     client.Send(bytes);
@@ -169,7 +178,8 @@ TEST(HttpServerTest, BodyLimitHoldsAtTheLimitAndBeyond) {
   // A body that does not say how long it is.
   HttpClient chunked(server->port());
   chunked.Send(absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
-                            "\r\nTransfer-Encoding: chunked\r\n\r\n20000\r\n", std::string(0x20000, 'x'), "\r\n0\r\n\r\n"));
+                            "\r\nTransfer-Encoding: chunked\r\n\r\n20000\r\n", std::string(0x20000, 'x'),
+                            "\r\n0\r\n\r\n"));
   EXPECT_EQ(chunked.Receive().status, 413);
 }
 
@@ -194,7 +204,8 @@ TEST(HttpServerTest, SlowClientsAreClosed) {
   half_a_header.Send("GET /hello HT");
   EXPECT_TRUE(half_a_header.Ended());
   HttpClient half_a_body(server->port());
-  half_a_body.Send(absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(), "\r\nContent-Length: 10\r\n\r\nabc"));
+  half_a_body.Send(absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
+                                "\r\nContent-Length: 10\r\n\r\nabc"));
   EXPECT_TRUE(half_a_body.Ended());
 }
 
@@ -236,7 +247,8 @@ TEST(HttpServerTest, StreamedAnswersComeChunked) {
       HttpResponse head = TextResponse(200, "first");
       head.headers.emplace_back("Docent-Revision", "5");
       e->Begin(std::move(head));
-      for (int i = 0; i < 100; ++i) EXPECT_TRUE(e->Write(std::string(50000, static_cast<char>('a' + i % 26))));
+      for (int i = 0; i < 100; ++i)
+        EXPECT_TRUE(e->Write(std::string(50000, static_cast<char>('a' + i % 26))));
       e->End();
     });
   });

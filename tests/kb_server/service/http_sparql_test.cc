@@ -16,7 +16,8 @@ using ::testing::StartsWith;
 
 constexpr char kJson[] = "application/sparql-results+json";
 
-// A server over a small graph: <urn:r1> at <urn:b3> in the default graph, <urn:r2> at <urn:b4> in graph <urn:g>.
+// A server over a small graph: <urn:r1> at <urn:b3> in the default graph, <urn:r2> at <urn:b4> in graph
+// <urn:g>.
 class HttpSparqlTest : public ::testing::Test {
  protected:
   void SetUp() override { Start({}); }
@@ -27,7 +28,8 @@ class HttpSparqlTest : public ::testing::Test {
     GraphWriter writer(std::make_shared<const GraphVersion>());
     Tell(writer, "urn:r1", Term::Iri("urn:b3"), kDefaultGraph);
     Tell(writer, "urn:r2", Term::Iri("urn:b4"), "urn:g");
-    for (int i = 0; i < 300; ++i) writer.Add({Id("urn:s" + std::to_string(i)), Id("urn:many"), Id("urn:o"), Id(kDefaultGraph)});
+    for (int i = 0; i < 300; ++i)
+      writer.Add({Id("urn:s" + std::to_string(i)), Id("urn:many"), Id("urn:o"), Id(kDefaultGraph)});
     queries_.Publish(writer.Freeze(Revision(7)));
     ports_.queries = &queries_;
     ports_.dictionary = &dictionary_;
@@ -58,7 +60,8 @@ class HttpSparqlTest : public ::testing::Test {
 
   HttpReply Get(const std::string& query, const std::string& accept = "", const std::string& more = "") {
     HttpClient client(server_->port());
-    return client.Ask("GET", "/sparql?query=" + Escape(query) + more, accept.empty() ? "" : "Accept: " + accept + "\r\n");
+    return client.Ask("GET", "/sparql?query=" + Escape(query) + more,
+                      accept.empty() ? "" : "Accept: " + accept + "\r\n");
   }
 
   Dictionary dictionary_;
@@ -110,10 +113,13 @@ TEST_F(HttpSparqlTest, AskAndConstruct) {
 TEST_F(HttpSparqlTest, ThreeWaysToSendAQuery) {
   const std::string query = "SELECT ?b { <urn:r1> <urn:isAt> ?b }";
   HttpClient client(server_->port());
-  const HttpReply plain = client.Ask("POST", "/sparql", "Content-Type: application/sparql-query\r\nAccept: text/csv\r\n", query);
+  const HttpReply plain =
+      client.Ask("POST", "/sparql", "Content-Type: application/sparql-query\r\nAccept: text/csv\r\n", query);
   EXPECT_EQ(plain.body, "b\r\nurn:b3\r\n");
-  const std::string form = "Content-Type: application/x-www-form-urlencoded; charset=UTF-8\r\nAccept: text/csv\r\n";
-  EXPECT_EQ(client.Ask("POST", "/sparql", form, "timeout=1000&query=" + Escape(query)).body, "b\r\nurn:b3\r\n");
+  const std::string form =
+      "Content-Type: application/x-www-form-urlencoded; charset=UTF-8\r\nAccept: text/csv\r\n";
+  EXPECT_EQ(client.Ask("POST", "/sparql", form, "timeout=1000&query=" + Escape(query)).body,
+            "b\r\nurn:b3\r\n");
   EXPECT_EQ(Get(query, "text/csv").body, "b\r\nurn:b3\r\n");
   const HttpReply other = client.Ask("POST", "/sparql", "Content-Type: application/sparql-update\r\n", query);
   EXPECT_EQ(other.status, 415);
@@ -151,8 +157,11 @@ TEST_F(HttpSparqlTest, GraphsOfTheProtocolReplaceFrom) {
   const std::string query = "SELECT ?r { ?r <urn:isAt> ?b }";
   EXPECT_EQ(Get(query, "text/csv", "&default-graph-uri=urn:g").body, "r\r\nurn:r2\r\n");
   EXPECT_EQ(Get("SELECT ?r FROM <urn:g> { ?r <urn:isAt> ?b }", "text/csv",
-                "&default-graph-uri=" + Escape(std::string(kDefaultGraph))).body, "r\r\nurn:r1\r\n");
-  EXPECT_EQ(Get("SELECT ?g { GRAPH ?g { ?r <urn:isAt> ?b } }", "text/csv", "&named-graph-uri=urn:g").body, "g\r\nurn:g\r\n");
+                "&default-graph-uri=" + Escape(std::string(kDefaultGraph)))
+                .body,
+            "r\r\nurn:r1\r\n");
+  EXPECT_EQ(Get("SELECT ?g { GRAPH ?g { ?r <urn:isAt> ?b } }", "text/csv", "&named-graph-uri=urn:g").body,
+            "g\r\nurn:g\r\n");
 }
 
 TEST_F(HttpSparqlTest, MinRevisionWaits) {
@@ -174,7 +183,8 @@ TEST_F(HttpSparqlTest, LargeAnswerIsStreamed) {
 
 TEST_F(HttpSparqlTest, TimeoutEndsAQuery) {
   const std::string endless =
-      "SELECT (COUNT(*) AS ?n) { ?a <urn:many> ?x . ?b <urn:many> ?x . ?c <urn:many> ?x . ?d <urn:many> ?x . ?e <urn:many> ?x }";
+      "SELECT (COUNT(*) AS ?n) { ?a <urn:many> ?x . ?b <urn:many> ?x . ?c <urn:many> ?x . ?d <urn:many> ?x . "
+      "?e <urn:many> ?x }";
   const HttpReply reply = Get(endless, "", "&timeout=50");
   EXPECT_EQ(reply.status, 504) << reply.body;
   EXPECT_THAT(reply.body, HasSubstr("query_timeout_ms = 50"));
@@ -184,10 +194,11 @@ TEST_F(HttpSparqlTest, QueryOfAClientThatWentIsCancelled) {
   Start({}, /*workers=*/1);
   {
     HttpClient client(server_->port());
-    client.Send(absl::StrCat("GET /sparql?query=",
-                             Escape("SELECT (COUNT(*) AS ?n) { ?a <urn:many> ?x . ?b <urn:many> ?x . ?c <urn:many> ?x . "
-                                    "?d <urn:many> ?x . ?e <urn:many> ?x . ?f <urn:many> ?x }"),
-                             " HTTP/1.1\r\nHost: localhost:", server_->port(), "\r\n\r\n"));
+    client.Send(absl::StrCat(
+        "GET /sparql?query=",
+        Escape("SELECT (COUNT(*) AS ?n) { ?a <urn:many> ?x . ?b <urn:many> ?x . ?c <urn:many> ?x . "
+               "?d <urn:many> ?x . ?e <urn:many> ?x . ?f <urn:many> ?x }"),
+        " HTTP/1.1\r\nHost: localhost:", server_->port(), "\r\n\r\n"));
     while (server_->counts().requests == 0) std::this_thread::yield();
   }
   // The only worker is free again long before that query would have ended.

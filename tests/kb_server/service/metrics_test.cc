@@ -15,7 +15,8 @@ using ::testing::HasSubstr;
 
 TEST(MetricsTest, WholePage) {
   Metrics metrics;
-  Histogram& seconds = metrics.AddHistogram("docent_query_seconds", "How long queries take.", {0.5, 2}, {{"form", "ask"}});
+  Histogram& seconds =
+      metrics.AddHistogram("docent_query_seconds", "How long queries take.", {0.5, 2}, {{"form", "ask"}});
   metrics.AddCounter("docent_turns_total", "Turns.").Add(3);
   metrics.AddCounter("docent_answers_total", "Answers.", {{"code", "200"}}).Add();
   metrics.AddCounter("docent_answers_total", "Answers.", {{"code", "4\"\\\n"}}).Add(2);
