@@ -68,7 +68,7 @@ class Durability(StageTest):
         server.stop()
         decided, sent, synced = {}, {}, 0
         for name, text in calls(self.stage.folder / "trace.txt"):
-            ids = set(re.findall(r"BoothGuide[\w-]*/\w+/\d+/\d+/\d+/\d+", text))
+            ids = set(re.findall(r"BoothGuide[\w-]*/\w+/\d+/[\d.]+/\d+/\d+", text))
             if name in ("fdatasync", "fsync") and "= 0" in text:
                 synced += 1
             elif name == "write" or name.startswith("pwrite"):

@@ -45,13 +45,14 @@ class BoothGuide(StageTest):
         # while it ran, queries were answered: where R01 was, what the run waited for
         self.assertGreater(len(asked["regions"]), 2, asked)
         self.assertTrue(any("ASK" in w for w in asked["waits"]), asked)
+        self.assertEqual(asked["errors"], [])
         self.assertIn("done", server.command("runs"))
         self.assertIn(run.rsplit(":", 1)[1], server.command("runs"))
         self.check_robot_report(robot)
 
     def ask_meanwhile(self, server):
-        """Asks the server during the run, over HTTP and over gRPC; what was seen."""
-        seen = {"regions": set(), "waits": set()}
+        """Asks the server during the run, over HTTP and over gRPC; what was seen, and what went wrong."""
+        seen = {"regions": set(), "waits": set(), "errors": []}
         stop = threading.Event()
 
         def ask():
@@ -60,11 +61,17 @@ class BoothGuide(StageTest):
                     seen["regions"].add(row["r"])
                 for row in nodes(server).values():
                     seen["waits"].add(row.get("waits", ""))
-                self.assertEqual(server.run("query", "ASK { ?r a docent:Robot }").returncode, 0)
+                done = server.run("query", "ASK { ?r a docent:Robot }")
+                if done.returncode != 0:
+                    seen["errors"].append(done.stderr)
+
+        def end():
+            stop.set()
+            thread.join(30)
 
         thread = threading.Thread(target=ask, daemon=True)
         thread.start()
-        self.addCleanup(stop.set)
+        self.addCleanup(end)
         return seen
 
     def check_robot_report(self, robot):
