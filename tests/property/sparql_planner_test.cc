@@ -190,7 +190,7 @@ std::vector<std::string> Sorted(std::vector<std::string> rows) {
   return rows;
 }
 
-std::vector<std::string> Run(PreparedQuery& query, const GraphVersion& version) {
+std::vector<std::string> RowsOf(PreparedQuery& query, const GraphVersion& version) {
   std::vector<std::string> rows;
   const absl::Status status = query.Select({&version, nullptr, 0, 0}, {}, [&](absl::Span<const TermId> row) {
     std::string text;
@@ -224,8 +224,8 @@ TEST(SparqlPlanner, PlannedQueriesGiveWhatTheAlgebraSays) {
       versions.push_back(writer.Freeze(Revision(static_cast<uint64_t>(step) + 1)));
     }
     for (const GraphVersionPtr& version : {versions[2], versions[0], versions[1]}) {
-      const std::vector<std::string> with_plan = Run(*planned, *version);
-      EXPECT_EQ(with_plan, Run(*plain, *version)) << "seed " << seed << "\n" << text << "\n" << planned->Explain(*version);
+      const std::vector<std::string> with_plan = RowsOf(*planned, *version);
+      EXPECT_EQ(with_plan, RowsOf(*plain, *version)) << "seed " << seed << "\n" << text << "\n" << planned->Explain(*version);
       if (with_plan.size() > 3000) continue;  // the naive way would take long
       std::vector<std::string> naive;
       const Algebra& where = *parsed.query.algebra->children[0];
