@@ -44,6 +44,7 @@ class Condition {
   Condition& operator=(const Condition&) = delete;
 
   Body& body() { return *body_; }
+  const std::vector<Body::Column>& columns() const { return body_->columns(); }
   bool has_keys() const { return !keys_.empty(); }
   const std::vector<int16_t>& keys() const { return keys_; }
   bool holds() const { return !by_key_.empty(); }

@@ -1,0 +1,113 @@
+// What a ConstraintSet is made of. Private to this folder; split over constraint_set.cc (who is followed) and
+// constraint_update.cc (what a change does).
+#ifndef DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_IMPL_H_
+#define DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_IMPL_H_
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "reasoner/constraints/condition.h"
+#include "reasoner/constraints/constraint_set.h"
+#include "reasoner/constraints/threshold_group.h"
+
+namespace docent {
+
+struct ConstraintSet::Impl {
+  // A condition and who follows it: directly, or as one of many thresholds on its key variable.
+  struct Shared {
+    std::unique_ptr<Condition> condition;
+    std::string fingerprint;
+    std::vector<ConstraintId> followers;
+    std::array<std::unique_ptr<ThresholdGroup>, 2> groups;  // below, above
+
+    bool IsFollowed() const;
+  };
+  struct Threshold {
+    bool above = false;
+    TermId constant;
+  };
+  struct Follower {
+    uint32_t condition = 0;
+    bool removed = false;  // since the last Commit
+    std::optional<Threshold> threshold;
+  };
+  struct JournalEntry {
+    enum class Kind : uint8_t { kEdit, kArmed, kRegistered, kRemoved } kind;
+    uint32_t condition = 0;
+    ConstraintId id;
+    Condition::Edit edit;
+  };
+  // What the running Update finds to do with a condition.
+  struct Touched {
+    Condition::Edits edits;
+    bool full_done = false;
+    bool held = false;
+    bool probed = false;
+  };
+  struct Rise {
+    uint32_t condition;
+    uint32_t trigger;
+    const Quad* quad;
+  };
+
+  Impl(Dictionary& d, const sparql::FunctionRegistry* f) : dictionary(d), functions(f), comparer(d) {}
+
+  // Registration.
+  // The condition of `query`, made if there is none like it.
+  absl::StatusOr<uint32_t> FindOrMake(const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options);
+  absl::StatusOr<uint32_t> Make(const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options,
+                                std::string fingerprint);
+  // Follows a threshold by its group if there are enough like it; nullopt: follow it by itself.
+  absl::StatusOr<std::optional<Follower>> JoinGroup(ConstraintId id, const sparql::Query& query, const GraphVersion& now,
+                                                    const RegisterOptions& options);
+  absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
+                                                         const RegisterOptions& options);
+  ThresholdGroup& GroupOf(const Follower& follower) const;
+  bool Holds(ConstraintId id, const Follower& follower) const;
+  void Unfollow(ConstraintId id);
+
+  // Update.
+  Touched& Touch(uint32_t number);
+  void GatherRises(const Delta& delta);
+  absl::Status RecheckBroken(const sparql::RunOptions& run, const Delta& delta);
+  absl::Status ProbeRises(const sparql::RunOptions& run);
+  absl::Status RefreshVolatile(const sparql::RunOptions& run);
+  void Settle(const GraphVersion& version);
+  absl::Status CollectChanges(std::vector<ConstraintChange>& changes);
+  ConstraintChange ChangeOf(ConstraintId id, uint32_t number, const Touched& touched) const;
+  // The groups of a condition follow its keys. `visit` gets what changed.
+  absl::Status RelevelGroups(uint32_t number, absl::FunctionRef<void(ConstraintId, bool)> visit);
+  Binding BindingOf(const Condition& condition, const Condition::Key& key) const;
+
+  // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.
+  static constexpr int64_t kThresholdsAlone = 8;
+  // A group is not made where its variable has more solutions than this: each value is remembered.
+  static constexpr int64_t kMaxGroupSolutions = 20000;
+
+  Dictionary& dictionary;
+  const sparql::FunctionRegistry* functions;
+  NumberComparer comparer;
+  const GraphVersion no_graph;  // comparisons of numbers read none
+  WatchIndexes indexes;         // before conditions: they unregister themselves
+  std::vector<Shared> conditions;  // by number
+  std::vector<uint32_t> free_numbers;
+  absl::flat_hash_map<std::string, uint32_t> by_fingerprint;
+  absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
+  absl::flat_hash_map<ConstraintId, Follower> followers;
+  std::vector<uint32_t> volatile_conditions;
+  std::vector<JournalEntry> journal;
+  uint64_t next_id = 1;
+  Counters counters;
+
+  // of the running Update
+  absl::flat_hash_map<uint32_t, Touched> touched;
+  std::vector<Rise> rises;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_IMPL_H_

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <utility>
+
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/constraints/bindings.h"
+#include "reasoner/constraints/constraint_set.h"
+#include "reasoner/constraints/constraint_set_impl.h"
+
+namespace docent {
+
+ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
+  const auto [place, fresh] = touched.try_emplace(number);
+  if (fresh) place->second.held = conditions[number].condition->holds();
+  return place->second;
+}
+
+// Witnesses that a change may have broken.
+absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run, const Delta& delta) {
+  std::vector<PatternIndex::Reference> broken;
+  const auto gather = [&](PatternIndex::Reference reference) { broken.push_back(reference); };
+  for (const Quad& quad : delta.added) indexes.break_on_add.ForEachMatch(quad, gather);
+  for (const Quad& quad : delta.removed) indexes.break_on_remove.ForEachMatch(quad, gather);
+  counters.candidates += broken.size();
+  for (const auto& [number, slot] : broken) {
+    Condition& condition = *conditions[number].condition;
+    if (condition.stamp(slot) == counters.updates) continue;
+    condition.stamp(slot) = counters.updates;
+    ++counters.evaluations;
+    if (absl::Status status = condition.Recheck(slot, run, Touch(number).edits); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+void ConstraintSet::Impl::GatherRises(const Delta& delta) {
+  rises.clear();
+  const auto gather = [&](const Quad& quad) {
+    return [this, &quad](PatternIndex::Reference reference) {
+      rises.push_back({reference.owner, reference.pattern, &quad});
+    };
+  };
+  for (const Quad& quad : delta.added) indexes.rise_on_add.ForEachMatch(quad, gather(quad));
+  for (const Quad& quad : delta.removed) indexes.rise_on_remove.ForEachMatch(quad, gather(quad));
+  counters.candidates += rises.size();
+}
+
+absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
+  for (const Rise& rise : rises) {
+    Condition& condition = *conditions[rise.condition].condition;
+    Touched& touch = Touch(rise.condition);
+    touch.probed = true;
+    if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
+    ++counters.evaluations;
+    const absl::Status status = condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run) {
+  for (const uint32_t number : volatile_conditions) {
+    ++counters.evaluations;
+    const absl::Status status = conditions[number].condition->Refresh(run, Touch(number).edits);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+// Watches follow the new state; what changed goes into the journal.
+void ConstraintSet::Impl::Settle(const GraphVersion& version) {
+  for (auto& [number, touch] : touched) {
+    Condition& condition = *conditions[number].condition;
+    const bool stale = touch.probed && condition.watches_one();
+    if ((!touch.edits.empty() || stale) && condition.Arm(&version)) {
+      journal.push_back({JournalEntry::Kind::kArmed, number, {}, {}});
+    }
+    for (const Condition::Edit& edit : touch.edits) {
+      journal.push_back({JournalEntry::Kind::kEdit, number, {}, edit});
+      for (const auto& group : conditions[number].groups) {
+        if (group) group->SetKey(edit.key[0], condition.Has(edit.key));
+      }
+    }
+  }
+}
+
+absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number, absl::FunctionRef<void(ConstraintId, bool)> visit) {
+  const sparql::RunOptions run{.version = &no_graph};
+  for (const auto& group : conditions[number].groups) {
+    if (!group) continue;
+    if (absl::Status status = group->Relevel(run, visit); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Condition::Key& key) const {
+  Binding binding;
+  for (size_t i = 0; i < key.size(); ++i) {
+    if (!key[i].IsNone()) binding.emplace_back(condition.columns()[condition.keys()[i]].name, key[i]);
+  }
+  return binding;
+}
+
+ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number, const Touched& touch) const {
+  const Condition& condition = *conditions[number].condition;
+  ConstraintChange change;
+  change.id = id;
+  change.edge = ConstraintChange::Edge::kBindingsChanged;
+  if (condition.holds() != touch.held) {
+    change.edge = condition.holds() ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell;
+  }
+  if (!condition.has_keys()) return change;
+  // The first edit of a key tells what was before; what is now, the condition knows.
+  absl::flat_hash_map<Condition::Key, bool> before;
+  std::vector<Condition::Key> order;
+  for (const Condition::Edit& edit : touch.edits) {
+    if (before.try_emplace(edit.key, edit.was_present).second) order.push_back(edit.key);
+  }
+  for (const Condition::Key& key : order) {
+    const bool now = condition.Has(key);
+    if (now == before[key]) continue;
+    (now ? change.appeared : change.disappeared).push_back(BindingOf(condition, key));
+  }
+  SortBindings(change.appeared, dictionary);
+  SortBindings(change.disappeared, dictionary);
+  return change;
+}
+
+absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& changes) {
+  for (const auto& [number, touch] : touched) {
+    if (touch.edits.empty()) continue;
+    for (const ConstraintId id : conditions[number].followers) {
+      if (followers[id].removed) continue;
+      ConstraintChange change = ChangeOf(id, number, touch);
+      const bool edge = change.edge != ConstraintChange::Edge::kBindingsChanged;
+      if (edge || !change.appeared.empty() || !change.disappeared.empty()) changes.push_back(std::move(change));
+    }
+    const absl::Status status = RelevelGroups(number, [&](ConstraintId id, bool level) {
+      if (followers[id].removed) return;
+      changes.push_back({id, level ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell, {}, {}});
+    });
+    if (!status.ok()) return status;
+  }
+  std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphVersion& version, const Delta& delta,
+                                                                    TimeMicros now_us) {
+  Impl& impl = *impl_;
+  ++impl.counters.updates;
+  impl.touched.clear();
+  const sparql::RunOptions run{.version = &version, .now_us = now_us};
+  impl.GatherRises(delta);
+  absl::Status status = impl.RecheckBroken(run, delta);
+  if (status.ok()) status = impl.ProbeRises(run);
+  if (status.ok()) status = impl.RefreshVolatile(run);
+  impl.Settle(version);
+  std::vector<ConstraintChange> changes;
+  if (status.ok()) status = impl.CollectChanges(changes);
+  if (!status.ok()) return status;
+  impl.counters.changes += changes.size();
+  return changes;
+}
+
+void ConstraintSet::Commit() {
+  std::vector<Impl::JournalEntry> journal = std::move(impl_->journal);
+  impl_->journal.clear();
+  for (const Impl::JournalEntry& entry : journal) {
+    if (entry.kind == Impl::JournalEntry::Kind::kRemoved) impl_->Unfollow(entry.id);
+  }
+}
+
+void ConstraintSet::Rollback() {
+  std::vector<Impl::JournalEntry> journal = std::move(impl_->journal);
+  impl_->journal.clear();
+  std::vector<uint32_t> changed;
+  for (auto entry = journal.rbegin(); entry != journal.rend(); ++entry) {
+    Impl::Shared& shared = impl_->conditions[entry->condition];
+    switch (entry->kind) {
+      case Impl::JournalEntry::Kind::kEdit:
+        shared.condition->Undo(entry->edit);
+        for (const auto& group : shared.groups) {
+          if (group) group->SetKey(entry->edit.key[0], shared.condition->Has(entry->edit.key));
+        }
+        changed.push_back(entry->condition);
+        break;
+      case Impl::JournalEntry::Kind::kArmed:
+        changed.push_back(entry->condition);
+        break;
+      case Impl::JournalEntry::Kind::kRegistered:
+        impl_->Unfollow(entry->id);
+        break;
+      case Impl::JournalEntry::Kind::kRemoved:
+        impl_->followers[entry->id].removed = false;
+        break;
+    }
+  }
+  for (const uint32_t number : changed) {
+    if (!impl_->conditions[number].condition) continue;
+    // What a single watched pattern relied on is not known of the version that it goes back to.
+    impl_->conditions[number].condition->Arm(nullptr);
+    // It succeeded for these very keys before.
+    impl_->RelevelGroups(number, [](ConstraintId, bool) {}).IgnoreError();
+  }
+}
+
+}  // namespace docent
