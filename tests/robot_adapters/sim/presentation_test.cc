@@ -118,7 +118,6 @@ TEST(ScreenServerTest, ShowsPages) {
 TEST(VoiceTest, SpeaksIntoAFileOfTheRightLength) {
   const std::string file = Folder() + "/voice.wav";
   auto length = SpeakToFile("Welcome to booth B 3 of Stairlark Robotics.", file, [] { return true; });
-  if (absl::IsFailedPrecondition(length.status())) GTEST_SKIP() << length.status();
   ASSERT_TRUE(length.ok()) << length.status();
   EXPECT_GT(length->count(), 1500);
   EXPECT_LT(length->count(), 8000);
