@@ -2,6 +2,7 @@
 // its query says when it is run again, and its binding edges are the difference of two runs.
 
 #include <cstdlib>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <set>
@@ -252,14 +253,31 @@ std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t reg
   return Difference(asked, steps, register_late);
 }
 
-TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
-  const char* asked_count = std::getenv("DOCENT_PROPERTY_SEQUENCES");
-  const int count = asked_count == nullptr ? 500 : std::atoi(asked_count);
+// Many constraints of one shape that differ in a number, so that they are followed as a group.
+std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
+  const std::vector<std::string> shapes = {
+      "?x :p0 ?v", ":n1 :p0 ?v", "?x :p0 ?v . ?x :p1 ?y", "?x :p0 ?v FILTER NOT EXISTS { ?x :p2 ?z }",
+      "?x :p0 ?v . ?y :p1 ?v FILTER(?x != ?y)"};
+  const std::vector<std::string> numbers = {"0",   "1",   "2",   "2.0", "2.5", "3", "4", "5", "0.1", "2.00",
+                                            "9007199254740993", "9007199254740992", "2.0e0", "1.0e-1"};
+  const std::string shape = shapes[static_cast<size_t>(random.Pick(static_cast<int>(shapes.size())))];
+  const std::vector<std::string> operators = {" > ", " >= ", " < ", " <= "};
+  std::vector<Asked> asked;
+  for (int i = 0; i < count; ++i) {
+    const std::string number = numbers[static_cast<size_t>(random.Pick(static_cast<int>(numbers.size())))];
+    const std::string op = operators[static_cast<size_t>(random.Pick(4))];
+    const std::string test = random.Chance(50) ? "?v" + op + number : number + op + "?v";
+    asked.push_back({"ASK { " + shape + " FILTER(" + test + ") }", {}});
+  }
+  return asked;
+}
+
+void CheckSequences(int count, int percent_numbers, const std::function<std::vector<Asked>(RandomWorld&)>& ask) {
+  const size_t register_late = 4;
   for (int seed = 1; seed <= count; ++seed) {
     RandomWorld random(static_cast<unsigned>(seed));
-    const TestWorld scratch;
-    std::vector<Asked> asked;
-    for (int i = 0; i < 8; ++i) asked.push_back(RandomConstraint(random, scratch));
+    random.numbers_percent = percent_numbers;
+    const std::vector<Asked> asked = ask(random);
     std::vector<Step> steps;
     std::set<std::string> told, committed;
     for (int i = 0; i < 15; ++i) {
@@ -270,11 +288,28 @@ TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
       if (step.end == Step::End::kRollback) told = committed;
       steps.push_back(std::move(step));
     }
-    const size_t register_late = 4;
     const std::string difference = Difference(asked, steps, register_late);
     ASSERT_EQ(difference, "") << "seed " << seed << "\n" << Shrink(asked, steps, register_late);
   }
-  std::cout << count << " sequences of 15 batches on 8 constraints each, seeds 1 to " << count << "\n";
+  std::cout << count << " sequences of 15 batches, seeds 1 to " << count << "\n";
+}
+
+int SequenceCount(int usual) {
+  const char* asked = std::getenv("DOCENT_PROPERTY_SEQUENCES");
+  return asked == nullptr ? usual : std::atoi(asked);
+}
+
+TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
+  CheckSequences(SequenceCount(500), 25, [](RandomWorld& random) {
+    const TestWorld scratch;
+    std::vector<Asked> asked;
+    for (int i = 0; i < 8; ++i) asked.push_back(RandomConstraint(random, scratch));
+    return asked;
+  });
+}
+
+TEST(ReasonerConstraintsProperty, ThresholdsInGroups) {
+  CheckSequences(SequenceCount(200), 80, [](RandomWorld& random) { return RandomThresholds(random, 40); });
 }
 
 }  // namespace

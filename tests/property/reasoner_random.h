@@ -24,7 +24,11 @@ class RandomWorld {
   bool Chance(int percent) { return Pick(100) < percent; }
   std::string Node() { return "n" + std::to_string(Pick(5)); }
   std::string Predicate() { return std::string("p") + std::to_string(Pick(4)); }
-  std::string Value() { return Chance(25) ? std::to_string(Pick(6)) : Node(); }
+  std::string Value() {
+    if (!Chance(numbers_percent)) return Node();
+    static const std::vector<std::string> kSpecial = {"2.0", "2f", "2.5", "3.0f", "'2", "0.1", "0.1f", "9007199254740993"};
+    return Chance(30) ? kSpecial[static_cast<size_t>(Pick(static_cast<int>(kSpecial.size())))] : std::to_string(Pick(6));
+  }
 
   std::string Quad() {
     std::string quad = Node() + " " + Predicate() + " " + Value();
@@ -55,6 +59,8 @@ class RandomWorld {
     }
     return batch;
   }
+
+  int numbers_percent = 25;  // of objects
 
  private:
   std::mt19937 random_;

@@ -24,10 +24,13 @@ class TestWorld {
  public:
   TestWorld() : writer(std::make_shared<const GraphVersion>()) {}
 
-  // "name" → an IRI, "5" and "0.5" → numbers, "'text" → a string, "a" as predicate → rdf:type.
+  // "name" → an IRI, "5" and "0.5" → numbers, "5f" → an xsd:float, "'text" → a string, "a" as predicate → rdf:type.
   Term TermOf(const std::string& word) const {
     if (word == "a") return Term::Iri(std::string(kRdfType));
     if (word[0] == '\'') return Term::Literal(word.substr(1));
+    if (word.back() == 'f' && word.find_first_not_of("-.0123456789f") == std::string::npos) {
+      return Term::Literal(word.substr(0, word.size() - 1), std::string(kXsdNs) + "float");
+    }
     if (word.find_first_not_of("-.0123456789") == std::string::npos) {
       return Term::Literal(word, std::string(word.find('.') == std::string::npos ? kXsdInteger : kXsdDecimal));
     }
@@ -67,6 +70,7 @@ class TestWorld {
     const Term term = dictionary.Decode(id);
     if (term.IsIri() && term.lexical == kRdfType) return "a";
     if (term.IsIri() && term.lexical.starts_with(kExampleNs)) return term.lexical.substr(kExampleNs.size());
+    if (term.IsLiteral() && term.datatype.ends_with("#float")) return term.lexical + "f";
     return term.IsLiteral() && term.datatype.empty() ? "'" + term.lexical : term.lexical;
   }
 
