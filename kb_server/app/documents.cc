@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/robot_directory.h"
@@ -18,42 +19,47 @@ const std::string& DocumentsGraph() {
   return *graph;
 }
 
-// Brings the description of what is registered from `before` to `after`.
-void Describe(const std::set<std::tuple<std::string, std::string, Term>>& before,
-              const std::set<std::tuple<std::string, std::string, Term>>& after, WriteBatch* batch) {
-  auto change = [&](const auto& fact, QuadOperation::Kind kind) {
-    batch->operations.push_back({kind,
-                                 {Term::Iri(std::get<0>(fact)), Term::Iri(std::get<1>(fact)), std::get<2>(fact),
-                                  Term::Iri(DocumentsGraph())}});
-  };
-  for (const auto& fact : before) {
-    if (after.count(fact) == 0) change(fact, QuadOperation::Kind::kRemove);
-  }
-  for (const auto& fact : after) {
-    if (before.count(fact) == 0) change(fact, QuadOperation::Kind::kAdd);
-  }
-}
+using Fact = std::tuple<std::string, std::string, Term>;
 
-// Workflows and robot services as facts.
-std::set<std::tuple<std::string, std::string, Term>> Facts(const Engine& engine) {
-  std::set<std::tuple<std::string, std::string, Term>> facts;
+// What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not there.
+std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::string& name) {
+  std::set<Fact> facts;
   const std::string type(kRdfType);
   const std::string label = Concat(kRdfsNs, "label");
-  for (const rsel::PlanPtr& plan : engine.services().Plans()) {
-    std::string iri = absl::StrCat("urn:docent:service:", plan->process);
-    facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
-    facts.insert({iri, label, Term::Literal(plan->process)});
-    for (const rsel::PlanStep& step : plan->steps) {
-      facts.insert({iri, DocentIri("hasStep"), Term::Iri(OperationIri(step.operation))});
+  if (kind == Document::Kind::kRsel) {
+    for (const rsel::PlanPtr& plan : engine.services().Plans()) {
+      if (plan->document != name) continue;
+      std::string iri = absl::StrCat("urn:docent:service:", plan->process);
+      facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
+      facts.insert({iri, label, Term::Literal(plan->process)});
+      for (const rsel::PlanStep& step : plan->steps) {
+        facts.insert({iri, DocentIri("hasStep"), Term::Iri(OperationIri(step.operation))});
+      }
     }
   }
-  for (const cawl::DocumentPtr& document : engine.workflows()) {
-    std::string iri = absl::StrCat("urn:docent:workflow:", document->name.value);
-    facts.insert({iri, type, Term::Iri(DocentIri("Workflow"))});
-    facts.insert({iri, label, Term::Literal(document->name.value)});
-    for (const cawl::Flow& flow : document->flows) facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
+  if (kind == Document::Kind::kCawl) {
+    if (cawl::DocumentPtr document = engine.FindWorkflow(name)) {
+      std::string iri = absl::StrCat("urn:docent:workflow:", name);
+      facts.insert({iri, type, Term::Iri(DocentIri("Workflow"))});
+      facts.insert({iri, label, Term::Literal(name)});
+      for (const cawl::Flow& flow : document->flows) facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
+    }
   }
   return facts;
+}
+
+// Adds to the batch what leads from `before` to `after`.
+void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBatch* batch) {
+  auto change = [&](const Fact& fact, QuadOperation::Kind kind) {
+    const auto& [subject, predicate, object] = fact;
+    batch->operations.push_back({kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
+  };
+  for (const Fact& fact : before) {
+    if (after.count(fact) == 0) change(fact, QuadOperation::Kind::kRemove);
+  }
+  for (const Fact& fact : after) {
+    if (before.count(fact) == 0) change(fact, QuadOperation::Kind::kAdd);
+  }
 }
 
 }  // namespace
@@ -85,33 +91,48 @@ absl::Status Documents::ApplyRules(const Document& document, RuleEngine* rules) 
   return ToStatus(rules->PutRules(document.name, document.text), document.text);
 }
 
-absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits, std::string* name) {
+absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+                                  std::string* name) {
   if (document.action == Document::Action::kRemove) {
-    if (engine->Undeploy(document.name)) return absl::OkStatus();
-    return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\""));
+    std::set<Fact> before = Facts(*engine, document.kind, document.name);
+    if (!engine->Undeploy(document.name)) {
+      return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\""));
+    }
+    Describe(before, {}, batch);
+    return absl::OkStatus();
   }
   cawl::ParsedCawl parsed = cawl::ParseCawl(document.text, document.name, limits);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
   Diagnostics unsupported = Engine::CheckSupported(*parsed.document);
   if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
   *name = parsed.document->name.value;
+  std::set<Fact> before = Facts(*engine, document.kind, *name);
   engine->Deploy(parsed.document);
+  Describe(before, Facts(*engine, document.kind, *name), batch);
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits, std::string* name) {
-  if (document.action == Document::Action::kRemove) return engine->RemoveServices(document.name);
+absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+                                  std::string* name) {
+  if (document.action == Document::Action::kRemove) {
+    std::set<Fact> before = Facts(*engine, document.kind, document.name);
+    absl::Status status = engine->RemoveServices(document.name);
+    if (status.ok()) Describe(before, {}, batch);
+    return status;
+  }
   rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
   *name = parsed.document->name.value;
-  return ToStatus(engine->PutServices(parsed.document), document.text);
+  std::set<Fact> before = Facts(*engine, document.kind, *name);
+  absl::Status status = ToStatus(engine->PutServices(parsed.document), document.text);
+  if (status.ok()) Describe(before, Facts(*engine, document.kind, *name), batch);
+  return status;
 }
 
 absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
                               const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits) {
   if (batch->documents.empty()) return absl::OkStatus();
   if (!undo_) undo_ = entries_;
-  auto facts_before = Facts(*engine);
   for (const Document& document : batch->documents) {
     std::string name = document.name;
     uint64_t size = document.text.size();
@@ -125,17 +146,16 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         status = ApplyRules(document, rules);
         break;
       case Document::Kind::kCawl:
-        status = ApplyCawl(document, engine, limits, &name);
+        status = ApplyCawl(document, engine, limits, batch, &name);
         break;
       case Document::Kind::kRsel:
-        status = ApplyRsel(document, engine, limits, &name);
+        status = ApplyRsel(document, engine, limits, batch, &name);
         break;
     }
     if (!status.ok()) return status;
     if (document.action == Document::Action::kPut) entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision};
     else entries_.erase({document.kind, name});
   }
-  Describe(facts_before, Facts(*engine), batch);
   return absl::OkStatus();
 }
 

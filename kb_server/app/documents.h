@@ -44,8 +44,10 @@ class Documents {
   absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary, const GraphVersion& version,
                              WriteBatch* batch);
   absl::Status ApplyRules(const Document& document, RuleEngine* rules);
-  absl::Status ApplyCawl(const Document& document, Engine* engine, const Limits& limits, std::string* name);
-  absl::Status ApplyRsel(const Document& document, Engine* engine, const Limits& limits, std::string* name);
+  absl::Status ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+                         std::string* name);
+  absl::Status ApplyRsel(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+                         std::string* name);
 
   std::map<Key, Entry> entries_;
   std::optional<std::map<Key, Entry>> undo_;

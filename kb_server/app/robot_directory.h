@@ -1,12 +1,14 @@
-// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status.
-// Reads one version; writer thread only.
+// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status, docent:idempotent.
+// Answers are kept until a change of one of these properties. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_APP_ROBOT_DIRECTORY_H_
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/delta.h"
 #include "kb_server/store/graph_version.h"
 #include "workflow/engine/ports.h"
 
@@ -14,15 +16,25 @@ namespace docent {
 
 class GraphRobotDirectory final : public RobotDirectory {
  public:
-  // Both must outlive the directory.
-  GraphRobotDirectory(const Dictionary& dictionary, const GraphVersion& version)
-      : dictionary_(dictionary), version_(version) {}
+  // `dictionary` must outlive the directory.
+  explicit GraphRobotDirectory(Dictionary* dictionary);
 
-  std::vector<RobotOffer> Offers(const std::string& operation) const override;
+  // From now on answers are those of `version`, to which `delta` leads from the one before.
+  void Refresh(const GraphVersion& version, const Delta& delta);
+  // The turn failed: nothing that was kept counts.
+  void Rollback() { known_.clear(); }
+
+  const std::vector<RobotOffer>& Offers(const std::string& operation) const override;
+  bool changed() const override { return changed_; }
 
  private:
+  std::vector<RobotOffer> Read(const std::string& operation) const;
+
   const Dictionary& dictionary_;
-  const GraphVersion& version_;
+  const std::vector<TermId> properties_;  // what an offer is read from
+  const GraphVersion* version_ = nullptr;
+  bool changed_ = true;
+  mutable std::map<std::string, std::vector<RobotOffer>> known_;
 };
 
 // "urn:docent:operation:NAME".

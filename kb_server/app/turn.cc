@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/app/robot_directory.h"
 #include "kb_server/store/delta_sum.h"
 
 namespace docent {
@@ -66,14 +65,14 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     stages->conditions.Take(*changes);
     stages->conditions.BeginRound(graph, batch.time_us);
 
-    GraphRobotDirectory robots(stages->dictionary, graph);
+    stages->robots.Refresh(graph, *delta);
     EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);
     view.reports = round == 0 ? &batch.reports : nullptr;
     view.requests = round == 0 ? &batch.run_requests : nullptr;
     view.conditions = &stages->conditions;
-    view.robots = &robots;
+    view.robots = &stages->robots;
     EngineOutput output = stages->engine.Step(view);  // workflow engine
     Record(output, result);
     stages->conditions.Disarm(output.disarm);
@@ -101,6 +100,7 @@ void Stages::Rollback() {
   applier.Rollback();
   rules.Rollback();
   conditions.Rollback();
+  robots.Rollback();
   constraints.Rollback();
   engine.Rollback();
   documents.Rollback();

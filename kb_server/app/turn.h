@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "kb_server/app/condition_port.h"
 #include "kb_server/app/documents.h"
+#include "kb_server/app/robot_directory.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/log/turn_record.h"
 #include "kb_server/rdf/dictionary.h"
@@ -40,6 +41,7 @@ struct Stages {
         rules(*dictionary_in, limits_in, functions),
         constraints(*dictionary_in, functions),
         conditions(dictionary_in, &constraints, functions),
+        robots(dictionary_in),
         engine(limits_in) {}
 
   const Limits limits;
@@ -49,6 +51,7 @@ struct Stages {
   RuleEngine rules;
   ConstraintSet constraints;
   ConditionPort conditions;
+  GraphRobotDirectory robots;
   Engine engine;
   Documents documents;
 

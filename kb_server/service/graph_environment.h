@@ -12,9 +12,9 @@
 
 namespace docent {
 
-// Copies what it needs; the arguments may go afterwards.
-std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, const GraphVersion& version,
-                                                    const Catalog* catalog);
+// Looks things up in `version` when they are asked for, and keeps it. `dictionary` must outlive it. One thread.
+std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
+                                                    std::shared_ptr<const Catalog> catalog);
 
 }  // namespace docent
 

@@ -17,7 +17,7 @@ grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grp
 }
 
 cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
-  auto environment = GraphEnvironment(*ports.dictionary, *ports.queries->Newest(), ports.catalog->Get().get());
+  auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
   return cawl::CheckDocument(text, name, environment.get(), ports.limits);
 }
 

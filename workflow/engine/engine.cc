@@ -69,9 +69,10 @@ Run* Engine::Core::Mutable(const RunId& id) {
   return &it->second;
 }
 
-std::map<std::string, Deployment>& Engine::Core::MutableDeployments() {
-  if (!undo_deployments) undo_deployments = deployments;
-  return deployments;
+Deployment& Engine::Core::MutableDeployment(const std::string& workflow) {
+  auto it = deployments.find(workflow);
+  undo_deployments.try_emplace(workflow, it == deployments.end() ? std::nullopt : std::make_optional(it->second));
+  return deployments[workflow];
 }
 
 ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
@@ -155,6 +156,37 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   return id;
 }
 
+rsel::PlanPtr Engine::Core::PlanOf(const std::string& operation, const TermBinding& variables) const {
+  if (rsel::PlanPtr plan = services.Find(operation)) return plan;
+  std::vector<std::string> inputs;
+  for (const auto& [name, value] : variables) {
+    if (name != "robot") inputs.push_back(name);
+  }
+  return rsel::OperationPlan(operation, std::move(inputs));
+}
+
+std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,
+                                             const RunId& root, std::string* why_not) const {
+  std::vector<RobotId> able;
+  for (size_t i = 0; i < plan.steps.size(); ++i) {
+    std::vector<RobotId> offering;
+    for (const RobotOffer& offer : input->robots->Offers(plan.steps[i].operation)) {
+      bool still = i == 0 || std::find(able.begin(), able.end(), offer.robot) != able.end();
+      bool meant = !wanted || wanted->lexical == offer.robot.value();
+      if (!offer.offline && still && meant) offering.push_back(offer.robot);
+    }
+    able = std::move(offering);
+    if (!able.empty()) continue;
+    if (wanted) *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
+    else if (i == 0) *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
+    else *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
+    return able;
+  }
+  std::erase_if(able, [&](const RobotId& robot) { return !IsFree(robot, root); });
+  if (able.empty()) *why_not = "every robot that offers it serves another run";
+  return able;
+}
+
 void Engine::Core::Cancel(const RunId& id, const std::string& reason) {
   if (Run* run = Mutable(id)) RunStepper(this, run).End(WorkState::kCancelled, reason);
 }
@@ -165,10 +197,12 @@ void Engine::Core::RebuildDerived() {
   timers.clear();
   holders.clear();
   pending.clear();
+  blocked.clear();
   for (const auto& [name, deployment] : deployments) {
     for (const ArmedCondition& armed : deployment.armed) owners[armed.handle] = {RunId(), 0, name};
   }
   for (const auto& [id, run] : runs) {
+    blocked.insert(id);  // looked at once, and taken out if it is not
     if (run.timer_us) timers.insert({*run.timer_us, id});
     for (const RobotId& robot : run.robots) holders.emplace(robot, RootOf(run));
     for (size_t n = 0; n < run.nodes.size(); ++n) {
@@ -176,7 +210,7 @@ void Engine::Core::RebuildDerived() {
       for (const PendingLink& link : run.nodes[n].pending_links) owners[link.handle] = {id, n, ""};
       for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
         const InvocationState& invocation = run.nodes[n].invocations[i];
-        if (invocation.state == WorkState::kPending) pending.insert(id);
+        if (invocation.state == WorkState::kPending) pending.insert({id, n, i});
         for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
       }
     }
@@ -200,8 +234,7 @@ Diagnostics Engine::CheckSupported(const cawl::Document& document) {
 }
 
 void Engine::Deploy(cawl::DocumentPtr document) {
-  auto& deployments = core_->MutableDeployments();
-  Deployment& deployment = deployments[document->name.value];
+  Deployment& deployment = core_->MutableDeployment(document->name.value);
   for (const ArmedCondition& armed : deployment.armed) {
     core_->owners.erase(armed.handle);
     core_->deploy_disarm.push_back(armed.handle);
@@ -225,14 +258,12 @@ void Engine::Deploy(cawl::DocumentPtr document) {
 }
 
 bool Engine::Undeploy(const std::string& workflow) {
-  auto& deployments = core_->MutableDeployments();
-  auto it = deployments.find(workflow);
-  if (it == deployments.end()) return false;
-  for (const ArmedCondition& armed : it->second.armed) {
+  if (core_->deployments.count(workflow) == 0) return false;
+  for (const ArmedCondition& armed : core_->MutableDeployment(workflow).armed) {
     core_->owners.erase(armed.handle);
     core_->deploy_disarm.push_back(armed.handle);
   }
-  deployments.erase(it);
+  core_->deployments.erase(workflow);
   return true;
 }
 
@@ -304,7 +335,7 @@ void TakeReports(Engine::Core* core) {
 
 // A binding of an activator's key variables appeared: a run starts.
 void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
-  Deployment& deployment = core->MutableDeployments()[workflow];
+  Deployment& deployment = core->MutableDeployment(workflow);
   for (const TermBinding& key : edge.disappeared) {
     auto it = deployment.active.find(KeyOf(key));
     if (it != deployment.active.end() && --it->second == 0) deployment.active.erase(it);
@@ -342,6 +373,34 @@ void TakeEdges(Engine::Core* core) {
   }
 }
 
+// Runs that wait for a robot and could have one now.
+void TouchWaiting(Engine::Core* core) {
+  core->touched.insert(core->blocked.begin(), core->blocked.end());
+  core->blocked.clear();
+  for (auto it = core->pending.begin(); it != core->pending.end();) {
+    auto run = core->runs.find(it->run);
+    const InvocationState* invocation = nullptr;
+    if (run != core->runs.end() && run->second.state == WorkState::kRunning &&
+        it->invocation < run->second.nodes[it->node].invocations.size()) {
+      invocation = &run->second.nodes[it->node].invocations[it->invocation];
+    }
+    if (invocation == nullptr || invocation->state != WorkState::kPending) {
+      it = core->pending.erase(it);
+      continue;
+    }
+    const std::string& operation = run->second.Flow().nodes[it->node].invokes[invocation->invoke].operation.value;
+    auto robot = invocation->binding.find("robot");
+    std::optional<Term> wanted;
+    if (robot != invocation->binding.end()) wanted = robot->second;
+    else if (auto own = run->second.variables.find("robot"); own != run->second.variables.end()) wanted = own->second;
+    std::string why_not;
+    rsel::PlanPtr plan = core->PlanOf(operation, run->second.variables);
+    bool news = core->RobotsFor(*plan, wanted, core->RootOf(run->second), &why_not).empty() && why_not != invocation->reason;
+    if (news || why_not.empty()) core->touched.insert(it->run);
+    ++it;
+  }
+}
+
 // Takes runs as far as they go, parents after their children, and frees robots of runs that ended.
 void AdvanceAll(Engine::Core* core) {
   std::set<RunId> settled;
@@ -358,7 +417,7 @@ void AdvanceAll(Engine::Core* core) {
       const Run& ended = it->second;
       std::erase_if(core->holders, [&](const auto& pair) { return pair.second == id; });
       freed = true;
-      core->pending.erase(id);
+      core->blocked.erase(id);
       if (!ended.parent.empty()) {
         if (Run* parent = core->Mutable(ended.parent)) {
           RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
@@ -366,12 +425,7 @@ void AdvanceAll(Engine::Core* core) {
         }
       }
     }
-    if (freed) {
-      // somebody may have waited for the robot
-      for (const auto& [id, run] : core->runs) {
-        if (run.state == WorkState::kRunning) core->touched.insert(id);
-      }
-    }
+    if (freed) TouchWaiting(core);  // somebody may have waited for the robot
     if (core->touched.empty()) return;
   }
 }
@@ -382,8 +436,9 @@ void TellChanges(Engine::Core* core) {
     auto it = core->runs.find(id);
     if (it == core->runs.end()) continue;
     Run& run = it->second;
-    std::vector<TermQuad> facts = RunFacts(run);
-    DiffFacts(run.facts, facts, &core->output->add, &core->output->remove);
+    auto facts = std::make_shared<const std::vector<TermQuad>>(RunFacts(run));
+    static const std::vector<TermQuad> kNothing;
+    DiffFacts(run.facts ? *run.facts : kNothing, *facts, &core->output->add, &core->output->remove);
     run.facts = std::move(facts);
     if (run.timer_us) core->timers.erase({*run.timer_us, id});
     run.timer_us = run.state == WorkState::kRunning ? RunStepper(core, &run).NextDeadline() : std::nullopt;
@@ -411,9 +466,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
     core_->touched.insert(run);
   }
   TakeEdges(core_.get());
-  std::set<RunId> pending = std::move(core_->pending);
-  core_->pending.clear();
-  core_->touched.insert(pending.begin(), pending.end());
+  if (input.robots->changed()) TouchWaiting(core_.get());
   AdvanceAll(core_.get());
   TellChanges(core_.get());
   core_->edges.clear();
@@ -424,7 +477,7 @@ EngineOutput Engine::Step(const EngineInput& input) {
 
 void Engine::Commit() {
   core_->undo_runs.clear();
-  core_->undo_deployments.reset();
+  core_->undo_deployments.clear();
   core_->undo_services.reset();
   core_->committed_handle = core_->next_handle;
   core_->committed_run = core_->next_run;
@@ -435,7 +488,10 @@ void Engine::Rollback() {
     if (before) core_->runs.insert_or_assign(id, *std::move(before));
     else core_->runs.erase(id);
   }
-  if (core_->undo_deployments) core_->deployments = *std::move(core_->undo_deployments);
+  for (auto& [name, before] : core_->undo_deployments) {
+    if (before) core_->deployments.insert_or_assign(name, *std::move(before));
+    else core_->deployments.erase(name);
+  }
   if (core_->undo_services) core_->services = *std::move(core_->undo_services);
   core_->next_handle = core_->committed_handle;
   core_->next_run = core_->committed_run;
@@ -469,6 +525,11 @@ std::vector<cawl::DocumentPtr> Engine::workflows() const {
   std::vector<cawl::DocumentPtr> documents;
   for (const auto& [name, deployment] : core_->deployments) documents.push_back(deployment.document);
   return documents;
+}
+
+cawl::DocumentPtr Engine::FindWorkflow(const std::string& name) const {
+  auto it = core_->deployments.find(name);
+  return it == core_->deployments.end() ? nullptr : it->second.document;
 }
 
 size_t Engine::live_runs() const { return core_->runs.size(); }

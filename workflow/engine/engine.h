@@ -72,6 +72,7 @@ class Engine {
 
   const rsel::ServiceRegistry& services() const;
   std::vector<cawl::DocumentPtr> workflows() const;  // by name
+  cawl::DocumentPtr FindWorkflow(const std::string& name) const;  // null: none
   size_t live_runs() const;
 
  private:

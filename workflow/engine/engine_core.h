@@ -23,10 +23,12 @@ struct ConditionOwner {
   std::string workflow;
 };
 
+// One invocation of a run.
 struct CommandOwner {
   RunId run;
   size_t node = 0;
   size_t invocation = 0;
+  friend auto operator<=>(const CommandOwner&, const CommandOwner&) = default;
 };
 
 struct Deployment {
@@ -51,11 +53,12 @@ struct Engine::Core {
   absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
   std::set<std::pair<TimeMicros, RunId>> timers;
   std::map<RobotId, RunId> holders;  // robot → the outermost run that uses it
-  std::set<RunId> pending;           // runs with an invocation that waits for a robot
+  std::set<CommandOwner> pending;    // invocations that wait for a robot
+  std::set<RunId> blocked;           // runs with a condition that holds, but only with robots that serve other runs
 
   // The journal: what Rollback puts back. Empty after Commit.
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
-  std::optional<std::map<std::string, Deployment>> undo_deployments;
+  std::map<std::string, std::optional<Deployment>> undo_deployments;
   std::optional<rsel::ServiceRegistry> undo_services;
   ConditionHandle committed_handle = 1;
   uint64_t committed_run = 1;
@@ -73,7 +76,8 @@ struct Engine::Core {
 
   // The run to be changed; journals it first. Null if it is not live.
   Run* Mutable(const RunId& id);
-  std::map<std::string, Deployment>& MutableDeployments();
+  // The deployment to be changed (made if there is none); journals it first.
+  Deployment& MutableDeployment(const std::string& workflow);
 
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
@@ -86,6 +90,13 @@ struct Engine::Core {
   ConditionHandle Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables, ConditionOwner owner);
   void Disarm(ConditionHandle handle);
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
+
+  // Robots that could take this plan now, in term order: online, offering all of its operations, free for `root`.
+  // `wanted`: only this one. None: `*why_not` says why.
+  std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
+                                 std::string* why_not) const;
+  // The plan of an invoke's operation: a registered process, or the robot's own operation with these variables.
+  rsel::PlanPtr PlanOf(const std::string& operation, const TermBinding& variables) const;
 
   // The outermost run that a run belongs to.
   RunId RootOf(const Run& run) const;

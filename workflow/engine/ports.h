@@ -65,8 +65,10 @@ struct RobotOffer {
 class RobotDirectory {
  public:
   virtual ~RobotDirectory() = default;
-  // In term order of the robots' IRIs.
-  virtual std::vector<RobotOffer> Offers(const std::string& operation) const = 0;
+  // In term order of the robots' IRIs. The reference lives until the directory learns of a new graph.
+  virtual const std::vector<RobotOffer>& Offers(const std::string& operation) const = 0;
+  // Whether any answer may differ from the one of the round before.
+  virtual bool changed() const = 0;
 };
 
 // A change of state, for the log (replay compares it), for Watch, and for people.

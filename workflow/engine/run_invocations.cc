@@ -42,25 +42,16 @@ bool RunStepper::TryDispatch(size_t node, size_t index) {
   if (!invocation.deadline_us) invocation.deadline_us = core_.input->now_us + timeout_ms * 1000;
   if (!invoke.subflow.value.empty()) return StartSubflow(node, index);
 
-  rsel::PlanPtr plan = core_.services.Find(invoke.operation.value);
-  if (plan == nullptr) {
-    // no process of that name: the robot's own operation, with the variables that its message would name
-    std::vector<std::string> inputs;
-    for (const auto& [name, value] : run_.variables) {
-      if (name != kRobotVariable) inputs.push_back(name);
-    }
-    plan = rsel::OperationPlan(invoke.operation.value, std::move(inputs));
-  }
+  rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value, run_.variables);
   std::string why_not;
-  if (!ChooseRobot(*plan, &invocation, &why_not)) {
-    bool news = invocation.reason != why_not;
-    if (news) {
-      invocation.reason = why_not;
-      core_.changed.insert(run_.id);
-    }
-    core_.pending.insert(run_.id);
+  std::vector<RobotId> robots = core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &invocation.binding),
+                                                core_.RootOf(run_), &why_not);
+  if (robots.empty()) {
+    invocation.reason = why_not;
+    core_.pending.insert({run_.id, node, index});
     return false;
   }
+  invocation.robot = robots.front();
   rsel::Arguments arguments;
   for (const std::string& input : plan->inputs) {
     if (auto value = Value(input, &invocation.binding)) arguments.emplace(input, *value);
@@ -97,49 +88,6 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   RunId child = core_.Start(flow->first, flow->second, std::move(variables), absl::StrCat("subflow of ", Subject(node, index)), &owner);
   run_.nodes[node].invocations[index].child = child;
   return true;
-}
-
-// The robot that the variable `robot` names, else the first in term order that offers all of the plan's operations,
-// is online and serves no other run.
-bool RunStepper::ChooseRobot(const rsel::Plan& plan, InvocationState* invocation, std::string* why_not) {
-  RunId root = core_.RootOf(run_);
-  std::optional<Term> wanted = Value(std::string(kRobotVariable), &invocation->binding);
-  std::vector<RobotId> candidates;
-  bool first = true;
-  for (const rsel::PlanStep& step : plan.steps) {
-    std::vector<RobotId> offering;
-    for (const RobotOffer& offer : core_.input->robots->Offers(step.operation)) {
-      if (!offer.offline) offering.push_back(offer.robot);
-    }
-    if (offering.empty()) {
-      *why_not = absl::StrCat("no robot that is online offers ", step.operation);
-      return false;
-    }
-    if (first) {
-      candidates = std::move(offering);
-    } else {
-      std::erase_if(candidates, [&](const RobotId& robot) {
-        return std::find(offering.begin(), offering.end(), robot) == offering.end();
-      });
-    }
-    first = false;
-  }
-  if (wanted) {
-    RobotId robot(wanted->lexical);
-    if (std::find(candidates.begin(), candidates.end(), robot) == candidates.end()) {
-      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer all of ", plan.process);
-      return false;
-    }
-    candidates = {robot};
-  }
-  for (const RobotId& robot : candidates) {
-    if (!core_.IsFree(robot, root)) continue;
-    invocation->robot = robot;
-    return true;
-  }
-  *why_not = candidates.empty() ? absl::StrCat("no single robot offers all of ", plan.process)
-                                : "every robot that offers it serves another run";
-  return false;
 }
 
 void RunStepper::SendReady(size_t node, size_t index) {
@@ -220,7 +168,7 @@ void RunStepper::InvocationFailed(size_t node, size_t index, const std::string& 
     fresh.attempt = invocation.attempt + 1;
     invocation = std::move(fresh);
     core_.Say(Subject(node, index), "running", "pending", absl::StrCat("attempt ", invocation.attempt, " after: ", reason));
-    core_.pending.insert(run_.id);
+    core_.pending.insert({run_.id, node, index});
     return;
   }
   SetInvocation(node, index, WorkState::kFailed, reason);

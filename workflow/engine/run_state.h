@@ -3,6 +3,7 @@
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -97,7 +98,7 @@ struct Run {
   size_t parent_node = 0;
   size_t parent_invocation = 0;
 
-  std::vector<TermQuad> facts;            // as last told to the graph, sorted
+  std::shared_ptr<const std::vector<TermQuad>> facts;  // as last told to the graph, sorted; null: nothing yet
   std::optional<TimeMicros> timer_us;     // as in the engine's timer queue
 
   const cawl::Flow& Flow() const { return document->flows[flow]; }

@@ -191,7 +191,10 @@ bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed) {
     chosen.push_back(std::move(solution));
     if (for_each.empty()) break;
   }
-  if (chosen.empty()) return false;  // every robot that would do serves another run
+  if (chosen.empty()) {
+    core_.blocked.insert(run_.id);  // every robot that would do serves another run
+    return false;
+  }
   std::string evidence = core_.input->conditions->Evidence(armed.handle, chosen.front());
   std::string cause = absl::StrCat("condition ", armed.ask.name, " holds");
   if (!chosen.front().empty()) absl::StrAppend(&cause, " with ", ShowBinding(chosen.front()));

@@ -57,7 +57,6 @@ class RunStepper {
   void SetInvocation(size_t node, size_t invocation, WorkState state, const std::string& cause);
   bool TryDispatch(size_t node, size_t invocation);
   bool StartSubflow(size_t node, size_t invocation);
-  bool ChooseRobot(const rsel::Plan& plan, InvocationState* invocation, std::string* why_not);
   void SendReady(size_t node, size_t invocation);
   void SendInstruction(size_t node, size_t invocation, const rsel::Instruction& instruction);
   void Resend(size_t node, size_t invocation, const OpenCommand& lost, const std::string& incarnation);

@@ -92,7 +92,8 @@ class FakeConditions final : public ConditionView {
 class FakeRobots final : public RobotDirectory {
  public:
   std::vector<RobotOffer> offers;
-  std::vector<RobotOffer> Offers(const std::string&) const override { return offers; }
+  const std::vector<RobotOffer>& Offers(const std::string&) const override { return offers; }
+  bool changed() const override { return true; }
 };
 
 }  // namespace docent
