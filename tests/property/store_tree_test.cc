@@ -1,4 +1,5 @@
-// A QuadTree against std::set under random inserts and erases, with old versions kept and compared again later.
+// A QuadTree against std::set under random inserts and erases, with old versions kept and compared again
+// later.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,10 +30,14 @@ struct KeySource {
   uint64_t Word(int column) {
     uint64_t n = random() % words;
     switch (shape) {
-      case 0: return n;
-      case 1: return column == 2 ? random() : n + (uint64_t{1} << 60);
-      case 2: return (n % 9 + 1) << 60 | n * 1000003;
-      default: return n % 3 == 0 ? kMax - n : n << (n % 50);
+      case 0:
+        return n;
+      case 1:
+        return column == 2 ? random() : n + (uint64_t{1} << 60);
+      case 2:
+        return (n % 9 + 1) << 60 | n * 1000003;
+      default:
+        return n % 3 == 0 ? kMax - n : n << (n % 50);
     }
   }
   Key Next() { return {Word(0), Word(1) % 50 + 1, Word(2), Word(3) % 3}; }
@@ -133,7 +138,9 @@ TEST_P(StoreTreeProperty, BuildEqualsInserts) {
     Key key = source.Next();
     bool known = model.contains(key);
     ASSERT_EQ(changed.Insert(key, epoch), !known);
-    if (!known) ASSERT_TRUE(changed.Erase(key, epoch));
+    if (!known) {
+      ASSERT_TRUE(changed.Erase(key, epoch));
+    }
   }
   changed.CheckInvariants();
   ASSERT_EQ(All(changed), All(tree));
