@@ -23,8 +23,8 @@ class Cancellation {
 
   void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
-  // OK; CANCELLED; or DEADLINE_EXCEEDED naming the timeout. Reads the steady clock at every 1024th call, so it
-  // may stand in an inner loop.
+  // OK; CANCELLED; or DEADLINE_EXCEEDED naming the timeout. Reads the steady clock at every 1024th call, so
+  // it may stand in an inner loop.
   absl::Status Check() {
     if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
     if (expired_) return Expired();

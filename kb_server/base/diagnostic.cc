@@ -20,10 +20,12 @@ std::string_view LineOf(std::string_view source, int line) {
   return text;
 }
 
-bool IsContinuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+bool IsContinuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
 
-// The part of a long line around `column` (from 1, in code points), with "…" where something is left out, and where
-// the column is in it. A line may hold a literal of a megabyte.
+// The part of a long line around `column` (from 1, in code points), with "…" where something is left out, and
+// where the column is in it. A line may hold a literal of a megabyte.
 struct Excerpt {
   std::string text;
   int column;
@@ -72,9 +74,12 @@ std::string Render(const Diagnostics& diagnostics, std::string_view source) {
   std::string out;
   for (const Diagnostic& d : diagnostics) {
     if (!d.file.empty()) absl::StrAppend(&out, d.file, ":");
-    if (d.span.line > 0) absl::StrAppend(&out, d.span.line, ":", d.span.column, ": ");
-    else if (!d.file.empty()) out += " ";
-    absl::StrAppend(&out, d.severity == Diagnostic::Severity::kError ? "error: " : "warning: ", d.message, "\n");
+    if (d.span.line > 0)
+      absl::StrAppend(&out, d.span.line, ":", d.span.column, ": ");
+    else if (!d.file.empty())
+      out += " ";
+    absl::StrAppend(&out, d.severity == Diagnostic::Severity::kError ? "error: " : "warning: ", d.message,
+                    "\n");
     std::string_view line = d.span.line > 0 ? LineOf(source, d.span.line) : std::string_view();
     if (!line.empty()) {
       const auto [text, caret] = ExcerptOf(line, d.span.column);
@@ -115,7 +120,8 @@ std::string Nearest(std::string_view word, const std::vector<std::string>& candi
   std::string best;
   size_t best_distance = word.size() / 3 + 1;
   for (const std::string& candidate : candidates) {
-    if (candidate.size() > word.size() + best_distance || word.size() > candidate.size() + best_distance) continue;
+    if (candidate.size() > word.size() + best_distance || word.size() > candidate.size() + best_distance)
+      continue;
     size_t distance = EditDistance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;

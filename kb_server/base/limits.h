@@ -10,33 +10,34 @@ namespace docent {
 
 struct Limits {
   // door
-  size_t inbox_batches = 65536;           // waiting batches; beyond: RESOURCE_EXHAUSTED
-  size_t inbox_bytes = 256u << 20;        // text of all waiting batches; one batch may exceed it when none waits
-  size_t batch_operations = 100000;       // quads, readings and reports in one Assert batch
-  size_t batch_bytes = 16u << 20;         // text of one Assert batch
-  size_t load_operations = 20000000;      // quads in one load (files, ontologies)
-  size_t term_bytes = 1u << 20;           // text of one term
-  size_t request_ids_remembered = 100000; // newest request ids, for dropping repeats
+  size_t inbox_batches = 65536;       // waiting batches; beyond: RESOURCE_EXHAUSTED
+  size_t inbox_bytes = 256u << 20;    // text of all waiting batches; one batch may exceed it when none waits
+  size_t batch_operations = 100000;   // quads, readings and reports in one Assert batch
+  size_t batch_bytes = 16u << 20;     // text of one Assert batch
+  size_t load_operations = 20000000;  // quads in one load (files, ontologies)
+  size_t term_bytes = 1u << 20;       // text of one term
+  size_t request_ids_remembered = 100000;  // newest request ids, for dropping repeats
 
   // turn
-  int engine_rounds_per_turn = 64;        // store → rules → constraints → engine until quiet
-  int rule_rounds = 10000;                // fixpoint rounds of a rule set
-  size_t inferred_per_turn = 5000000;     // facts that one turn may infer
-  size_t turns_per_commit = 4096;         // turns that share one fdatasync
+  int engine_rounds_per_turn = 64;     // store → rules → constraints → engine until quiet
+  int rule_rounds = 10000;             // fixpoint rounds of a rule set
+  size_t inferred_per_turn = 5000000;  // facts that one turn may infer
+  size_t turns_per_commit = 4096;      // turns that share one fdatasync
 
   // queries
   int query_timeout_ms = 30000;
   size_t query_memory_bytes = 512u << 20;
   size_t query_text_bytes = 1u << 20;
-  int query_nesting = 100;                // groups, expressions and sub-selects inside each other
-  size_t query_elements = 4000;           // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
+  int query_nesting = 100;  // groups, expressions and sub-selects inside each other
+  size_t query_elements =
+      4000;  // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
 
   // documents
   size_t document_bytes = 64u << 20;
   int xml_nesting = 64;
-  int turtle_nesting = 256;               // brackets and collections inside each other
-  size_t document_diagnostics = 20;       // mistakes reported of one document
-  size_t xml_elements = 100000;           // in one CAWL or RSEL document
+  int turtle_nesting = 256;          // brackets and collections inside each other
+  size_t document_diagnostics = 20;  // mistakes reported of one document
+  size_t xml_elements = 100000;      // in one CAWL or RSEL document
 
   // network
   size_t http_body_bytes = 64u << 20;
@@ -44,7 +45,7 @@ struct Limits {
   size_t grpc_message_bytes = 16u << 20;
 
   // workflow
-  int default_step_timeout_ms = 300000;   // a node without cawl-ext timeout
+  int default_step_timeout_ms = 300000;  // a node without cawl-ext timeout
   size_t runs_live = 10000;
   int node_iterations = 10000;
 };

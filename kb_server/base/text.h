@@ -1,5 +1,5 @@
-// std::string_view beside Abseil: Debian's Abseil has its own absl::string_view, to which std::string_view does
-// not convert by itself, so absl::StrCat cannot take one. Values; any thread.
+// std::string_view beside Abseil: Debian's Abseil has its own absl::string_view, to which std::string_view
+// does not convert by itself, so absl::StrCat cannot take one. Values; any thread.
 #ifndef DOCENT_KB_SERVER_BASE_TEXT_H_
 #define DOCENT_KB_SERVER_BASE_TEXT_H_
 
@@ -11,9 +11,13 @@
 namespace docent {
 
 // The same bytes for an Abseil function; lives as long as `text`'s bytes.
-inline absl::string_view ToAbsl(std::string_view text) { return absl::string_view(text.data(), text.size()); }
+inline absl::string_view ToAbsl(std::string_view text) {
+  return absl::string_view(text.data(), text.size());
+}
 // And back.
-inline std::string_view FromAbsl(absl::string_view text) { return std::string_view(text.data(), text.size()); }
+inline std::string_view FromAbsl(absl::string_view text) {
+  return std::string_view(text.data(), text.size());
+}
 
 // The pieces one after the other: absl::StrCat for std::string_view, std::string and literals (numbers not).
 template <typename... Pieces>

@@ -10,7 +10,9 @@
 namespace docent {
 namespace {
 
-size_t BytesOf(const Term& term) { return term.lexical.size() + term.datatype.size() + term.language.size(); }
+size_t BytesOf(const Term& term) {
+  return term.lexical.size() + term.datatype.size() + term.language.size();
+}
 
 size_t BytesOf(const WriteBatch& batch) {
   size_t bytes = 0;
@@ -32,8 +34,8 @@ size_t BytesOf(const WriteBatch& batch) {
 }
 
 absl::Status Beyond(std::string_view what, size_t value, std::string_view limit_name, size_t limit) {
-  return absl::ResourceExhaustedError(
-      absl::StrCat(ToAbsl(what), " ", value, "; the limit ", ToAbsl(limit_name), " is ", limit, "; nothing was applied"));
+  return absl::ResourceExhaustedError(absl::StrCat(
+      ToAbsl(what), " ", value, "; the limit ", ToAbsl(limit_name), " is ", limit, "; nothing was applied"));
 }
 
 }  // namespace
@@ -42,8 +44,8 @@ absl::Status Inbox::CheckSize(const WriteBatch& batch, size_t bytes) const {
   bool load = batch.mode == WriteBatch::Mode::kLoad;
   size_t operations_limit = load ? limits_.load_operations : limits_.batch_operations;
   if (batch.OperationCount() > operations_limit) {
-    return Beyond("the batch has operations:", batch.OperationCount(), load ? "load_operations" : "batch_operations",
-                  operations_limit);
+    return Beyond("the batch has operations:", batch.OperationCount(),
+                  load ? "load_operations" : "batch_operations", operations_limit);
   }
   for (const Document& document : batch.documents) {
     if (document.text.size() <= limits_.document_bytes) continue;
@@ -61,7 +63,8 @@ absl::Status Inbox::CheckRoom(size_t bytes) const {
     return Beyond("batches that wait:", queue_.size(), "inbox_batches", limits_.inbox_batches);
   }
   if (!queue_.empty() && waiting_bytes_ + bytes > limits_.inbox_bytes) {
-    return Beyond("bytes of text that would wait:", waiting_bytes_ + bytes, "inbox_bytes", limits_.inbox_bytes);
+    return Beyond("bytes of text that would wait:", waiting_bytes_ + bytes, "inbox_bytes",
+                  limits_.inbox_bytes);
   }
   return absl::OkStatus();
 }

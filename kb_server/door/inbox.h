@@ -1,7 +1,8 @@
 // The one door: everything that may change the server's mind waits here, in order, for the writer thread.
 //
-// Bounded: Push never waits and never grows beyond the limits; it refuses and says which limit. Every batch pushed is
-// answered exactly once through its callback: by the writer, or with the refusal. Push from any thread, PopAll from the writer's.
+// Bounded: Push never waits and never grows beyond the limits; it refuses and says which limit. Every batch
+// pushed is answered exactly once through its callback: by the writer, or with the refusal. Push from any
+// thread, PopAll from the writer's.
 #ifndef DOCENT_KB_SERVER_DOOR_INBOX_H_
 #define DOCENT_KB_SERVER_DOOR_INBOX_H_
 
@@ -23,11 +24,11 @@ namespace docent {
 
 // What became of a batch, once it is durable and visible.
 struct BatchOutcome {
-  uint64_t offset = 0;    // of its log record = revision of the version that holds it
-  uint64_t added = 0;     // told quads that were new
-  uint64_t removed = 0;   // told quads that went
-  uint64_t inferred = 0;  // facts that rules added or withdrew because of it
-  bool repeated = false;  // its request id was known: applied before, at `offset`
+  uint64_t offset = 0;         // of its log record = revision of the version that holds it
+  uint64_t added = 0;          // told quads that were new
+  uint64_t removed = 0;        // told quads that went
+  uint64_t inferred = 0;       // facts that rules added or withdrew because of it
+  bool repeated = false;       // its request id was known: applied before, at `offset`
   std::vector<RunId> started;  // runs that its requests started
 };
 
@@ -42,13 +43,14 @@ class Inbox {
  public:
   Inbox(const Clock* clock, const Limits& limits) : clock_(*clock), limits_(limits) {}
 
-  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or batch_bytes (kLoad:
-  // load_operations), one of its documents beyond document_bytes, or with those that wait it would exceed inbox_batches or
-  // inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
+  // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or
+  // batch_bytes (kLoad: load_operations), one of its documents beyond document_bytes, or with those that wait
+  // it would exceed inbox_batches or inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done);
 
-  // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max` batches, each
-  // stamped with the time of taking. Stamps never decrease, across restarts too (see StartAfter).
+  // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max`
+  // batches, each stamped with the time of taking. Stamps never decrease, across restarts too (see
+  // StartAfter).
   std::vector<PendingBatch> PopAll(std::optional<TimeMicros> deadline, size_t max);
 
   // No stamp will be lower than this: the time of the newest record of the log.

@@ -1,5 +1,5 @@
-// The newest visible graph version. The writer publishes a version only after its record is durable; any thread takes
-// it and keeps it as long as it likes. Thread-safe.
+// The newest visible graph version. The writer publishes a version only after its record is durable; any
+// thread takes it and keeps it as long as it likes. Thread-safe.
 #ifndef DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 #define DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 
@@ -25,10 +25,11 @@ class QueryPort {
   // The newest version once it is at least `revision` (read your writes). DEADLINE_EXCEEDED after `deadline`.
   absl::StatusOr<GraphVersionPtr> WaitForRevision(Revision revision, absl::Time deadline) const {
     absl::MutexLock lock(&mutex_);
-    auto there = [this, revision]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return newest_->revision() >= revision; };
+    auto there = [this, revision]()
+                     ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return newest_->revision() >= revision; };
     if (mutex_.AwaitWithDeadline(absl::Condition(&there), deadline)) return newest_;
-    return absl::DeadlineExceededError(absl::StrCat("revision ", revision.value(), " is not here yet; the newest is ",
-                                                    newest_->revision().value()));
+    return absl::DeadlineExceededError(absl::StrCat(
+        "revision ", revision.value(), " is not here yet; the newest is ", newest_->revision().value()));
   }
 
   // Writer thread only; revisions grow.

@@ -1,5 +1,5 @@
-// The newest request ids with their answers, so that a batch that a client sends again is not applied again. Filled by
-// replay too: it outlives a restart. Writer thread only.
+// The newest request ids with their answers, so that a batch that a client sends again is not applied again.
+// Filled by replay too: it outlives a restart. Writer thread only.
 #ifndef DOCENT_KB_SERVER_DOOR_REQUEST_MEMORY_H_
 #define DOCENT_KB_SERVER_DOOR_REQUEST_MEMORY_H_
 

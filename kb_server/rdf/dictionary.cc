@@ -17,8 +17,8 @@ namespace {
 
 using Tag = TermId::Tag;
 
-// One term. Of a literal, `qualifier` is 0 for a plain string, else 1 + the index of another entry: the datatype
-// IRI, or with `is_language` the language tag (itself a plain string).
+// One term. Of a literal, `qualifier` is 0 for a plain string, else 1 + the index of another entry: the
+// datatype IRI, or with `is_language` the language tag (itself a plain string).
 struct Entry {
   const char* text = nullptr;
   uint32_t length = 0;
@@ -42,12 +42,14 @@ struct EntryKey {
            e.view() == text;
   }
   uint32_t Hash() const {
-    return static_cast<uint32_t>(absl::HashOf(static_cast<int>(tag), ToAbsl(text), qualifier, is_language) >> 16);
+    return static_cast<uint32_t>(absl::HashOf(static_cast<int>(tag), ToAbsl(text), qualifier, is_language) >>
+                                 16);
   }
 };
 
-// Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a reader may
-// look at any index that it learnt through a synchronising operation (a published version, the hash table).
+// Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a reader
+// may look at any index that it learnt through a synchronising operation (a published version, the hash
+// table).
 class EntryArray {
  public:
   EntryArray() = default;
@@ -87,10 +89,10 @@ class EntryArray {
   std::array<std::atomic<Entry*>, 24> chunks_ = {};
 };
 
-// Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a slot
-// also give its place, so growing reads no entry. The writer publishes a slot after its entry; a grown table is
-// published whole and the old one kept, since a reader may be in it (all old ones together are no larger than the
-// newest).
+// Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a
+// slot also give its place, so growing reads no entry. The writer publishes a slot after its entry; a grown
+// table is published whole and the old one kept, since a reader may be in it (all old ones together are no
+// larger than the newest).
 class HashTable {
  public:
   HashTable() { current_.store(NewTable(kFirstSlots), std::memory_order_release); }
@@ -128,7 +130,8 @@ class HashTable {
   static constexpr uint64_t kIndexMask = 0xFFFFFFFF;
 
   struct Table {
-    explicit Table(uint64_t slot_count) : mask(slot_count - 1), slots(new std::atomic<uint64_t>[slot_count]()) {}
+    explicit Table(uint64_t slot_count)
+        : mask(slot_count - 1), slots(new std::atomic<uint64_t>[slot_count]()) {}
     uint64_t mask;
     std::unique_ptr<std::atomic<uint64_t>[]> slots;
   };
@@ -213,9 +216,12 @@ struct Dictionary::Impl {
   template <typename Qualify>
   static std::optional<EntryKey> KeyOf(const Term& term, Qualify qualify) {
     switch (term.kind) {
-      case TermKind::kIri: return EntryKey{Tag::kIri, term.lexical};
-      case TermKind::kBlank: return EntryKey{Tag::kBlank, term.lexical};
-      case TermKind::kLiteral: break;
+      case TermKind::kIri:
+        return EntryKey{Tag::kIri, term.lexical};
+      case TermKind::kBlank:
+        return EntryKey{Tag::kBlank, term.lexical};
+      case TermKind::kLiteral:
+        break;
     }
     EntryKey key{Tag::kLiteral, term.lexical};
     std::optional<uint64_t> qualifier;
@@ -273,7 +279,9 @@ Term Dictionary::Decode(TermId id) const {
                                 : Term{TermKind::kLiteral, std::move(lexical), std::move(qualifier), ""};
 }
 
-std::string_view Dictionary::Lexical(TermId id) const { return impl_->entries[id.payload()].view(); }
+std::string_view Dictionary::Lexical(TermId id) const {
+  return impl_->entries[id.payload()].view();
+}
 
 std::string_view Dictionary::Datatype(TermId id) const {
   if (!id.InDictionary()) return InlineDatatype(id);
@@ -289,7 +297,9 @@ std::string_view Dictionary::Language(TermId id) const {
   return entry.is_language != 0 ? impl_->entries[entry.qualifier - 1].view() : std::string_view();
 }
 
-size_t Dictionary::size() const { return impl_->count.load(std::memory_order_acquire); }
+size_t Dictionary::size() const {
+  return impl_->count.load(std::memory_order_acquire);
+}
 
 size_t Dictionary::bytes() const {
   return impl_->allocated.load(std::memory_order_relaxed) + impl_->table.bytes();

@@ -1,9 +1,9 @@
 // The dictionary: IRIs, blank nodes and literals that do not fit into an id ↔ TermId.
 //
-// Append-only. One thread (the writer) interns; any number of threads decode and find at the same time, without
-// locks: entries, text and hash slots never move once they are published. Ids are given in order of first interning
-// (a literal's datatype or language before the literal), so replaying the same log gives the same ids. At most
-// 2^29 entries.
+// Append-only. One thread (the writer) interns; any number of threads decode and find at the same time,
+// without locks: entries, text and hash slots never move once they are published. Ids are given in order of
+// first interning (a literal's datatype or language before the literal), so replaying the same log gives the
+// same ids. At most 2^29 entries.
 #ifndef DOCENT_KB_SERVER_RDF_DICTIONARY_H_
 #define DOCENT_KB_SERVER_RDF_DICTIONARY_H_
 
@@ -26,8 +26,8 @@ class Dictionary {
   // The id of `term`, made if new. Writer thread only. Inline literals make no entry.
   TermId Intern(const Term& term);
   TermId InternIri(std::string_view iri);
-  // The id of `term` if it is known (or inline). A term whose id this thread has already seen, in a version or by
-  // another thread's word, is found. Any thread.
+  // The id of `term` if it is known (or inline). A term whose id this thread has already seen, in a version
+  // or by another thread's word, is found. Any thread.
   std::optional<TermId> Find(const Term& term) const;
   std::optional<TermId> FindIri(std::string_view iri) const;
   // The term of `id`, which this dictionary gave, or which is inline. Any thread.
@@ -36,8 +36,8 @@ class Dictionary {
   // Requires id.InDictionary(). Any thread.
   std::string_view Lexical(TermId id) const;
 
-  // The datatype IRI of any literal id, inline ones included (rdf:langString with a language); empty for IRIs and
-  // blank nodes. The language tag, or empty. Both without a copy, as Lexical. Any thread.
+  // The datatype IRI of any literal id, inline ones included (rdf:langString with a language); empty for IRIs
+  // and blank nodes. The language tag, or empty. Both without a copy, as Lexical. Any thread.
   std::string_view Datatype(TermId id) const;
   std::string_view Language(TermId id) const;
 

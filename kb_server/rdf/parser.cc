@@ -65,15 +65,17 @@ std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type) {
 
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
   if (text.size() > options.limits.document_bytes) {
-    return Mistake({}, options, 0, absl::StrCat("the document has ", text.size(), " bytes, the limit document_bytes is ",
-                                                options.limits.document_bytes),
+    return Mistake({}, options, 0,
+                   absl::StrCat("the document has ", text.size(), " bytes, the limit document_bytes is ",
+                                options.limits.document_bytes),
                    "load it in parts");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark is not part of the text
   if (std::optional<size_t> at = FindInvalidUtf8(text)) {
-    return Mistake(text, options, *at,
-                   absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*at])),
-                   "save the document as UTF-8");
+    return Mistake(
+        text, options, *at,
+        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*at])),
+        "save the document as UTF-8");
   }
   if (size_t at = text.find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
     return Mistake(text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");

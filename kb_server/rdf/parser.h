@@ -23,16 +23,16 @@ std::optional<RdfFormat> FormatOfFile(std::string_view file_name);
 std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type);
 
 struct ParseRdfOptions {
-  std::string file;      // for diagnostics
-  std::string base_iri;  // relative IRIs resolve against it; empty: a relative IRI is an error
+  std::string file;              // for diagnostics
+  std::string base_iri;          // relative IRIs resolve against it; empty: a relative IRI is an error
   std::string blank_node_scope;  // prefix for blank node labels so that two documents never share one
   Limits limits;  // document_bytes, term_bytes, turtle_nesting, xml_nesting, document_diagnostics
 };
 
-// All quads of `text`; their graph is empty where the document names none. On an error: no quads, but every mistake
-// found (line, column, message, hint). A document type definition in RDF/XML is refused, nothing is ever fetched;
-// invalid UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle family, where RDF has it.
-// `prefixes` holds the document's prefix declarations in order.
+// All quads of `text`; their graph is empty where the document names none. On an error: no quads, but every
+// mistake found (line, column, message, hint). A document type definition in RDF/XML is refused, nothing is
+// ever fetched; invalid UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle
+// family, where RDF has it. `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;

@@ -13,7 +13,8 @@ namespace {
 constexpr char kNewMark = '\x01';
 
 bool LooksLikeNew(std::string_view label) {
-  return label.size() > 1 && label[0] == 'b' && label.find_first_not_of("0123456789", 1) == std::string_view::npos;
+  return label.size() > 1 && label[0] == 'b' &&
+         label.find_first_not_of("0123456789", 1) == std::string_view::npos;
 }
 
 }  // namespace
@@ -23,7 +24,9 @@ Term QuadCollector::NamedBlank(std::string_view label) {
   return Term::Blank(Concat(scope_, label));
 }
 
-Term QuadCollector::NewBlank() { return Term::Blank(absl::StrCat(std::string(1, kNewMark), new_blanks_++)); }
+Term QuadCollector::NewBlank() {
+  return Term::Blank(absl::StrCat(std::string(1, kNewMark), new_blanks_++));
+}
 
 std::vector<TermQuad> QuadCollector::TakeQuads() {
   std::vector<std::string> labels;

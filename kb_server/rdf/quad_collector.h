@@ -19,8 +19,8 @@ class QuadCollector {
 
   // The blank node that the document calls `label`.
   Term NamedBlank(std::string_view label);
-  // A blank node without a label in the document; its final label ("b1", "b2" …, none that the document uses) is
-  // given by TakeQuads.
+  // A blank node without a label in the document; its final label ("b1", "b2" …, none that the document uses)
+  // is given by TakeQuads.
   Term NewBlank();
 
   void Add(TermQuad quad) { quads_.push_back(std::move(quad)); }

@@ -39,7 +39,9 @@ using RaptorUri = std::unique_ptr<raptor_uri, RaptorDeleter<raptor_free_uri>>;
 using RaptorStatement = std::unique_ptr<raptor_statement, RaptorDeleter<raptor_free_statement>>;
 using RaptorStream = std::unique_ptr<raptor_iostream, RaptorDeleter<raptor_free_iostream>>;
 
-inline const unsigned char* Bytes(const char* text) { return reinterpret_cast<const unsigned char*>(text); }
+inline const unsigned char* Bytes(const char* text) {
+  return reinterpret_cast<const unsigned char*>(text);
+}
 
 }  // namespace docent
 

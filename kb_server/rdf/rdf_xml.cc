@@ -22,7 +22,8 @@ std::string_view View(const unsigned char* text, size_t length) {
   return {reinterpret_cast<const char*>(text), length};
 }
 
-// The offset where the declared encoding of the XML declaration stands, if it is not UTF-8 (or its part ASCII).
+// The offset where the declared encoding of the XML declaration stands, if it is not UTF-8 (or its part
+// ASCII).
 std::optional<size_t> FindForeignEncoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return std::nullopt;
   std::string_view declaration = text.substr(0, text.find("?>"));
@@ -46,9 +47,12 @@ std::optional<size_t> FindDoctype(std::string_view text) {
     std::string_view rest = text.substr(at);
     std::string_view end;
     if (rest.starts_with("<!DOCTYPE")) return at;
-    if (rest.starts_with("<?")) end = "?>";
-    else if (rest.starts_with("<!--")) end = "-->";
-    else return std::nullopt;
+    if (rest.starts_with("<?"))
+      end = "?>";
+    else if (rest.starts_with("<!--"))
+      end = "-->";
+    else
+      return std::nullopt;
     at = text.find(end, at + 2);
     if (at == std::string_view::npos) return std::nullopt;
     at += end.size();
@@ -67,8 +71,8 @@ class RdfXmlReader {
   ParsedRdf Run() {
     raptor_world_set_generate_bnodeid_handler(world_.get(), this, &RdfXmlReader::NameBlank);
     RaptorParser parser(raptor_new_parser(world_.get(), "rdfxml"));
-    RaptorUri base(raptor_new_uri(
-        world_.get(), Bytes(options_.base_iri.empty() ? kNoBase : options_.base_iri.c_str())));
+    RaptorUri base(
+        raptor_new_uri(world_.get(), Bytes(options_.base_iri.empty() ? kNoBase : options_.base_iri.c_str())));
     parser_ = parser.get();
     raptor_parser_set_option(parser_, RAPTOR_OPTION_NO_NET, nullptr, 1);
     raptor_parser_set_option(parser_, RAPTOR_OPTION_NO_FILE, nullptr, 1);
@@ -133,8 +137,8 @@ class RdfXmlReader {
     parsed_.prefixes.emplace_back(std::move(name), View(iri, length));
   }
 
-  // Raptor asks for the id of each blank node. One with rdf:nodeID keeps its label, which Raptor checks afterwards;
-  // another gets kUnnamed and a number, which no label can be.
+  // Raptor asks for the id of each blank node. One with rdf:nodeID keeps its label, which Raptor checks
+  // afterwards; another gets kUnnamed and a number, which no label can be.
   static unsigned char* NameBlank(void* self, unsigned char* label) {
     if (label != nullptr) return label;
     RdfXmlReader* reader = static_cast<RdfXmlReader*>(self);
@@ -175,7 +179,8 @@ class RdfXmlReader {
         const raptor_term_literal_value& literal = from->value.literal;
         std::string lexical(View(literal.string, literal.string_len));
         if (literal.language != nullptr && literal.language_len > 0) {
-          *to = Term::LangString(std::move(lexical), std::string(View(literal.language, literal.language_len)));
+          *to =
+              Term::LangString(std::move(lexical), std::string(View(literal.language, literal.language_len)));
         } else if (literal.datatype != nullptr) {
           Term datatype;
           const unsigned char* iri = raptor_uri_as_counted_string(literal.datatype, &length);
@@ -186,7 +191,8 @@ class RdfXmlReader {
         }
         return CheckLength(*to);
       }
-      case RAPTOR_TERM_TYPE_UNKNOWN: break;
+      case RAPTOR_TERM_TYPE_UNKNOWN:
+        break;
     }
     Report(raptor_parser_get_locator(parser_), "a term of unknown kind", "");
     return false;
@@ -232,8 +238,8 @@ class RdfXmlReader {
 ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options) {
   ParsedRdf refused;
   if (std::optional<size_t> at = FindForeignEncoding(text)) {
-    refused.diagnostics.push_back({options.file, SpanAt(text, *at, 1),
-                                   "only the encoding UTF-8 is read", "save the document as UTF-8 and declare that"});
+    refused.diagnostics.push_back({options.file, SpanAt(text, *at, 1), "only the encoding UTF-8 is read",
+                                   "save the document as UTF-8 and declare that"});
     return refused;
   }
   if (std::optional<size_t> at = FindDoctype(text)) {

@@ -1,8 +1,8 @@
 // RDF/XML through Raptor2: reading (parser.cc) and writing (serializer.cc). Nothing of Raptor shows here.
 //
-// Raptor worlds are kept in a pool: making and freeing one calls libxml2's global initialisation and clean-up, which
-// is not safe beside other threads (helgrind: 63 races; pooled: none), so they are made under a mutex and never
-// freed. Any thread.
+// Raptor worlds are kept in a pool: making and freeing one calls libxml2's global initialisation and
+// clean-up, which is not safe beside other threads (helgrind: 63 races; pooled: none), so they are made under
+// a mutex and never freed. Any thread.
 #ifndef DOCENT_KB_SERVER_RDF_RDF_XML_H_
 #define DOCENT_KB_SERVER_RDF_RDF_XML_H_
 
@@ -16,8 +16,8 @@
 
 namespace docent {
 
-// `text` must be well-formed UTF-8. Refused before Raptor sees it: a document type definition (entity expansion,
-// external entities) and any declared encoding but UTF-8 (another could hide one).
+// `text` must be well-formed UTF-8. Refused before Raptor sees it: a document type definition (entity
+// expansion, external entities) and any declared encoding but UTF-8 (another could hide one).
 ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options);
 
 // INVALID_ARGUMENT where RDF/XML cannot say it: a named graph, or a predicate whose end is not an XML name.

@@ -64,16 +64,16 @@ class RdfXmlWriter {
     if (raptor_serializer_serialize_statement(serializer, statement.get()) == 0 && message_.empty()) {
       return absl::OkStatus();
     }
-    return absl::InvalidArgumentError(
-        Concat("RDF/XML can't say the predicate ", ToNTriples(quad.predicate), ": ", message_, "; use Turtle"));
+    return absl::InvalidArgumentError(Concat("RDF/XML can't say the predicate ", ToNTriples(quad.predicate),
+                                             ": ", message_, "; use Turtle"));
   }
 
   static absl::Status CheckCharacters(std::string_view text) {
     for (size_t at = 0; at < text.size();) {
       char32_t c = NextCodePoint(text, &at);
       if (IsXmlChar(c)) continue;
-      return absl::InvalidArgumentError(absl::StrFormat("XML can't hold the character U+%04X; use Turtle",
-                                                        static_cast<uint32_t>(c)));
+      return absl::InvalidArgumentError(
+          absl::StrFormat("XML can't hold the character U+%04X; use Turtle", static_cast<uint32_t>(c)));
     }
     return absl::OkStatus();
   }

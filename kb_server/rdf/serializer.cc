@@ -15,9 +15,9 @@ using Prefixes = std::vector<std::pair<std::string, std::string>>;
 
 // The part of Turtle's local names that needs no escape and no care about dots.
 bool IsPlainLocal(std::string_view local) {
-  return std::all_of(local.begin(), local.end(), [](unsigned char c) {
-    return absl::ascii_isalnum(c) || c == '_' || c == '-';
-  }) && !local.starts_with('-');
+  return std::all_of(local.begin(), local.end(),
+                     [](unsigned char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; }) &&
+         !local.starts_with('-');
 }
 
 // What Turtle's INTEGER and DECIMAL productions match, which is how such a literal may stand bare.
@@ -25,9 +25,9 @@ bool IsBareNumber(const Term& term) {
   std::string_view text = term.lexical;
   if (text.starts_with('+') || text.starts_with('-')) text.remove_prefix(1);
   size_t point = text.find('.');
-  bool digits = !text.empty() && text.back() != '.' && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-    return absl::ascii_isdigit(c) || c == '.';
-  });
+  bool digits = !text.empty() && text.back() != '.' &&
+                std::all_of(text.begin(), text.end(),
+                            [](unsigned char c) { return absl::ascii_isdigit(c) || c == '.'; });
   if (!digits) return false;
   if (term.datatype == kXsdInteger) return point == std::string_view::npos;
   return term.datatype == kXsdDecimal && point != std::string_view::npos &&
@@ -36,7 +36,9 @@ bool IsBareNumber(const Term& term) {
 
 bool ByText(const TermQuad& a, const TermQuad& b) {
   auto less = [](const Term& x, const Term& y) { return x < y; };
-  if (a.graph != b.graph) return a.graph.lexical.empty() != b.graph.lexical.empty() ? a.graph.lexical.empty() : less(a.graph, b.graph);
+  if (a.graph != b.graph)
+    return a.graph.lexical.empty() != b.graph.lexical.empty() ? a.graph.lexical.empty()
+                                                              : less(a.graph, b.graph);
   if (a.subject != b.subject) return less(a.subject, b.subject);
   if (a.predicate != b.predicate) {
     bool a_type = a.predicate.lexical == kRdfType, b_type = b.predicate.lexical == kRdfType;
@@ -45,11 +47,12 @@ bool ByText(const TermQuad& a, const TermQuad& b) {
   return less(a.object, b.object);
 }
 
-// Turtle and TriG: subjects with their predicates and objects gathered, in term order. Every blank node keeps its
-// label, so cycles of them are as good as any other.
+// Turtle and TriG: subjects with their predicates and objects gathered, in term order. Every blank node keeps
+// its label, so cycles of them are as good as any other.
 class TurtleWriter {
  public:
-  TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes) : quads_(std::move(quads)), prefixes_(prefixes) {
+  TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes)
+      : quads_(std::move(quads)), prefixes_(prefixes) {
     std::sort(quads_.begin(), quads_.end(), ByText);
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
   }
@@ -60,8 +63,10 @@ class TurtleWriter {
     }
     for (size_t i = 0; i < quads_.size();) {
       if (!out_.empty()) out_ += '\n';
-      if (quads_[i].graph.lexical.empty()) i = WriteSubject(i, "");
-      else i = WriteGraph(i);
+      if (quads_[i].graph.lexical.empty())
+        i = WriteSubject(i, "");
+      else
+        i = WriteGraph(i);
     }
     return std::move(out_);
   }
@@ -83,11 +88,13 @@ class TurtleWriter {
       const TermQuad& quad = quads_[i];
       if (i == start || quad.predicate != quads_[i - 1].predicate) {
         if (i != start) out_ += Concat(" ;\n", indent, "   ");
-        out_ += Concat(" ", quad.predicate.lexical == kRdfType ? "a" : Name(quad.predicate), " ", Name(quad.object));
+        out_ += Concat(" ", quad.predicate.lexical == kRdfType ? "a" : Name(quad.predicate), " ",
+                       Name(quad.object));
       } else {
         out_ += ", " + Name(quad.object);
       }
-      bool more = i + 1 < quads_.size() && quads_[i + 1].subject == first.subject && quads_[i + 1].graph == first.graph;
+      bool more = i + 1 < quads_.size() && quads_[i + 1].subject == first.subject &&
+                  quads_[i + 1].graph == first.graph;
       if (!more) break;
     }
     out_ += " .\n";
@@ -98,7 +105,8 @@ class TurtleWriter {
     if (term.IsIri()) return IriName(term.lexical);
     if (term.IsBlank()) return ToNTriples(term);
     if (IsBareNumber(term)) return term.lexical;
-    if (term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false")) return term.lexical;
+    if (term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false"))
+      return term.lexical;
     if (term.datatype.empty()) return ToNTriples(term);
     return Concat(ToNTriples(Term::Literal(term.lexical)), "^^", IriName(term.datatype));
   }
@@ -134,16 +142,19 @@ absl::StatusOr<std::string> SerializeRdf(const std::vector<TermQuad>& quads, Rdf
   bool has_graphs = format == RdfFormat::kTriG || format == RdfFormat::kNQuads;
   for (const TermQuad& quad : quads) {
     if (!has_graphs && !quad.graph.lexical.empty()) {
-      return absl::InvalidArgumentError(
-          Concat("this format has no named graphs, but a triple lies in ", ToNTriples(quad.graph), ": use TriG or N-Quads"));
+      return absl::InvalidArgumentError(Concat("this format has no named graphs, but a triple lies in ",
+                                               ToNTriples(quad.graph), ": use TriG or N-Quads"));
     }
   }
   switch (format) {
     case RdfFormat::kNTriples:
-    case RdfFormat::kNQuads: return WriteLines(quads);
-    case RdfFormat::kRdfXml: return WriteRdfXml(quads, prefixes);
+    case RdfFormat::kNQuads:
+      return WriteLines(quads);
+    case RdfFormat::kRdfXml:
+      return WriteRdfXml(quads, prefixes);
     case RdfFormat::kTurtle:
-    case RdfFormat::kTriG: break;
+    case RdfFormat::kTriG:
+      break;
   }
   return TurtleWriter(quads, prefixes).Write();
 }

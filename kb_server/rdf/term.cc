@@ -15,23 +15,36 @@ namespace {
 // Blank nodes < IRIs < literals (SPARQL 1.1 section 15.1).
 int KindRank(TermKind kind) {
   switch (kind) {
-    case TermKind::kBlank: return 0;
-    case TermKind::kIri: return 1;
-    case TermKind::kLiteral: return 2;
+    case TermKind::kBlank:
+      return 0;
+    case TermKind::kIri:
+      return 1;
+    case TermKind::kLiteral:
+      return 2;
   }
   return 3;
 }
 
-// N-Triples section 3, STRING_LITERAL_QUOTE: these four must be escaped; the other controls are escaped so that
-// a line stays a line on every terminal.
+// N-Triples section 3, STRING_LITERAL_QUOTE: these four must be escaped; the other controls are escaped so
+// that a line stays a line on every terminal.
 void AppendEscapedString(std::string_view text, std::string* out) {
   for (char c : text) {
     switch (c) {
-      case '"': *out += "\\\""; break;
-      case '\\': *out += "\\\\"; break;
-      case '\n': *out += "\\n"; break;
-      case '\r': *out += "\\r"; break;
-      case '\t': *out += "\\t"; break;
+      case '"':
+        *out += "\\\"";
+        break;
+      case '\\':
+        *out += "\\\\";
+        break;
+      case '\n':
+        *out += "\\n";
+        break;
+      case '\r':
+        *out += "\\r";
+        break;
+      case '\t':
+        *out += "\\t";
+        break;
       default:
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
           absl::StrAppendFormat(out, "\\u%04X", static_cast<unsigned char>(c));
@@ -46,7 +59,8 @@ void AppendEscapedString(std::string_view text, std::string* out) {
 void AppendIri(std::string_view iri, std::string* out) {
   *out += '<';
   for (char c : iri) {
-    if (static_cast<unsigned char>(c) <= 0x20 || std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
+    if (static_cast<unsigned char>(c) <= 0x20 ||
+        std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
       absl::StrAppendFormat(out, "\\u%04X", static_cast<unsigned char>(c));
     } else {
       *out += c;
@@ -83,21 +97,30 @@ Term Term::LangString(std::string lexical, std::string language) {
   return {TermKind::kLiteral, std::move(lexical), "", std::move(language)};
 }
 
-Term Term::Integer(int64_t value) { return Literal(absl::StrCat(value), std::string(kXsdInteger)); }
+Term Term::Integer(int64_t value) {
+  return Literal(absl::StrCat(value), std::string(kXsdInteger));
+}
 
-Term Term::Boolean(bool value) { return Literal(value ? "true" : "false", std::string(kXsdBoolean)); }
+Term Term::Boolean(bool value) {
+  return Literal(value ? "true" : "false", std::string(kXsdBoolean));
+}
 
 bool operator<(const Term& a, const Term& b) {
   int rank_a = KindRank(a.kind);
   int rank_b = KindRank(b.kind);
-  return std::tie(rank_a, a.lexical, a.datatype, a.language) < std::tie(rank_b, b.lexical, b.datatype, b.language);
+  return std::tie(rank_a, a.lexical, a.datatype, a.language) <
+         std::tie(rank_b, b.lexical, b.datatype, b.language);
 }
 
 std::string ToNTriples(const Term& term) {
   std::string out;
   switch (term.kind) {
-    case TermKind::kIri: AppendIri(term.lexical, &out); break;
-    case TermKind::kBlank: absl::StrAppend(&out, "_:", term.lexical); break;
+    case TermKind::kIri:
+      AppendIri(term.lexical, &out);
+      break;
+    case TermKind::kBlank:
+      absl::StrAppend(&out, "_:", term.lexical);
+      break;
     case TermKind::kLiteral:
       out += '"';
       AppendEscapedString(term.lexical, &out);

@@ -13,8 +13,10 @@ enum class TermKind : uint8_t { kIri, kBlank, kLiteral };
 
 struct Term {
   TermKind kind = TermKind::kIri;
-  std::string lexical;   // the IRI (absolute), the blank node label (without "_:"), or the lexical form (UTF-8)
-  std::string datatype;  // literals only: the datatype IRI; empty means xsd:string, or rdf:langString with a language
+  std::string
+      lexical;  // the IRI (absolute), the blank node label (without "_:"), or the lexical form (UTF-8)
+  std::string
+      datatype;  // literals only: the datatype IRI; empty means xsd:string, or rdf:langString with a language
   std::string language;  // literals only: the language tag in lower case, or empty
 
   static Term Iri(std::string iri) { return {TermKind::kIri, std::move(iri), "", ""}; }

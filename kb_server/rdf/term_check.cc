@@ -12,7 +12,9 @@
 namespace docent {
 namespace {
 
-absl::Status Wrong(std::string message) { return absl::InvalidArgumentError(message); }
+absl::Status Wrong(std::string message) {
+  return absl::InvalidArgumentError(message);
+}
 
 // The text as shown in a message: not more than its beginning, and only if it can be shown.
 std::string Shown(std::string_view text) {
@@ -26,8 +28,8 @@ std::string Shown(std::string_view text) {
 
 absl::Status CheckText(std::string_view text, std::string_view what, size_t term_bytes) {
   if (text.size() > term_bytes) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the ", ToAbsl(what), " has ", text.size(), " bytes, the limit term_bytes is ", term_bytes));
+    return absl::ResourceExhaustedError(absl::StrCat("the ", ToAbsl(what), " has ", text.size(),
+                                                     " bytes, the limit term_bytes is ", term_bytes));
   }
   if (std::optional<size_t> at = FindInvalidUtf8(text)) {
     return Wrong(absl::StrFormat("byte %d of the %s (0x%02X) is not UTF-8", *at, ToAbsl(what),
@@ -74,7 +76,8 @@ absl::Status CheckTerm(const Term& term, size_t term_bytes) {
   if (term.IsIri()) return CheckIri(term.lexical);
   if (term.IsBlank()) {
     if (IsBlankLabel(term.lexical)) return absl::OkStatus();
-    return Wrong(Concat("'", Shown(term.lexical), "' is no blank node label: letters, digits, '_', '-' and '.' inside"));
+    return Wrong(Concat("'", Shown(term.lexical),
+                        "' is no blank node label: letters, digits, '_', '-' and '.' inside"));
   }
   if (!term.language.empty()) {
     if (!term.datatype.empty()) return Wrong("a literal has a language or a datatype, not both");
@@ -93,7 +96,8 @@ absl::Status CheckQuad(const TermQuad& quad, size_t term_bytes) {
     return Wrong(Concat("subject: the literal \"", Shown(quad.subject.lexical), "\" can't be a subject"));
   }
   if (!quad.predicate.IsIri()) {
-    return Wrong(Concat("predicate: ", quad.predicate.IsBlank() ? "a blank node" : "a literal", " can't be a predicate"));
+    return Wrong(Concat("predicate: ", quad.predicate.IsBlank() ? "a blank node" : "a literal",
+                        " can't be a predicate"));
   }
   if (quad.graph.IsLiteral()) return Wrong("graph: a literal can't name a graph");
   if (absl::Status s = InPosition("subject", CheckTerm(quad.subject, term_bytes)); !s.ok()) return s;

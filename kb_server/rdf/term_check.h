@@ -1,5 +1,5 @@
-// Is a term that came from outside one that RDF allows and the limits permit? What enters the store has passed this.
-// Any thread.
+// Is a term that came from outside one that RDF allows and the limits permit? What enters the store has
+// passed this. Any thread.
 #ifndef DOCENT_KB_SERVER_RDF_TERM_CHECK_H_
 #define DOCENT_KB_SERVER_RDF_TERM_CHECK_H_
 
@@ -11,13 +11,13 @@
 
 namespace docent {
 
-// INVALID_ARGUMENT saying what is wrong: an IRI that is relative or holds a forbidden character, a blank node label
-// or language tag outside Turtle's grammar, a literal with both language and datatype, text that is not UTF-8.
-// RESOURCE_EXHAUSTED: more than `term_bytes` bytes in one part.
+// INVALID_ARGUMENT saying what is wrong: an IRI that is relative or holds a forbidden character, a blank node
+// label or language tag outside Turtle's grammar, a literal with both language and datatype, text that is not
+// UTF-8. RESOURCE_EXHAUSTED: more than `term_bytes` bytes in one part.
 absl::Status CheckTerm(const Term& term, size_t term_bytes);
 
-// CheckTerm for each position, and: the subject is no literal, the predicate an IRI, the graph an IRI, a blank node or
-// absent. The message names the position.
+// CheckTerm for each position, and: the subject is no literal, the predicate an IRI, the graph an IRI, a
+// blank node or absent. The message names the position.
 absl::Status CheckQuad(const TermQuad& quad, size_t term_bytes);
 
 }  // namespace docent

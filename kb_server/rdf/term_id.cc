@@ -29,7 +29,9 @@ int64_t SignExtend(uint64_t value, int bits) {
   return static_cast<int64_t>(value << (64 - bits)) >> (64 - bits);
 }
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 // Reads a whole text of the form -?[0-9]+ without a leading zero or "-0".
 std::optional<int64_t> ParseCanonicalInteger(std::string_view text) {
@@ -76,15 +78,18 @@ std::optional<TermId> EncodeDecimal(std::string_view text) {
   if (error != std::errc() || end != digits.data() + count || scale > kMaxScale) return std::nullopt;
   if (mantissa < -kMantissaLimit || mantissa >= kMantissaLimit) return std::nullopt;
   if (FormatDecimal({mantissa, static_cast<int>(scale)}) != text) return std::nullopt;
-  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(mantissa) << kScaleBits | static_cast<uint64_t>(scale));
+  return TermId::Make(Tag::kDecimal,
+                      static_cast<uint64_t>(mantissa) << kScaleBits | static_cast<uint64_t>(scale));
 }
 
-// XML Schema 1.0 part 2, section 3.2.5.2: one digit before the point, at least one after it, "E", no plus sign.
+// XML Schema 1.0 part 2, section 3.2.5.2: one digit before the point, at least one after it, "E", no plus
+// sign.
 std::string FormatDouble(double value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value > 0 ? "INF" : "-INF";
   std::array<char, 40> buffer;
-  char* end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
+  char* end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
   std::string_view text(buffer.data(), static_cast<size_t>(end - buffer.data()));
   size_t e = text.find('e');
   std::string out(text.substr(0, e));
@@ -103,7 +108,8 @@ std::optional<TermId> EncodeDouble(std::string_view text) {
   if (text == "NaN") {
     value = std::numeric_limits<double>::quiet_NaN();
   } else if (text == "INF" || text == "-INF") {
-    value = text[0] == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
+    value =
+        text[0] == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
   } else {
     if (text.find('E') == std::string_view::npos) return std::nullopt;
     auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -143,7 +149,8 @@ Civil CivilFromDays(int64_t days) {
   return {year_of_era + era * 400 + (month <= 2), month, day};
 }
 
-// The number written in `text[at, at+width)`, -1 if a character there is not a digit. Requires that they exist.
+// The number written in `text[at, at+width)`, -1 if a character there is not a digit. Requires that they
+// exist.
 int Digits(std::string_view text, size_t at, size_t width) {
   int value = 0;
   for (size_t i = at; i < at + width; ++i) {
@@ -179,7 +186,8 @@ std::optional<TermId> EncodeDateTime(std::string_view text) {
   if (text.size() < 19 || text[10] != 'T' || text[13] != ':' || text[16] != ':') return std::nullopt;
   std::optional<int64_t> days = ParseDate(text.substr(0, 10));
   int hour = Digits(text, 11, 2), minute = Digits(text, 14, 2), second = Digits(text, 17, 2);
-  if (!days || hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 59) return std::nullopt;
+  if (!days || hour < 0 || hour > 23 || minute < 0 || minute > 59 || second < 0 || second > 59)
+    return std::nullopt;
   int64_t digits = 0, fraction_us = 0;
   if (text.size() > 19) {
     digits = static_cast<int64_t>(text.size()) - 20;
@@ -188,10 +196,11 @@ std::optional<TermId> EncodeDateTime(std::string_view text) {
     if (fraction_us < 0) return std::nullopt;
     for (int64_t i = digits; i < 6; ++i) fraction_us *= 10;
   }
-  int64_t time_us = *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us;
+  int64_t time_us =
+      *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us;
   if (time_us < -kTimeLimit || time_us >= kTimeLimit) return std::nullopt;
-  return TermId::Make(Tag::kDateTime, static_cast<uint64_t>(time_us) << 4 | static_cast<uint64_t>(digits) << 1 |
-                                          (zone ? 1 : 0));
+  return TermId::Make(Tag::kDateTime, static_cast<uint64_t>(time_us) << 4 |
+                                          static_cast<uint64_t>(digits) << 1 | (zone ? 1 : 0));
 }
 
 std::string FormatDate(int64_t days) {
@@ -207,7 +216,8 @@ std::string FormatDateTime(TermId id) {
   std::string out = FormatDate(days);
   absl::StrAppendFormat(&out, "T%02d:%02d:%02d", seconds / 3600, seconds / 60 % 60, seconds % 60);
   size_t digits = id.payload() >> 1 & 7;
-  if (digits > 0) absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, digits));
+  if (digits > 0)
+    absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, digits));
   if ((id.payload() & 1) != 0) out += 'Z';
   return out;
 }
@@ -229,38 +239,62 @@ std::optional<TermId> InlineLiteral(const Term& term) {
 
 std::string_view InlineDatatype(TermId id) {
   switch (id.tag()) {
-    case Tag::kInteger: return kXsdInteger;
-    case Tag::kDecimal: return kXsdDecimal;
-    case Tag::kDouble: return kXsdDouble;
-    case Tag::kBoolean: return kXsdBoolean;
-    case Tag::kDate: return kXsdDate;
-    case Tag::kDateTime: return kXsdDateTime;
-    default: return {};
+    case Tag::kInteger:
+      return kXsdInteger;
+    case Tag::kDecimal:
+      return kXsdDecimal;
+    case Tag::kDouble:
+      return kXsdDouble;
+    case Tag::kBoolean:
+      return kXsdBoolean;
+    case Tag::kDate:
+      return kXsdDate;
+    case Tag::kDateTime:
+      return kXsdDateTime;
+    default:
+      return {};
   }
 }
 
 Term DecodeInline(TermId id) {
   std::string lexical;
   switch (id.tag()) {
-    case Tag::kInteger: lexical = absl::StrCat(InlineInteger(id)); break;
-    case Tag::kDecimal: lexical = FormatDecimal(InlineDecimal(id)); break;
-    case Tag::kDouble: lexical = FormatDouble(InlineDouble(id)); break;
-    case Tag::kBoolean: lexical = InlineBoolean(id) ? "true" : "false"; break;
+    case Tag::kInteger:
+      lexical = absl::StrCat(InlineInteger(id));
+      break;
+    case Tag::kDecimal:
+      lexical = FormatDecimal(InlineDecimal(id));
+      break;
+    case Tag::kDouble:
+      lexical = FormatDouble(InlineDouble(id));
+      break;
+    case Tag::kBoolean:
+      lexical = InlineBoolean(id) ? "true" : "false";
+      break;
     case Tag::kDate:
       lexical = FormatDate(SignExtend(id.payload(), 60) >> 1);
       if ((id.payload() & 1) != 0) lexical += 'Z';
       break;
-    case Tag::kDateTime: lexical = FormatDateTime(id); break;
-    default: break;
+    case Tag::kDateTime:
+      lexical = FormatDateTime(id);
+      break;
+    default:
+      break;
   }
   return Term::Literal(std::move(lexical), std::string(InlineDatatype(id)));
 }
 
-int64_t InlineInteger(TermId id) { return SignExtend(id.payload(), 60); }
+int64_t InlineInteger(TermId id) {
+  return SignExtend(id.payload(), 60);
+}
 
-double InlineDouble(TermId id) { return std::bit_cast<double>(id.payload() << 4); }
+double InlineDouble(TermId id) {
+  return std::bit_cast<double>(id.payload() << 4);
+}
 
-bool InlineBoolean(TermId id) { return id.payload() != 0; }
+bool InlineBoolean(TermId id) {
+  return id.payload() != 0;
+}
 
 InlineDecimalValue InlineDecimal(TermId id) {
   return {SignExtend(id.payload(), 60) >> kScaleBits, static_cast<int>(id.payload() & kMaxScale)};

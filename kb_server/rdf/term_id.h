@@ -1,8 +1,9 @@
 // A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value itself.
 //
-// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when decoding gives
-// back exactly the text that came in*; "01" or "+1" need the dictionary, "1.50" does not (its scale is kept). So a
-// stream of poses never grows the dictionary. Equal terms have equal ids within one Dictionary. Values; any thread.
+// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when decoding
+// gives back exactly the text that came in*; "01" or "+1" need the dictionary, "1.50" does not (its scale is
+// kept). So a stream of poses never grows the dictionary. Equal terms have equal ids within one Dictionary.
+// Values; any thread.
 #ifndef DOCENT_KB_SERVER_RDF_TERM_ID_H_
 #define DOCENT_KB_SERVER_RDF_TERM_ID_H_
 
@@ -20,16 +21,18 @@ namespace docent {
 class TermId {
  public:
   enum class Tag : uint8_t {
-    kNone = 0,      // no term: unbound, or a wildcard in a pattern
-    kIri = 1,       // dictionary index
-    kBlank = 2,     // dictionary index
-    kLiteral = 3,   // dictionary index: strings, language strings, and whatever does not fit below
-    kInteger = 4,   // xsd:integer, 60-bit two's complement
-    kDecimal = 5,   // xsd:decimal, 55-bit mantissa and 5-bit scale (digits after the point): "-1.250", "12"
-    kDouble = 6,    // xsd:double whose low 4 mantissa bits are 0 and whose lexical form is canonical: "1.5E0", "INF"
+    kNone = 0,     // no term: unbound, or a wildcard in a pattern
+    kIri = 1,      // dictionary index
+    kBlank = 2,    // dictionary index
+    kLiteral = 3,  // dictionary index: strings, language strings, and whatever does not fit below
+    kInteger = 4,  // xsd:integer, 60-bit two's complement
+    kDecimal = 5,  // xsd:decimal, 55-bit mantissa and 5-bit scale (digits after the point): "-1.250", "12"
+    kDouble =
+        6,  // xsd:double whose low 4 mantissa bits are 0 and whose lexical form is canonical: "1.5E0", "INF"
     kBoolean = 7,   // xsd:boolean "true"/"false"
     kDate = 8,      // xsd:date of the years 1 to 9999, without zone or with Z
-    kDateTime = 9,  // xsd:dateTime to the microsecond (about 828 to 3111), 0 to 6 digits of it, without zone or with Z
+    kDateTime = 9,  // xsd:dateTime to the microsecond (about 828 to 3111), 0 to 6 digits of it, without zone
+                    // or with Z
     kLocal = 15,    // made by one query (computed values); index into that query's own table, never stored
   };
 

@@ -13,8 +13,8 @@
 namespace docent {
 namespace {
 
-// One document. A production stands at its first token (white space skipped) and returns false on a mistake, which
-// is in scan_.failure(); the statement loop reports it.
+// One document. A production stands at its first token (white space skipped) and returns false on a mistake,
+// which is in scan_.failure(); the statement loop reports it.
 class TurtleParser {
  public:
   TurtleParser(std::string_view text, RdfFormat format, const ParseRdfOptions& options)
@@ -64,7 +64,8 @@ class TurtleParser {
     scan_.SkipSpace();
     char next = scan_.Peek();
     if (!scan_.AtEnd() && next != '\n' && next != '\r' && next != '#') {
-      return scan_.Fail("expected the end of the line after '.'", "each statement stands on its own line", true);
+      return scan_.Fail("expected the end of the line after '.'", "each statement stands on its own line",
+                        true);
     }
     collector_.Add(std::move(quad));
     return true;
@@ -128,7 +129,8 @@ class TurtleParser {
   bool EndDirective(bool dot) {
     if (!dot) return true;
     scan_.SkipSpace();
-    return scan_.Take('.') || scan_.Fail("expected '.' after the declaration", "or write it without '@' and '.'", true);
+    return scan_.Take('.') ||
+           scan_.Fail("expected '.' after the declaration", "or write it without '@' and '.'", true);
   }
 
   // TriG [5g] wrappedGraph: { triples }
@@ -160,7 +162,8 @@ class TurtleParser {
     if (scan_.Peek() == '[') {
       scan_.Take('[');
       scan_.SkipSpace();
-      if (!scan_.Take(']')) return scan_.Fail("expected ']'", "a graph is named by an IRI, _:label or []", true);
+      if (!scan_.Take(']'))
+        return scan_.Fail("expected ']'", "a graph is named by an IRI, _:label or []", true);
       *label = collector_.NewBlank();
       return true;
     }
@@ -186,7 +189,9 @@ class TurtleParser {
       return false;
     }
     scan_.SkipSpace();
-    return scan_.Take('.') || scan_.Fail("expected '.' at the end of the statement", "';' goes on with the same subject, ',' with the same predicate", true);
+    return scan_.Take('.') ||
+           scan_.Fail("expected '.' at the end of the statement",
+                      "';' goes on with the same subject, ',' with the same predicate", true);
   }
 
   // Turtle [6] triples, without the '.'.
@@ -293,8 +298,10 @@ class TurtleParser {
     while (!scan_.Take(')')) {
       if (scan_.AtEnd()) return scan_.Fail("expected ')' at the end of the collection");
       Term node = collector_.NewBlank();
-      if (last.lexical.empty()) *head = node;
-      else collector_.Add({last, rest, node, graph_});
+      if (last.lexical.empty())
+        *head = node;
+      else
+        collector_.Add({last, rest, node, graph_});
       last = node;
       if (!Object(node, first)) return false;
       scan_.SkipSpace();
@@ -367,7 +374,8 @@ class TurtleParser {
     for (const auto& [name, iri] : declared_) candidates.push_back(name);
     std::string nearest = Nearest(prefix, candidates);
     if (!nearest.empty()) hint = Concat("did you mean ", nearest, ":? Else ", hint);
-    return scan_.FailAt(at, prefix.size() + 1, Concat("the prefix '", prefix, ":' is not declared"), std::move(hint));
+    return scan_.FailAt(at, prefix.size() + 1, Concat("the prefix '", prefix, ":' is not declared"),
+                        std::move(hint));
   }
 
   bool ReadResolvedIri(std::string* iri) {
@@ -380,7 +388,8 @@ class TurtleParser {
       return true;
     }
     if (line_based_) {
-      return scan_.FailAt(at, 1, Concat("<", reference, "> is not an absolute IRI"), "this format has no relative IRIs");
+      return scan_.FailAt(at, 1, Concat("<", reference, "> is not an absolute IRI"),
+                          "this format has no relative IRIs");
     }
     if (!IsAbsoluteIri(base_)) {
       return scan_.FailAt(at, 1, Concat("<", reference, "> is relative and the document has no base IRI"),

@@ -1,9 +1,9 @@
 // Turtle, TriG, N-Triples and N-Quads, RDF 1.1. Included only by parser.cc. Any thread.
 //
 // Why not Raptor or serd: of the W3C syntax suites Raptor accepts 10 of 94 bad Turtle and 10 of 115 bad TriG
-// documents and fails 15 of 98 good TriG ones, and its lexer has open heap-overflow reports; serd 0.30 accepts
-// the same 10 bad documents (surrogates), refuses empty documents and those that use both _:b1 and _:B1. Both stop
-// at the first mistake. (Measured November 2026.)
+// documents and fails 15 of 98 good TriG ones, and its lexer has open heap-overflow reports; serd 0.30
+// accepts the same 10 bad documents (surrogates), refuses empty documents and those that use both _:b1 and
+// _:B1. Both stop at the first mistake. (Measured November 2026.)
 #ifndef DOCENT_KB_SERVER_RDF_TURTLE_PARSER_H_
 #define DOCENT_KB_SERVER_RDF_TURTLE_PARSER_H_
 

@@ -14,8 +14,12 @@
 namespace docent {
 namespace {
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-bool IsLetter(char c) { return absl::ascii_isalpha(static_cast<unsigned char>(c)); }
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool IsLetter(char c) {
+  return absl::ascii_isalpha(static_cast<unsigned char>(c));
+}
 
 // Turtle [163s] PN_CHARS_BASE.
 bool IsNameBase(char32_t c) {
@@ -40,14 +44,18 @@ bool IsNameBase(char32_t c) {
 }
 
 // Turtle [164s] PN_CHARS_U and [166s] PN_CHARS.
-bool IsNameStart(char32_t c) { return c == '_' || IsNameBase(c); }
+bool IsNameStart(char32_t c) {
+  return c == '_' || IsNameBase(c);
+}
 bool IsNameChar(char32_t c) {
   return IsNameStart(c) || c == '-' || (c >= '0' && c <= '9') || c == 0xB7 || (c >= 0x300 && c <= 0x36F) ||
          (c >= 0x203F && c <= 0x2040);
 }
 
 // Turtle [172s] PN_LOCAL_ESC.
-bool IsEscapableInName(char c) { return c != '\0' && std::string_view("_~.-!$&'()*+,;=/?#@%").find(c) != std::string_view::npos; }
+bool IsEscapableInName(char c) {
+  return c != '\0' && std::string_view("_~.-!$&'()*+,;=/?#@%").find(c) != std::string_view::npos;
+}
 
 }  // namespace
 
@@ -77,7 +85,8 @@ bool TurtleScanner::Take(char c) {
 
 bool TurtleScanner::TakeKeyword(std::string_view word, bool any_case) {
   std::string_view next = text_.substr(position_, word.size());
-  bool same = any_case ? absl::AsciiStrToLower(ToAbsl(next)) == absl::AsciiStrToLower(ToAbsl(word)) : next == word;
+  bool same =
+      any_case ? absl::AsciiStrToLower(ToAbsl(next)) == absl::AsciiStrToLower(ToAbsl(word)) : next == word;
   if (!same) return false;
   size_t after = position_ + word.size();
   if (after < text_.size()) {
@@ -100,7 +109,8 @@ bool TurtleScanner::TakeDirective(std::string_view word) {
 void TurtleScanner::SkipToNextStatement() {
   for (; !AtEnd(); ++position_) {
     char c = text_[position_];
-    if (line_based_ ? c == '\n' : c == '.' && (position_ + 1 == text_.size() || absl::ascii_isspace(Peek(1)))) {
+    if (line_based_ ? c == '\n'
+                    : c == '.' && (position_ + 1 == text_.size() || absl::ascii_isspace(Peek(1)))) {
       ++position_;
       return;
     }
@@ -127,7 +137,8 @@ bool TurtleScanner::ReadIri(std::string* iri) {
     }
     if (!IsForbiddenInIri(decoded)) continue;
     if (decoded == '\n' || decoded == '\r') break;
-    return FailAt(at, position_ - at, absl::StrFormat("U+%04X is not allowed in an IRI", static_cast<uint32_t>(decoded)),
+    return FailAt(at, position_ - at,
+                  absl::StrFormat("U+%04X is not allowed in an IRI", static_cast<uint32_t>(decoded)),
                   "write it percent-encoded, a space as %20");
   }
   return FailAt(start, 1, "this '<' opens an IRI that has no '>' on its line");
@@ -144,8 +155,11 @@ bool TurtleScanner::ReadPrefix(std::string_view* prefix) {
     at = next;
     if (c != '.') end = at;
   }
-  if (at >= text_.size() || text_[at] != ':') return Fail("expected a prefixed name", "a name needs a colon, as in ex:name", true);
-  if (end != at) return FailAt(start, at - start, Concat("the prefix '", text_.substr(start, at - start), "' ends in a dot"));
+  if (at >= text_.size() || text_[at] != ':')
+    return Fail("expected a prefixed name", "a name needs a colon, as in ex:name", true);
+  if (end != at)
+    return FailAt(start, at - start,
+                  Concat("the prefix '", text_.substr(start, at - start), "' ends in a dot"));
   *prefix = text_.substr(start, at - start);
   position_ = at + 1;
   return true;
@@ -160,19 +174,22 @@ bool TurtleScanner::ReadPrefixedName(std::string_view* prefix, std::string* loca
     char c = text_[position_];
     if (c == '%') {
       if (!absl::ascii_isxdigit(Peek(1)) || !absl::ascii_isxdigit(Peek(2))) {
-        return FailAt(position_, 1, "'%' in a name needs two hexadecimal digits after it", "write \\% for the character");
+        return FailAt(position_, 1, "'%' in a name needs two hexadecimal digits after it",
+                      "write \\% for the character");
       }
       *local += text_.substr(position_, 3);
       position_ += 3;
     } else if (c == '\\') {
-      if (!IsEscapableInName(Peek(1))) return FailAt(position_, 2, "this character can't be escaped in a name", "use <…>");
+      if (!IsEscapableInName(Peek(1)))
+        return FailAt(position_, 2, "this character can't be escaped in a name", "use <…>");
       *local += Peek(1);
       position_ += 2;
     } else {
       size_t next = position_;
       char32_t code = NextCodePoint(text_, &next);
       bool first = local->empty();
-      bool fits = first ? IsNameStart(code) || code == ':' || IsDigit(c) : IsNameChar(code) || code == ':' || code == '.';
+      bool fits = first ? IsNameStart(code) || code == ':' || IsDigit(c)
+                        : IsNameChar(code) || code == ':' || code == '.';
       if (!fits) break;
       *local += text_.substr(position_, next - position_);
       position_ = next;
@@ -196,7 +213,9 @@ bool TurtleScanner::ReadBlankLabel(std::string_view* label) {
     at = next;
     if (c != '.') end = at;
   }
-  if (end == start) return FailAt(position_, 2, "expected a label after '_:'", "a label begins with a letter, a digit or '_'");
+  if (end == start)
+    return FailAt(position_, 2, "expected a label after '_:'",
+                  "a label begins with a letter, a digit or '_'");
   *label = text_.substr(start, end - start);
   position_ = end;
   return CheckLength(start, label->size());
@@ -210,13 +229,15 @@ bool TurtleScanner::ReadUnicodeEscape(char32_t* c) {
   for (size_t i = 0; i < digits; ++i) {
     char digit = Peek(2 + i);
     if (!absl::ascii_isxdigit(static_cast<unsigned char>(digit))) {
-      return FailAt(start, 2 + i, absl::StrCat("\\", std::string(1, Peek(1)), " needs ", digits, " hexadecimal digits"));
+      return FailAt(start, 2 + i,
+                    absl::StrCat("\\", std::string(1, Peek(1)), " needs ", digits, " hexadecimal digits"));
     }
     value = value << 4 | static_cast<uint32_t>(IsDigit(digit) ? digit - '0' : (digit | 0x20) - 'a' + 10);
   }
   if (value > 0x10FFFF || (value >= 0xD800 && value <= 0xDFFF)) {
-    return FailAt(start, 2 + digits, absl::StrFormat("U+%04X is not a Unicode character", value),
-                  value > 0x10FFFF ? "the last is U+10FFFF" : "write the character itself, not its UTF-16 surrogates");
+    return FailAt(
+        start, 2 + digits, absl::StrFormat("U+%04X is not a Unicode character", value),
+        value > 0x10FFFF ? "the last is U+10FFFF" : "write the character itself, not its UTF-16 surrogates");
   }
   position_ += 2 + digits;
   *c = value;
@@ -232,7 +253,8 @@ bool TurtleScanner::ReadStringEscape(std::string* value) {
     return true;
   }
   char32_t c;
-  if (Peek(1) != 'u' && Peek(1) != 'U') return FailAt(position_, 2, "unknown escape in a string", "a backslash is written \\\\");
+  if (Peek(1) != 'u' && Peek(1) != 'U')
+    return FailAt(position_, 2, "unknown escape in a string", "a backslash is written \\\\");
   if (!ReadUnicodeEscape(&c)) return false;
   AppendUtf8(c, value);
   return true;
@@ -259,7 +281,9 @@ bool TurtleScanner::ReadString(std::string* value) {
     ++position_;
   }
   if (is_long) return FailAt(start, 3, "this string has no end");
-  return FailAt(start, 1, "this string has no end on its line", line_based_ ? "write \\n for an end of line" : "write \\n for an end of line, or \"\"\"…\"\"\"");
+  return FailAt(
+      start, 1, "this string has no end on its line",
+      line_based_ ? "write \\n for an end of line" : "write \\n for an end of line, or \"\"\"…\"\"\"");
 }
 
 bool TurtleScanner::ReadLanguage(std::string_view* tag) {
@@ -272,7 +296,8 @@ bool TurtleScanner::ReadLanguage(std::string_view* tag) {
     while (IsLetter(Peek()) || IsDigit(Peek())) ++position_;
     ok = position_ > part;
   }
-  if (!ok) return FailAt(start, position_ - start, "expected a language tag after '@'", "as in \"colour\"@en-GB");
+  if (!ok)
+    return FailAt(start, position_ - start, "expected a language tag after '@'", "as in \"colour\"@en-GB");
   *tag = text_.substr(at, position_ - at);
   return CheckLength(start, tag->size());
 }
@@ -302,7 +327,8 @@ bool TurtleScanner::ReadNumber(std::string_view* lexical, std::string_view* data
     *datatype = kXsdDouble;
     ++position_;
     if (Peek() == '+' || Peek() == '-') ++position_;
-    if (!IsDigit(Peek())) return FailAt(start, position_ - start, "expected digits in the exponent of this number");
+    if (!IsDigit(Peek()))
+      return FailAt(start, position_ - start, "expected digits in the exponent of this number");
     while (IsDigit(Peek())) ++position_;
   }
   *lexical = text_.substr(start, position_ - start);
@@ -311,14 +337,16 @@ bool TurtleScanner::ReadNumber(std::string_view* lexical, std::string_view* data
 
 bool TurtleScanner::CheckLength(size_t start, size_t length) {
   if (length <= term_bytes_) return true;
-  return FailAt(start, 1, absl::StrCat("this term has ", length, " bytes, the limit term_bytes is ", term_bytes_));
+  return FailAt(start, 1,
+                absl::StrCat("this term has ", length, " bytes, the limit term_bytes is ", term_bytes_));
 }
 
 std::string TurtleScanner::Found() const {
   if (AtEnd()) return "the end of the document";
   size_t end = position_;
   NextCodePoint(text_, &end);
-  while (end < text_.size() && end - position_ < 30 && !absl::ascii_isspace(static_cast<unsigned char>(text_[end]))) {
+  while (end < text_.size() && end - position_ < 30 &&
+         !absl::ascii_isspace(static_cast<unsigned char>(text_[end]))) {
     NextCodePoint(text_, &end);
   }
   if (Peek() == '\n' || Peek() == '\r') return "the end of the line";

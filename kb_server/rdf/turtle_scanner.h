@@ -1,8 +1,8 @@
 // The terminals of Turtle, TriG, N-Triples and N-Quads (RDF 1.1 Turtle section 6.5, N-Triples section 7).
 // Included only by turtle_*.cc. One thread.
 //
-// Each reading function stands at its terminal's first character, moves past the terminal and returns true; or
-// returns false, having put place, message and hint into failure().
+// Each reading function stands at its terminal's first character, moves past the terminal and returns true;
+// or returns false, having put place, message and hint into failure().
 #ifndef DOCENT_KB_SERVER_RDF_TURTLE_SCANNER_H_
 #define DOCENT_KB_SERVER_RDF_TURTLE_SCANNER_H_
 
@@ -41,7 +41,8 @@ class TurtleScanner {
   bool TakeKeyword(std::string_view word, bool any_case);
   // As TakeKeyword, but a colon may follow ("@prefix:<…>." declares the empty prefix).
   bool TakeDirective(std::string_view word);
-  // Moves to where another statement may begin after a mistake: past the next "." before white space, or the line.
+  // Moves to where another statement may begin after a mistake: past the next "." before white space, or the
+  // line.
   void SkipToNextStatement();
 
   // <…> with its escapes decoded, not resolved.

@@ -9,8 +9,8 @@
 
 namespace docent {
 
-// The offset of the first byte that is not part of well-formed UTF-8 (overlong forms, surrogates and numbers past
-// U+10FFFF are not); nullopt if all is.
+// The offset of the first byte that is not part of well-formed UTF-8 (overlong forms, surrogates and numbers
+// past U+10FFFF are not); nullopt if all is.
 std::optional<size_t> FindInvalidUtf8(std::string_view text);
 
 // The code point at `*at`, which moves past it. Requires well-formed text and *at < text.size().

@@ -22,8 +22,15 @@ inline constexpr std::string_view kDocentNs = "https://w3id.org/docent#";
 
 // Prefixes that `ToDisplay`, `docent query` and CAWL documents know without declaration.
 inline constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kWellKnownPrefixes = {{
-    {"rdf", kRdfNs}, {"rdfs", kRdfsNs}, {"owl", kOwlNs}, {"xsd", kXsdNs}, {"prov", kProvNs},
-    {"sosa", kSosaNs}, {"geo", kGeoNs}, {"schema", kSchemaNs}, {"docent", kDocentNs},
+    {"rdf", kRdfNs},
+    {"rdfs", kRdfsNs},
+    {"owl", kOwlNs},
+    {"xsd", kXsdNs},
+    {"prov", kProvNs},
+    {"sosa", kSosaNs},
+    {"geo", kGeoNs},
+    {"schema", kSchemaNs},
+    {"docent", kDocentNs},
 }};
 
 inline constexpr std::string_view kRdfType = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
@@ -38,12 +45,16 @@ inline constexpr std::string_view kXsdDate = "http://www.w3.org/2001/XMLSchema#d
 inline constexpr std::string_view kXsdDateTime = "http://www.w3.org/2001/XMLSchema#dateTime";
 
 // graphs of the server
-inline constexpr std::string_view kDefaultGraph = "https://w3id.org/docent#default";    // data written without a graph
+inline constexpr std::string_view kDefaultGraph =
+    "https://w3id.org/docent#default";  // data written without a graph
 inline constexpr std::string_view kInferredGraph = "https://w3id.org/docent#inferred";  // what rules derived
-inline constexpr std::string_view kRunsGraph = "https://w3id.org/docent#runs";          // run state, written by the engine
+inline constexpr std::string_view kRunsGraph =
+    "https://w3id.org/docent#runs";  // run state, written by the engine
 
 // "docent:" + local, e.g. DocentIri("isAt")
-inline std::string DocentIri(std::string_view local) { return std::string(kDocentNs) + std::string(local); }
+inline std::string DocentIri(std::string_view local) {
+  return std::string(kDocentNs) + std::string(local);
+}
 
 }  // namespace docent
 

@@ -14,7 +14,9 @@ constexpr char kReserved[] = "graph: it is one of those that the server alone wr
 // A lifetime that ends later than this (the year 2554) never ends.
 constexpr TimeMicros kNever = TimeMicros{1} << 54;
 
-bool IsReserved(const Term& graph) { return graph.lexical == kInferredGraph || graph.lexical == kRunsGraph; }
+bool IsReserved(const Term& graph) {
+  return graph.lexical == kInferredGraph || graph.lexical == kRunsGraph;
+}
 
 absl::Status At(absl::string_view place, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
@@ -56,12 +58,14 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
 }
 
 Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
-  return {dictionary_.Intern(quad.subject), dictionary_.Intern(quad.predicate), dictionary_.Intern(quad.object),
+  return {dictionary_.Intern(quad.subject), dictionary_.Intern(quad.predicate),
+          dictionary_.Intern(quad.object),
           quad.graph.lexical.empty() ? default_graph : dictionary_.Intern(quad.graph)};
 }
 
 std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_graph) const {
-  std::optional<TermId> subject = dictionary_.Find(quad.subject), predicate = dictionary_.Find(quad.predicate);
+  std::optional<TermId> subject = dictionary_.Find(quad.subject),
+                        predicate = dictionary_.Find(quad.predicate);
   std::optional<TermId> object = dictionary_.Find(quad.object);
   std::optional<TermId> graph = quad.graph.lexical.empty() ? default_graph : dictionary_.Find(quad.graph);
   if (!subject || !predicate || !object || !graph) return std::nullopt;
@@ -125,7 +129,8 @@ void BatchApplier::Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum)
 absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& writer) {
   if (absl::Status status = Check(batch); !status.ok()) return status;
   RefreshStateProperties(writer.current());
-  absl::StatusOr<std::vector<QuadOperation>> read = MapReadings(batch.readings, dictionary_, writer.current());
+  absl::StatusOr<std::vector<QuadOperation>> read =
+      MapReadings(batch.readings, dictionary_, writer.current());
   if (!read.ok()) return read.status();
 
   DeltaSum sum;
@@ -155,7 +160,9 @@ std::optional<TimeMicros> BatchApplier::NextDeadline() const {
   return by_deadline_.begin()->first;
 }
 
-void BatchApplier::Commit() { undo_.clear(); }
+void BatchApplier::Commit() {
+  undo_.clear();
+}
 
 void BatchApplier::Rollback() {
   std::vector<std::pair<Quad, std::optional<TimeMicros>>> undo = std::move(undo_);

@@ -1,9 +1,11 @@
 // The first stage of a turn: a batch of text becomes changes of the graph.
 //
 //  - terms are checked and interned; quads without a graph go to the batch's source, or to docent:default
-//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same subject and graph,
+//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same subject
+//  and graph,
 //    the last in the batch wins
-//  - a fact told with a lifetime is withdrawn when it has passed, unless told again: with a new lifetime, or without one
+//  - a fact told with a lifetime is withdrawn when it has passed, unless told again: with a new lifetime, or
+//  without one
 //    (then it stays). The first batch at or after that time does it, a clock batch if no other comes
 //  - sensor readings become facts by the graph's docent:ReadingMapping resources (reading_mapper.h)
 //
@@ -34,9 +36,10 @@ class BatchApplier {
   // `dictionary` must outlive the applier.
   BatchApplier(Dictionary& dictionary, const Limits& limits);
 
-  // The net change. INVALID_ARGUMENT naming the place ("operations[3]: subject: …", "readings[0]: …", "source: …"): a term
-  // that RDF does not allow (term_check.h), a graph that is no IRI or that the server alone writes, a reading that no
-  // mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error the graph is as it was and nothing was interned.
+  // The net change. INVALID_ARGUMENT naming the place ("operations[3]: subject: …", "readings[0]: …",
+  // "source: …"): a term that RDF does not allow (term_check.h), a graph that is no IRI or that the server
+  // alone writes, a reading that no mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error
+  // the graph is as it was and nothing was interned.
   absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer);
 
   // When the next lifetime ends, if any.

@@ -1,4 +1,5 @@
-// What one stage changed, net: a quad stands in at most one of the two lists, and applying it twice does nothing.
+// What one stage changed, net: a quad stands in at most one of the two lists, and applying it twice does
+// nothing.
 #ifndef DOCENT_KB_SERVER_STORE_DELTA_H_
 #define DOCENT_KB_SERVER_STORE_DELTA_H_
 

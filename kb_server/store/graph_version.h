@@ -3,9 +3,9 @@
 // A version is held by shared_ptr<const GraphVersion>; any number of threads read it, nothing changes it, and
 // making the next version copies only the path to what changed.
 //
-// Four index orders: SPOG, POSG, OSPG and GSPO. Each scan walks the order in which the pattern's bound positions are
-// a prefix, so the matches come as one contiguous run; where no order has them all as a prefix (a graph bound besides
-// a predicate or an object), the rest filters.
+// Four index orders: SPOG, POSG, OSPG and GSPO. Each scan walks the order in which the pattern's bound
+// positions are a prefix, so the matches come as one contiguous run; where no order has them all as a prefix
+// (a graph bound besides a predicate or an object), the rest filters.
 #ifndef DOCENT_KB_SERVER_STORE_GRAPH_VERSION_H_
 #define DOCENT_KB_SERVER_STORE_GRAPH_VERSION_H_
 
@@ -25,8 +25,8 @@ enum class IndexOrder : uint8_t { kSpog = 0, kPosg = 1, kOspg = 2, kGspo = 3 };
 inline constexpr int kIndexOrders = 4;
 
 // A position in a scan. Usage: for (auto c = version.Scan(p); c.Valid(); c.Next()) use(c.quad());
-// Holds a pointer into the version, which must outlive it; a change by the writer whose current() it reads makes it
-// invalid. One thread.
+// Holds a pointer into the version, which must outlive it; a change by the writer whose current() it reads
+// makes it invalid. One thread.
 class QuadCursor {
  public:
   QuadCursor() = default;
@@ -63,15 +63,15 @@ class GraphVersion {
   uint64_t size() const { return trees_[0].size(); }
 
   bool Contains(const Quad& quad) const;
-  // Matches in the order that suits the pattern. A triple that stands in two graphs comes twice: adjacent, since
-  // where no graph is bound the graph is the last word of the order.
+  // Matches in the order that suits the pattern. A triple that stands in two graphs comes twice: adjacent,
+  // since where no graph is bound the graph is the last word of the order.
   QuadCursor Scan(const QuadPattern& pattern) const;
-  // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo the
-  // copies of a triple are not adjacent.
+  // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo
+  // the copies of a triple are not adjacent.
   QuadCursor ScanInOrder(const QuadPattern& pattern, IndexOrder order) const;
-  // The number of matches. Exact, but for a graph bound together with a predicate or an object and not all of S, P
-  // and O (and not S, or S and P, alone): then the smaller of the counts without the graph and of the graph, an upper
-  // bound. O(log n).
+  // The number of matches. Exact, but for a graph bound together with a predicate or an object and not all of
+  // S, P and O (and not S, or S and P, alone): then the smaller of the counts without the graph and of the
+  // graph, an upper bound. O(log n).
   uint64_t Count(const QuadPattern& pattern) const;
   // Calls `visit(quad)` for each match until it returns false.
   template <typename Visit>

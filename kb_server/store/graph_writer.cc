@@ -36,8 +36,10 @@ Delta GraphWriter::Apply(const std::vector<Quad>& add, const std::vector<Quad>& 
   bool cancelled = false;
   for (const Quad& quad : remove) {
     if (!Remove(quad)) continue;
-    if (added.erase(quad) == 0) delta.removed.push_back(quad);
-    else cancelled = true;
+    if (added.erase(quad) == 0)
+      delta.removed.push_back(quad);
+    else
+      cancelled = true;
   }
   if (cancelled) {
     std::erase_if(delta.added, [&](const Quad& quad) { return !added.contains(quad); });

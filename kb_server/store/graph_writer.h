@@ -2,8 +2,8 @@
 //
 // A writer starts from a version and changes a private copy (nodes made by this writer are changed in place).
 // `current()` is readable at any time by the writer thread: rules and constraints read the unpublished state
-// through it. `Freeze` makes it immutable; `Rollback` goes back to the start. Between them nothing is visible to
-// others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
+// through it. `Freeze` makes it immutable; `Rollback` goes back to the start. Between them nothing is visible
+// to others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
 // Several writers may start from one version; they do not see each other.
 #ifndef DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
 #define DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
@@ -29,8 +29,8 @@ class GraphWriter {
   bool Remove(const Quad& quad);
   // Adds then removes as listed, returns the net change. A quad in both lists ends up absent.
   Delta Apply(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  // Fills the empty graph with these quads at once: sorts, drops repeats and builds full nodes; several times faster
-  // than Add. Requires current().size() == 0.
+  // Fills the empty graph with these quads at once: sorts, drops repeats and builds full nodes; several times
+  // faster than Add. Requires current().size() == 0.
   void BulkLoad(std::vector<Quad> quads);
 
   const GraphVersion& current() const { return *version_; }

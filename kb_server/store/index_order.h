@@ -10,20 +10,28 @@ namespace docent {
 inline QuadTree::Key KeyOf(const Quad& q, IndexOrder order) {
   uint64_t s = q.subject.bits(), p = q.predicate.bits(), o = q.object.bits(), g = q.graph.bits();
   switch (order) {
-    case IndexOrder::kSpog: return {s, p, o, g};
-    case IndexOrder::kPosg: return {p, o, s, g};
-    case IndexOrder::kOspg: return {o, s, p, g};
-    case IndexOrder::kGspo: break;
+    case IndexOrder::kSpog:
+      return {s, p, o, g};
+    case IndexOrder::kPosg:
+      return {p, o, s, g};
+    case IndexOrder::kOspg:
+      return {o, s, p, g};
+    case IndexOrder::kGspo:
+      break;
   }
   return {g, s, p, o};
 }
 
 inline Quad QuadOf(const QuadTree::Key& k, IndexOrder order) {
   switch (order) {
-    case IndexOrder::kSpog: return {TermId(k[0]), TermId(k[1]), TermId(k[2]), TermId(k[3])};
-    case IndexOrder::kPosg: return {TermId(k[2]), TermId(k[0]), TermId(k[1]), TermId(k[3])};
-    case IndexOrder::kOspg: return {TermId(k[1]), TermId(k[2]), TermId(k[0]), TermId(k[3])};
-    case IndexOrder::kGspo: break;
+    case IndexOrder::kSpog:
+      return {TermId(k[0]), TermId(k[1]), TermId(k[2]), TermId(k[3])};
+    case IndexOrder::kPosg:
+      return {TermId(k[2]), TermId(k[0]), TermId(k[1]), TermId(k[3])};
+    case IndexOrder::kOspg:
+      return {TermId(k[1]), TermId(k[2]), TermId(k[0]), TermId(k[3])};
+    case IndexOrder::kGspo:
+      break;
   }
   return {TermId(k[1]), TermId(k[2]), TermId(k[3]), TermId(k[0])};
 }

@@ -187,7 +187,9 @@ bool QuadTree::Erase(const Key& key, uint64_t epoch) {
   return true;
 }
 
-bool QuadTree::Contains(const Key& key) const { return root_ != nullptr && Descend(key).found; }
+bool QuadTree::Contains(const Key& key) const {
+  return root_ != nullptr && Descend(key).found;
+}
 
 uint64_t QuadTree::CountBelow(const Key& key, bool inclusive) const {
   if (root_ == nullptr) return 0;

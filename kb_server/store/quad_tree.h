@@ -1,15 +1,16 @@
 // A persistent B+-tree over keys of four 64-bit words: one index order of a graph version.
 //
-// Copying a tree costs one reference count; the copies share all nodes. A change copies the nodes on the path to
-// it, except those that were made under the same `epoch`: they belong to the one writer that uses this epoch and
-// are changed in place. So a transaction of many changes copies each node at most once, and a published tree never
-// changes. Every inner node knows the number of keys beneath each child, which gives exact counts of any range.
+// Copying a tree costs one reference count; the copies share all nodes. A change copies the nodes on the path
+// to it, except those that were made under the same `epoch`: they belong to the one writer that uses this
+// epoch and are changed in place. So a transaction of many changes copies each node at most once, and a
+// published tree never changes. Every inner node knows the number of keys beneath each child, which gives
+// exact counts of any range.
 //
 // A leaf holds up to 256 keys, each word as its distance from the leaf's smallest in as few bytes as the leaf
 // needs (0 to 8): neighbours share most of a key, so a key takes about 5 to 12 bytes instead of 32.
 //
-// Threads: any number of readers of trees that nobody changes; one writer per tree object. Node reference counts
-// are atomic, so trees that share nodes may be dropped on any thread.
+// Threads: any number of readers of trees that nobody changes; one writer per tree object. Node reference
+// counts are atomic, so trees that share nodes may be dropped on any thread.
 #ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
 #define DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
 
@@ -100,7 +101,7 @@ class QuadTree::Iterator {
   const Leaf* leaf_ = nullptr;
   int height_ = 0;
   int position_ = 0;
-  int limit_ = 0;  // one past the last position of this leaf that is within the range
+  int limit_ = 0;          // one past the last position of this leaf that is within the range
   bool last_leaf_ = true;  // the range ends in this leaf
   Key last_ = {};
 };

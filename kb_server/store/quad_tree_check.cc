@@ -18,7 +18,8 @@ struct Totals {
 };
 
 // Checks the subtree of `node`, whose keys k must satisfy low <= k < high where those are given.
-Totals CheckNode(const QuadTree::Node* node, int levels, const QuadTree::Key* low, const QuadTree::Key* high) {
+Totals CheckNode(const QuadTree::Node* node, int levels, const QuadTree::Key* low,
+                 const QuadTree::Key* high) {
   Require(node->count > 0, "an empty node");
   Require(node->is_leaf == (levels == 0), "a leaf at the wrong height");
   Totals totals{0, QuadTree::Edit::BytesOf(node)};

@@ -10,9 +10,13 @@ namespace {
 using Key = QuadTree::Key;
 
 // Bytes needed for a number.
-int WidthOf(uint64_t value) { return (std::bit_width(value) + 7) / 8; }
+int WidthOf(uint64_t value) {
+  return (std::bit_width(value) + 7) / 8;
+}
 
-uint64_t MaskOf(int width) { return width == 0 ? 0 : ~uint64_t{0} >> (64 - 8 * width); }
+uint64_t MaskOf(int width) {
+  return width == 0 ? 0 : ~uint64_t{0} >> (64 - 8 * width);
+}
 
 struct Packing {
   Key base;
@@ -21,8 +25,8 @@ struct Packing {
   uint8_t stride = 0;
 };
 
-// The narrowest columns for these keys. What a column can hold beyond them lies half below, half above, so that
-// later keys on either side often fit.
+// The narrowest columns for these keys. What a column can hold beyond them lies half below, half above, so
+// that later keys on either side often fit.
 Packing PackingFor(std::span<const Key> keys) {
   Packing packing;
   for (int c = 0; c < 4; ++c) {
@@ -42,7 +46,9 @@ Packing PackingFor(std::span<const Key> keys) {
 }
 
 // Room for growing by about a fifth, so that a run of inserts copies a leaf seldom and wastes little.
-int RoomFor(int keys) { return std::min(QuadTree::Leaf::kMaxKeys, keys + keys / 5 + 4); }
+int RoomFor(int keys) {
+  return std::min(QuadTree::Leaf::kMaxKeys, keys + keys / 5 + 4);
+}
 
 }  // namespace
 
@@ -58,13 +64,17 @@ int QuadTree::Leaf::LowerBound(const Key& key, int from, int to) const {
   int low = from, high = to;
   while (low < high) {
     int middle = (low + high) / 2;
-    if (LessAt(middle, key)) low = middle + 1;
-    else high = middle;
+    if (LessAt(middle, key))
+      low = middle + 1;
+    else
+      high = middle;
   }
   return low;
 }
 
-void QuadTree::Edit::Acquire(Node* node) { node->references.fetch_add(1, std::memory_order_relaxed); }
+void QuadTree::Edit::Acquire(Node* node) {
+  node->references.fetch_add(1, std::memory_order_relaxed);
+}
 
 void QuadTree::Edit::Release(Node* node) {
   // A node that only we hold cannot gain holders meanwhile.
@@ -140,7 +150,8 @@ QuadTree::Leaf* QuadTree::Edit::InsertIntoLeaf(Leaf* leaf, int position, const K
   bool ours = leaf->epoch == epoch_;
   if (leaf->count < Leaf::kMaxKeys && leaf->Holds(key)) {
     if (!ours || leaf->count == leaf->capacity) {
-      Leaf* copy = CopyLeaf(leaf, ours ? RoomFor(leaf->count + 1) : std::min(leaf->count + 4, Leaf::kMaxKeys));
+      Leaf* copy =
+          CopyLeaf(leaf, ours ? RoomFor(leaf->count + 1) : std::min(leaf->count + 4, Leaf::kMaxKeys));
       Drop(leaf);
       leaf = copy;
     }
@@ -161,7 +172,8 @@ QuadTree::Leaf* QuadTree::Edit::InsertIntoLeaf(Leaf* leaf, int position, const K
   size_t left = position == count - 1 ? all.size() - 1 : all.size() / 2;
   right->first = all[left];
   right->size = all.size() - left;
-  right->node = NewLeaf(all.subspan(left), RoomFor(static_cast<int>(right->size)) - static_cast<int>(right->size));
+  right->node =
+      NewLeaf(all.subspan(left), RoomFor(static_cast<int>(right->size)) - static_cast<int>(right->size));
   return NewLeaf(all.first(left), 0);
 }
 
@@ -227,7 +239,8 @@ void QuadTree::Edit::InsertChild(Inner* inner, int index, const Right& child, Ri
 
 void QuadTree::Edit::RemoveChild(Inner* inner, int index) {
   std::copy(inner->keys.begin() + index + 1, inner->keys.begin() + inner->count, inner->keys.begin() + index);
-  std::copy(inner->counts.begin() + index + 1, inner->counts.begin() + inner->count, inner->counts.begin() + index);
+  std::copy(inner->counts.begin() + index + 1, inner->counts.begin() + inner->count,
+            inner->counts.begin() + index);
   std::copy(inner->children.begin() + index + 1, inner->children.begin() + inner->count,
             inner->children.begin() + index);
   --inner->count;

@@ -9,8 +9,8 @@
 
 namespace docent {
 
-// Changes under one epoch. Node arguments are owned by the caller's slot: a function that returns a node has taken
-// over the reference of the one that it was given, and the caller stores what it gets back.
+// Changes under one epoch. Node arguments are owned by the caller's slot: a function that returns a node has
+// taken over the reference of the one that it was given, and the caller stores what it gets back.
 class QuadTree::Edit {
  public:
   // A node split off to the right of another, with the smallest key that belongs there.

@@ -13,7 +13,9 @@ QuadTree::Iterator QuadTree::Range(const Key& first, const Key& last) const {
   return iterator;
 }
 
-QuadTree::Key QuadTree::Iterator::key() const { return leaf_->KeyAt(position_); }
+QuadTree::Key QuadTree::Iterator::key() const {
+  return leaf_->KeyAt(position_);
+}
 
 // Walks from `node`, which stands at `level`, to the leaf where `target` belongs.
 void QuadTree::Iterator::DescendFrom(int level, const Node* node, const Key& target) {

@@ -1,7 +1,7 @@
 // The nodes of a QuadTree. Included only by quad_tree*.cc.
 //
-// A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a node is
-// reachable from that writer's tree alone.
+// A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a
+// node is reachable from that writer's tree alone.
 #ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_NODE_H_
 #define DOCENT_KB_SERVER_STORE_QUAD_TREE_NODE_H_
 
@@ -44,8 +44,8 @@ struct QuadTree::Leaf : Node {
     return base[column] + (raw & mask[column]);
   }
   Key KeyAt(int i) const { return {Word(i, 0), Word(i, 1), Word(i, 2), Word(i, 3)}; }
-  // Whether `key` can be written in this leaf's columns. (The difference wraps for a smaller word, which is right
-  // where all 8 bytes are kept and too large where not.)
+  // Whether `key` can be written in this leaf's columns. (The difference wraps for a smaller word, which is
+  // right where all 8 bytes are kept and too large where not.)
   bool Holds(const Key& key) const {
     for (int c = 0; c < 4; ++c) {
       if (key[c] - base[c] > mask[c]) return false;

@@ -12,7 +12,8 @@ namespace {
 // Reads the mappings of one graph version.
 class Mapper {
  public:
-  Mapper(const Dictionary& dictionary, const GraphVersion& version) : dictionary_(dictionary), version_(version) {}
+  Mapper(const Dictionary& dictionary, const GraphVersion& version)
+      : dictionary_(dictionary), version_(version) {}
 
   std::vector<TermId> MappingsOf(const std::string& sensor) const {
     std::vector<TermId> mappings;
@@ -75,12 +76,13 @@ class Mapper {
           absl::StrCat("the mapping ", name, " lacks docent:subject, docent:predicate or docent:object"));
     }
     if (subject->IsLiteral() || !predicate->IsIri()) {
-      return absl::InvalidArgumentError(absl::StrCat("the value ", ToNTriples(reading.value), " makes no fact by the mapping ",
-                                                     name, ": ", ToNTriples(*subject), " ", ToNTriples(*predicate),
-                                                     "; declare its docent:valueMeaning"));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "the value ", ToNTriples(reading.value), " makes no fact by the mapping ", name, ": ",
+          ToNTriples(*subject), " ", ToNTriples(*predicate), "; declare its docent:valueMeaning"));
     }
     std::vector<TermId> effect = Objects(mapping, "effect");
-    bool withdraws = !effect.empty() && dictionary_.Decode(effect.front()) == Term::Iri(DocentIri("Withdraws"));
+    bool withdraws =
+        !effect.empty() && dictionary_.Decode(effect.front()) == Term::Iri(DocentIri("Withdraws"));
     QuadOperation operation;
     operation.kind = withdraws ? QuadOperation::Kind::kRemove : QuadOperation::Kind::kAdd;
     operation.quad = {*subject, *predicate, *object, Term()};
@@ -95,19 +97,21 @@ class Mapper {
 }  // namespace
 
 absl::StatusOr<std::vector<QuadOperation>> MapReadings(const std::vector<SensorReading>& readings,
-                                                       const Dictionary& dictionary, const GraphVersion& version) {
+                                                       const Dictionary& dictionary,
+                                                       const GraphVersion& version) {
   std::vector<QuadOperation> operations;
   Mapper mapper(dictionary, version);
   for (size_t i = 0; i < readings.size(); ++i) {
     std::vector<TermId> mappings = mapper.MappingsOf(readings[i].sensor);
     if (mappings.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat("readings[", i, "]: no docent:ReadingMapping is for the sensor <",
-                                                     readings[i].sensor, ">"));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "readings[", i, "]: no docent:ReadingMapping is for the sensor <", readings[i].sensor, ">"));
     }
     for (TermId mapping : mappings) {
       auto operation = mapper.Apply(mapping, readings[i]);
       if (!operation.ok()) {
-        return absl::Status(operation.status().code(), absl::StrCat("readings[", i, "]: ", operation.status().message()));
+        return absl::Status(operation.status().code(),
+                            absl::StrCat("readings[", i, "]: ", operation.status().message()));
       }
       if (*operation) operations.push_back(**std::move(operation));
     }

@@ -28,9 +28,9 @@ struct QuadOperation {
 // A raw sensor reading (the paper's context: sensor, value, time). Readings become facts by the
 // docent:ReadingMapping resources of the graph (ontology/sensor.ttl).
 struct SensorReading {
-  std::string sensor;     // IRI
-  Term value;             // literal or IRI
-  TimeMicros time_us = 0; // when it was measured; 0: the batch's time
+  std::string sensor;      // IRI
+  Term value;              // literal or IRI
+  TimeMicros time_us = 0;  // when it was measured; 0: the batch's time
 
   friend bool operator==(const SensorReading&, const SensorReading&) = default;
 };
@@ -50,19 +50,19 @@ struct Document {
 // What a robot client proxy learnt of a command.
 struct CommandReport {
   enum class Outcome : uint8_t {
-    kAccepted,   // the adapter has it and works on it
-    kProgress,   // `progress` tells how far
-    kSucceeded,  // final
-    kFailed,     // final; `message` says why
-    kCancelled,  // final
-    kUnknown,    // final: the adapter restarted, nobody knows whether it was done
-    kUnreachable // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
+    kAccepted,    // the adapter has it and works on it
+    kProgress,    // `progress` tells how far
+    kSucceeded,   // final
+    kFailed,      // final; `message` says why
+    kCancelled,   // final
+    kUnknown,     // final: the adapter restarted, nobody knows whether it was done
+    kUnreachable  // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
   };
   CommandId command;
   Outcome outcome = Outcome::kAccepted;
-  std::string message;      // for people; empty on success
-  double progress = 0;      // 0..1
-  std::string incarnation;  // the adapter's incarnation that reports
+  std::string message;                                // for people; empty on success
+  double progress = 0;                                // 0..1
+  std::string incarnation;                            // the adapter's incarnation that reports
   std::vector<std::pair<std::string, Term>> results;  // named result values of a finished command
 
   friend bool operator==(const CommandReport&, const CommandReport&) = default;
@@ -72,21 +72,24 @@ struct CommandReport {
 struct RunRequest {
   enum class Kind : uint8_t { kStart, kCancel, kInvokeService };
   Kind kind = Kind::kStart;
-  std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL process; else a run id
-  std::vector<std::pair<std::string, Term>> arguments;  // kStart, kInvokeService: variable or part name → value
+  std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL
+                       // process; else a run id
+  std::vector<std::pair<std::string, Term>>
+      arguments;  // kStart, kInvokeService: variable or part name → value
 
   friend bool operator==(const RunRequest&, const RunRequest&) = default;
 };
 
 struct WriteBatch {
-  // How adds are meant. kAssert: a new value of a docent:StateProperty replaces the old one of the same source.
-  // kLoad: plain RDF set semantics.
+  // How adds are meant. kAssert: a new value of a docent:StateProperty replaces the old one of the same
+  // source. kLoad: plain RDF set semantics.
   enum class Mode : uint8_t { kAssert, kLoad };
 
-  std::string request_id;  // chosen by the client; a repeat is answered with the first answer and not applied again
-  std::string source;      // IRI of who says it: the named graph of quads that give none. Empty: docent:default
+  std::string
+      request_id;  // chosen by the client; a repeat is answered with the first answer and not applied again
+  std::string source;  // IRI of who says it: the named graph of quads that give none. Empty: docent:default
   Mode mode = Mode::kAssert;
-  TimeMicros time_us = 0;  // stamped by the door, never decreases
+  TimeMicros time_us = 0;    // stamped by the door, never decreases
   uint64_t lifetime_ms = 0;  // kAssert: the facts are withdrawn after this time unless renewed; 0: they stay
 
   std::vector<QuadOperation> operations;

@@ -1,5 +1,5 @@
-// Any bytes as a document in each RDF format: sound diagnostics, or quads that the store takes and that survive writing
-// and reading.
+// Any bytes as a document in each RDF format: sound diagnostics, or quads that the store takes and that
+// survive writing and reading.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -41,8 +41,9 @@ void CheckOne(std::string_view text, RdfFormat format) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string_view text(reinterpret_cast<const char*>(data), size);
-  for (docent::RdfFormat format : {docent::RdfFormat::kTurtle, docent::RdfFormat::kTriG, docent::RdfFormat::kNTriples,
-                                   docent::RdfFormat::kNQuads, docent::RdfFormat::kRdfXml}) {
+  for (docent::RdfFormat format :
+       {docent::RdfFormat::kTurtle, docent::RdfFormat::kTriG, docent::RdfFormat::kNTriples,
+        docent::RdfFormat::kNQuads, docent::RdfFormat::kRdfXml}) {
     docent::CheckOne(text, format);
   }
   return 0;

@@ -1,5 +1,5 @@
-// The batch applier against a naive model of what a batch means: random asserts, loads, removals, lifetimes, ticks,
-// readings of a state, and turns that are rolled back.
+// The batch applier against a naive model of what a batch means: random asserts, loads, removals, lifetimes,
+// ticks, readings of a state, and turns that are rolled back.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -14,10 +14,13 @@
 namespace docent {
 namespace {
 
-using Fact = std::tuple<std::string, std::string, std::string, std::string>;  // subject predicate object graph
-using Facts = std::map<Fact, TimeMicros>;                                     // → when its lifetime ends; 0: it stays
+using Fact =
+    std::tuple<std::string, std::string, std::string, std::string>;  // subject predicate object graph
+using Facts = std::map<Fact, TimeMicros>;  // → when its lifetime ends; 0: it stays
 
-std::string E(const char* kind, uint64_t n) { return std::string("http://e/") + kind + std::to_string(n); }
+std::string E(const char* kind, uint64_t n) {
+  return std::string("http://e/") + kind + std::to_string(n);
+}
 
 // What the documents say, word by word, without any index.
 struct Model {
@@ -25,7 +28,8 @@ struct Model {
 
   bool IsState(const std::string& property) const {
     for (const auto& [fact, end] : facts) {
-      if (std::get<0>(fact) == property && std::get<1>(fact) == kRdfType && std::get<2>(fact) == DocentIri("StateProperty")) {
+      if (std::get<0>(fact) == property && std::get<1>(fact) == kRdfType &&
+          std::get<2>(fact) == DocentIri("StateProperty")) {
         return true;
       }
     }
@@ -40,7 +44,9 @@ struct Model {
     }
     for (const QuadOperation& operation : batch.operations) {
       const TermQuad& q = operation.quad;
-      std::string graph = !q.graph.lexical.empty() ? q.graph.lexical : batch.source.empty() ? std::string(kDefaultGraph) : batch.source;
+      std::string graph = !q.graph.lexical.empty() ? q.graph.lexical
+                          : batch.source.empty()   ? std::string(kDefaultGraph)
+                                                   : batch.source;
       Fact fact{q.subject.lexical, q.predicate.lexical, q.object.lexical, graph};
       if (operation.kind == QuadOperation::Kind::kRemove) {
         facts.erase(fact);
@@ -53,7 +59,9 @@ struct Model {
                  std::get<3>(f.first) == graph && f.first != fact;
         });
       }
-      facts[fact] = asserts && batch.lifetime_ms > 0 ? batch.time_us + static_cast<TimeMicros>(batch.lifetime_ms) * 1000 : 0;
+      facts[fact] = asserts && batch.lifetime_ms > 0
+                        ? batch.time_us + static_cast<TimeMicros>(batch.lifetime_ms) * 1000
+                        : 0;
     }
   }
 
@@ -82,7 +90,8 @@ TEST_P(StoreBatchProperty, EqualsTheModel) {
     for (uint64_t i = random() % 8; i > 0; --i) {
       QuadOperation operation;
       operation.kind = random() % 4 == 0 ? QuadOperation::Kind::kRemove : QuadOperation::Kind::kAdd;
-      operation.quad = {Term::Iri(E("s", random() % 3)), Term::Iri(E("p", random() % 4)), Term::Iri(E("o", random() % 4)), Term()};
+      operation.quad = {Term::Iri(E("s", random() % 3)), Term::Iri(E("p", random() % 4)),
+                        Term::Iri(E("o", random() % 4)), Term()};
       if (random() % 6 == 0) {
         operation.quad.subject = Term::Iri(E("p", random() % 4));
         operation.quad.predicate = Term::Iri(std::string(kRdfType));
@@ -97,7 +106,8 @@ TEST_P(StoreBatchProperty, EqualsTheModel) {
     std::set<Fact> facts;
     writer.current().ForEach({}, [&](const Quad& quad) {
       auto text = [&](TermId id) { return std::string(dictionary.Lexical(id)); };
-      return facts.insert({text(quad.subject), text(quad.predicate), text(quad.object), text(quad.graph)}).second;
+      return facts.insert({text(quad.subject), text(quad.predicate), text(quad.object), text(quad.graph)})
+          .second;
     });
     return facts;
   };

@@ -28,7 +28,8 @@ class Isomorphism {
 
   Isomorphism(const std::vector<TermQuad>& a, const std::vector<TermQuad>& b)
       : a_(a), b_(b), colours_a_(Refine(a)), colours_b_(Refine(b)) {
-    for (const TermQuad& quad : b_) texts_b_.insert(Text(quad, [](const std::string& label) { return label; }));
+    for (const TermQuad& quad : b_)
+      texts_b_.insert(Text(quad, [](const std::string& label) { return label; }));
   }
 
   static void Normalise(std::vector<TermQuad>* quads) {
@@ -76,7 +77,8 @@ class Isomorphism {
     for (const auto& [node, colour] : colours_a_) {
       if (names.contains(node)) continue;
       for (const auto& [other, other_colour] : colours_b_) {
-        bool taken = std::any_of(names.begin(), names.end(), [&](const auto& n) { return n.second == other; });
+        bool taken =
+            std::any_of(names.begin(), names.end(), [&](const auto& n) { return n.second == other; });
         if (colour != other_colour || taken) continue;
         auto more = names;
         more[node] = other;

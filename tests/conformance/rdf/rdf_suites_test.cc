@@ -1,7 +1,9 @@
-// The W3C RDF 1.1 test suites (github.com/w3c/rdf-tests): syntax and evaluation of Turtle, TriG, N-Triples, N-Quads
-// and RDF/XML. They are looked for in $DOCENT_W3C_TESTS, else beside the source tree; skipped where they are not.
+// The W3C RDF 1.1 test suites (github.com/w3c/rdf-tests): syntax and evaluation of Turtle, TriG, N-Triples,
+// N-Quads and RDF/XML. They are looked for in $DOCENT_W3C_TESTS, else beside the source tree; skipped where
+// they are not.
 //
-// Every document that parses is also written in each format that can hold it, read again, and must be the same.
+// Every document that parses is also written in each format that can hold it, read again, and must be the
+// same.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -24,7 +26,8 @@ constexpr char kTestNs[] = "http://www.w3.org/ns/rdftest#";
 // Known failures, by test name, each with its reason. A test listed here that passes is an error, too.
 const std::map<std::string, std::string>& KnownFailures() {
   static const auto* known = new std::map<std::string, std::string>{
-      {"rdfms-xmllang-test006", "Raptor 2.0.15 gives property attributes no language, whatever xml:lang is in scope"},
+      {"rdfms-xmllang-test006",
+       "Raptor 2.0.15 gives property attributes no language, whatever xml:lang is in scope"},
   };
   return *known;
 }
@@ -141,7 +144,8 @@ TEST_P(RdfSuites, EveryTestPassesOrIsListed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(W3c, RdfSuites,
-                         testing::Values("rdf-turtle", "rdf-trig", "rdf-n-triples", "rdf-n-quads", "rdf-xml"));
+                         testing::Values("rdf-turtle", "rdf-trig", "rdf-n-triples", "rdf-n-quads",
+                                         "rdf-xml"));
 
 }  // namespace
 }  // namespace docent

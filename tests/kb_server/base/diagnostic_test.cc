@@ -27,8 +27,8 @@ TEST(DiagnosticTest, RenderShowsLineCaretAndHint) {
 TEST(DiagnosticTest, RenderShowsTheNeighbourhoodOfAPlaceInALongLine) {
   std::string text = std::string(1000, 'a') + "X" + std::string(1000000, 'b');
   Diagnostic diagnostic{"", SpanAt(text, 1000, 1), "bad", ""};
-  EXPECT_EQ(Render({diagnostic}, text), "1:1001: error: bad\n  …" + std::string(100, 'a') + "X" + std::string(60, 'b') +
-                                            "…\n  " + std::string(101, ' ') + "^\n");
+  EXPECT_EQ(Render({diagnostic}, text), "1:1001: error: bad\n  …" + std::string(100, 'a') + "X" +
+                                            std::string(60, 'b') + "…\n  " + std::string(101, ' ') + "^\n");
   std::string umlauts;
   for (int i = 0; i < 300; ++i) umlauts += "ä";
   diagnostic.span = SpanAt(umlauts, 400);  // code point 201

@@ -18,7 +18,8 @@ using testing::HasSubstr;
 WriteBatch BatchOf(size_t operations, size_t text = 1) {
   WriteBatch batch;
   for (size_t i = 0; i < operations; ++i) {
-    batch.operations.push_back({QuadOperation::Kind::kAdd, {Term::Literal(std::string(text, 'x')), {}, {}, {}}});
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd, {Term::Literal(std::string(text, 'x')), {}, {}, {}}});
   }
   return batch;
 }
@@ -26,7 +27,8 @@ WriteBatch BatchOf(size_t operations, size_t text = 1) {
 // The answer that Push gives at once; OK if it gives none.
 std::string Answer(Inbox* inbox, WriteBatch batch) {
   std::string answer = "OK";
-  inbox->Push(std::move(batch), [&answer](const absl::StatusOr<BatchOutcome>& o) { answer = o.status().ToString(); });
+  inbox->Push(std::move(batch),
+              [&answer](const absl::StatusOr<BatchOutcome>& o) { answer = o.status().ToString(); });
   return answer;
 }
 
@@ -59,7 +61,8 @@ TEST(InboxTest, AtEachLimitAndOnePast) {
   Inbox inbox(&clock, limits);
   auto pop = [&inbox] { inbox.PopAll(0, 99); };
   EXPECT_EQ(Answer(&inbox, BatchOf(3)), "OK");
-  EXPECT_THAT(Answer(&inbox, BatchOf(4)), HasSubstr("RESOURCE_EXHAUSTED: the batch has operations: 4; the limit batch_operations is 3"));
+  EXPECT_THAT(Answer(&inbox, BatchOf(4)),
+              HasSubstr("RESOURCE_EXHAUSTED: the batch has operations: 4; the limit batch_operations is 3"));
   EXPECT_EQ(Answer(&inbox, BatchOf(3, 10)), "OK");
   EXPECT_THAT(Answer(&inbox, BatchOf(1)), HasSubstr("the limit inbox_batches is 2"));
   pop();
@@ -116,7 +119,8 @@ TEST(InboxTest, EveryBatchOfManyThreadsIsTakenOnce) {
   std::atomic<int> answered{0};
   for (int t = 0; t < 4; ++t) {
     threads.emplace_back([&] {
-      for (int i = 0; i < 500; ++i) inbox.Push(BatchOf(1), [&](const absl::StatusOr<BatchOutcome>&) { ++answered; });
+      for (int i = 0; i < 500; ++i)
+        inbox.Push(BatchOf(1), [&](const absl::StatusOr<BatchOutcome>&) { ++answered; });
     });
   }
   size_t taken = 0;

@@ -75,7 +75,8 @@ TEST(DictionaryTest, SameOrderGivesTheSameIds) {
   }
 }
 
-// One writer; readers find and decode what it has published through an atomic, and look for terms not yet there.
+// One writer; readers find and decode what it has published through an atomic, and look for terms not yet
+// there.
 TEST(DictionaryTest, ReadersBesideTheWriter) {
   Dictionary dictionary;
   constexpr uint64_t kTerms = 40000;

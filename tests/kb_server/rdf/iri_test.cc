@@ -11,7 +11,8 @@ TEST(IriTest, Absolute) {
   EXPECT_TRUE(IsAbsoluteIri("http://a"));
   EXPECT_TRUE(IsAbsoluteIri("urn:x"));
   EXPECT_TRUE(IsAbsoluteIri("a+b-c.d:"));
-  for (const char* text : {"", "a", "/a:b", "1a:b", ":a", "a/b:c", "#x", "?x:y"}) EXPECT_FALSE(IsAbsoluteIri(text)) << text;
+  for (const char* text : {"", "a", "/a:b", "1a:b", ":a", "a/b:c", "#x", "?x:y"})
+    EXPECT_FALSE(IsAbsoluteIri(text)) << text;
 }
 
 TEST(IriTest, ValidTermIri) {
@@ -27,19 +28,45 @@ TEST(IriTest, ResolvesTheExamplesOfTheRfc) {
     const char* reference;
     const char* result;
   };
-  for (const Example& e : std::initializer_list<Example>{
-           {"g:h", "g:h"}, {"g", "http://a/b/c/g"}, {"./g", "http://a/b/c/g"}, {"g/", "http://a/b/c/g/"},
-           {"/g", "http://a/g"}, {"//g", "http://g"}, {"?y", "http://a/b/c/d;p?y"}, {"g?y", "http://a/b/c/g?y"},
-           {"#s", "http://a/b/c/d;p?q#s"}, {"g#s", "http://a/b/c/g#s"}, {"g?y#s", "http://a/b/c/g?y#s"},
-           {";x", "http://a/b/c/;x"}, {"g;x", "http://a/b/c/g;x"}, {"g;x?y#s", "http://a/b/c/g;x?y#s"},
-           {"", "http://a/b/c/d;p?q"}, {".", "http://a/b/c/"}, {"./", "http://a/b/c/"}, {"..", "http://a/b/"},
-           {"../", "http://a/b/"}, {"../g", "http://a/b/g"}, {"../..", "http://a/"}, {"../../", "http://a/"},
-           {"../../g", "http://a/g"}, {"../../../g", "http://a/g"}, {"../../../../g", "http://a/g"},
-           {"/./g", "http://a/g"}, {"/../g", "http://a/g"}, {"g.", "http://a/b/c/g."}, {".g", "http://a/b/c/.g"},
-           {"g..", "http://a/b/c/g.."}, {"..g", "http://a/b/c/..g"}, {"./../g", "http://a/b/g"},
-           {"./g/.", "http://a/b/c/g/"}, {"g/./h", "http://a/b/c/g/h"}, {"g/../h", "http://a/b/c/h"},
-           {"g;x=1/./y", "http://a/b/c/g;x=1/y"}, {"g;x=1/../y", "http://a/b/c/y"},
-           {"g?y/./x", "http://a/b/c/g?y/./x"}, {"g#s/../x", "http://a/b/c/g#s/../x"}}) {
+  for (const Example& e : std::initializer_list<Example>{{"g:h", "g:h"},
+                                                         {"g", "http://a/b/c/g"},
+                                                         {"./g", "http://a/b/c/g"},
+                                                         {"g/", "http://a/b/c/g/"},
+                                                         {"/g", "http://a/g"},
+                                                         {"//g", "http://g"},
+                                                         {"?y", "http://a/b/c/d;p?y"},
+                                                         {"g?y", "http://a/b/c/g?y"},
+                                                         {"#s", "http://a/b/c/d;p?q#s"},
+                                                         {"g#s", "http://a/b/c/g#s"},
+                                                         {"g?y#s", "http://a/b/c/g?y#s"},
+                                                         {";x", "http://a/b/c/;x"},
+                                                         {"g;x", "http://a/b/c/g;x"},
+                                                         {"g;x?y#s", "http://a/b/c/g;x?y#s"},
+                                                         {"", "http://a/b/c/d;p?q"},
+                                                         {".", "http://a/b/c/"},
+                                                         {"./", "http://a/b/c/"},
+                                                         {"..", "http://a/b/"},
+                                                         {"../", "http://a/b/"},
+                                                         {"../g", "http://a/b/g"},
+                                                         {"../..", "http://a/"},
+                                                         {"../../", "http://a/"},
+                                                         {"../../g", "http://a/g"},
+                                                         {"../../../g", "http://a/g"},
+                                                         {"../../../../g", "http://a/g"},
+                                                         {"/./g", "http://a/g"},
+                                                         {"/../g", "http://a/g"},
+                                                         {"g.", "http://a/b/c/g."},
+                                                         {".g", "http://a/b/c/.g"},
+                                                         {"g..", "http://a/b/c/g.."},
+                                                         {"..g", "http://a/b/c/..g"},
+                                                         {"./../g", "http://a/b/g"},
+                                                         {"./g/.", "http://a/b/c/g/"},
+                                                         {"g/./h", "http://a/b/c/g/h"},
+                                                         {"g/../h", "http://a/b/c/h"},
+                                                         {"g;x=1/./y", "http://a/b/c/g;x=1/y"},
+                                                         {"g;x=1/../y", "http://a/b/c/y"},
+                                                         {"g?y/./x", "http://a/b/c/g?y/./x"},
+                                                         {"g#s/../x", "http://a/b/c/g#s/../x"}}) {
     EXPECT_EQ(ResolveIri(e.reference, "http://a/b/c/d;p?q"), e.result) << e.reference;
   }
 }
@@ -51,13 +78,14 @@ TEST(IriTest, BasesWithoutPathOrAuthority) {
 }
 
 TEST(Utf8Test, FindsTheFirstBadByte) {
-  EXPECT_FALSE(FindInvalidUtf8("plain and \xC3\xA9 and \xE2\x82\xAC and \xF0\x9F\x98\x80 long enough").has_value());
+  EXPECT_FALSE(
+      FindInvalidUtf8("plain and \xC3\xA9 and \xE2\x82\xAC and \xF0\x9F\x98\x80 long enough").has_value());
   EXPECT_EQ(FindInvalidUtf8("ab\xC3"), 2u);
   EXPECT_EQ(FindInvalidUtf8("ab\x80 and more text behind"), 2u);
-  EXPECT_EQ(FindInvalidUtf8("\xC0\x80"), 0u);              // overlong
-  EXPECT_EQ(FindInvalidUtf8("\xE0\x80\x80"), 0u);          // overlong
-  EXPECT_EQ(FindInvalidUtf8("x\xED\xA0\x80"), 1u);         // surrogate
-  EXPECT_EQ(FindInvalidUtf8("\xF4\x90\x80\x80"), 0u);      // past U+10FFFF
+  EXPECT_EQ(FindInvalidUtf8("\xC0\x80"), 0u);          // overlong
+  EXPECT_EQ(FindInvalidUtf8("\xE0\x80\x80"), 0u);      // overlong
+  EXPECT_EQ(FindInvalidUtf8("x\xED\xA0\x80"), 1u);     // surrogate
+  EXPECT_EQ(FindInvalidUtf8("\xF4\x90\x80\x80"), 0u);  // past U+10FFFF
   EXPECT_EQ(FindInvalidUtf8("01234567\xFFxxxxxxxx"), 8u);
 }
 

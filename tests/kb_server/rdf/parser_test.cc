@@ -18,10 +18,13 @@ using testing::Pair;
 using testing::SizeIs;
 
 const Term kNoGraph;
-Term E(std::string local) { return Term::Iri("http://e/" + std::move(local)); }
+Term E(std::string local) {
+  return Term::Iri("http://e/" + std::move(local));
+}
 
 // The rendered mistakes of a text that must not parse.
-std::string Mistakes(const std::string& text, RdfFormat format = RdfFormat::kTurtle, ParseRdfOptions options = {}) {
+std::string Mistakes(const std::string& text, RdfFormat format = RdfFormat::kTurtle,
+                     ParseRdfOptions options = {}) {
   ParsedRdf parsed = ParseRdf(text, format, options);
   EXPECT_FALSE(parsed.ok()) << text;
   EXPECT_THAT(parsed.quads, IsEmpty());
@@ -49,17 +52,18 @@ TEST(ParserTest, TurtleTermsAndPrefixes) {
       RdfFormat::kTurtle);
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   EXPECT_THAT(parsed.prefixes, ElementsAre(Pair("e", "http://e/"), Pair("", "http://d/")));
-  EXPECT_THAT(parsed.quads,
-              ElementsAre(TermQuad{E("s"), Term::Iri(std::string(kRdfType)), E("T"), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Integer(1), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Literal("2.5", std::string(kXsdDecimal)), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Literal("1e0", std::string(kXsdDouble)), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Boolean(true), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::LangString("x", "en"), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Literal("y", "http://e/dt"), kNoGraph},
-                          TermQuad{E("s"), E("p"), Term::Literal("long\n"), kNoGraph},
-                          TermQuad{Term::Blank("b1"), E("r"), Term::Iri(std::string(kRdfNs) + "nil"), kNoGraph},
-                          TermQuad{E("s"), E("q"), Term::Blank("b1"), kNoGraph}));
+  EXPECT_THAT(
+      parsed.quads,
+      ElementsAre(TermQuad{E("s"), Term::Iri(std::string(kRdfType)), E("T"), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Integer(1), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Literal("2.5", std::string(kXsdDecimal)), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Literal("1e0", std::string(kXsdDouble)), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Boolean(true), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::LangString("x", "en"), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Literal("y", "http://e/dt"), kNoGraph},
+                  TermQuad{E("s"), E("p"), Term::Literal("long\n"), kNoGraph},
+                  TermQuad{Term::Blank("b1"), E("r"), Term::Iri(std::string(kRdfNs) + "nil"), kNoGraph},
+                  TermQuad{E("s"), E("q"), Term::Blank("b1"), kNoGraph}));
 }
 
 TEST(ParserTest, BlankNodeLabelsNeverMeet) {
@@ -75,7 +79,8 @@ TEST(ParserTest, BlankNodeLabelsNeverMeet) {
 }
 
 TEST(ParserTest, NumbersBeforeADot) {
-  ParsedRdf parsed = ParseRdf("@prefix e: <http://e/>. e:s e:p 1.e:t e:p 2.5.e:u e:p .5e1.e:v e:p -1.E2.", RdfFormat::kTurtle);
+  ParsedRdf parsed = ParseRdf("@prefix e: <http://e/>. e:s e:p 1.e:t e:p 2.5.e:u e:p .5e1.e:v e:p -1.E2.",
+                              RdfFormat::kTurtle);
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   ASSERT_THAT(parsed.quads, SizeIs(4));
   EXPECT_EQ(parsed.quads[0].object, Term::Integer(1));
@@ -86,7 +91,8 @@ TEST(ParserTest, NumbersBeforeADot) {
 
 TEST(ParserTest, GraphsOfTriGAndNQuads) {
   ParsedRdf trig = ParseRdf(
-      "PREFIX e: <http://e/> e:s e:p e:o . GRAPH e:g { e:s e:p e:o . e:s e:p 2 } { e:s e:p 3 } _:g { [] e:p 4 . }",
+      "PREFIX e: <http://e/> e:s e:p e:o . GRAPH e:g { e:s e:p e:o . e:s e:p 2 } { e:s e:p 3 } _:g { [] e:p "
+      "4 . }",
       RdfFormat::kTriG);
   ASSERT_TRUE(trig.ok()) << Render(trig.diagnostics, "");
   ASSERT_THAT(trig.quads, SizeIs(5));
@@ -108,7 +114,8 @@ TEST(ParserTest, AllMistakesWithPlaceAndHint) {
       "ex:g \"literal\" 4 .\n"
       "foaf:x ex:p geo:y .\n";
   std::string found = Mistakes(text);
-  EXPECT_THAT(found, HasSubstr("2:6: error: the prefix 'exx:' is not declared\n  ex:a exx:b 1 .\n       ^\n  hint: did you mean ex:?"));
+  EXPECT_THAT(found, HasSubstr("2:6: error: the prefix 'exx:' is not declared\n  ex:a exx:b 1 .\n       ^\n  "
+                               "hint: did you mean ex:?"));
   EXPECT_THAT(found, HasSubstr("3:11: error: this string has no end on its line"));
   EXPECT_THAT(found, HasSubstr("5:6: error: a literal can't be a predicate"));
   EXPECT_THAT(found, HasSubstr("6:1: error: the prefix 'foaf:' is not declared"));
@@ -121,23 +128,32 @@ TEST(ParserTest, MistakesAreLimited) {
 }
 
 TEST(ParserTest, SingleMistakes) {
-  EXPECT_THAT(Mistakes("<rel> <http://e/p> 1 ."), HasSubstr("1:1: error: <rel> is relative and the document has no base IRI"));
+  EXPECT_THAT(Mistakes("<rel> <http://e/p> 1 ."),
+              HasSubstr("1:1: error: <rel> is relative and the document has no base IRI"));
   EXPECT_THAT(Mistakes("<http://e/a b> <http://e/p> 1 ."), HasSubstr("U+0020 is not allowed in an IRI"));
-  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"\\uD83D\" ."), HasSubstr("U+D83D is not a Unicode character"));
+  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"\\uD83D\" ."),
+              HasSubstr("U+D83D is not a Unicode character"));
   EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"\\q\" ."), HasSubstr("unknown escape"));
-  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> 1"), HasSubstr("expected '.' at the end of the statement, found the end of the document"));
-  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"x\"^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#langString> ."), HasSubstr("needs a language tag"));
+  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> 1"),
+              HasSubstr("expected '.' at the end of the statement, found the end of the document"));
+  EXPECT_THAT(
+      Mistakes("<http://e/a> <http://e/p> \"x\"^^<http://www.w3.org/1999/02/22-rdf-syntax-ns#langString> ."),
+      HasSubstr("needs a language tag"));
   EXPECT_THAT(Mistakes("@PREFIX e: <http://e/> ."), HasSubstr("unknown directive"));
-  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> <http://e/b> . <http://e/c>", RdfFormat::kNTriples), HasSubstr("expected the end of the line"));
-  EXPECT_THAT(Mistakes("<a> <http://e/p> 1 .", RdfFormat::kNTriples, {"", "http://base/"}), HasSubstr("not an absolute IRI"));
+  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> <http://e/b> . <http://e/c>", RdfFormat::kNTriples),
+              HasSubstr("expected the end of the line"));
+  EXPECT_THAT(Mistakes("<a> <http://e/p> 1 .", RdfFormat::kNTriples, {"", "http://base/"}),
+              HasSubstr("not an absolute IRI"));
   EXPECT_THAT(Mistakes("{ <http://e/a> <http://e/p> 1 ", RdfFormat::kTriG), HasSubstr("expected '.' or '}'"));
 }
 
 TEST(ParserTest, BytesThatAreNoText) {
-  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"\xFF\" ."), HasSubstr("1:28: error: the byte 0xFF here is not UTF-8"));
+  EXPECT_THAT(Mistakes("<http://e/a> <http://e/p> \"\xFF\" ."),
+              HasSubstr("1:28: error: the byte 0xFF here is not UTF-8"));
   std::string zero("<http://e/a> \0 .", 16);
   EXPECT_THAT(Mistakes(zero), HasSubstr("expected a prefixed name"));
-  EXPECT_THAT(Mistakes(std::string("<a>\0</a>", 8), RdfFormat::kRdfXml), HasSubstr("U+0000 is not allowed in XML"));
+  EXPECT_THAT(Mistakes(std::string("<a>\0</a>", 8), RdfFormat::kRdfXml),
+              HasSubstr("U+0000 is not allowed in XML"));
   EXPECT_TRUE(ParseRdf("\xEF\xBB\xBF<http://e/a> <http://e/p> 1 .", RdfFormat::kTurtle).ok());
 }
 
@@ -146,9 +162,11 @@ TEST(ParserTest, LimitsAtAndOnePast) {
   options.limits.term_bytes = 12;
   options.limits.turtle_nesting = 3;
   EXPECT_TRUE(ParseRdf("<urn:a> <urn:b> \"123456789012\" .", RdfFormat::kTurtle, options).ok());
-  EXPECT_THAT(Mistakes("<urn:a> <urn:b> \"1234567890123\" .", RdfFormat::kTurtle, options), HasSubstr("term_bytes is 12"));
+  EXPECT_THAT(Mistakes("<urn:a> <urn:b> \"1234567890123\" .", RdfFormat::kTurtle, options),
+              HasSubstr("term_bytes is 12"));
   EXPECT_TRUE(ParseRdf("<urn:a> <urn:b> (((1))) .", RdfFormat::kTurtle, options).ok());
-  EXPECT_THAT(Mistakes("<urn:a> <urn:b> ((((1)))) .", RdfFormat::kTurtle, options), HasSubstr("turtle_nesting = 3"));
+  EXPECT_THAT(Mistakes("<urn:a> <urn:b> ((((1)))) .", RdfFormat::kTurtle, options),
+              HasSubstr("turtle_nesting = 3"));
   std::string text = "<urn:a> <urn:b> 1 .";
   options.limits.document_bytes = text.size();
   EXPECT_TRUE(ParseRdf(text, RdfFormat::kTurtle, options).ok());
@@ -162,13 +180,14 @@ TEST(ParserTest, DeepNestingIsRefusedNotACrash) {
 }
 
 std::string RdfXml(const std::string& body) {
-  return "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n" + body + "\n</rdf:RDF>";
+  return "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n" +
+         body + "\n</rdf:RDF>";
 }
 
 TEST(ParserTest, RdfXml) {
-  ParsedRdf parsed = ParseRdf(
-      RdfXml("<e:T rdf:about=\"http://e/s\"><e:p>x</e:p><e:q rdf:nodeID=\"n\"/><e:r><rdf:Description/></e:r></e:T>"),
-      RdfFormat::kRdfXml);
+  ParsedRdf parsed = ParseRdf(RdfXml("<e:T rdf:about=\"http://e/s\"><e:p>x</e:p><e:q "
+                                     "rdf:nodeID=\"n\"/><e:r><rdf:Description/></e:r></e:T>"),
+                              RdfFormat::kRdfXml);
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   ASSERT_THAT(parsed.quads, SizeIs(4));
   EXPECT_EQ(parsed.quads[1], (TermQuad{E("s"), E("p"), Term::Literal("x"), kNoGraph}));
@@ -178,15 +197,20 @@ TEST(ParserTest, RdfXml) {
 }
 
 TEST(ParserTest, RdfXmlMistakes) {
-  EXPECT_THAT(Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF [<!ENTITY x \"y\">]>" + RdfXml(""), RdfFormat::kRdfXml),
-              HasSubstr("2:11: error: a document type definition is refused"));
-  EXPECT_THAT(Mistakes("<?xml version=\"1.0\" encoding='UTF-7'?>" + RdfXml(""), RdfFormat::kRdfXml), HasSubstr("only the encoding UTF-8"));
+  EXPECT_THAT(
+      Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF [<!ENTITY x \"y\">]>" + RdfXml(""),
+               RdfFormat::kRdfXml),
+      HasSubstr("2:11: error: a document type definition is refused"));
+  EXPECT_THAT(Mistakes("<?xml version=\"1.0\" encoding='UTF-7'?>" + RdfXml(""), RdfFormat::kRdfXml),
+              HasSubstr("only the encoding UTF-8"));
   EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"x\"/>"), RdfFormat::kRdfXml), HasSubstr("<x> is relative"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"http://e/a b\"/>"), RdfFormat::kRdfXml), HasSubstr("not allowed in an IRI"));
+  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"http://e/a b\"/>"), RdfFormat::kRdfXml),
+              HasSubstr("not allowed in an IRI"));
   EXPECT_THAT(Mistakes(RdfXml("<e:T>\n<unclosed></e:T>"), RdfFormat::kRdfXml), HasSubstr("3:"));
   EXPECT_THAT(Mistakes("not xml", RdfFormat::kRdfXml), HasSubstr("1:1: error"));
   EXPECT_THAT(Mistakes("", RdfFormat::kRdfXml), HasSubstr("error"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:aboutEach=\"http://e/a\"><e:p>x</e:p></e:T>"), RdfFormat::kRdfXml), HasSubstr("aboutEach"));
+  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:aboutEach=\"http://e/a\"><e:p>x</e:p></e:T>"), RdfFormat::kRdfXml),
+              HasSubstr("aboutEach"));
 }
 
 TEST(ParserTest, ManyThreads) {

@@ -10,7 +10,9 @@ namespace {
 
 using testing::HasSubstr;
 
-Term E(std::string local) { return Term::Iri("http://e/" + std::move(local)); }
+Term E(std::string local) {
+  return Term::Iri("http://e/" + std::move(local));
+}
 
 TEST(SerializerTest, TurtleGathersSubjectsAndShortens) {
   std::vector<TermQuad> quads = {{E("s"), E("p"), Term::Integer(2), {}},
@@ -32,7 +34,8 @@ TEST(SerializerTest, TurtleGathersSubjectsAndShortens) {
 TEST(SerializerTest, CyclesOfBlankNodesSurvive) {
   std::vector<TermQuad> quads = {{Term::Blank("x"), E("p"), Term::Blank("y"), {}},
                                  {Term::Blank("y"), E("p"), Term::Blank("x"), {}}};
-  for (RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads, RdfFormat::kRdfXml}) {
+  for (RdfFormat format :
+       {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads, RdfFormat::kRdfXml}) {
     auto text = SerializeRdf(quads, format);
     ASSERT_TRUE(text.ok());
     EXPECT_EQ(ParseRdf(*text, format).quads.size(), 2u) << *text;
@@ -47,7 +50,8 @@ TEST(SerializerTest, GraphsNeedAFormatThatHasThem) {
     EXPECT_EQ(ParseRdf(*text, format).quads.size(), 2u) << *text;
   }
   for (RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kNTriples, RdfFormat::kRdfXml}) {
-    EXPECT_THAT(std::string(SerializeRdf(quads, format).status().message()), HasSubstr("<http://e/g>: use TriG or N-Quads"));
+    EXPECT_THAT(std::string(SerializeRdf(quads, format).status().message()),
+                HasSubstr("<http://e/g>: use TriG or N-Quads"));
   }
 }
 
@@ -60,10 +64,14 @@ TEST(SerializerTest, WhatLooksLikeANumberButIsNone) {
 }
 
 TEST(SerializerTest, WhatRdfXmlCannotSay) {
-  EXPECT_THAT(std::string(SerializeRdf({{E("s"), Term::Iri("http://e/123"), E("o"), {}}}, RdfFormat::kRdfXml).status().message()),
+  EXPECT_THAT(std::string(SerializeRdf({{E("s"), Term::Iri("http://e/123"), E("o"), {}}}, RdfFormat::kRdfXml)
+                              .status()
+                              .message()),
               HasSubstr("<http://e/123>"));
-  EXPECT_THAT(std::string(SerializeRdf({{E("s"), E("p"), Term::Literal("\x01"), {}}}, RdfFormat::kRdfXml).status().message()),
-              HasSubstr("U+0001"));
+  EXPECT_THAT(
+      std::string(
+          SerializeRdf({{E("s"), E("p"), Term::Literal("\x01"), {}}}, RdfFormat::kRdfXml).status().message()),
+      HasSubstr("U+0001"));
 }
 
 TEST(SerializerTest, RdfXmlKeepsTextExactly) {

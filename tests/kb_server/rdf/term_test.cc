@@ -18,11 +18,11 @@ TEST(TermTest, EqualTermsAreEqualStructs) {
 }
 
 TEST(TermTest, OrderIsBlankIriLiteral) {
-  std::vector<Term> terms = {Term::Literal("a"), Term::Iri("http://b"), Term::Blank("z"), Term::Iri("http://a"),
-                             Term::Literal("a", "http://t")};
+  std::vector<Term> terms = {Term::Literal("a"), Term::Iri("http://b"), Term::Blank("z"),
+                             Term::Iri("http://a"), Term::Literal("a", "http://t")};
   std::sort(terms.begin(), terms.end());
-  std::vector<Term> expected = {Term::Blank("z"), Term::Iri("http://a"), Term::Iri("http://b"), Term::Literal("a"),
-                                Term::Literal("a", "http://t")};
+  std::vector<Term> expected = {Term::Blank("z"), Term::Iri("http://a"), Term::Iri("http://b"),
+                                Term::Literal("a"), Term::Literal("a", "http://t")};
   EXPECT_EQ(terms, expected);
 }
 

@@ -30,7 +30,8 @@ class BatchApplierTest : public testing::Test {
     EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
     WriteBatch batch;
     batch.time_us = time_us;
-    for (TermQuad& quad : parsed.quads) batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    for (TermQuad& quad : parsed.quads)
+      batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
     return batch;
   }
   static WriteBatch Removing(const std::string& turtle) {
@@ -40,7 +41,8 @@ class BatchApplierTest : public testing::Test {
   }
 
   // One whole turn. The texts of what was added and removed.
-  absl::StatusOr<std::pair<std::vector<std::string>, std::vector<std::string>>> Turn(const WriteBatch& batch) {
+  absl::StatusOr<std::pair<std::vector<std::string>, std::vector<std::string>>> Turn(
+      const WriteBatch& batch) {
     absl::StatusOr<Delta> delta = applier_.Apply(batch, writer_);
     if (!delta.ok()) return delta.status();
     applier_.Commit();
@@ -85,12 +87,15 @@ TEST_F(BatchApplierTest, QuadsLieInTheirGraphTheSourceOrTheDefaultGraph) {
   ASSERT_TRUE(Turn(batch).ok());
   batch.source = "http://e/robot";
   ASSERT_TRUE(Turn(batch).ok());
-  EXPECT_THAT(All(), ElementsAre("<http://e/s> <http://e/p> 1 <http://e/robot>", "<http://e/s> <http://e/p> 1 docent:default",
+  EXPECT_THAT(All(), ElementsAre("<http://e/s> <http://e/p> 1 <http://e/robot>",
+                                 "<http://e/s> <http://e/p> 1 docent:default",
                                  "<http://e/s> <http://e/p> 2 <http://e/g>"));
 }
 
 TEST_F(BatchApplierTest, ANewStateReplacesTheOldOfTheSameSource) {
-  ASSERT_TRUE(Turn(Batch("e:r docent:at e:a . e:r e:p e:a . e:r2 docent:at e:a . e:other { e:r docent:at e:z }")).ok());
+  ASSERT_TRUE(
+      Turn(Batch("e:r docent:at e:a . e:r e:p e:a . e:r2 docent:at e:a . e:other { e:r docent:at e:z }"))
+          .ok());
   auto change = Turn(Batch("e:r docent:at e:b . e:r e:p e:b ."));
   ASSERT_TRUE(change.ok());
   EXPECT_THAT(change->first, UnorderedElementsAre("<http://e/r> docent:at <http://e/b> docent:default",
@@ -239,16 +244,21 @@ TEST_F(BatchApplierTest, BadTermsAreNamedAndNothingIsApplied) {
 class ReadingTest : public BatchApplierTest {
  protected:
   ReadingTest() {
-    EXPECT_TRUE(Turn(Batch("e:in a docent:ReadingMapping ; docent:forSensor e:door ; docent:whenValue \"in\" ;"
-                           "  docent:subject e:John ; docent:predicate docent:at ; docent:object e:Hall ."
-                           "e:out a docent:ReadingMapping ; docent:forSensor e:door ; docent:whenValue \"out\" ;"
-                           "  docent:subject e:John ; docent:predicate docent:at ; docent:object e:Hall ; docent:effect docent:Withdraws ."
-                           "e:beacon a docent:ReadingMapping ; docent:forSensor e:b3 ; docent:subject docent:readingValue ;"
-                           "  docent:predicate docent:at ; docent:object e:B03 ;"
-                           "  docent:valueMeaning [ docent:readingValue \"tag-17\" ; docent:means e:John ] ."
-                           "e:heat a docent:ReadingMapping ; docent:forSensor e:t ; docent:subject e:Hall ; docent:predicate e:degrees ;"
-                           "  docent:object docent:readingValue . e:broken docent:forSensor e:half ; docent:subject e:x ."))
-                    .ok());
+    EXPECT_TRUE(
+        Turn(Batch("e:in a docent:ReadingMapping ; docent:forSensor e:door ; docent:whenValue \"in\" ;"
+                   "  docent:subject e:John ; docent:predicate docent:at ; docent:object e:Hall ."
+                   "e:out a docent:ReadingMapping ; docent:forSensor e:door ; docent:whenValue \"out\" ;"
+                   "  docent:subject e:John ; docent:predicate docent:at ; docent:object e:Hall ; "
+                   "docent:effect docent:Withdraws ."
+                   "e:beacon a docent:ReadingMapping ; docent:forSensor e:b3 ; docent:subject "
+                   "docent:readingValue ;"
+                   "  docent:predicate docent:at ; docent:object e:B03 ;"
+                   "  docent:valueMeaning [ docent:readingValue \"tag-17\" ; docent:means e:John ] ."
+                   "e:heat a docent:ReadingMapping ; docent:forSensor e:t ; docent:subject e:Hall ; "
+                   "docent:predicate e:degrees ;"
+                   "  docent:object docent:readingValue . e:broken docent:forSensor e:half ; docent:subject "
+                   "e:x ."))
+            .ok());
     world_ = All();
   }
 
@@ -292,10 +302,13 @@ TEST_F(ReadingTest, WithoutMeaningTheValueItselfIsUsed) {
 }
 
 TEST_F(ReadingTest, WhatCannotBeMappedIsNamed) {
-  EXPECT_THAT(Refusal(Reading("unknown", Term::Literal("x"))), HasSubstr("readings[0]: no docent:ReadingMapping"));
+  EXPECT_THAT(Refusal(Reading("unknown", Term::Literal("x"))),
+              HasSubstr("readings[0]: no docent:ReadingMapping"));
   EXPECT_THAT(Refusal(Reading("b3", Term::Literal("tag-99"))), HasSubstr("declare its docent:valueMeaning"));
-  EXPECT_THAT(Refusal(Reading("half", Term::Literal("x"))), HasSubstr("lacks docent:subject, docent:predicate or docent:object"));
-  EXPECT_THAT(Refusal(Reading("t", Term::Iri("relative"))), HasSubstr("readings[0]: value: the IRI <relative>"));
+  EXPECT_THAT(Refusal(Reading("half", Term::Literal("x"))),
+              HasSubstr("lacks docent:subject, docent:predicate or docent:object"));
+  EXPECT_THAT(Refusal(Reading("t", Term::Iri("relative"))),
+              HasSubstr("readings[0]: value: the IRI <relative>"));
   WriteBatch mixed = Reading("door", Term::Literal("in"));
   mixed.readings.push_back({"http://e/unknown", Term::Literal("x"), 0});
   EXPECT_THAT(Refusal(mixed), HasSubstr("readings[1]"));

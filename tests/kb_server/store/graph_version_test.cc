@@ -16,8 +16,12 @@
 namespace docent {
 namespace {
 
-TermId Id(uint64_t n) { return TermId::Make(TermId::Tag::kIri, n); }
-Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) { return {Id(s), Id(p), Id(o), Id(g)}; }
+TermId Id(uint64_t n) {
+  return TermId::Make(TermId::Tag::kIri, n);
+}
+Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) {
+  return {Id(s), Id(p), Id(o), Id(g)};
+}
 
 std::vector<Quad> Found(const GraphVersion& version, const QuadPattern& pattern) {
   std::vector<Quad> found;
@@ -62,8 +66,10 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected) << "mask " << mask;
       bool exact = (mask & 8) == 0 || mask == 8 || mask == 9 || mask == 11 || mask == 15;
-      if (exact) ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
-      else ASSERT_GE(version.Count(pattern), expected.size()) << "mask " << mask;
+      if (exact)
+        ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
+      else
+        ASSERT_GE(version.Count(pattern), expected.size()) << "mask " << mask;
       for (int order = 0; order < kIndexOrders; ++order) {
         size_t count = 0;
         for (QuadCursor c = version.ScanInOrder(pattern, IndexOrder(order)); c.Valid(); c.Next()) ++count;
@@ -79,7 +85,8 @@ TEST(GraphVersionTest, CopiesOfATripleAreAdjacent) {
     writer.Add(Q(i % 7, i % 3, i, 1));
     writer.Add(Q(i % 7, i % 3, i, 2));
   }
-  for (const QuadPattern& pattern : {QuadPattern{}, QuadPattern{Id(3), {}, {}, {}}, QuadPattern{{}, Id(2), {}, {}}}) {
+  for (const QuadPattern& pattern :
+       {QuadPattern{}, QuadPattern{Id(3), {}, {}, {}}, QuadPattern{{}, Id(2), {}, {}}}) {
     std::vector<Quad> found = Found(writer.current(), pattern);
     ASSERT_EQ(found.size() % 2, 0u);
     for (size_t i = 0; i < found.size(); i += 2) {

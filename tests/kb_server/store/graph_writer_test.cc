@@ -13,8 +13,12 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-TermId Id(uint64_t n) { return TermId::Make(TermId::Tag::kIri, n); }
-Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) { return {Id(s), Id(p), Id(o), Id(g)}; }
+TermId Id(uint64_t n) {
+  return TermId::Make(TermId::Tag::kIri, n);
+}
+Quad Q(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 1) {
+  return {Id(s), Id(p), Id(o), Id(g)};
+}
 
 TEST(GraphWriterTest, AddAndRemoveTellWhetherTheGraphChanged) {
   GraphWriter writer(nullptr);
@@ -29,7 +33,8 @@ TEST(GraphWriterTest, AddAndRemoveTellWhetherTheGraphChanged) {
 TEST(GraphWriterTest, ApplyGivesTheNetChange) {
   GraphWriter writer(nullptr);
   writer.Add(Q(1, 1, 1));
-  Delta delta = writer.Apply({Q(1, 1, 1), Q(1, 1, 2), Q(1, 1, 3), Q(1, 1, 2)}, {Q(1, 1, 3), Q(1, 1, 1), Q(1, 1, 9)});
+  Delta delta =
+      writer.Apply({Q(1, 1, 1), Q(1, 1, 2), Q(1, 1, 3), Q(1, 1, 2)}, {Q(1, 1, 3), Q(1, 1, 1), Q(1, 1, 9)});
   EXPECT_THAT(delta.added, ElementsAre(Q(1, 1, 2)));
   EXPECT_THAT(delta.removed, ElementsAre(Q(1, 1, 1)));
 }
@@ -80,7 +85,8 @@ TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
 TEST(GraphWriterTest, BulkLoadEqualsAdding) {
   std::mt19937_64 random(2);
   std::vector<Quad> quads;
-  for (int i = 0; i < 20000; ++i) quads.push_back(Q(random() % 500, random() % 9, random() % 900, random() % 3 + 1));
+  for (int i = 0; i < 20000; ++i)
+    quads.push_back(Q(random() % 500, random() % 9, random() % 900, random() % 3 + 1));
   GraphWriter bulk(nullptr), one_by_one(nullptr);
   bulk.BulkLoad(quads);
   for (const Quad& quad : quads) one_by_one.Add(quad);
