@@ -1,6 +1,7 @@
 #include "kb_server/sparql/algebra_printer.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "kb_server/rdf/vocabulary.h"
@@ -50,12 +51,38 @@ class Printer {
     return ToNTriples(docent::Term::Literal(t.lexical)) + "^^" + Iri(t.datatype);
   }
 
+  // A blank node of one basic graph pattern as such; other hidden variables (steps of paths, aggregates, blank nodes that
+  // the translation of a path carried into several patterns) as ?_name.
   std::string VariableText(const Variable& v) {
     if (!v.IsHidden()) return "?" + v.name;
-    if (v.name.starts_with(".b.")) return "_:anon" + v.name.substr(3);
-    if (v.name.starts_with(".b")) return "_:" + v.name.substr(2);
-    std::string name = "?_" + v.name.substr(1);  // aggregates and path steps
+    if (v.name.starts_with(".b") && !spread_.contains(v.name)) {
+      return v.name.starts_with(".b.") ? "_:anon" + v.name.substr(3) : "_:" + v.name.substr(2);
+    }
+    std::string name = "?_" + v.name.substr(1);
+    for (char& c : name) {
+      if (c == '.' || c == '-') c = '_';
+    }
     return name;
+  }
+
+  // To be called before printing: finds the hidden variables that stand in more than one basic graph pattern.
+  void Scan(const Algebra& a) {
+    const auto note = [&](const PatternTerm& t) {
+      if (!t.IsVariable() || !t.variable->IsHidden()) return;
+      const auto [it, added] = home_.emplace(t.variable->name, &a);
+      if (!added && it->second != &a) spread_.insert(t.variable->name);
+    };
+    for (const TriplePattern& t : a.triples) {
+      for (const PatternTerm* term : {&t.subject, &t.predicate, &t.object}) note(*term);
+    }
+    note(a.subject);
+    note(a.object);
+    if (a.expression) Scan(*a.expression);
+    for (const AlgebraPtr& child : a.children) Scan(*child);
+  }
+  void Scan(const Expression& e) {
+    for (const ExpressionPtr& argument : e.arguments) Scan(*argument);
+    if (e.pattern) Scan(*e.pattern);
   }
 
   std::string Text(const PatternTerm& t) { return t.IsVariable() ? VariableText(*t.variable) : TermText(t.term); }
@@ -86,10 +113,20 @@ class Printer {
 
   std::string Expr(const Expression& e, const std::vector<Aggregate>* aggregates = nullptr);
   std::string AggregateText(const Aggregate& a);
+  // As FILTER takes it: in parentheses unless it has its own or is a call.
+  std::string Condition(const Expression& e, int depth) {
+    depth_ = depth;
+    const std::string text = Expr(e);
+    const bool bare = e.kind == Expression::Kind::kVariable || e.kind == Expression::Kind::kTerm;
+    return bare ? "(" + text + ")" : text;
+  }
   // The elements inside a group's braces, each line indented.
   std::string Elements(const Algebra& a, int depth);
   std::string Group(const Algebra& a, int depth);
-  std::string Select(const Algebra& a, int depth, const std::vector<Variable>* projection);
+  // As Elements, in a group of its own where other elements after it would change what it means (a filter) or could not
+  // stand there (a sub-SELECT).
+  std::string Part(const Algebra& a, int depth);
+  std::string Select(const Algebra& a, int depth, bool is_select);
 
  private:
   static std::string Indent(int depth) { return std::string(static_cast<size_t>(depth) * 2, ' '); }
@@ -117,6 +154,9 @@ class Printer {
 
   const PrintOptions& options_;
   std::set<std::string> used_;
+  std::map<std::string, const Algebra*> home_;
+  std::set<std::string> spread_;
+  int depth_ = 0;  // of the element whose expression is being printed
 };
 
 std::string Printer::AggregateText(const Aggregate& a) {
@@ -163,14 +203,29 @@ std::string Printer::Expr(const Expression& e, const std::vector<Aggregate>* agg
     case E::kUnaryMinus: return "(- " + sub(0) + ")";
     case E::kBuiltin: return Concat({NameOf(e.builtin), "(", list(0, ", "), ")"});
     case E::kFunction: return Iri(e.term.lexical) + "(" + list(0, ", ") + ")";
-    case E::kExists: return "EXISTS " + Group(*e.pattern, 0);
-    case E::kNotExists: return "NOT EXISTS " + Group(*e.pattern, 0);
+    case E::kExists: return "EXISTS " + Group(*e.pattern, depth_);
+    case E::kNotExists: return "NOT EXISTS " + Group(*e.pattern, depth_);
   }
   return "";
 }
 
 std::string Printer::Group(const Algebra& a, int depth) {
   return "{\n" + Elements(a, depth + 1) + Indent(depth) + "}";
+}
+
+std::string Printer::Part(const Algebra& a, int depth) {
+  switch (a.kind) {
+    case Kind::kFilter:
+    case Kind::kGroup:
+    case Kind::kOrderBy:
+    case Kind::kProject:
+    case Kind::kDistinct:
+    case Kind::kReduced:
+    case Kind::kSlice:
+      return Indent(depth) + Group(a, depth) + "\n";
+    default:
+      return Elements(a, depth);
+  }
 }
 
 std::string Printer::Elements(const Algebra& a, int depth) {
@@ -185,27 +240,24 @@ std::string Printer::Elements(const Algebra& a, int depth) {
     case Kind::kJoin: {
       std::string out;
       for (const AlgebraPtr& child : a.children) {
-        const bool plain = child->kind == Kind::kBgp || child->kind == Kind::kPath || child->kind == Kind::kGraph ||
-                           child->kind == Kind::kUnion || child->kind == Kind::kValues || child == a.children[0];
-        // Two basic graph patterns side by side would become one; a filter or sub-SELECT needs its own group.
-        const bool filter = child->kind == Kind::kFilter;
-        out += plain && !filter && child->kind != Kind::kProject ? Elements(*child, depth)
-                                                                 : in + Group(*child, depth) + "\n";
+        const bool beside = child->kind == Kind::kBgp || child->kind == Kind::kPath || child->kind == Kind::kGraph ||
+                            child->kind == Kind::kService || child->kind == Kind::kUnion ||
+                            child->kind == Kind::kValues || child == a.children[0];
+        const bool empty = child->kind == Kind::kBgp && child->triples.empty();
+        out += beside && !empty ? Part(*child, depth) : in + Group(*child, depth) + "\n";
       }
       return out;
     }
     case Kind::kLeftJoin: {
-      std::string left = Elements(*a.children[0], depth);
-      if (a.children[0]->kind == Kind::kFilter) left = in + Group(*a.children[0], depth) + "\n";
-      std::string right = Elements(*a.children[1], depth + 1);
-      if (a.children[1]->kind == Kind::kFilter) right = in + "  " + Group(*a.children[1], depth + 1) + "\n";
-      if (a.expression) right += in + "  FILTER (" + Expr(*a.expression) + ")\n";
+      const std::string left = Part(*a.children[0], depth);
+      // Its own filter would become the condition of the OPTIONAL.
+      const bool alone = a.children[1]->kind != Kind::kFilter && !a.expression;
+      std::string right = alone ? Elements(*a.children[1], depth + 1) : Part(*a.children[1], depth + 1);
+      if (a.expression) right += in + "  FILTER " + Condition(*a.expression, depth + 1) + "\n";
       return left + in + "OPTIONAL {\n" + right + in + "}\n";
     }
     case Kind::kFilter: {
-      std::string inner = Elements(*a.children[0], depth);
-      if (a.children[0]->kind == Kind::kFilter) inner = in + Group(*a.children[0], depth) + "\n";
-      return inner + in + "FILTER (" + Expr(*a.expression) + ")\n";
+      return Part(*a.children[0], depth) + in + "FILTER " + Condition(*a.expression, depth) + "\n";
     }
     case Kind::kUnion: {
       std::string out = in;
@@ -213,53 +265,53 @@ std::string Printer::Elements(const Algebra& a, int depth) {
       return out + "\n";
     }
     case Kind::kMinus: {
-      std::string left = Elements(*a.children[0], depth);
-      if (a.children[0]->kind == Kind::kFilter) left = in + Group(*a.children[0], depth) + "\n";
+      const std::string left = Part(*a.children[0], depth);
       return left + in + "MINUS " + Group(*a.children[1], depth) + "\n";
     }
     case Kind::kGraph: return in + "GRAPH " + Text(a.name) + " " + Group(*a.children[0], depth) + "\n";
     case Kind::kService:
       return in + "SERVICE " + (a.silent ? "SILENT " : "") + Text(a.name) + " " + Group(*a.children[0], depth) + "\n";
     case Kind::kExtend: {
-      std::string left = Elements(*a.children[0], depth);
-      if (a.children[0]->kind == Kind::kFilter) left = in + Group(*a.children[0], depth) + "\n";
+      const std::string left = Part(*a.children[0], depth);
+      depth_ = depth;
       return left + in + "BIND (" + Expr(*a.expression) + " AS " + VariableText(a.variable) + ")\n";
     }
     case Kind::kValues: {
       std::string out = in + "VALUES (";
-      for (const Variable& v : a.variables) out += VariableText(v) + " ";
+      for (size_t i = 0; i < a.variables.size(); ++i) out += (i ? " " : "") + VariableText(a.variables[i]);
       out += ") {\n";
       for (const auto& row : a.rows) {
         out += in + "  (";
-        for (const auto& term : row) out += (term ? TermText(*term) : "UNDEF") + " ";
+        for (size_t i = 0; i < row.size(); ++i) out += (i ? " " : "") + (row[i] ? TermText(*row[i]) : "UNDEF");
         out += ")\n";
       }
       return out + in + "}\n";
     }
-    default: return Select(a, depth, nullptr);
+    default: return Select(a, depth, true);
   }
 }
 
-// SELECT … WHERE { … } modifiers, from the modifier operators at the top of `a`. Without kProject (ASK, CONSTRUCT) only
-// WHERE and the modifiers are printed.
-std::string Printer::Select(const Algebra& a, int depth, const std::vector<Variable>* projection) {
+// SELECT … WHERE { … } modifiers, from the modifier operators at the top of `a`. Not `is_select` (ASK, CONSTRUCT): WHERE
+// and the modifiers; a SELECT at the top is then the one sub-SELECT of the group.
+std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
   const std::string in = Indent(depth);
   const Algebra* at = &a;
   std::string tail, head = "SELECT ", order, having, values;
-  bool select = projection != nullptr;
-  std::vector<const Algebra*> extends, filters;
+  std::vector<const Algebra*> extends;
   std::vector<Variable> variables;
-  if (at->kind == Kind::kSlice) {
+  const auto is_sub_select = [](const Algebra& node) {
+    return node.kind == Kind::kProject || node.kind == Kind::kDistinct || node.kind == Kind::kReduced;
+  };
+  if (at->kind == Kind::kSlice && (is_select || !is_sub_select(*at->children[0]))) {
     if (at->limit) tail += " LIMIT " + std::to_string(*at->limit);
     if (at->offset > 0) tail += " OFFSET " + std::to_string(at->offset);
     at = at->children[0].get();
   }
-  if (at->kind == Kind::kDistinct || at->kind == Kind::kReduced) {
+  if (is_select && (at->kind == Kind::kDistinct || at->kind == Kind::kReduced)) {
     head += at->kind == Kind::kDistinct ? "DISTINCT " : "REDUCED ";
     at = at->children[0].get();
   }
-  if (at->kind == Kind::kProject) {
-    select = true;
+  if (is_select && at->kind == Kind::kProject) {
     variables = at->variables;
     at = at->children[0].get();
   }
@@ -280,7 +332,7 @@ std::string Printer::Select(const Algebra& a, int depth, const std::vector<Varia
     aggregates = &below->aggregates;
     for (; at != below; at = at->children[0].get()) {
       if (at->kind == Kind::kExtend) extends.push_back(at);
-      if (at->kind == Kind::kFilter) having += " HAVING (" + Expr(*at->expression, aggregates) + ")";
+      if (at->kind == Kind::kFilter) having = " (" + Expr(*at->expression, aggregates) + ")" + having;
       if (at->kind == Kind::kJoin) values = Elements(*at->children[1], depth);
     }
     for (const GroupKey& key : below->group_keys) {
@@ -290,6 +342,7 @@ std::string Printer::Select(const Algebra& a, int depth, const std::vector<Varia
                                          : " (" + Expr(*key.expression) + " AS " + VariableText(key.variable) + ")";
     }
     if (!group.empty()) group = " GROUP BY" + group;
+    if (!having.empty()) having = " HAVING" + having;
     at = below->children[0].get();
   }
   if (ordered != nullptr) {
@@ -298,7 +351,7 @@ std::string Printer::Select(const Algebra& a, int depth, const std::vector<Varia
       order += Concat({o.descending ? " DESC(" : " ASC(", Expr(*o.expression, aggregates), ")"});
     }
   }
-  if (select) {
+  if (is_select) {
     if (variables.empty()) head += "*";
     for (const Variable& v : variables) {
       const auto it = std::find_if(extends.begin(), extends.end(), [&](const Algebra* e) { return e->variable == v; });
@@ -307,7 +360,7 @@ std::string Printer::Select(const Algebra& a, int depth, const std::vector<Varia
     }
     if (head.back() != ' ') head += ' ';
   }
-  std::string out = in + (select ? head : "") + "WHERE " + Group(*at, depth);
+  std::string out = in + (is_select ? head : "") + "WHERE " + Group(*at, depth);
   out += group + having + order + tail + "\n";
   if (!values.empty()) out += values;
   return out;
@@ -317,11 +370,12 @@ std::string Printer::Select(const Algebra& a, int depth, const std::vector<Varia
 
 std::string PrintQuery(const Query& query, const PrintOptions& options) {
   Printer printer(options);
+  printer.Scan(*query.algebra);
   std::string body;
   std::string dataset;
   for (const Term& g : query.from) dataset += "FROM " + printer.TermText(g) + "\n";
   for (const Term& g : query.from_named) dataset += "FROM NAMED " + printer.TermText(g) + "\n";
-  const std::string where = printer.Select(*query.algebra, 0, query.form == Query::Form::kSelect ? &query.projection : nullptr);
+  const std::string where = printer.Select(*query.algebra, 0, query.form == Query::Form::kSelect);
   switch (query.form) {
     case Query::Form::kAsk:
       // ASK { … } without modifiers is written without WHERE.
@@ -353,11 +407,15 @@ std::string PrintQuery(const Query& query, const PrintOptions& options) {
 }
 
 std::string PrintPattern(const Algebra& algebra, const PrintOptions& options) {
-  return Printer(options).Group(algebra, 0);
+  Printer printer(options);
+  printer.Scan(algebra);
+  return printer.Group(algebra, 0);
 }
 
 std::string PrintExpression(const Expression& expression, const PrintOptions& options) {
-  return Printer(options).Expr(expression);
+  Printer printer(options);
+  printer.Scan(expression);
+  return printer.Expr(expression);
 }
 
 std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options) {

@@ -17,8 +17,8 @@ struct PrintOptions {
   bool declare_prefixes = true;
 };
 
-// A query that parses back to the same algebra. Indented, one triple a line. Hidden variables of blank nodes are
-// printed as _:label.
+// A query that parses back to one that means and prints the same. Indented, one triple a line. Hidden variables of blank
+// nodes are printed as _:label, those of path steps as ?_pN.
 std::string PrintQuery(const Query& query, const PrintOptions& options = {});
 // The inside of a group: "{ … }".
 std::string PrintPattern(const Algebra& algebra, const PrintOptions& options = {});
