@@ -20,18 +20,44 @@ std::string Join(const std::string& path, const std::string& name) {
 
 }  // namespace
 
+PlanBuilder::PlanBuilder(const ProcessMap& processes, Report report)
+    : processes_(processes), report_(std::move(report)) {
+  // A process is sound when all that it contains were found sound in the rounds before.
+  for (int round = 0; round <= kMaxProcessNesting; ++round) {
+    std::vector<const Process*> found;
+    for (const auto& [name, place] : processes_) {
+      if (sound_.contains(place.process)) continue;
+      const std::vector<Invoke>& invokes = place.process->invokes;
+      bool sound = std::all_of(invokes.begin(), invokes.end(), [&, caller = place.process](const Invoke& invoke) {
+        const ProcessPlace* nested = Nested(*caller, invoke);
+        return nested == nullptr || sound_.contains(nested->process);
+      });
+      if (sound) found.push_back(place.process);
+    }
+    if (found.empty()) return;
+    sound_.insert(found.begin(), found.end());
+  }
+}
+
 PlanPtr PlanBuilder::Build(const std::string& process) {
   const ProcessPlace& place = processes_.find(process)->second;
   plan_ = Plan();
   open_.clear();
+  broken_.clear();
   plan_.process = process;
   plan_.document = place.document->name.value;
   plan_.version = place.document->version.value;
-  plan_.inputs = InputsOf(place, 0);
+  plan_.inputs = InputsOf(place);
   Names names;
   for (const std::string& input : plan_.inputs) names[input] = {std::nullopt, input};
   std::vector<int> after;
   if (!Expand(place, "", &names, &after)) return nullptr;
+  all_steps_ += plan_.steps.size();
+  if (all_steps_ > kMaxAllSteps) {
+    Error(place, place.process->name.span, absl::StrCat("all processes together have more than ", kMaxAllSteps, " steps"),
+          "remove documents that are not needed");
+    return nullptr;
+  }
   const Message* output = place.document->FindMessage(place.process->output.value);
   std::set<std::string> parts;
   if (output != nullptr) {
@@ -54,15 +80,15 @@ const ProcessPlace* PlanBuilder::Nested(const Process& caller, const Invoke& inv
   return it == processes_.end() ? nullptr : &it->second;
 }
 
-std::vector<std::string> PlanBuilder::InputsOf(const ProcessPlace& place, size_t depth) {
+const std::vector<std::string>& PlanBuilder::InputsOf(const ProcessPlace& place) {
   auto known = inputs_.find(place.process);
   if (known != inputs_.end()) return known->second;
   std::vector<std::string> out;
   if (const Message* message = place.document->FindMessage(place.process->input.value)) {
     for (const Part& part : message->parts) out.push_back(part.name.value);
-    return inputs_[place.process] = out;
+    return inputs_[place.process] = std::move(out);
   }
-  if (depth > kMaxProcessNesting) return out;  // Expand reports it
+  if (!sound_.contains(place.process)) return inputs_[place.process];  // Expand reports why
   std::set<std::string> made;
   auto need = [&](const std::string& name) {
     if (made.contains(name) || std::find(out.begin(), out.end(), name) != out.end()) return;
@@ -71,15 +97,14 @@ std::vector<std::string> PlanBuilder::InputsOf(const ProcessPlace& place, size_t
   for (const Invoke& invoke : place.process->invokes) {
     const ProcessPlace* nested = Nested(*place.process, invoke);
     if (nested != nullptr && invoke.inputs.empty()) {
-      for (const std::string& name : InputsOf(*nested, depth + 1)) need(name);
+      for (const std::string& name : InputsOf(*nested)) need(name);
     }
     for (const Input& input : invoke.inputs) {
       if (input.from.given()) need(input.from.value);
     }
     for (const Output& output : invoke.outputs) made.insert(output.to.value);
   }
-  if (depth == 0) inputs_[place.process] = out;  // deeper ones may have been cut by a cycle
-  return out;
+  return inputs_[place.process] = std::move(out);
 }
 
 bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Names* names, std::vector<int>* after) {
@@ -110,6 +135,7 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
     *after = std::move(ends);
   }
   open_.pop_back();
+  if (!good) broken_.insert(place.process);
   return good;
 }
 
@@ -159,7 +185,8 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
     return Error(place, invoke.operation.span, Concat("process ", name, " contains itself: ", way, name),
                  "a process may not be part of itself");
   }
-  if (open_.size() >= kMaxProcessNesting) {
+  if (broken_.contains(nested.process)) return false;
+  if (static_cast<int>(open_.size()) > kMaxProcessNesting) {
     return Error(place, invoke.operation.span, absl::StrCat("processes inside each other deeper than ", kMaxProcessNesting));
   }
   if (invoke.retry > 0 || invoke.timeout_ms || invoke.on_failure != Invoke::OnFailure::kFail) {
@@ -167,8 +194,9 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
                                             " is a process"),
                  Concat("write them on the invokes of process ", name));
   }
-  std::vector<std::string> inputs = InputsOf(nested, 0);
+  const std::vector<std::string>& inputs = InputsOf(nested);
   Names inner;
+  if (!sound_.contains(nested.process)) return Expand(nested, Join(path, name), &inner, after);
   bool good = true;
   for (const Input& input : invoke.inputs) {
     if (std::find(inputs.begin(), inputs.end(), input.part.value) == inputs.end()) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,14 +20,16 @@ struct ProcessPlace {
 using ProcessMap = std::map<std::string, ProcessPlace, std::less<>>;
 
 inline constexpr size_t kMaxPlanSteps = 1000;
-inline constexpr size_t kMaxProcessNesting = 32;
+inline constexpr size_t kMaxAllSteps = 200000;  // of all plans that one builder makes
+inline constexpr int kMaxProcessNesting = 32;
 
 class PlanBuilder {
  public:
   // Told of each mistake: the document, the place in it, what, hint.
   using Report = std::function<void(const Document&, const SourceSpan&, std::string message, std::string hint)>;
 
-  PlanBuilder(const ProcessMap& processes, Report report) : processes_(processes), report_(std::move(report)) {}
+  // Both must outlive the builder.
+  PlanBuilder(const ProcessMap& processes, Report report);
 
   // Null after a reported mistake.
   PlanPtr Build(const std::string& process);
@@ -36,7 +39,7 @@ class PlanBuilder {
 
   const ProcessPlace* Nested(const Process& caller, const Invoke& invoke) const;
   // The parts that a process takes, in order of its message or of first use.
-  std::vector<std::string> InputsOf(const ProcessPlace& place, size_t depth);
+  const std::vector<std::string>& InputsOf(const ProcessPlace& place);
   // Adds the process's steps after the steps `after`; changes `names` by its results and `after` to its last steps.
   bool Expand(const ProcessPlace& place, const std::string& path, Names* names, std::vector<int>* after);
   bool AddStep(const ProcessPlace& place, const Invoke& invoke, const std::string& path, const Names& names,
@@ -47,8 +50,13 @@ class PlanBuilder {
 
   const ProcessMap& processes_;
   Report report_;
+  // Processes that contain each other no deeper than the limit, and never themselves.
+  std::set<const Process*> sound_;
   std::map<const Process*, std::vector<std::string>> inputs_;
-  std::vector<std::string> open_;  // processes being expanded
+  size_t all_steps_ = 0;
+  // Of the plan being built:
+  std::vector<std::string> open_;     // processes being expanded, outermost first
+  std::set<const Process*> broken_;   // whose mistakes are reported; not expanded again
   Plan plan_;
 };
 

@@ -53,7 +53,7 @@ class ServiceRegistry {
  public:
   // Registers a correct document under document->name, in place of the one of that name. Errors, and nothing
   // changed: a process name that another document has, processes that contain each other, a nested process's
-  // input that nothing gives, a plan of more than 1000 steps. They point into `document`'s source, or have no place
+  // input that nothing gives, a plan of more than 1000 steps (all plans: 200000), nesting over 32. They point into `document`'s source, or have no place
   // where another registered document stops working.
   Diagnostics Put(DocumentPtr document);
   // Errors, and nothing changed: a process of it is part of another document's. NOT_FOUND: no such document.

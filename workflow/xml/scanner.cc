@@ -34,6 +34,10 @@ void AppendUtf8(uint32_t code, std::string* out) {
   }
 }
 
+constexpr size_t kBlock = 256;
+
+bool BeginsCodePoint(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+
 class Scanner {
  public:
   explicit Scanner(std::string_view text) : text_(text), lines_(text) {}
@@ -284,19 +288,29 @@ class Scanner {
 }  // namespace
 
 LineIndex::LineIndex(std::string_view text) : text_(text), starts_{0} {
+  size_t code_points = 0;
   for (size_t i = 0; i < text.size(); ++i) {
+    if (i % kBlock == 0) code_points_.push_back(code_points);
+    if (BeginsCodePoint(text[i])) ++code_points;
     if (text[i] == '\n') starts_.push_back(i + 1);
   }
+  code_points_.push_back(code_points);
+}
+
+size_t LineIndex::CodePointsBefore(size_t offset) const {
+  size_t block = offset / kBlock;
+  size_t count = code_points_[std::min(block, code_points_.size() - 1)];
+  for (size_t i = block * kBlock; i < offset; ++i) {
+    if (BeginsCodePoint(text_[i])) ++count;
+  }
+  return count;
 }
 
 SourceSpan LineIndex::Span(size_t offset, size_t length) const {
   offset = std::min(offset, text_.size());
   auto line = std::upper_bound(starts_.begin(), starts_.end(), offset) - 1;
-  SourceSpan span{static_cast<int>(line - starts_.begin()) + 1, 1, offset, length};
-  for (size_t i = *line; i < offset; ++i) {
-    if ((static_cast<unsigned char>(text_[i]) & 0xC0) != 0x80) ++span.column;
-  }
-  return span;
+  int column = static_cast<int>(CodePointsBefore(offset) - CodePointsBefore(*line)) + 1;
+  return {static_cast<int>(line - starts_.begin()) + 1, column, offset, length};
 }
 
 std::unique_ptr<Element> ScanXml(std::string_view text) { return Scanner(text).Document(); }

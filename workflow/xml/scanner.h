@@ -9,7 +9,7 @@
 
 namespace docent::xml {
 
-// Line and column of byte offsets that are asked for in any order, in O(log lines + line length).
+// Line and column of byte offsets that are asked for in any order, in O(log lines), however long the lines are.
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text);
@@ -17,7 +17,11 @@ class LineIndex {
 
  private:
   std::string_view text_;
-  std::vector<size_t> starts_;
+  // Unicode code points that begin before `offset`.
+  size_t CodePointsBefore(size_t offset) const;
+
+  std::vector<size_t> starts_;       // of the lines
+  std::vector<size_t> code_points_;  // before each block of kBlock bytes
 };
 
 // Null if the text is not what the scanner understands as well-formed XML without DTD (never for a text that

@@ -16,6 +16,9 @@ namespace docent::xml {
 namespace {
 
 constexpr size_t kMaxXmlDiagnostics = 5;  // after the first, libxml2's complaints are mostly consequences
+// libxml2 2.9 compares each attribute of an element with every other, and looks up prefixes one by one.
+constexpr size_t kMaxAttributes = 256;  // of one element
+constexpr size_t kMaxNamespaces = 1000;  // declared in one document
 
 struct ContextDeleter {
   void operator()(xmlParserCtxtPtr context) const { xmlFreeParserCtxt(context); }
@@ -30,6 +33,7 @@ struct Run {
   size_t max_elements;
   int depth = 0;
   size_t elements = 0;
+  size_t namespaces = 0;
   bool stopped = false;
   Diagnostics diagnostics;
 };
@@ -60,19 +64,22 @@ void OnDocumentType(void* context, const xmlChar* name, const xmlChar*, const xm
                  "remove it; entities are not expanded and nothing is loaded from elsewhere"});
 }
 
-void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int, const xmlChar**, int, int,
-             const xmlChar**) {
+void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int namespaces, const xmlChar**, int,
+             int, const xmlChar**) {
   Run* run = RunOf(context);
   bool too_deep = ++run->depth > run->max_nesting;
   bool too_many = ++run->elements > run->max_elements;
-  if (!too_deep && !too_many) return;
+  run->namespaces += static_cast<size_t>(namespaces);
+  bool many_namespaces = run->namespaces > kMaxNamespaces;
+  if (!too_deep && !too_many && !many_namespaces) return;
   size_t at = run->text.rfind('<', OffsetOf(context));
   SourceSpan span = SpanAt(run->text, at == std::string_view::npos ? 0 : at);
   std::string_view element = reinterpret_cast<const char*>(name);
   Stop(context, {*run->file, span,
                  too_deep ? absl::StrCat("<", ToAbsl(element), "> is nested deeper than the limit xml_nesting = ",
                                          run->max_nesting)
-                          : absl::StrCat("more elements than the limit xml_elements = ", run->max_elements),
+                 : too_many ? absl::StrCat("more elements than the limit xml_elements = ", run->max_elements)
+                            : absl::StrCat("more namespace declarations than ", kMaxNamespaces),
                  ""});
 }
 
@@ -116,6 +123,39 @@ std::string_view DeclaredEncoding(std::string_view text) {
   return declaration.substr(open + 1, close - open - 1);
 }
 
+// The end of what opens at `at` with `open` and ends with `close`; the end of the text if it does not end.
+size_t PastMarkup(std::string_view text, size_t at, std::string_view open, std::string_view close) {
+  size_t end = text.find(close, at + open.size());
+  return end == std::string_view::npos ? text.size() : end + close.size();
+}
+
+// The offset of the first start tag with more than kMaxAttributes attributes; npos if there is none. Exact up to the
+// first place that is not well-formed, where libxml2 ends.
+size_t OverfullTag(std::string_view text) {
+  for (size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
+    std::string_view rest = text.substr(at);
+    if (rest.starts_with("<!--")) {
+      at = PastMarkup(text, at, "<!--", "-->");
+    } else if (rest.starts_with("<![CDATA[")) {
+      at = PastMarkup(text, at, "<![CDATA[", "]]>");
+    } else if (rest.starts_with("<?")) {
+      at = PastMarkup(text, at, "<?", "?>");
+    } else {
+      size_t start = at, attributes = 0;
+      char quote = 0;
+      for (++at; at < text.size() && (quote != 0 || text[at] != '>'); ++at) {
+        if (quote != 0) {
+          if (text[at] == quote) quote = 0;
+        } else if (text[at] == '"' || text[at] == '\'') {
+          quote = text[at];
+          if (++attributes > kMaxAttributes) return start;
+        }
+      }
+    }
+  }
+  return std::string_view::npos;
+}
+
 }  // namespace
 
 Diagnostics CheckWellFormed(std::string_view text, const std::string& file, const Limits& limits) {
@@ -129,6 +169,9 @@ Diagnostics CheckWellFormed(std::string_view text, const std::string& file, cons
   if (!encoding.empty() && !EncodingIsUtf8(encoding)) {
     return {{file, SpanAt(text, encoding.data() - text.data(), encoding.size()),
              absl::StrCat("encoding \"", ToAbsl(encoding), "\" is not accepted"), "save the document as UTF-8"}};
+  }
+  if (size_t at = OverfullTag(text); at != std::string_view::npos) {
+    return {{file, SpanAt(text, at), absl::StrCat("an element with more than ", kMaxAttributes, " attributes"), ""}};
   }
   // A byte order mark (EF BB BF) is stripped by libxml2 itself.
   ContextPtr context(xmlNewParserCtxt());

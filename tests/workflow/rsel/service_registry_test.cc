@@ -113,14 +113,45 @@ TEST(ServiceRegistry, StepsAreLimited) {
   EXPECT_THAT(over[0].message, HasSubstr("more than 1000 steps"));
 }
 
-TEST(ServiceRegistry, NestingIsLimitedAndDoublingEnds) {
+// p0 contains p1 contains p2 …; each `times` times.
+std::string Chain(int length, int times) {
   std::string text = "<rsel name=\"deep\">";
-  for (int i = 0; i < 60; ++i) {
-    std::string next = absl::StrCat("<invoke operation=\"p", i + 1, "\"/>");
-    absl::StrAppend(&text, "<process name=\"p", i, "\">", next, next, "</process>");
+  for (int i = 0; i < length; ++i) {
+    absl::StrAppend(&text, "<process name=\"p", i, "\">");
+    for (int k = 0; k < times; ++k) absl::StrAppend(&text, "<invoke operation=\"p", i + 1, "\"/>");
+    text += "</process>";
   }
+  return text + "</rsel>";
+}
+
+TEST(ServiceRegistry, NestingIsLimited) {
   ServiceRegistry registry;
-  EXPECT_TRUE(HasErrors(registry.Put(Parse(text + "</rsel>"))));
+  EXPECT_THAT(registry.Put(Parse(Chain(33, 1))), IsEmpty());
+  EXPECT_EQ(registry.Find("p0")->steps.size(), 1u);
+  Diagnostics over = registry.Put(Parse(Chain(34, 1)));
+  ASSERT_TRUE(HasErrors(over));
+  EXPECT_THAT(over[0].message, HasSubstr("deeper than 32"));
+}
+
+TEST(ServiceRegistry, DoublingAndLongChainsEnd) {
+  ServiceRegistry registry;
+  EXPECT_TRUE(HasErrors(registry.Put(Parse(Chain(60, 2)))));
+  EXPECT_TRUE(HasErrors(registry.Put(Parse(Chain(20000, 1)))));
+}
+
+TEST(ServiceRegistry, StepsAltogetherAreLimited) {
+  auto text = [](int processes) {
+    std::string out = "<rsel name=\"many\"><process name=\"Thousand\">";
+    for (int i = 0; i < 1000; ++i) out += "<invoke operation=\"x\"/>";
+    out += "</process>";
+    for (int i = 0; i < processes; ++i) absl::StrAppend(&out, "<process name=\"p", i, "\"><invoke operation=\"Thousand\"/></process>");
+    return out + "</rsel>";
+  };
+  ServiceRegistry registry;
+  EXPECT_THAT(registry.Put(Parse(text(199))), IsEmpty());
+  Diagnostics over = registry.Put(Parse(text(200)));
+  ASSERT_TRUE(HasErrors(over));
+  EXPECT_THAT(over[0].message, HasSubstr("more than 200000 steps"));
 }
 
 TEST(Feasibility, OneRobotMustOfferAll) {

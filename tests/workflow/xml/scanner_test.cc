@@ -7,6 +7,8 @@ namespace {
 
 TEST(LineIndex, AgreesWithSpanAt) {
   std::string text = "a\nbé\r\n\n日本 x\n";
+  for (int i = 0; i < 300; ++i) text += "é日";
+  text += "\n" + std::string(1024 - text.size() % 256, 'x');
   LineIndex index(text);
   for (size_t offset = 0; offset <= text.size(); ++offset) {
     SourceSpan expected = SpanAt(text, offset, 1), actual = index.Span(offset, 1);

@@ -107,10 +107,31 @@ TEST(XmlDocument, LimitsOnSizeAndNesting) {
   ASSERT_THAT(deep.diagnostics, SizeIs(1));
   EXPECT_THAT(deep.diagnostics[0].message, HasSubstr("xml_nesting = 8"));
   EXPECT_EQ(deep.diagnostics[0].span.offset, 24u);
+  limits.xml_elements = 3;
+  EXPECT_NE(ParseXml("<a><b/><b/></a>", "f", limits).root, nullptr);
+  EXPECT_THAT(ParseXml("<a><b/><b/><b/></a>", "f", limits).diagnostics[0].message, HasSubstr("xml_elements = 3"));
   std::string text = "<a/>";
   limits.document_bytes = text.size();
   EXPECT_NE(ParseXml(text, "f", limits).root, nullptr);
   EXPECT_THAT(ParseXml(text + " ", "f", limits).diagnostics[0].message, HasSubstr("document_bytes = 4"));
+}
+
+TEST(XmlDocument, LimitsOnAttributesAndNamespaces) {
+  auto with = [](int attributes, const std::string& before = "") {
+    std::string text = "<!-- <a ' --><?p \" ?><r>" + before + "<a";
+    for (int i = 0; i < attributes; ++i) absl::StrAppend(&text, " x", i, "='>'");
+    return text + "/></r>";
+  };
+  EXPECT_NE(ParseXml(with(256), "f").root, nullptr);
+  EXPECT_THAT(ParseXml(with(257), "f").diagnostics[0].message, HasSubstr("more than 256 attributes"));
+  EXPECT_THAT(ParseXml(with(257, "it's <![CDATA[<a b=\"]]>"), "f").diagnostics[0].message, HasSubstr("256 attributes"));
+  auto declarations = [](int count) {
+    std::string text = "<r>";
+    for (int i = 0; i < count; ++i) absl::StrAppend(&text, "<a xmlns:p", i, "='urn:x'/>");
+    return text + "</r>";
+  };
+  EXPECT_NE(ParseXml(declarations(1000), "f").root, nullptr);
+  EXPECT_THAT(ParseXml(declarations(1001), "f").diagnostics[0].message, HasSubstr("namespace declarations than 1000"));
 }
 
 TEST(XmlDocument, Durations) {

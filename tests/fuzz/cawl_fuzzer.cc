@@ -1,0 +1,29 @@
+// Any bytes as a CAWL document: sound diagnostics, or conditions that are SPARQL.
+#include <cstddef>
+#include <cstdint>
+
+#include "kb_server/sparql/parser.h"
+#include "tests/fuzz/fuzz_check.h"
+#include "workflow/cawl/check.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace docent;
+  std::string_view text(reinterpret_cast<const char*>(data), size);
+  static const cawl::QuadEnvironment& environment = *[] {
+    auto* out = new cawl::QuadEnvironment;
+    out->AddOperation({"moveToUser", {"user"}, true});
+    out->AddOperation({"moveToBooth", {"booth"}, true});
+    out->AddOntology({{Term::Iri("https://w3id.org/docent#isAt"), Term::Iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
+                       Term::Iri("http://www.w3.org/2002/07/owl#ObjectProperty"), Term()}});
+    return out;
+  }();
+  cawl::CheckReport report = cawl::CheckDocument(text, "f", &environment);
+  fuzz::RequireSound(report.diagnostics, text);
+  fuzz::Require(report.document != nullptr || HasErrors(report.diagnostics), "refused without a word");
+  for (const cawl::ConditionText& condition : report.conditions) {
+    if (condition.ask.starts_with("# cannot be compiled")) continue;
+    sparql::ParsedQuery query = sparql::ParseQuery(condition.ask);
+    fuzz::Require(query.ok(), "not SPARQL: " + condition.ask + "\n" + Render(query.diagnostics, condition.ask));
+  }
+  return 0;
+}

@@ -1,0 +1,32 @@
+// What a fuzz target holds an answer against. A violation aborts, so that libFuzzer and sanitizers see it.
+#ifndef DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_
+#define DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "kb_server/base/diagnostic.h"
+
+namespace docent::fuzz {
+
+inline void Require(bool good, const std::string& what) {
+  if (good) return;
+  std::fprintf(stderr, "fuzz finding: %s\n", what.c_str());
+  std::abort();
+}
+
+// Each diagnostic says something and points into the text.
+inline void RequireSound(const Diagnostics& diagnostics, std::string_view text) {
+  for (const Diagnostic& d : diagnostics) {
+    Require(!d.message.empty(), "a diagnostic without message");
+    Require(d.span.offset <= text.size() && d.span.length <= text.size() - d.span.offset, "a span outside of the text: " + d.message);
+    Require(d.span.line >= 0 && (d.span.line == 0 || d.span.column > 0), "a place without column: " + d.message);
+  }
+  Require(diagnostics.empty() || !Render(diagnostics, text).empty(), "nothing rendered");
+}
+
+}  // namespace docent::fuzz
+
+#endif  // DOCENT_TESTS_FUZZ_FUZZ_CHECK_H_
