@@ -1,6 +1,7 @@
 #include "workflow/engine/run_stepper.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -117,11 +118,11 @@ void RunStepper::Reenter(size_t index) {
     NodeState& node = run_.nodes[i];
     std::string from(ToString(node.state));
     NodeState fresh;
-    fresh.iteration = iteration;
-    // predecessors outside of the loop have come and stay
-    for (const std::string& name : node.arrived) {
-      if (again.count(NodeIndex(flow_, name)) == 0) fresh.arrived.insert(name);
-    }
+    fresh.iteration = node.iteration + 1;  // its own count: a loop around this one must not give its ids again
+    // what is known of predecessors outside of the loop stays
+    auto outside = [&](const std::string& name) { return again.count(NodeIndex(flow_, name)) == 0; };
+    std::copy_if(node.arrived.begin(), node.arrived.end(), std::inserter(fresh.arrived, fresh.arrived.end()), outside);
+    std::copy_if(node.dead.begin(), node.dead.end(), std::inserter(fresh.dead, fresh.dead.end()), outside);
     node = std::move(fresh);
     core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[i].name.value), from, "inactive", "the loop begins again");
   }
@@ -293,12 +294,14 @@ bool RunStepper::ResolvePendingLinks(size_t index) {
 
 void RunStepper::FollowLinks(size_t index, const std::vector<size_t>& taken) {
   const std::string& from = flow_.nodes[index].name.value;
+  // Where the loop begins again, this node will choose once more: nothing is dead yet.
+  bool loops = std::any_of(taken.begin(), taken.end(), [&](size_t i) { return ClosesCycle(flow_, flow_.links[i]); });
   for (size_t i : LinksFrom(flow_, from)) {
     const cawl::Link& link = flow_.links[i];
     bool follow = std::find(taken.begin(), taken.end(), i) != taken.end();
     bool closes = ClosesCycle(flow_, link);
     if (follow) Arrive(from, link.to.value, closes);
-    else if (!closes) DeadEnd(from, link.to.value);
+    else if (!closes && !loops) DeadEnd(from, link.to.value);
     if (run_.state != WorkState::kRunning) return;
   }
 }

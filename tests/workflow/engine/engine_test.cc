@@ -1,6 +1,8 @@
 #include "workflow/engine/engine.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -294,6 +296,58 @@ TEST_F(EngineTest, ALoopGoesOnWhileItsConditionHolds) {
   conditions_.Set("urn:more", {});
   Turn({Done(commands_[0].id)});
   EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, WhatComesAfterALoopIsNotDeadWhileTheLoopGoesOn) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") +
+              Link("A", "B") + Link("B", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  Turn({Done(commands_[0].id)});
+  EXPECT_FALSE(Says("F-1/B inactive>skipped"));
+  conditions_.Set("urn:more", {});
+  Turn({Done(commands_[0].id)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "b");
+}
+
+TEST_F(EngineTest, ALoopAroundALoopDoesNotGiveTheSameCommandIdTwice) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") +
+              Link("B", "B", "ext:while=\"?x &lt;urn:inner&gt; ?y\"") +
+              Link("B", "A", "ext:while=\"?x &lt;urn:outer&gt; ?y\"") + Link("B", "t")));
+  Start();
+  std::set<std::string> ids;
+  auto finish = [&] {
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_TRUE(ids.insert(commands_[0].id.value()).second) << commands_[0].id.value();
+    Turn({Done(commands_[0].id)});
+  };
+  finish();                                                    // A
+  conditions_.Set("urn:inner", {{{"x", Term::Iri("urn:x")}}});
+  finish();                                                    // B, then B again
+  conditions_.Set("urn:inner", {});
+  conditions_.Set("urn:outer", {{{"x", Term::Iri("urn:x")}}});
+  finish();                                                    // B, then A again
+  finish();                                                    // A
+  conditions_.Set("urn:outer", {});
+  finish();                                                    // B
+  EXPECT_TRUE(Says("F-1 running>done"));
+}
+
+TEST_F(EngineTest, AJoinInALoopRemembersThatABranchOutsideIsDead) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
+              Node("B", "", "<invoke operation=\"b\"/>") + Node("C", "", "<invoke operation=\"c\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "Repair", "ext:onFailure=\"true\"") + Link("Repair", "C") +
+              Link("A", "B") + Link("B", "C") + Link("C", "B", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("C", "t")));
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Start();
+  for (const char* operation : {"a", "b", "c", "b", "c"}) {
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_EQ(commands_[0].operation, operation);
+    Turn({Done(commands_[0].id)});
+  }
 }
 
 TEST_F(EngineTest, ASubflowEndsItsInvocation) {
