@@ -5,8 +5,12 @@
 namespace docent {
 namespace {
 
-bool RisesOnAdd(const Trigger& trigger) { return trigger.polarity != Polarity::kNegative; }
-bool RisesOnRemove(const Trigger& trigger) { return trigger.polarity != Polarity::kPositive; }
+bool RisesOnAdd(const Trigger& trigger) {
+  return trigger.polarity != Polarity::kNegative;
+}
+bool RisesOnRemove(const Trigger& trigger) {
+  return trigger.polarity != Polarity::kPositive;
+}
 
 int ConstantCount(const QuadPattern& pattern) {
   return !pattern.subject.IsNone() + !pattern.predicate.IsNone() + !pattern.object.IsNone();
@@ -14,7 +18,8 @@ int ConstantCount(const QuadPattern& pattern) {
 
 }  // namespace
 
-Condition::Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys, WatchIndexes& indexes)
+Condition::Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys,
+                     WatchIndexes& indexes)
     : number_(number), body_(std::move(body)), keys_(std::move(keys)), indexes_(indexes) {}
 
 Condition::~Condition() {
@@ -66,7 +71,8 @@ void Condition::Watch(uint32_t slot) {
   Witness& witness = witnesses_[slot];
   for (const Trigger& trigger : body_->triggers()) {
     const MatchPattern match = body_->Instantiate(trigger, witness.row);
-    if (RisesOnAdd(trigger)) witness.on_remove.push_back(indexes_.break_on_remove.Add(match, {number_, slot}));
+    if (RisesOnAdd(trigger))
+      witness.on_remove.push_back(indexes_.break_on_remove.Add(match, {number_, slot}));
     if (RisesOnRemove(trigger)) witness.on_add.push_back(indexes_.break_on_add.Add(match, {number_, slot}));
   }
 }
@@ -112,8 +118,8 @@ absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Ed
   return absl::OkStatus();
 }
 
-absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done,
-                              Edits& edits) {
+absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run,
+                              bool& full_done, Edits& edits) {
   if (full_done) return absl::OkStatus();
   body_->SeedFrom(body_->triggers()[trigger], quad, seed_);
   bool seeded = false;
@@ -169,8 +175,10 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 
 void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
-  if (RisesOnAdd(watched)) armed_on_add_.push_back(indexes_.rise_on_add.Add(watched.match, {number_, trigger}));
-  if (RisesOnRemove(watched)) armed_on_remove_.push_back(indexes_.rise_on_remove.Add(watched.match, {number_, trigger}));
+  if (RisesOnAdd(watched))
+    armed_on_add_.push_back(indexes_.rise_on_add.Add(watched.match, {number_, trigger}));
+  if (RisesOnRemove(watched))
+    armed_on_remove_.push_back(indexes_.rise_on_remove.Add(watched.match, {number_, trigger}));
 }
 
 void Condition::Disarm() {

@@ -1,10 +1,11 @@
-// One distinct standing query: its witnesses, and the watches in the discrimination indexes that they and their absence need.
-// Private to this folder. Writer thread only.
+// One distinct standing query: its witnesses, and the watches in the discrimination indexes that they and
+// their absence need. Private to this folder. Writer thread only.
 //
-// A condition without key variables has at most one witness; it *holds* if it has one. With key variables it has a
-// witness for each distinct binding of them.
+// A condition without key variables has at most one witness; it *holds* if it has one. With key variables it
+// has a witness for each distinct binding of them.
 //
-// Invariant between updates: every change that could give a new witness, or break one that is there, is matched by a watch.
+// Invariant between updates: every change that could give a new witness, or break one that is there, is
+// matched by a watch.
 #ifndef DOCENT_REASONER_CONSTRAINTS_CONDITION_H_
 #define DOCENT_REASONER_CONSTRAINTS_CONDITION_H_
 
@@ -23,8 +24,8 @@
 
 namespace docent {
 
-// The indexes that all conditions share. Their references name a condition and, for rises, one of its triggers, for breaks,
-// one of its witnesses.
+// The indexes that all conditions share. Their references name a condition and, for rises, one of its
+// triggers, for breaks, one of its witnesses.
 struct WatchIndexes {
   PatternIndex rise_on_add;
   PatternIndex rise_on_remove;
@@ -62,15 +63,16 @@ class Condition {
   // The witness `slot` may be broken: looks for another with its key.
   absl::Status Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits);
   // `quad` was added or removed and matches `trigger`: takes what new keys come from it.
-  // `full_done`: whether a whole evaluation was already made for this update, so nothing is left to find; set when
-  // nothing could be bound and one is made here.
-  absl::Status Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done, Edits& edits);
+  // `full_done`: whether a whole evaluation was already made for this update, so nothing is left to find; set
+  // when nothing could be bound and one is made here.
+  absl::Status Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done,
+                     Edits& edits);
   // Whole evaluation, in both directions.
   absl::Status Refresh(const sparql::RunOptions& run, Edits& edits);
   void Undo(const Edit& edit);
 
-  // Brings the rise watches in line with the state on `version`. True if they changed. Without a version every trigger
-  // is watched that the state needs.
+  // Brings the rise watches in line with the state on `version`. True if they changed. Without a version
+  // every trigger is watched that the state needs.
   bool Arm(const GraphVersion* version);
   // A rise watch was hit although only one pattern was watched: what was known of it no longer holds.
   bool watches_one() const { return armed_ == Armed::kOne; }

@@ -40,7 +40,8 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   for (const std::string& name : options.key_variables) {
     const int column = (*body)->ColumnOf(name);
     if (column < 0) {
-      return absl::InvalidArgumentError(absl::StrCat("key variable ?", name, " is not bound by the constraint"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("key variable ?", name, " is not bound by the constraint"));
     }
     keys.push_back(static_cast<int16_t>(column));
   }
@@ -86,8 +87,8 @@ absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(cons
   int64_t solutions = 0;
   const std::vector<TermId> nothing((*body)->columns().size());
   const sparql::RunOptions run{.version = &now, .now_us = options.now_us};
-  const absl::Status status =
-      (*body)->Evaluate(run, nothing, [&](absl::Span<const TermId>) { return ++solutions <= kMaxGroupSolutions; });
+  const absl::Status status = (*body)->Evaluate(
+      run, nothing, [&](absl::Span<const TermId>) { return ++solutions <= kMaxGroupSolutions; });
   if (!status.ok()) return status;
   if (solutions > kMaxGroupSolutions) {
     alone = kMaxGroupSolutions;
@@ -233,6 +234,8 @@ size_t ConstraintSet::size() const {
                                            [](const auto& entry) { return !entry.second.removed; }));
 }
 
-const ConstraintSet::Counters& ConstraintSet::counters() const { return impl_->counters; }
+const ConstraintSet::Counters& ConstraintSet::counters() const {
+  return impl_->counters;
+}
 
 }  // namespace docent

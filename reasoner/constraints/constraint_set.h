@@ -1,17 +1,22 @@
 // Standing constraints: SPARQL ASK queries whose answer is known at every moment, and told when it changes.
 //
-// The comparator of the paper: a workflow node waits for a constraint to rise, an activator for each new binding. The cost of
-// an update depends on the constraints that it can touch, not on how many exist or how large the graph is:
+// The comparator of the paper: a workflow node waits for a constraint to rise, an activator for each new
+// binding. The cost of an update depends on the constraints that it can touch, not on how many exist or how
+// large the graph is:
 //
-//   - What does not hold watches the patterns through which it could begin to hold. A matching change is bound into the
-//     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that one alone is watched.
-//   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very solution.
+//   - What does not hold watches the patterns through which it could begin to hold. A matching change is
+//   bound into the
+//     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that
+//     one alone is watched.
+//   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very
+//   solution.
 //
-// Patterns inside NOT EXISTS, MINUS, OPTIONAL, EXISTS are watched too, in the direction in which they count. What cannot be
-// analysed so (sub-SELECT, aggregates, recursive paths) is evaluated whole when one of its patterns is touched, and
-// NOW() or RAND() at every update: correct, slower, and visible in the counters.
+// Patterns inside NOT EXISTS, MINUS, OPTIONAL, EXISTS are watched too, in the direction in which they count.
+// What cannot be analysed so (sub-SELECT, aggregates, recursive paths) is evaluated whole when one of its
+// patterns is touched, and NOW() or RAND() at every update: correct, slower, and visible in the counters.
 //
-// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. Writer thread only.
+// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. Writer
+// thread only.
 #ifndef DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
 #define DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
 
@@ -48,8 +53,8 @@ class ConstraintId {
   uint64_t value_ = 0;
 };
 
-// One solution: variable name (without "?") and value, in the query's order of variables; unbound ones are left out.
-// Ids are the dictionary's: computed values are interned.
+// One solution: variable name (without "?") and value, in the query's order of variables; unbound ones are
+// left out. Ids are the dictionary's: computed values are interned.
 using Binding = std::vector<std::pair<std::string, TermId>>;
 
 // What an Update changed about one constraint.
@@ -80,10 +85,10 @@ class ConstraintSet {
   ConstraintSet(const ConstraintSet&) = delete;
   ConstraintSet& operator=(const ConstraintSet&) = delete;
 
-  // Begins to follow `ask` (form ASK; the WHERE of a SELECT is taken likewise). `now` is the version that the next
-  // Update's delta starts from; the level on it is known at once and is not reported as a change.
-  // INVALID_ARGUMENT for a key variable that the query does not bind or another form of query; UNIMPLEMENTED for what
-  // the evaluator cannot do. Queries that are the same share their work.
+  // Begins to follow `ask` (form ASK; the WHERE of a SELECT is taken likewise). `now` is the version that the
+  // next Update's delta starts from; the level on it is known at once and is not reported as a change.
+  // INVALID_ARGUMENT for a key variable that the query does not bind or another form of query; UNIMPLEMENTED
+  // for what the evaluator cannot do. Queries that are the same share their work.
   absl::StatusOr<ConstraintId> Register(const sparql::Query& ask, const GraphVersion& now,
                                         const RegisterOptions& options = {});
   // Ends following; unknown ids are ignored.
@@ -96,9 +101,11 @@ class ConstraintSet {
 
   // Whether it holds as of the last Update. False for an unknown id.
   bool Holds(ConstraintId id) const;
-  // The key bindings as of the last Update, in term order. One empty binding for a constraint without keys that holds.
+  // The key bindings as of the last Update, in term order. One empty binding for a constraint without keys
+  // that holds.
   std::vector<Binding> Keys(ConstraintId id) const;
-  // Solutions on `version` with all visible variables, distinct, in term order, the first `limit` of them. NOT_FOUND for an unknown id.
+  // Solutions on `version` with all visible variables, distinct, in term order, the first `limit` of them.
+  // NOT_FOUND for an unknown id.
   absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, size_t limit,
                                                  TimeMicros now_us = 0);
 

@@ -58,12 +58,13 @@ struct ConstraintSet::Impl {
 
   // Registration.
   // The condition of `query`, made if there is none like it.
-  absl::StatusOr<uint32_t> FindOrMake(const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options);
-  absl::StatusOr<uint32_t> Make(const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options,
-                                std::string fingerprint);
+  absl::StatusOr<uint32_t> FindOrMake(const sparql::Query& query, const GraphVersion& now,
+                                      const RegisterOptions& options);
+  absl::StatusOr<uint32_t> Make(const sparql::Query& query, const GraphVersion& now,
+                                const RegisterOptions& options, std::string fingerprint);
   // Follows a threshold by its group if there are enough like it; nullopt: follow it by itself.
-  absl::StatusOr<std::optional<Follower>> JoinGroup(ConstraintId id, const sparql::Query& query, const GraphVersion& now,
-                                                    const RegisterOptions& options);
+  absl::StatusOr<std::optional<Follower>> JoinGroup(ConstraintId id, const sparql::Query& query,
+                                                    const GraphVersion& now, const RegisterOptions& options);
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
   ThresholdGroup& GroupOf(const Follower& follower) const;
@@ -91,8 +92,8 @@ struct ConstraintSet::Impl {
   Dictionary& dictionary;
   const sparql::FunctionRegistry* functions;
   NumberComparer comparer;
-  const GraphVersion no_graph;  // comparisons of numbers read none
-  WatchIndexes indexes;         // before conditions: they unregister themselves
+  const GraphVersion no_graph;     // comparisons of numbers read none
+  WatchIndexes indexes;            // before conditions: they unregister themselves
   std::vector<Shared> conditions;  // by number
   std::vector<uint32_t> free_numbers;
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;

@@ -82,7 +82,8 @@ void ConstraintSet::Impl::Settle(const GraphVersion& version) {
   }
 }
 
-absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number, absl::FunctionRef<void(ConstraintId, bool)> visit) {
+absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number,
+                                                absl::FunctionRef<void(ConstraintId, bool)> visit) {
   const sparql::RunOptions run{.version = &no_graph};
   for (const auto& group : conditions[number].groups) {
     if (!group) continue;
@@ -131,7 +132,8 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
       if (followers[id].removed) continue;
       ConstraintChange change = ChangeOf(id, number, touch);
       const bool edge = change.edge != ConstraintChange::Edge::kBindingsChanged;
-      if (edge || !change.appeared.empty() || !change.disappeared.empty()) changes.push_back(std::move(change));
+      if (edge || !change.appeared.empty() || !change.disappeared.empty())
+        changes.push_back(std::move(change));
     }
     const absl::Status status = RelevelGroups(number, [&](ConstraintId id, bool level) {
       if (followers[id].removed) return;
@@ -143,8 +145,8 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphVersion& version, const Delta& delta,
-                                                                    TimeMicros now_us) {
+absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
+                                                                    const Delta& delta, TimeMicros now_us) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
   impl.touched.clear();

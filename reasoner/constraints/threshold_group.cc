@@ -16,20 +16,29 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::optional<Comparison> ComparisonOf(Expression::Kind kind, bool mirrored) {
   switch (kind) {
-    case Expression::Kind::kLess: return mirrored ? Comparison::kGreater : Comparison::kLess;
-    case Expression::Kind::kLessOrEqual: return mirrored ? Comparison::kGreaterOrEqual : Comparison::kLessOrEqual;
-    case Expression::Kind::kGreater: return mirrored ? Comparison::kLess : Comparison::kGreater;
-    case Expression::Kind::kGreaterOrEqual: return mirrored ? Comparison::kLessOrEqual : Comparison::kGreaterOrEqual;
-    default: return std::nullopt;
+    case Expression::Kind::kLess:
+      return mirrored ? Comparison::kGreater : Comparison::kLess;
+    case Expression::Kind::kLessOrEqual:
+      return mirrored ? Comparison::kGreaterOrEqual : Comparison::kLessOrEqual;
+    case Expression::Kind::kGreater:
+      return mirrored ? Comparison::kLess : Comparison::kGreater;
+    case Expression::Kind::kGreaterOrEqual:
+      return mirrored ? Comparison::kLessOrEqual : Comparison::kGreaterOrEqual;
+    default:
+      return std::nullopt;
   }
 }
 
 Expression::Kind KindOf(Comparison op) {
   switch (op) {
-    case Comparison::kLess: return Expression::Kind::kLess;
-    case Comparison::kLessOrEqual: return Expression::Kind::kLessOrEqual;
-    case Comparison::kGreater: return Expression::Kind::kGreater;
-    case Comparison::kGreaterOrEqual: return Expression::Kind::kGreaterOrEqual;
+    case Comparison::kLess:
+      return Expression::Kind::kLess;
+    case Comparison::kLessOrEqual:
+      return Expression::Kind::kLessOrEqual;
+    case Comparison::kGreater:
+      return Expression::Kind::kGreater;
+    case Comparison::kGreaterOrEqual:
+      return Expression::Kind::kGreaterOrEqual;
   }
   return Expression::Kind::kLess;
 }
@@ -65,8 +74,8 @@ void CollectConjuncts(const Expression& expression, std::vector<const Expression
 }
 
 bool MayBeNumber(const Term& term) {
-  return term.IsLiteral() && term.language.empty() && !term.datatype.empty() && term.datatype != kXsdBoolean &&
-         term.datatype != kXsdDate && term.datatype != kXsdDateTime;
+  return term.IsLiteral() && term.language.empty() && !term.datatype.empty() &&
+         term.datatype != kXsdBoolean && term.datatype != kXsdDate && term.datatype != kXsdDateTime;
 }
 
 }  // namespace
@@ -96,7 +105,8 @@ std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
   return form;
 }
 
-absl::StatusOr<bool> NumberComparer::Compare(TermId left, Comparison op, TermId right, const sparql::RunOptions& run) {
+absl::StatusOr<bool> NumberComparer::Compare(TermId left, Comparison op, TermId right,
+                                             const sparql::RunOptions& run) {
   if (const std::optional<bool> decided = CompareNumbers(left, op, right)) return *decided;
   auto& prepared = expressions_[static_cast<size_t>(op)];
   if (!prepared) {
@@ -114,7 +124,10 @@ absl::StatusOr<bool> NumberComparer::Compare(TermId left, Comparison op, TermId 
 }
 
 ThresholdGroup::ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer)
-    : above_(above), dictionary_(dictionary), comparer_(comparer), settled_extreme_(above ? -kInfinity : kInfinity) {}
+    : above_(above),
+      dictionary_(dictionary),
+      comparer_(comparer),
+      settled_extreme_(above ? -kInfinity : kInfinity) {}
 
 void ThresholdGroup::SetKey(TermId key, bool present) {
   const NumberView view = ViewNumber(key);
@@ -124,7 +137,8 @@ void ThresholdGroup::SetKey(TermId key, bool present) {
     } else {
       numbers_.erase({view.value, key});
     }
-  } else if (view.kind == NumberView::Kind::kUnknown && !key.IsNone() && MayBeNumber(dictionary_.Decode(key))) {
+  } else if (view.kind == NumberView::Kind::kUnknown && !key.IsNone() &&
+             MayBeNumber(dictionary_.Decode(key))) {
     const bool changed = present ? irregular_.insert(key).second : irregular_.erase(key) > 0;
     irregular_changed_ = irregular_changed_ || changed;
   }
@@ -141,7 +155,8 @@ absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& m
   if (above_ ? extreme > place.first : extreme < place.first) return true;
   if (extreme == place.first) {
     // As doubles the same: ask for each value that looks so.
-    for (auto it = numbers_.lower_bound({extreme, TermId()}); it != numbers_.end() && it->first == extreme; ++it) {
+    for (auto it = numbers_.lower_bound({extreme, TermId()}); it != numbers_.end() && it->first == extreme;
+         ++it) {
       const absl::StatusOr<bool> holds = comparer_.Compare(it->second, member.op, member.constant, run);
       if (!holds.ok() || *holds) return holds;
     }
@@ -153,7 +168,8 @@ absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& m
   return false;
 }
 
-absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId constant, const sparql::RunOptions& run) {
+absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId constant,
+                                       const sparql::RunOptions& run) {
   const Place place = PlaceOf(id, constant);
   Member member{op, constant, false};
   const absl::StatusOr<bool> level = LevelOf(place, member, run);
@@ -163,7 +179,9 @@ absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId co
   return absl::OkStatus();
 }
 
-void ThresholdGroup::RemoveMember(ConstraintId id, TermId constant) { members_.erase(PlaceOf(id, constant)); }
+void ThresholdGroup::RemoveMember(ConstraintId id, TermId constant) {
+  members_.erase(PlaceOf(id, constant));
+}
 
 bool ThresholdGroup::Holds(ConstraintId id, TermId constant) const {
   const auto found = members_.find(PlaceOf(id, constant));
@@ -182,7 +200,8 @@ absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
   const double extreme = Extreme();
   const double low = irregular_changed_ ? -kInfinity : std::min(extreme, settled_extreme_);
   const double high = irregular_changed_ ? kInfinity : std::max(extreme, settled_extreme_);
-  for (auto it = members_.lower_bound({low, ConstraintId()}); it != members_.end() && it->first.first <= high; ++it) {
+  for (auto it = members_.lower_bound({low, ConstraintId()}); it != members_.end() && it->first.first <= high;
+       ++it) {
     const absl::StatusOr<bool> level = LevelOf(it->first, it->second, run);
     if (!level.ok()) return level.status();
     if (*level == it->second.level) continue;

@@ -1,8 +1,9 @@
 // Many constraints that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21, … 0.3.
 //
-// They share one condition, the query without that comparison with ?b as its key variable, and are kept here in the order
-// of their numbers. Which of them hold depends on the extreme value of ?b alone, so when it moves only those
-// between the old and the new extreme are looked at. Private to this folder. Writer thread only.
+// They share one condition, the query without that comparison with ?b as its key variable, and are kept here
+// in the order of their numbers. Which of them hold depends on the extreme value of ?b alone, so when it
+// moves only those between the old and the new extreme are looked at. Private to this folder. Writer thread
+// only.
 #ifndef DOCENT_REASONER_CONSTRAINTS_THRESHOLD_GROUP_H_
 #define DOCENT_REASONER_CONSTRAINTS_THRESHOLD_GROUP_H_
 
@@ -44,7 +45,8 @@ class NumberComparer {
 
  private:
   const Dictionary& dictionary_;
-  std::array<std::unique_ptr<sparql::PreparedExpression>, 4> expressions_;  // by Comparison, when first needed
+  std::array<std::unique_ptr<sparql::PreparedExpression>, 4>
+      expressions_;  // by Comparison, when first needed
 };
 
 class ThresholdGroup {
@@ -52,7 +54,9 @@ class ThresholdGroup {
   // `above`: its members ask for a value above their number (> and >=); otherwise for one below.
   ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer);
 
-  static bool IsAbove(Comparison op) { return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual; }
+  static bool IsAbove(Comparison op) {
+    return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual;
+  }
 
   // `key` is, or is no longer, a value of the variable. Levels follow at the next Relevel.
   void SetKey(TermId key, bool present);
@@ -61,11 +65,13 @@ class ThresholdGroup {
   void RemoveMember(ConstraintId id, TermId constant);
   bool Holds(ConstraintId id, TermId constant) const;
   // Whether `value` of the variable makes the member hold.
-  absl::StatusOr<bool> Admits(ConstraintId id, TermId constant, TermId value, const sparql::RunOptions& run) const;
+  absl::StatusOr<bool> Admits(ConstraintId id, TermId constant, TermId value,
+                              const sparql::RunOptions& run) const;
   bool empty() const { return members_.empty(); }
 
   // Brings the levels in line with the keys and calls `visit` with each that changed.
-  absl::Status Relevel(const sparql::RunOptions& run, absl::FunctionRef<void(ConstraintId, bool level)> visit);
+  absl::Status Relevel(const sparql::RunOptions& run,
+                       absl::FunctionRef<void(ConstraintId, bool level)> visit);
 
  private:
   struct Member {
@@ -84,7 +90,8 @@ class ThresholdGroup {
   NumberComparer& comparer_;
   absl::btree_map<Place, Member> members_;
   absl::btree_set<std::pair<double, TermId>> numbers_;  // keys whose double says where they stand
-  absl::btree_set<TermId> irregular_;  // other numeric keys (xsd:float, numbers too long for an id): tried one by one
+  absl::btree_set<TermId>
+      irregular_;  // other numeric keys (xsd:float, numbers too long for an id): tried one by one
   bool irregular_changed_ = false;
   double settled_extreme_;  // as of the last Relevel
 };

@@ -57,20 +57,29 @@ void InternConstants(const Algebra& algebra, Dictionary& dictionary) {
 
 std::optional<Comparison> ComparisonOf(Expression::Kind kind) {
   switch (kind) {
-    case Expression::Kind::kLess: return Comparison::kLess;
-    case Expression::Kind::kLessOrEqual: return Comparison::kLessOrEqual;
-    case Expression::Kind::kGreater: return Comparison::kGreater;
-    case Expression::Kind::kGreaterOrEqual: return Comparison::kGreaterOrEqual;
-    default: return std::nullopt;
+    case Expression::Kind::kLess:
+      return Comparison::kLess;
+    case Expression::Kind::kLessOrEqual:
+      return Comparison::kLessOrEqual;
+    case Expression::Kind::kGreater:
+      return Comparison::kGreater;
+    case Expression::Kind::kGreaterOrEqual:
+      return Comparison::kGreaterOrEqual;
+    default:
+      return std::nullopt;
   }
 }
 
 Comparison Mirror(Comparison op) {
   switch (op) {
-    case Comparison::kLess: return Comparison::kGreater;
-    case Comparison::kLessOrEqual: return Comparison::kGreaterOrEqual;
-    case Comparison::kGreater: return Comparison::kLess;
-    case Comparison::kGreaterOrEqual: return Comparison::kLessOrEqual;
+    case Comparison::kLess:
+      return Comparison::kGreater;
+    case Comparison::kLessOrEqual:
+      return Comparison::kGreaterOrEqual;
+    case Comparison::kGreater:
+      return Comparison::kLess;
+    case Comparison::kGreaterOrEqual:
+      return Comparison::kLessOrEqual;
   }
   return op;
 }
@@ -115,7 +124,6 @@ class BodyBuilder {
   }
 
  private:
-
   int16_t AddColumn(const sparql::Variable& variable) {
     const int known = body_.ColumnOf(variable.name);
     if (known >= 0) return static_cast<int16_t>(known);
@@ -203,11 +211,13 @@ class BodyBuilder {
       const std::array<const PatternTerm*, 4> terms = {&source.pattern.subject, &source.pattern.predicate,
                                                        &source.pattern.object, &source.graph};
       QuadPattern& constants = trigger.match.constants;
-      const std::array<TermId*, 4> ids = {&constants.subject, &constants.predicate, &constants.object, &constants.graph};
+      const std::array<TermId*, 4> ids = {&constants.subject, &constants.predicate, &constants.object,
+                                          &constants.graph};
       for (int i = 0; i < 4; ++i) {
         if (!terms[i]->IsVariable()) {
           *ids[i] = dictionary_.Intern(terms[i]->term);
-        } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable->name) != source.seeds.end()) {
+        } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable->name) !=
+                   source.seeds.end()) {
           trigger.columns[i] = static_cast<int16_t>(body_.ColumnOf(terms[i]->variable->name));
         }
       }
@@ -219,14 +229,15 @@ class BodyBuilder {
 
   static uint8_t EqualPositions(const std::array<const PatternTerm*, 4>& terms) {
     static constexpr std::array<std::array<int, 3>, 6> kPairs = {{{0, 1, MatchPattern::kSubjectPredicate},
-                                                                   {0, 2, MatchPattern::kSubjectObject},
-                                                                   {1, 2, MatchPattern::kPredicateObject},
-                                                                   {0, 3, MatchPattern::kSubjectGraph},
-                                                                   {1, 3, MatchPattern::kPredicateGraph},
-                                                                   {2, 3, MatchPattern::kObjectGraph}}};
+                                                                  {0, 2, MatchPattern::kSubjectObject},
+                                                                  {1, 2, MatchPattern::kPredicateObject},
+                                                                  {0, 3, MatchPattern::kSubjectGraph},
+                                                                  {1, 3, MatchPattern::kPredicateGraph},
+                                                                  {2, 3, MatchPattern::kObjectGraph}}};
     uint8_t equal = 0;
     for (const auto& [a, b, flag] : kPairs) {
-      if (terms[a]->IsVariable() && terms[a]->variable == terms[b]->variable) equal |= static_cast<uint8_t>(flag);
+      if (terms[a]->IsVariable() && terms[a]->variable == terms[b]->variable)
+        equal |= static_cast<uint8_t>(flag);
     }
     return equal;
   }
@@ -288,7 +299,8 @@ Body::~Body() = default;
 absl::StatusOr<std::unique_ptr<Body>> Body::Compile(const sparql::Query& query, Dictionary& dictionary,
                                                     const sparql::FunctionRegistry* functions) {
   std::unique_ptr<Body> body(new Body());
-  if (absl::Status status = BodyBuilder(*body, dictionary, functions).Build(query); !status.ok()) return status;
+  if (absl::Status status = BodyBuilder(*body, dictionary, functions).Build(query); !status.ok())
+    return status;
   return body;
 }
 
@@ -309,8 +321,8 @@ void Body::SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId
 
 MatchPattern Body::Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const {
   MatchPattern match = trigger.match;
-  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate, &match.constants.object,
-                                      &match.constants.graph};
+  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate,
+                                      &match.constants.object, &match.constants.graph};
   for (int i = 0; i < 4; ++i) {
     if (trigger.columns[i] != Trigger::kNoColumn) *ids[i] = row[trigger.columns[i]];
   }
@@ -320,7 +332,8 @@ MatchPattern Body::Instantiate(const Trigger& trigger, absl::Span<const TermId> 
 
 absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
   bool ignored = false;
-  for (size_t i = 0; i < columns_.size(); ++i) ignored = ignored || (!seed[i].IsNone() && !columns_[i].seedable);
+  for (size_t i = 0; i < columns_.size(); ++i)
+    ignored = ignored || (!seed[i].IsNone() && !columns_[i].seedable);
   if (!ignored) return EvaluateSeeded(run, seed, visit);
   std::vector<TermId> usable(seed.begin(), seed.end());
   for (size_t i = 0; i < columns_.size(); ++i) {
@@ -329,7 +342,8 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
   return EvaluateSeeded(run, usable, visit);
 }
 
-absl::Status Body::EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+absl::Status Body::EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                  Visitor visit) {
   for (const NumberTest& test : tests_) {
     if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
   }

@@ -1,12 +1,14 @@
 // A pattern made ready to be asked again and again: the body of a rule, or a standing constraint.
 //
-// It knows its triggers (which changed quads can matter to it, in index form) and evaluates itself with some of its columns
-// bound. Most bodies are *flat*, a conjunction of triple patterns with filters: those are joined here, on
-// ids, by index nested loops in the order of exact counts, and a comparison with a number rejects before anything is joined.
-// Every other body goes through the SPARQL evaluator, prepared once for each set of bound columns.
+// It knows its triggers (which changed quads can matter to it, in index form) and evaluates itself with some
+// of its columns bound. Most bodies are *flat*, a conjunction of triple patterns with filters: those are
+// joined here, on ids, by index nested loops in the order of exact counts, and a comparison with a number
+// rejects before anything is joined. Every other body goes through the SPARQL evaluator, prepared once for
+// each set of bound columns.
 //
 // Patterns match the union of all graphs; a triple that stands in two graphs is one match.
-// Writer thread only. Not re-entrant: while Evaluate runs, its visitor must not call Evaluate of the same body.
+// Writer thread only. Not re-entrant: while Evaluate runs, its visitor must not call Evaluate of the same
+// body.
 #ifndef DOCENT_REASONER_MATCHING_BODY_H_
 #define DOCENT_REASONER_MATCHING_BODY_H_
 
@@ -44,10 +46,10 @@ struct Trigger {
 
 // ?a < 5, 5 <= ?a, ?a >= ?b: a comparison that ids may be able to decide.
 struct NumberTest {
-  int16_t left = 0;                     // column
+  int16_t left = 0;  // column
   Comparison op = Comparison::kLess;
-  int16_t right = Trigger::kNoColumn;   // column, or
-  TermId constant;                      // a number
+  int16_t right = Trigger::kNoColumn;  // column, or
+  TermId constant;                     // a number
 };
 
 // nullopt where a column is open or ids cannot decide.
@@ -59,13 +61,15 @@ class Body {
     std::string name;       // of the variable, without "?"
     bool visible = true;    // false: made by the parser for a blank node
     bool seedable = false;  // may be given as a seed; the others are ignored in a seed
-    // Bound in every solution. A seed in a column that is seedable but not certain (of one branch of a UNION) also finds
-    // solutions that leave it open, and shows it in them: good for "is there one?", not for "which?".
+    // Bound in every solution. A seed in a column that is seedable but not certain (of one branch of a UNION)
+    // also finds solutions that leave it open, and shows it in them: good for "is there one?", not for
+    // "which?".
     bool certain = false;
   };
 
   // Of `query`: its WHERE (Project, Distinct, Reduced and OrderBy around it left out) and its dataset.
-  // Interns all constants. Errors as of PreparedQuery::Prepare. `dictionary` and `functions` (may be null) must outlive it.
+  // Interns all constants. Errors as of PreparedQuery::Prepare. `dictionary` and `functions` (may be null)
+  // must outlive it.
   static absl::StatusOr<std::unique_ptr<Body>> Compile(const sparql::Query& query, Dictionary& dictionary,
                                                        const sparql::FunctionRegistry* functions);
   ~Body();
@@ -81,8 +85,9 @@ class Body {
   // What a quad must look like to matter to the solution `row` through `trigger`.
   MatchPattern Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const;
 
-  // Calls `visit` for each solution that agrees with `seed` (one id a column, none where open), until it returns
-  // false. A row has one id a column; computed values are interned. Rows may repeat. `run` as for PreparedQuery.
+  // Calls `visit` for each solution that agrees with `seed` (one id a column, none where open), until it
+  // returns false. A row has one id a column; computed values are interned. Rows may repeat. `run` as for
+  // PreparedQuery.
   using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
 

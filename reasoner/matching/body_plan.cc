@@ -12,7 +12,8 @@ struct Body::FlatPlan::Run {
 };
 
 absl::Status Body::FlatPlan::Prepare(Filter& filter) {
-  auto prepared = sparql::PreparedExpression::Prepare(*filter.source, names_, dictionary_, {.functions = functions_});
+  auto prepared =
+      sparql::PreparedExpression::Prepare(*filter.source, names_, dictionary_, {.functions = functions_});
   if (!prepared.ok()) return prepared.status();
   filter.expression = *std::move(prepared);
   filter.source.reset();
@@ -103,7 +104,8 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   const std::array<TermId, 3> given = {bound.subject, bound.predicate, bound.object};
   for (int i = 0; i < 3; ++i) {
     if (!given[i].IsNone()) continue;
-    if (std::find(fresh.begin(), fresh.begin() + fresh_count, pattern.columns[i]) == fresh.begin() + fresh_count) {
+    if (std::find(fresh.begin(), fresh.begin() + fresh_count, pattern.columns[i]) ==
+        fresh.begin() + fresh_count) {
       fresh[fresh_count++] = pattern.columns[i];
     }
   }
@@ -130,7 +132,8 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   return go_on;
 }
 
-absl::Status Body::FlatPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+absl::Status Body::FlatPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                      Visitor visit) {
   row_.assign(seed.begin(), seed.end());
   for (size_t i = 0; i < row_.size(); ++i) {
     if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
@@ -140,9 +143,9 @@ absl::Status Body::FlatPlan::Evaluate(const sparql::RunOptions& run, absl::Span<
   return state.status;
 }
 
-absl::StatusOr<std::unique_ptr<Body::GeneralPlan>> Body::GeneralPlan::Make(sparql::Query query, Dictionary& dictionary,
-                                                                           const sparql::FunctionRegistry* functions,
-                                                                           const std::vector<Column>& columns) {
+absl::StatusOr<std::unique_ptr<Body::GeneralPlan>> Body::GeneralPlan::Make(
+    sparql::Query query, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+    const std::vector<Column>& columns) {
   std::unique_ptr<GeneralPlan> plan(new GeneralPlan(std::move(query), dictionary, functions, columns));
   const std::vector<TermId> nothing(columns.size());
   if (auto variant = plan->VariantFor(nothing); !variant.ok()) return variant.status();
@@ -164,7 +167,8 @@ absl::StatusOr<Body::GeneralPlan::Variant*> Body::GeneralPlan::VariantFor(absl::
   if (!prepared.ok()) return prepared.status();
   Variant variant{std::move(bound), {}, *std::move(prepared)};
   for (const std::string& name : variant.query->variables()) {
-    const auto found = std::find_if(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
+    const auto found =
+        std::find_if(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
     variant.columns.push_back(found == columns_.end() ? int16_t{Trigger::kNoColumn}
                                                       : static_cast<int16_t>(found - columns_.begin()));
   }
@@ -172,7 +176,8 @@ absl::StatusOr<Body::GeneralPlan::Variant*> Body::GeneralPlan::VariantFor(absl::
   return &variants_.back();
 }
 
-absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                         Visitor visit) {
   absl::StatusOr<Variant*> variant = VariantFor(seed);
   if (!variant.ok()) return variant.status();
   sparql::PreparedQuery& query = *(*variant)->query;

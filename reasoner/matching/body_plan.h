@@ -17,7 +17,8 @@ class Body::Plan {
  public:
   virtual ~Plan() = default;
   // As Body::Evaluate; `seed` holds nothing in columns that are not seedable.
-  virtual absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) = 0;
+  virtual absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                Visitor visit) = 0;
 };
 
 // A conjunction of triple patterns and filters.
@@ -38,7 +39,8 @@ class Body::FlatPlan final : public Body::Plan {
   FlatPlan(const Dictionary& dictionary, const sparql::FunctionRegistry* functions)
       : dictionary_(dictionary), functions_(functions) {}
   // Filters that need the evaluator are prepared. `names`: the columns.
-  absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters, std::vector<std::string> names);
+  absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters,
+                     std::vector<std::string> names);
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override;
 
  private:

@@ -11,7 +11,8 @@ namespace docent {
 
 namespace {
 
-// Numerator and denominator up to here are doubles without rounding, so their quotient is the correctly rounded value.
+// Numerator and denominator up to here are doubles without rounding, so their quotient is the correctly
+// rounded value.
 constexpr int64_t kExactMantissa = int64_t{1} << 53;
 constexpr int kExactPower = 22;
 

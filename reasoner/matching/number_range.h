@@ -1,4 +1,5 @@
-// Numbers of inline literals, as intervals of doubles: cheap comparison that says when it cannot decide. Any thread.
+// Numbers of inline literals, as intervals of doubles: cheap comparison that says when it cannot decide. Any
+// thread.
 #ifndef DOCENT_REASONER_MATCHING_NUMBER_RANGE_H_
 #define DOCENT_REASONER_MATCHING_NUMBER_RANGE_H_
 
@@ -23,8 +24,9 @@ NumberView ViewNumber(TermId id);
 // The comparisons of SPARQL that have a direction.
 enum class Comparison : uint8_t { kLess, kLessOrEqual, kGreater, kGreaterOrEqual };
 
-// `left op right` (SPARQL 1.1 section 17.3, numeric). nullopt where doubles cannot tell: rounding, NaN, or a number in the
-// dictionary. Rounding to double is monotone, so unequal doubles decide. False where an operand is no number.
+// `left op right` (SPARQL 1.1 section 17.3, numeric). nullopt where doubles cannot tell: rounding, NaN, or a
+// number in the dictionary. Rounding to double is monotone, so unequal doubles decide. False where an operand
+// is no number.
 std::optional<bool> CompareNumbers(TermId left, Comparison op, TermId right);
 
 // A necessary condition on a number: `value op bound`.

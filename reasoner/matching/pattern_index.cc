@@ -15,7 +15,9 @@ bool EqualPositionsHold(uint8_t equal, const Quad& q) {
          (!(equal & MatchPattern::kObjectGraph) || q.object == q.graph);
 }
 
-bool IsLowerBound(Comparison op) { return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual; }
+bool IsLowerBound(Comparison op) {
+  return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual;
+}
 
 }  // namespace
 
@@ -24,11 +26,13 @@ bool MatchPattern::Matches(const Quad& quad) const {
   if (!object_guard) return true;
   const NumberView view = ViewNumber(quad.object);
   if (view.kind != NumberView::Kind::kNumber) return view.kind == NumberView::Kind::kUnknown;
-  return IsLowerBound(object_guard->op) ? view.value >= object_guard->bound : view.value <= object_guard->bound;
+  return IsLowerBound(object_guard->op) ? view.value >= object_guard->bound
+                                        : view.value <= object_guard->bound;
 }
 
 unsigned PatternIndex::ShapeOf(const Key& key) {
-  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) | (key.object.IsNone() ? 0u : 4u);
+  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) |
+         (key.object.IsNone() ? 0u : 4u);
 }
 
 PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference reference) {
@@ -81,7 +85,8 @@ void PatternIndex::Remove(Handle handle) {
   free_.push_back(handle);
 }
 
-void PatternIndex::VisitEntry(Handle handle, const Quad& quad, absl::FunctionRef<void(Reference)> visit) const {
+void PatternIndex::VisitEntry(Handle handle, const Quad& quad,
+                              absl::FunctionRef<void(Reference)> visit) const {
   const Entry& entry = entries_[handle];
   if (!entry.graph.IsNone() && entry.graph != quad.graph) return;
   if (EqualPositionsHold(entry.equal, quad)) visit(entry.reference);

@@ -1,9 +1,10 @@
 // The discrimination index: given a changed quad, the patterns that it matches.
 //
-// Patterns are kept by hash of their constants. A quad is looked up once for each *shape* in use (which of subject,
-// predicate and object are constants: at most eight), so the cost does not depend on how many patterns exist that do not match.
-// Patterns that look at the same quads and ask besides that the object be above or below a number are kept ordered by that
-// number: those that the quad does not reach are not visited.
+// Patterns are kept by hash of their constants. A quad is looked up once for each *shape* in use (which of
+// subject, predicate and object are constants: at most eight), so the cost does not depend on how many
+// patterns exist that do not match. Patterns that look at the same quads and ask besides that the object be
+// above or below a number are kept ordered by that number: those that the quad does not reach are not
+// visited.
 //
 // Writer thread only.
 #ifndef DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_
@@ -36,7 +37,8 @@ struct MatchPattern {
     kObjectGraph = 32,
   };
   uint8_t equal = 0;
-  std::optional<NumberGuard> object_guard;  // necessary for the object; may let too much through, never too little
+  std::optional<NumberGuard>
+      object_guard;  // necessary for the object; may let too much through, never too little
 
   bool Matches(const Quad& quad) const;
 };
@@ -56,7 +58,8 @@ class PatternIndex {
   // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
   void Remove(Handle handle);
 
-  // Calls `visit` for each pattern that matches `quad`, in no particular order. `visit` must not change the index.
+  // Calls `visit` for each pattern that matches `quad`, in no particular order. `visit` must not change the
+  // index.
   void ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
 
   size_t size() const { return entries_.size() - free_.size(); }
@@ -90,7 +93,7 @@ class PatternIndex {
     Reference reference;
     uint32_t place = 0;  // in Bucket::plain
     uint8_t equal = 0;
-    int8_t side = 0;     // 0: plain, +1: at_least, -1: at_most
+    int8_t side = 0;  // 0: plain, +1: at_least, -1: at_most
     double bound = 0;
   };
 

@@ -81,7 +81,8 @@ class Analyser {
     return PatternTerm::Of(sparql::Variable{"." + std::string(position)});
   }
 
-  // Names of `names` that are not bound for certain in `scope` must not be bound from outside: there they may be unbound.
+  // Names of `names` that are not bound for certain in `scope` must not be bound from outside: there they may
+  // be unbound.
   void BlockUnless(const Names& scope, const std::vector<sparql::Variable>& names) {
     for (const sparql::Variable& v : names) {
       if (!scope.contains(v.name)) blocked_.insert(v.name);
@@ -175,7 +176,8 @@ class Analyser {
     BlockUnless(left, sparql::InScopeVariables(*node.children[1]));
     Place right = Inner(place, left);
     right.polarity = Flip(place.polarity);
-    if (place.outer != nullptr) right.seeds = Place::Seeds::kNone;  // MINUS inside EXISTS: nothing is substituted
+    if (place.outer != nullptr)
+      right.seeds = Place::Seeds::kNone;  // MINUS inside EXISTS: nothing is substituted
     Walk(*node.children[1], right);
   }
 
@@ -316,6 +318,8 @@ const Algebra& WithoutModifiers(const Algebra& algebra) {
   }
 }
 
-TriggerAnalysis AnalyseTriggers(const Algebra& where) { return Analyser().Run(where); }
+TriggerAnalysis AnalyseTriggers(const Algebra& where) {
+  return Analyser().Run(where);
+}
 
 }  // namespace docent

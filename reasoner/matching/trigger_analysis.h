@@ -1,7 +1,7 @@
 // Which changes of the graph can change the answer of a pattern, and what is known when one does.
 //
-// Reads the algebra of a rule body or standing constraint and lists its triple patterns, wherever they stand, as triggers.
-// Pure analysis of text-level algebra, no store. Any thread.
+// Reads the algebra of a rule body or standing constraint and lists its triple patterns, wherever they stand,
+// as triggers. Pure analysis of text-level algebra, no store. Any thread.
 #ifndef DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_
 #define DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_
 
@@ -22,13 +22,14 @@ enum class Polarity : uint8_t {
 };
 
 struct TriggerSource {
-  sparql::TriplePattern pattern;  // of a path: its IRI as predicate with variables beside it, or three variables
-  sparql::PatternTerm graph;      // inside GRAPH; a variable with an empty name elsewhere
+  sparql::TriplePattern
+      pattern;                // of a path: its IRI as predicate with variables beside it, or three variables
+  sparql::PatternTerm graph;  // inside GRAPH; a variable with an empty name elsewhere
   Polarity polarity = Polarity::kPositive;
   // Every solution contains a match of this pattern (it stands in the conjunction of the outermost group).
   bool required = false;
-  // Variables that a matching quad may bind in the whole query without losing or inventing a solution that rests
-  // on this match. Empty: the query has to be evaluated whole.
+  // Variables that a matching quad may bind in the whole query without losing or inventing a solution that
+  // rests on this match. Empty: the query has to be evaluated whole.
   std::vector<std::string> seeds;
 };
 
@@ -38,7 +39,8 @@ struct TriggerAnalysis {
   absl::flat_hash_set<std::string> seedable;
   // Those of them that every solution binds: initial bindings for them select solutions and change none.
   absl::flat_hash_set<std::string> certain;
-  bool is_volatile = false;  // NOW(), RAND(), UUID(), STRUUID() or BNODE(): answers change without a change of the graph
+  bool is_volatile =
+      false;  // NOW(), RAND(), UUID(), STRUUID() or BNODE(): answers change without a change of the graph
 };
 
 TriggerAnalysis AnalyseTriggers(const sparql::Algebra& where);
@@ -46,8 +48,8 @@ TriggerAnalysis AnalyseTriggers(const sparql::Algebra& where);
 // Variables that every solution of `algebra` binds by a triple pattern or GRAPH name.
 absl::flat_hash_set<std::string> CertainVariables(const sparql::Algebra& algebra);
 
-// `algebra` without what does not matter for whether there is a solution, and which: Project, Distinct, Reduced and OrderBy
-// at the outside.
+// `algebra` without what does not matter for whether there is a solution, and which: Project, Distinct,
+// Reduced and OrderBy at the outside.
 const sparql::Algebra& WithoutModifiers(const sparql::Algebra& algebra);
 
 }  // namespace docent

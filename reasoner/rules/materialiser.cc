@@ -7,8 +7,9 @@
 
 namespace docent {
 
-Materialiser::Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told, TermId inferred_graph,
-                           const Limits& limits, size_t& inferred_so_far, RuleEngine::Counters& counters)
+Materialiser::Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told,
+                           TermId inferred_graph, const Limits& limits, size_t& inferred_so_far,
+                           RuleEngine::Counters& counters)
     : program_(program),
       writer_(writer),
       told_(told),
@@ -20,7 +21,8 @@ Materialiser::Materialiser(RuleProgram& program, GraphWriter& writer, const Delt
 
 size_t Materialiser::ToldGraphs(const Triple& t) const {
   size_t count = 0;
-  for (QuadCursor c = writer_.current().Scan({t.subject, t.predicate, t.object, TermId()}); c.Valid(); c.Next()) {
+  for (QuadCursor c = writer_.current().Scan({t.subject, t.predicate, t.object, TermId()}); c.Valid();
+       c.Next()) {
     if (c.quad().graph != inferred_graph_) ++count;
   }
   return count;
@@ -94,8 +96,10 @@ void Materialiser::Announce(const Triple& triple, bool gained, int from) {
     const Polarity polarity = rule.body->triggers()[reference.pattern].polarity;
     Stratum& stratum = strata_[rule.stratum];
     const Task task{reference.owner, reference.pattern, triple};
-    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) == gained) stratum.added.push_back(task);
-    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) != gained) stratum.lost.push_back(task);
+    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) == gained)
+      stratum.added.push_back(task);
+    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) != gained)
+      stratum.lost.push_back(task);
   });
 }
 
@@ -122,14 +126,16 @@ void Materialiser::AnnounceHigher(int stratum) {
 }
 
 absl::Status Materialiser::LimitError(uint32_t rule, const char* limit, size_t value) const {
-  return absl::ResourceExhaustedError(absl::StrCat(program_.rules[rule].label, " goes beyond the limit ", limit, " = ",
-                                                   value, "; the batch was not applied. Does the rule feed itself?"));
+  return absl::ResourceExhaustedError(
+      absl::StrCat(program_.rules[rule].label, " goes beyond the limit ", limit, " = ", value,
+                   "; the batch was not applied. Does the rule feed itself?"));
 }
 
 absl::Status Materialiser::Fire(uint32_t rule, absl::Span<const TermId> seed, Phase phase) {
   const CompiledRule& compiled = program_.rules[rule];
   const sparql::RunOptions run{.version = &writer_.current()};
-  const size_t room = limits_.inferred_per_turn > inferred_so_far_ ? limits_.inferred_per_turn - inferred_so_far_ : 0;
+  const size_t room =
+      limits_.inferred_per_turn > inferred_so_far_ ? limits_.inferred_per_turn - inferred_so_far_ : 0;
   size_t compact_at = 1024;
   made_.clear();
   return compiled.body->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
@@ -183,7 +189,8 @@ absl::Status Materialiser::Overdelete(int stratum) {
   for (const Triple& triple : marked) {
     Change(triple, false);
 
-    // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
+    // Rules of lower strata may make it too, and are done already; those of higher ones have their turn
+    // later.
     strata_[stratum].rederivable.push_back(triple);
     program_.heads.ForEachMatch(InferredQuad(triple), [&](PatternIndex::Reference reference) {
       const int other = program_.rules[reference.owner].stratum;
@@ -201,7 +208,8 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
   for (const auto& [rule, head_number] : makers) {
     const CompiledRule& compiled = program_.rules[rule];
     const HeadTriple& head = compiled.head[head_number];
-    if (compiled.stratum > stratum || !head.SeedFrom(triple, compiled.body->columns().size(), seed_)) continue;
+    if (compiled.stratum > stratum || !head.SeedFrom(triple, compiled.body->columns().size(), seed_))
+      continue;
     bool derivable = false;
     const absl::Status status = compiled.body->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
       Triple made;
@@ -228,7 +236,8 @@ absl::Status Materialiser::Rederive(int stratum) {
 
 absl::Status Materialiser::Add(int stratum) {
   std::vector<Task>& tasks = strata_[stratum].added;
-  absl::flat_hash_map<uint32_t, size_t> whole_at;  // rule → tasks below this are covered by a whole evaluation
+  absl::flat_hash_map<uint32_t, size_t>
+      whole_at;  // rule → tasks below this are covered by a whole evaluation
   size_t round_end = tasks.size();
   int rounds = 1;
   for (size_t i = 0; i < tasks.size(); ++i) {
@@ -261,8 +270,8 @@ absl::Status Materialiser::Maintain() {
       const Triple triple = {q.subject, q.predicate, q.object};
       const ToldChange& change = told_changes_[triple];
       if (change.before == change.now) continue;
-      // Where an inferred triple is told besides, nothing is new; where it is no longer told, it may rest on nothing
-      // but itself, so it counts as lost.
+      // Where an inferred triple is told besides, nothing is new; where it is no longer told, it may rest on
+      // nothing but itself, so it counts as lost.
       if (change.now && IsInferred(triple)) continue;
       if (announced_.try_emplace(triple, change.now).second) Announce(triple, change.now, 0);
     }
@@ -301,7 +310,8 @@ absl::Status Materialiser::Rebuild() {
 
 Delta Materialiser::InferredChange() const {
   Delta delta;
-  for (const auto& [triple, added] : changes_) (added ? delta.added : delta.removed).push_back(InferredQuad(triple));
+  for (const auto& [triple, added] : changes_)
+    (added ? delta.added : delta.removed).push_back(InferredQuad(triple));
   std::sort(delta.added.begin(), delta.added.end());
   std::sort(delta.removed.begin(), delta.removed.end());
   return delta;

@@ -1,9 +1,11 @@
-// One maintenance of docent:inferred: from a change of the told facts to a change of the inferred ones. Private to this
-// folder; the semantics stand in rule_engine.h. Made for one Update. Writer thread only.
+// One maintenance of docent:inferred: from a change of the told facts to a change of the inferred ones.
+// Private to this folder; the semantics stand in rule_engine.h. Made for one Update. Writer thread only.
 //
 // Strata are treated in order; within one:
-//   1. overdelete: in the graph as it was before, every inferred triple that a rule made from a lost triple (or because a
-//      triple was absent that is there now) is marked, and what was made from those, and so on; then all are taken out
+//   1. overdelete: in the graph as it was before, every inferred triple that a rule made from a lost triple
+//   (or because a
+//      triple was absent that is there now) is marked, and what was made from those, and so on; then all are
+//      taken out
 //   2. re-derive: of those, what a rule still makes comes back
 //   3. add: rules are seeded with each new (or returned) triple, and with each lost one where they negate it
 // "The graph as it was" is the writer's own graph with the changes so far undone and then done again: both
@@ -28,8 +30,8 @@ namespace docent {
 class Materialiser {
  public:
   // `inferred_so_far`: quads inferred since the last Commit, counted on here.
-  Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told, TermId inferred_graph, const Limits& limits,
-               size_t& inferred_so_far, RuleEngine::Counters& counters);
+  Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told, TermId inferred_graph,
+               const Limits& limits, size_t& inferred_so_far, RuleEngine::Counters& counters);
 
   // The inferred graph follows `told`.
   absl::Status Maintain();
@@ -46,9 +48,9 @@ class Materialiser {
     Triple triple;
   };
   struct Stratum {
-    std::vector<Task> added;         // may make something new
-    std::vector<Task> lost;          // may have lost its support
-    std::vector<Triple> rederivable; // taken out by a lower stratum, may be made by this one
+    std::vector<Task> added;          // may make something new
+    std::vector<Task> lost;           // may have lost its support
+    std::vector<Triple> rederivable;  // taken out by a lower stratum, may be made by this one
   };
   struct ToldChange {
     int added = 0;
@@ -77,8 +79,8 @@ class Materialiser {
   absl::Status Rederive(int stratum);
   absl::StatusOr<bool> IsDerivable(const Triple& triple, int stratum);
   absl::Status Add(int stratum);
-  // The heads that `rule` makes from `seed` in the writer's current graph, into made_: kAdd those that are not inferred
-  // yet, kOverdelete those that are.
+  // The heads that `rule` makes from `seed` in the writer's current graph, into made_: kAdd those that are
+  // not inferred yet, kOverdelete those that are.
   enum class Phase : uint8_t { kAdd, kOverdelete };
   absl::Status Fire(uint32_t rule, absl::Span<const TermId> seed, Phase phase);
   absl::Status Infer(const Triple& triple, uint32_t rule, int stratum);
@@ -96,8 +98,8 @@ class Materialiser {
   absl::flat_hash_map<Triple, bool> changes_;  // of the inferred graph, net: added or removed
   std::vector<Stratum> strata_;
   absl::flat_hash_set<Triple> overdeleted_;
-  std::vector<Triple> touched_;                 // in the running stratum
-  absl::flat_hash_map<Triple, bool> announced_; // to all higher strata: gained or lost
+  std::vector<Triple> touched_;                  // in the running stratum
+  absl::flat_hash_map<Triple, bool> announced_;  // to all higher strata: gained or lost
   std::vector<Triple> made_;
   std::vector<TermId> seed_;
 };

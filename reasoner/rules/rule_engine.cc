@@ -24,9 +24,10 @@ struct RuleEngine::Impl {
     for (const auto* quads : {&told.added, &told.removed}) {
       for (const Quad& quad : *quads) {
         if (quad.graph != inferred_graph) continue;
-        return absl::InvalidArgumentError(absl::StrCat(
-            "the graph <", std::string(kInferredGraph), "> holds what rules derive; write the fact to another graph (subject ",
-            ToNTriples(dictionary.Decode(quad.subject)), ")"));
+        return absl::InvalidArgumentError(
+            absl::StrCat("the graph <", std::string(kInferredGraph),
+                         "> holds what rules derive; write the fact to another graph (subject ",
+                         ToNTriples(dictionary.Decode(quad.subject)), ")"));
       }
     }
     return absl::OkStatus();
@@ -43,7 +44,8 @@ struct RuleEngine::Impl {
   Counters counters;
 };
 
-RuleEngine::RuleEngine(Dictionary& dictionary, const Limits& limits, const sparql::FunctionRegistry* functions)
+RuleEngine::RuleEngine(Dictionary& dictionary, const Limits& limits,
+                       const sparql::FunctionRegistry* functions)
     : impl_(std::make_unique<Impl>(dictionary, limits, functions)) {}
 RuleEngine::~RuleEngine() = default;
 
@@ -78,10 +80,11 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   const bool rebuild = impl.state.wanted != impl.state.applied;
   if (!rebuild && (told.empty() || impl.state.wanted == nullptr)) return told;
   RuleProgram& program = impl.state.wanted != nullptr ? *impl.state.wanted : impl.no_rules;
-  Materialiser materialiser(program, writer, told, impl.inferred_graph, impl.limits, impl.inferred_since_commit,
-                            impl.counters);
+  Materialiser materialiser(program, writer, told, impl.inferred_graph, impl.limits,
+                            impl.inferred_since_commit, impl.counters);
   if (rebuild) ++impl.counters.rebuilds;
-  if (absl::Status status = rebuild ? materialiser.Rebuild() : materialiser.Maintain(); !status.ok()) return status;
+  if (absl::Status status = rebuild ? materialiser.Rebuild() : materialiser.Maintain(); !status.ok())
+    return status;
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();
   impl.counters.inferred += delta.added.size();
@@ -101,7 +104,9 @@ void RuleEngine::Rollback() {
   impl_->inferred_since_commit = 0;
 }
 
-size_t RuleEngine::rule_count() const { return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size(); }
+size_t RuleEngine::rule_count() const {
+  return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size();
+}
 
 std::vector<std::string> RuleEngine::names() const {
   std::vector<std::string> names;
@@ -109,6 +114,8 @@ std::vector<std::string> RuleEngine::names() const {
   return names;
 }
 
-const RuleEngine::Counters& RuleEngine::counters() const { return impl_->counters; }
+const RuleEngine::Counters& RuleEngine::counters() const {
+  return impl_->counters;
+}
 
 }  // namespace docent

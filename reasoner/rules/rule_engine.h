@@ -1,14 +1,15 @@
 // Keeps the graph docent:inferred equal to what the rules derive from all other graphs (the *told* facts).
 //
-// Semantics: datalog with stratified negation (W3C SHACL 1.2 Rules draft). A rule body matches the union of all graphs;
-// what its head makes lies in docent:inferred, also where the same triple is told. The graph is a function of the told facts
-// and the rules alone: any sequence of updates gives what a computation from scratch gives.
+// Semantics: datalog with stratified negation (W3C SHACL 1.2 Rules draft). A rule body matches the union of
+// all graphs; what its head makes lies in docent:inferred, also where the same triple is told. The graph is a
+// function of the told facts and the rules alone: any sequence of updates gives what a computation from
+// scratch gives.
 //
-// Additions are propagated semi-naively: each body pattern that a new triple matches is bound to it and the rest of the
-// body evaluated. Retractions are "delete and re-derive" (Gupta, Mumick, Subrahmanian, Maintaining Views Incrementally,
-// SIGMOD 1993), stratum by stratum: what rested on a lost fact is taken out, what can still be derived comes back. So facts that
-// support only each other (inverse properties, cycles) go, and facts with other support stay. A changed rule set
-// is computed anew.
+// Additions are propagated semi-naively: each body pattern that a new triple matches is bound to it and the
+// rest of the body evaluated. Retractions are "delete and re-derive" (Gupta, Mumick, Subrahmanian,
+// Maintaining Views Incrementally, SIGMOD 1993), stratum by stratum: what rested on a lost fact is taken out,
+// what can still be derived comes back. So facts that support only each other (inverse properties, cycles)
+// go, and facts with other support stay. A changed rule set is computed anew.
 //
 // Writer thread only.
 #ifndef DOCENT_REASONER_RULES_RULE_ENGINE_H_
@@ -32,28 +33,30 @@ namespace docent {
 
 class RuleEngine {
  public:
-  // `dictionary` interns constants and computed values. `functions` may be null. Both must outlive the engine.
-  // Of `limits`: rule_rounds, inferred_per_turn, and those of the text.
+  // `dictionary` interns constants and computed values. `functions` may be null. Both must outlive the
+  // engine. Of `limits`: rule_rounds, inferred_per_turn, and those of the text.
   explicit RuleEngine(Dictionary& dictionary, const Limits& limits = {},
                       const sparql::FunctionRegistry* functions = nullptr);
   ~RuleEngine();
   RuleEngine(const RuleEngine&) = delete;
   RuleEngine& operator=(const RuleEngine&) = delete;
 
-  // Puts the rules of `text` (a `.rules` document, rule_parser.h) in the place of those that have the same name. Takes
-  // effect at the next Update. On errors (syntax, an unsafe rule, negation through recursion together with the other
-  // rule sets): all of them with place and hint, and nothing changes.
+  // Puts the rules of `text` (a `.rules` document, rule_parser.h) in the place of those that have the same
+  // name. Takes effect at the next Update. On errors (syntax, an unsafe rule, negation through recursion
+  // together with the other rule sets): all of them with place and hint, and nothing changes.
   Diagnostics PutRules(std::string_view name, std::string_view text);
   // False if there are none of that name.
   bool RemoveRules(std::string_view name);
 
-  // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes quads of
-  // docent:inferred in `writer`, and returns told and inferred changes together, net.
-  // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the last Commit);
-  // INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller rolls back the writer and this.
+  // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes
+  // quads of docent:inferred in `writer`, and returns told and inferred changes together, net.
+  // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the
+  // last Commit); INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller
+  // rolls back the writer and this.
   absl::StatusOr<Delta> Update(GraphWriter& writer, const Delta& told);
 
-  // The turn is done; or it failed: rule sets and state as of the last Commit (the caller rolls the writer back).
+  // The turn is done; or it failed: rule sets and state as of the last Commit (the caller rolls the writer
+  // back).
   void Commit();
   void Rollback();
 
@@ -62,10 +65,10 @@ class RuleEngine {
   // Since construction, for /metrics.
   struct Counters {
     uint64_t updates = 0;
-    uint64_t firings = 0;     // heads made, before duplicates are dropped
-    uint64_t inferred = 0;    // quads added to docent:inferred
-    uint64_t retracted = 0;   // quads removed from it
-    uint64_t rebuilds = 0;    // computations from scratch (rule set changes)
+    uint64_t firings = 0;    // heads made, before duplicates are dropped
+    uint64_t inferred = 0;   // quads added to docent:inferred
+    uint64_t retracted = 0;  // quads removed from it
+    uint64_t rebuilds = 0;   // computations from scratch (rule set changes)
   };
   const Counters& counters() const;
 

@@ -30,7 +30,8 @@ std::optional<Refusal> RefusalOf(Algebra::Kind kind) {
     case Algebra::Kind::kGraph:
       return Refusal{"GRAPH", "rules match the union of all graphs; leave GRAPH out"};
     case Algebra::Kind::kPath:
-      return Refusal{"this property path", "write the closure as a recursive rule: RULE { ?a p ?c } WHERE { ?a p ?b . ?b p ?c }"};
+      return Refusal{"this property path",
+                     "write the closure as a recursive rule: RULE { ?a p ?c } WHERE { ?a p ?b . ?b p ?c }"};
     case Algebra::Kind::kService:
       return Refusal{"SERVICE", "load the data first"};
     case Algebra::Kind::kGroup:
@@ -48,12 +49,18 @@ std::optional<Refusal> RefusalOf(Algebra::Kind kind) {
 
 std::string_view VolatileName(Builtin builtin) {
   switch (builtin) {
-    case Builtin::kNow: return "NOW";
-    case Builtin::kRand: return "RAND";
-    case Builtin::kUuid: return "UUID";
-    case Builtin::kStrUuid: return "STRUUID";
-    case Builtin::kBnode: return "BNODE";
-    default: return "";
+    case Builtin::kNow:
+      return "NOW";
+    case Builtin::kRand:
+      return "RAND";
+    case Builtin::kUuid:
+      return "UUID";
+    case Builtin::kStrUuid:
+      return "STRUUID";
+    case Builtin::kBnode:
+      return "BNODE";
+    default:
+      return "";
   }
 }
 
@@ -63,7 +70,9 @@ class Checker {
 
   void Check(const Rule& rule) {
     const Algebra& body = *rule.body.algebra;
+    refused_ = false;
     CheckBody(body);
+    if (refused_) return;  // what such a body binds is not known here
     Names bound = CertainVariables(body);
     AddAssigned(body, bound);
     Names in_scope;
@@ -100,9 +109,11 @@ class Checker {
     const std::string& name = term.variable->name;
     if (bound.contains(name)) return;
     if (term.variable->IsHidden()) {
-      Report(term.span, rule, "a blank node in a rule head would be made anew without end", "name the thing by an IRI");
+      Report(term.span, rule, "a blank node in a rule head would be made anew without end",
+             "name the thing by an IRI");
     } else if (in_scope.contains(name)) {
-      Report(term.span, rule, absl::StrCat("?", name, " of the head is not bound in every solution of the body"),
+      Report(term.span, rule,
+             absl::StrCat("?", name, " of the head is not bound in every solution of the body"),
              absl::StrCat("bind ?", name, " in every branch of the UNION, or write one rule for each"));
     } else {
       Report(term.span, rule, absl::StrCat("?", name, " of the head does not occur in the body"),
@@ -136,7 +147,9 @@ class Checker {
 
   void CheckBody(const Algebra& node) {
     if (const std::optional<Refusal> refusal = RefusalOf(node.kind)) {
-      Report(node.span, absl::StrCat("a rule body cannot contain ", std::string(refusal->what)), refusal->hint);
+      refused_ = true;
+      Report(node.span, absl::StrCat("a rule body cannot contain ", std::string(refusal->what)),
+             refusal->hint);
       return;
     }
     for (const auto& child : node.children) CheckBody(*child);
@@ -148,13 +161,17 @@ class Checker {
 
   // `outer` variables may stand in an expression; inside EXISTS also those of its own pattern, by CheckBody.
   void CheckExpression(const Expression& expression, const Names& scope, std::string_view where) {
-    if (expression.kind == Expression::Kind::kVariable && !scope.contains(expression.variable.name) && depth_ == 0) {
-      Report(expression.span, absl::StrCat("?", expression.variable.name, " is not bound where the ", std::string(where), " uses it"),
+    if (expression.kind == Expression::Kind::kVariable && !scope.contains(expression.variable.name) &&
+        depth_ == 0) {
+      Report(expression.span,
+             absl::StrCat("?", expression.variable.name, " is not bound where the ", std::string(where),
+                          " uses it"),
              "bind it by a pattern in the same group");
     }
     if (expression.kind == Expression::Kind::kBuiltin && !VolatileName(expression.builtin).empty()) {
       Report(expression.span,
-             absl::StrCat(std::string(VolatileName(expression.builtin)), "() in a rule: what it derives would not be a function of the facts"),
+             absl::StrCat(std::string(VolatileName(expression.builtin)),
+                          "() in a rule: what it derives would not be a function of the facts"),
              "assert the value as a fact and match it");
     }
     if (expression.pattern) {
@@ -168,6 +185,7 @@ class Checker {
   std::string_view file_;
   Diagnostics& diagnostics_;
   int depth_ = 0;  // of EXISTS
+  bool refused_ = false;
 };
 
 class RulesReader {

@@ -1,4 +1,5 @@
-// The rule language: `.rules` documents (text form of the W3C SHACL 1.2 Rules draft, built on SPARQL's productions).
+// The rule language: `.rules` documents (text form of the W3C SHACL 1.2 Rules draft, built on SPARQL's
+// productions).
 //
 //   PREFIX ex: <http://example.org/>
 //   DATA { ex:nearBy ex:inverse ex:nearBy . }
@@ -9,7 +10,8 @@
 //   data  := DATA '{' triples without variables '}'
 //   rule  := RULE '{' triples '}' WHERE group-graph-pattern
 //
-// A body may have triple patterns, FILTER (with EXISTS and NOT EXISTS), BIND, UNION, VALUES and MINUS. Pure; any thread.
+// A body may have triple patterns, FILTER (with EXISTS and NOT EXISTS), BIND, UNION, VALUES and MINUS. Pure;
+// any thread.
 #ifndef DOCENT_REASONER_RULES_RULE_PARSER_H_
 #define DOCENT_REASONER_RULES_RULE_PARSER_H_
 
@@ -36,10 +38,11 @@ struct ParsedRules {
   bool ok() const { return !HasErrors(diagnostics); }
 };
 
-// Reads and checks each rule by itself: syntax; every head variable bound by the body (safety); what a FILTER or BIND uses
-// is bound; no blank node or impossible triple in a head; nothing in the body that cannot be kept up to date
-// incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECT, aggregates), no NOW() or RAND(). All errors, not the first.
-// `file` names the text in diagnostics. The well-known prefixes need no declaration.
+// Reads and checks each rule by itself: syntax; every head variable bound by the body (safety); what a FILTER
+// or BIND uses is bound; no blank node or impossible triple in a head; nothing in the body that cannot be
+// kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECT, aggregates), no NOW() or
+// RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes need no
+// declaration.
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {});
 
 }  // namespace docent

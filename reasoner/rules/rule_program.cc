@@ -15,7 +15,8 @@ bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
 }
 
 // a → b with the strongest sign that any of their patterns gives it.
-void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b, std::vector<RuleDependency>& out) {
+void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b,
+                     std::vector<RuleDependency>& out) {
   bool any = false;
   bool negative = false;
   for (const Trigger& trigger : rules[a].body->triggers()) {
@@ -30,7 +31,8 @@ void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_
 
 HeadTriple CompileHead(const sparql::TriplePattern& triple, const Body& body, Dictionary& dictionary) {
   HeadTriple head;
-  const std::array<const sparql::PatternTerm*, 3> terms = {&triple.subject, &triple.predicate, &triple.object};
+  const std::array<const sparql::PatternTerm*, 3> terms = {&triple.subject, &triple.predicate,
+                                                           &triple.object};
   for (int i = 0; i < 3; ++i) {
     if (terms[i]->IsVariable()) {
       head.columns[i] = static_cast<int16_t>(body.ColumnOf(terms[i]->variable->name));
@@ -45,7 +47,8 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
   const CompiledRule& first = rules[cycle[0]];
   std::string message = "negation through recursion: ";
   for (size_t i = 0; i < cycle.size(); ++i) {
-    absl::StrAppend(&message, rules[cycle[i]].label, i == 0 ? " negates what is derived by " : ", which needs ");
+    absl::StrAppend(&message, rules[cycle[i]].label,
+                    i == 0 ? " negates what is derived by " : ", which needs ");
   }
   absl::StrAppend(&message, cycle.size() == 1 ? "itself" : first.label);
   return {first.set, first.span, std::move(message),
@@ -79,8 +82,8 @@ bool HeadTriple::SeedFrom(const Triple& triple, size_t column_count, std::vector
   return true;
 }
 
-bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
-                          Diagnostics& diagnostics) {
+bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
+                          const sparql::FunctionRegistry* functions, Diagnostics& diagnostics) {
   bool ok = true;
   for (const auto& [name, parsed] : sets) {
     int number = 0;
@@ -120,7 +123,8 @@ void RuleProgram::Index() {
 }
 
 std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary& dictionary,
-                                                const sparql::FunctionRegistry* functions, Diagnostics& diagnostics) {
+                                                const sparql::FunctionRegistry* functions,
+                                                Diagnostics& diagnostics) {
   auto program = std::make_shared<RuleProgram>();
   if (!program->Compile(sets, dictionary, functions, diagnostics)) return nullptr;
   const auto count = static_cast<uint32_t>(program->rules.size());

@@ -1,5 +1,5 @@
-// All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. Private to this folder.
-// Writer thread only (bodies keep scratch space); otherwise unchanged after Build.
+// All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. Private to this
+// folder. Writer thread only (bodies keep scratch space); otherwise unchanged after Build.
 #ifndef DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 #define DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 
@@ -55,9 +55,11 @@ using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
 
 class RuleProgram {
  public:
-  // Null and diagnostics (negation through recursion with its cycle, unknown functions) where it cannot be run.
+  // Null and diagnostics (negation through recursion with its cycle, unknown functions) where it cannot be
+  // run.
   static std::shared_ptr<RuleProgram> Build(const RuleSets& sets, Dictionary& dictionary,
-                                            const sparql::FunctionRegistry* functions, Diagnostics& diagnostics);
+                                            const sparql::FunctionRegistry* functions,
+                                            Diagnostics& diagnostics);
 
   std::vector<CompiledRule> rules;
   int stratum_count = 0;

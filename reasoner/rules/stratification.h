@@ -1,7 +1,9 @@
-// Strata of a rule program: a rule is evaluated after those that it negates (datalog with stratified negation).
+// Strata of a rule program: a rule is evaluated after those that it negates (datalog with stratified
+// negation).
 //
-// Rule A depends on rule B if a head of B can make a triple that a pattern of A's body matches, constants compared
-// position by position. So `?r a ex:Free` may negate `?r a ex:Busy`, although both are about rdf:type.
+// Rule A depends on rule B if a head of B can make a triple that a pattern of A's body matches, constants
+// compared position by position. So `?r a ex:Free` may negate `?r a ex:Busy`, although both are about
+// rdf:type.
 #ifndef DOCENT_REASONER_RULES_STRATIFICATION_H_
 #define DOCENT_REASONER_RULES_STRATIFICATION_H_
 
@@ -20,11 +22,13 @@ struct RuleDependency {
 struct Stratification {
   std::vector<int> stratum;  // by rule; dependencies lie in the same or a lower one
   int count = 0;
-  // Empty, or rules r0, r1, …, each depending on the next and the last on the first, r0 negatively on r1: there are no strata.
+  // Empty, or rules r0, r1, …, each depending on the next and the last on the first, r0 negatively on r1:
+  // there are no strata.
   std::vector<uint32_t> negative_cycle;
 };
 
-// Strata are the strongly connected components (Tarjan, SIAM J. Comput. 1972) in the order of dependency. Iterative, any size.
+// Strata are the strongly connected components (Tarjan, SIAM J. Comput. 1972) in the order of dependency.
+// Iterative, any size.
 Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& dependencies);
 
 }  // namespace docent

@@ -1,5 +1,5 @@
-// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing constraint says is what
-// its query says when it is run again, and its binding edges are the difference of two runs.
+// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing constraint
+// says is what its query says when it is run again, and its binding edges are the difference of two runs.
 
 #include <cstdlib>
 #include <functional>
@@ -29,7 +29,8 @@ std::string RandomGroup(RandomWorld& random, int depth) {
   const int patterns = 1 + random.Pick(3);
   for (int i = 0; i < patterns; ++i) body += triple();
   if (random.Chance(20)) {
-    body += "FILTER(" + variables[random.Pick(3)] + (random.Chance(50) ? " > " : " <= ") + std::to_string(random.Pick(6)) + ") ";
+    body += "FILTER(" + variables[random.Pick(3)] + (random.Chance(50) ? " > " : " <= ") +
+            std::to_string(random.Pick(6)) + ") ";
   }
   if (random.Chance(6)) body += "FILTER(?x < ?y) ";
   if (random.Chance(8)) body += "FILTER(?x != ?y || ?z = 3) ";
@@ -82,7 +83,8 @@ using KeySet = std::set<std::string>;
 
 class Followed {
  public:
-  Followed(TestWorld& world, const Asked& asked) : world_(world), asked_(asked), query_(world.Parse(asked.text)) {}
+  Followed(TestWorld& world, const Asked& asked)
+      : world_(world), asked_(asked), query_(world.Parse(asked.text)) {}
 
   // The distinct key bindings by running the query: one empty one if it holds and has no keys.
   KeySet Run() const {
@@ -109,7 +111,8 @@ class Followed {
     KeySet keys;
     for (const Binding& binding : bindings) {
       std::string key = "{";
-      for (const auto& [name, id] : binding) key += name + "=" + ToNTriples(world_.dictionary.Decode(id)) + " ";
+      for (const auto& [name, id] : binding)
+        key += name + "=" + ToNTriples(world_.dictionary.Decode(id)) + " ";
       keys.insert(key + "}");
     }
     return keys;
@@ -118,7 +121,7 @@ class Followed {
   const sparql::Query& query() const { return query_; }
 
   ConstraintId id;
-  KeySet expected;   // as of the last update
+  KeySet expected;  // as of the last update
   KeySet committed;
 
  private:
@@ -139,7 +142,8 @@ struct Step {
 };
 
 // What goes wrong with `asked` through `steps`; empty if nothing does.
-std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps, size_t register_late) {
+std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps,
+                       size_t register_late) {
   TestWorld world;
   ConstraintSet set(world.dictionary);
   std::vector<std::unique_ptr<Followed>> followed;
@@ -179,11 +183,15 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
         if (change.id != f->id) continue;
         appeared = f->Texts(change.appeared);
         disappeared = f->Texts(change.disappeared);
-        edge = change.edge == ConstraintChange::Edge::kRose ? "rose" : change.edge == ConstraintChange::Edge::kFell ? "fell" : "bindings";
+        edge = change.edge == ConstraintChange::Edge::kRose   ? "rose"
+               : change.edge == ConstraintChange::Edge::kFell ? "fell"
+                                                              : "bindings";
       }
       KeySet new_keys, old_keys;
-      std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::inserter(new_keys, new_keys.end()));
-      std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::inserter(old_keys, old_keys.end()));
+      std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
+                          std::inserter(new_keys, new_keys.end()));
+      std::set_difference(before.begin(), before.end(), after.begin(), after.end(),
+                          std::inserter(old_keys, old_keys.end()));
       std::string wanted = before.empty() != after.empty() ? (after.empty() ? "fell" : "rose") : "none";
       if (f->asked().keys.empty()) {
         new_keys.clear();
@@ -196,8 +204,9 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
       std::string keys;
       for (const std::string& key : f->asked().keys) keys += " ?" + key;
       return f->asked().text + " keys" + keys + "\n" + history + "answer " + Show(after) + "but followed " +
-             Show(f->Texts(set.Keys(f->id))) + "\nedge " + edge + " appeared " + Show(appeared) + "disappeared " +
-             Show(disappeared) + "\nwanted " + wanted + " appeared " + Show(new_keys) + "disappeared " + Show(old_keys);
+             Show(f->Texts(set.Keys(f->id))) + "\nedge " + edge + " appeared " + Show(appeared) +
+             "disappeared " + Show(disappeared) + "\nwanted " + wanted + " appeared " + Show(new_keys) +
+             "disappeared " + Show(old_keys);
     }
     if (steps[i].end == Step::End::kCommit) {
       set.Commit();
@@ -255,11 +264,23 @@ std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t reg
 
 // Many constraints of one shape that differ in a number, so that they are followed as a group.
 std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
-  const std::vector<std::string> shapes = {
-      "?x :p0 ?v", ":n1 :p0 ?v", "?x :p0 ?v . ?x :p1 ?y", "?x :p0 ?v FILTER NOT EXISTS { ?x :p2 ?z }",
-      "?x :p0 ?v . ?y :p1 ?v FILTER(?x != ?y)"};
-  const std::vector<std::string> numbers = {"0",   "1",   "2",   "2.0", "2.5", "3", "4", "5", "0.1", "2.00",
-                                            "9007199254740993", "9007199254740992", "2.0e0", "1.0e-1"};
+  const std::vector<std::string> shapes = {"?x :p0 ?v", ":n1 :p0 ?v", "?x :p0 ?v . ?x :p1 ?y",
+                                           "?x :p0 ?v FILTER NOT EXISTS { ?x :p2 ?z }",
+                                           "?x :p0 ?v . ?y :p1 ?v FILTER(?x != ?y)"};
+  const std::vector<std::string> numbers = {"0",
+                                            "1",
+                                            "2",
+                                            "2.0",
+                                            "2.5",
+                                            "3",
+                                            "4",
+                                            "5",
+                                            "0.1",
+                                            "2.00",
+                                            "9007199254740993",
+                                            "9007199254740992",
+                                            "2.0e0",
+                                            "1.0e-1"};
   const std::string shape = shapes[static_cast<size_t>(random.Pick(static_cast<int>(shapes.size())))];
   const std::vector<std::string> operators = {" > ", " >= ", " < ", " <= "};
   std::vector<Asked> asked;
@@ -272,7 +293,8 @@ std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
   return asked;
 }
 
-void CheckSequences(int count, int percent_numbers, const std::function<std::vector<Asked>(RandomWorld&)>& ask) {
+void CheckSequences(int count, int percent_numbers,
+                    const std::function<std::vector<Asked>(RandomWorld&)>& ask) {
   const size_t register_late = 4;
   for (int seed = 1; seed <= count; ++seed) {
     RandomWorld random(static_cast<unsigned>(seed));

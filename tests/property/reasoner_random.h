@@ -1,5 +1,5 @@
-// Random graphs, changes, rules and queries over a small vocabulary, so that collisions, cycles and shared support are
-// common. Everything follows from one seed.
+// Random graphs, changes, rules and queries over a small vocabulary, so that collisions, cycles and shared
+// support are common. Everything follows from one seed.
 #ifndef DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
 #define DOCENT_TESTS_PROPERTY_REASONER_RANDOM_H_
 
@@ -26,8 +26,10 @@ class RandomWorld {
   std::string Predicate() { return std::string("p") + std::to_string(Pick(4)); }
   std::string Value() {
     if (!Chance(numbers_percent)) return Node();
-    static const std::vector<std::string> kSpecial = {"2.0", "2f", "2.5", "3.0f", "'2", "0.1", "0.1f", "9007199254740993"};
-    return Chance(30) ? kSpecial[static_cast<size_t>(Pick(static_cast<int>(kSpecial.size())))] : std::to_string(Pick(6));
+    static const std::vector<std::string> kSpecial = {"2.0", "2f",  "2.5",  "3.0f",
+                                                      "'2",  "0.1", "0.1f", "9007199254740993"};
+    return Chance(30) ? kSpecial[static_cast<size_t>(Pick(static_cast<int>(kSpecial.size())))]
+                      : std::to_string(Pick(6));
   }
 
   std::string Quad() {

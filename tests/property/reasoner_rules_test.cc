@@ -1,5 +1,6 @@
-// Whatever the order of additions, removals and rule changes: docent:inferred is what a computation from scratch gives.
-// The reference below is naive on purpose and shares no code with the engine but the SPARQL evaluator.
+// Whatever the order of additions, removals and rule changes: docent:inferred is what a computation from
+// scratch gives. The reference below is naive on purpose and shares no code with the engine but the SPARQL
+// evaluator.
 
 #include <cstdlib>
 #include <map>
@@ -21,7 +22,8 @@ namespace {
 
 constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
 
-// A rule over variables x, y, z, v; may be unsafe or unstratified: the engine then refuses it and it is not used.
+// A rule over variables x, y, z, v; may be unsafe or unstratified: the engine then refuses it and it is not
+// used.
 std::string RandomRule(RandomWorld& random) {
   const std::vector<std::string> variables = {"?x", "?y", "?z"};
   const auto node = [&] { return random.Chance(85) ? variables[random.Pick(3)] : ":" + random.Node(); };
@@ -29,13 +31,15 @@ std::string RandomRule(RandomWorld& random) {
   std::string body;
   const int patterns = 1 + random.Pick(3);
   for (int i = 0; i < patterns; ++i) body += node() + " " + predicate() + " " + node() + " . ";
-  if (random.Chance(15)) body += "{ " + node() + " :p0 " + node() + " } UNION { " + node() + " :p1 " + node() + " } ";
+  if (random.Chance(15))
+    body += "{ " + node() + " :p0 " + node() + " } UNION { " + node() + " :p1 " + node() + " } ";
   if (random.Chance(30)) {
     body += "FILTER NOT EXISTS { " + node() + " :p" + std::to_string(random.Pick(4)) + " " + node();
     if (random.Chance(25)) body += " FILTER NOT EXISTS { " + node() + " :p0 " + node() + " }";
     body += " } ";
   }
-  if (random.Chance(12)) body += "FILTER EXISTS { " + node() + " :p" + std::to_string(random.Pick(4)) + " " + node() + " } ";
+  if (random.Chance(12))
+    body += "FILTER EXISTS { " + node() + " :p" + std::to_string(random.Pick(4)) + " " + node() + " } ";
   if (random.Chance(12)) body += "MINUS { " + node() + " :p2 " + node() + " } ";
   if (random.Chance(15)) body += "FILTER(?y > " + std::to_string(random.Pick(5)) + ") ";
   if (random.Chance(10)) body += "FILTER(?x != ?y) ";
@@ -127,7 +131,8 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
         *trace += "\n";
       }
       for (const std::string& t : got) {
-        if (std::find(expected.begin(), expected.end(), t) == expected.end()) *trace += "too much: " + t + "\n";
+        if (std::find(expected.begin(), expected.end(), t) == expected.end())
+          *trace += "too much: " + t + "\n";
       }
       for (const std::string& t : expected) {
         if (std::find(got.begin(), got.end(), t) == got.end()) *trace += "missing: " + t + "\n";

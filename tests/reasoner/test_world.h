@@ -1,4 +1,5 @@
-// A graph to reason over, written in short text: Add({"a p b", "a q 5", "a p b @g"}) in the namespace http://example.org/.
+// A graph to reason over, written in short text: Add({"a p b", "a q 5", "a p b @g"}) in the namespace
+// http://example.org/.
 #ifndef DOCENT_TESTS_REASONER_TEST_WORLD_H_
 #define DOCENT_TESTS_REASONER_TEST_WORLD_H_
 
@@ -24,7 +25,8 @@ class TestWorld {
  public:
   TestWorld() : writer(std::make_shared<const GraphVersion>()) {}
 
-  // "name" → an IRI, "5" and "0.5" → numbers, "5f" → an xsd:float, "'text" → a string, "a" as predicate → rdf:type.
+  // "name" → an IRI, "5" and "0.5" → numbers, "5f" → an xsd:float, "'text" → a string, "a" as predicate →
+  // rdf:type.
   Term TermOf(const std::string& word) const {
     if (word == "a") return Term::Iri(std::string(kRdfType));
     if (word[0] == '\'') return Term::Literal(word.substr(1));
@@ -32,7 +34,8 @@ class TestWorld {
       return Term::Literal(word.substr(0, word.size() - 1), std::string(kXsdNs) + "float");
     }
     if (word.find_first_not_of("-.0123456789") == std::string::npos) {
-      return Term::Literal(word, std::string(word.find('.') == std::string::npos ? kXsdInteger : kXsdDecimal));
+      return Term::Literal(word,
+                           std::string(word.find('.') == std::string::npos ? kXsdInteger : kXsdDecimal));
     }
     return Term::Iri(std::string(kExampleNs) + word);
   }
@@ -42,7 +45,9 @@ class TestWorld {
     const std::vector<std::string> words = absl::StrSplit(text, ' ');
     const TermId graph = words.size() > 3 ? Id(words[3].substr(1)) : dictionary.InternIri(kDefaultGraph);
     // "a" stands for rdf:type as predicate only.
-    const auto node = [&](const std::string& w) { return w == "a" ? dictionary.InternIri(std::string(kExampleNs) + "a") : Id(w); };
+    const auto node = [&](const std::string& w) {
+      return w == "a" ? dictionary.InternIri(std::string(kExampleNs) + "a") : Id(w);
+    };
     return {node(words[0]), Id(words[1]), node(words[2]), graph};
   }
 

@@ -14,23 +14,25 @@ using ::testing::IsEmpty;
 class ConstraintSetTest : public ::testing::Test {
  protected:
   ConstraintId Register(const std::string& ask, const std::vector<std::string>& keys = {}) {
-    const absl::StatusOr<ConstraintId> id = set_.Register(world_.Parse(ask), world_.writer.current(), {keys, 0});
+    const absl::StatusOr<ConstraintId> id =
+        set_.Register(world_.Parse(ask), world_.writer.current(), {keys, 0});
     EXPECT_TRUE(id.ok()) << id.status();
     set_.Commit();
     return id.value_or(ConstraintId());
   }
 
   // "1 rose +{x=a} -{x=b}" for each change.
-  std::vector<std::string> Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {},
-                                TimeMicros now_us = 0) {
+  std::vector<std::string> Turn(const std::vector<std::string>& add,
+                                const std::vector<std::string>& remove = {}, TimeMicros now_us = 0) {
     const Delta delta = world_.Apply(add, remove);
     const auto changes = set_.Update(world_.writer.current(), delta, now_us);
     EXPECT_TRUE(changes.ok()) << changes.status();
     std::vector<std::string> texts;
     for (const ConstraintChange& change : *changes) {
       std::string text = std::to_string(change.id.value());
-      text += change.edge == ConstraintChange::Edge::kRose ? " rose"
-              : change.edge == ConstraintChange::Edge::kFell ? " fell" : " bindings";
+      text += change.edge == ConstraintChange::Edge::kRose   ? " rose"
+              : change.edge == ConstraintChange::Edge::kFell ? " fell"
+                                                             : " bindings";
       for (const Binding& b : change.appeared) text += " +" + Text(b);
       for (const Binding& b : change.disappeared) text += " -" + Text(b);
       texts.push_back(std::move(text));
@@ -48,7 +50,8 @@ class ConstraintSetTest : public ::testing::Test {
 
   std::string Text(const Binding& binding) const {
     std::string text = "{";
-    for (const auto& [name, id] : binding) text += (text.size() > 1 ? "," : "") + name + "=" + world_.Text(id);
+    for (const auto& [name, id] : binding)
+      text += (text.size() > 1 ? "," : "") + name + "=" + world_.Text(id);
     return text + "}";
   }
   std::vector<std::string> Texts(const std::vector<Binding>& bindings) const {
@@ -114,13 +117,16 @@ TEST_F(ConstraintSetTest, MinusOptionalUnionAndExists) {
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose", "2 rose"));
   EXPECT_THAT(Turn({"a q c", "a label 'A"}), ElementsAre("1 fell", "2 fell", "3 rose"));
   EXPECT_THAT(Turn({"b q a"}), ElementsAre("4 rose"));
-  EXPECT_THAT(Turn({}, {"a q c", "a label 'A", "b q a"}), ElementsAre("1 rose", "2 rose", "3 fell", "4 fell"));
+  EXPECT_THAT(Turn({}, {"a q c", "a label 'A", "b q a"}),
+              ElementsAre("1 rose", "2 rose", "3 fell", "4 fell"));
   EXPECT_TRUE(set_.Holds(minus) && set_.Holds(no_label));
   EXPECT_FALSE(set_.Holds(either) || set_.Holds(exists));
 }
 
 TEST_F(ConstraintSetTest, SubSelectsAndPathsAreFollowedWhole) {
-  Register("ASK { ?hall a :Hall { SELECT ?hall (COUNT(?v) AS ?n) { ?v :in ?hall } GROUP BY ?hall } FILTER(?n >= 2) }");
+  Register(
+      "ASK { ?hall a :Hall { SELECT ?hall (COUNT(?v) AS ?n) { ?v :in ?hall } GROUP BY ?hall } FILTER(?n >= "
+      "2) }");
   EXPECT_THAT(Turn({"h a Hall", "v1 in h"}), IsEmpty());
   EXPECT_THAT(Turn({"v2 in h"}), ElementsAre("1 rose"));
   EXPECT_THAT(Turn({}, {"v1 in h"}), ElementsAre("1 fell"));
@@ -135,8 +141,10 @@ TEST_F(ConstraintSetTest, WhatDependsOnTheClockIsAskedAtEveryUpdate) {
 
 TEST_F(ConstraintSetTest, KeyBindingsAppearAndDisappear) {
   const ConstraintId id = Register("ASK { ?v a :Visitor . ?v :at ?b . ?b :in :hall }", {"v"});
-  EXPECT_THAT(Turn({"ann a Visitor", "ann at b1", "b1 in hall", "b2 in hall"}), ElementsAre("1 rose +{v=ann}"));
-  EXPECT_THAT(Turn({"bob a Visitor", "bob at b1", "cyd a Visitor", "cyd at b2"}), ElementsAre("1 bindings +{v=bob} +{v=cyd}"));
+  EXPECT_THAT(Turn({"ann a Visitor", "ann at b1", "b1 in hall", "b2 in hall"}),
+              ElementsAre("1 rose +{v=ann}"));
+  EXPECT_THAT(Turn({"bob a Visitor", "bob at b1", "cyd a Visitor", "cyd at b2"}),
+              ElementsAre("1 bindings +{v=bob} +{v=cyd}"));
   EXPECT_THAT(Turn({"ann at b2"}, {"ann at b1"}), IsEmpty()) << "another way to be there";
   EXPECT_THAT(Turn({}, {"b1 in hall"}), ElementsAre("1 bindings -{v=bob}"));
   EXPECT_THAT(Texts(set_.Keys(id)), ElementsAre("{v=ann}", "{v=cyd}"));
@@ -159,7 +167,8 @@ TEST_F(ConstraintSetTest, SolutionsComeInTermOrderUpToTheLimit) {
   const auto two = set_.Solutions(id, world_.writer.current(), 2);
   ASSERT_TRUE(two.ok());
   EXPECT_THAT(Texts(*two), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
-  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), 2).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), 2).status().code(),
+            absl::StatusCode::kNotFound);
 }
 
 TEST_F(ConstraintSetTest, RemovedConstraintsAreSilent) {
@@ -198,7 +207,8 @@ TEST_F(ConstraintSetTest, RollbackForgetsTheTurn) {
   EXPECT_THAT(Turn({"d p b"}, {"a p b"}), ElementsAre("2 bindings +{x=d} -{x=a}"));
 }
 
-// A condition that watched only the pattern that had no match must not miss the one that has none after a rollback.
+// A condition that watched only the pattern that had no match must not miss the one that has none after a
+// rollback.
 TEST_F(ConstraintSetTest, RollbackRestoresWhatIsWatched) {
   Register("ASK { ?x :p ?y . ?y :q ?z }");
   Turn({"b q c"});
@@ -228,11 +238,14 @@ TEST_F(ConstraintSetTest, OnlyWhatAChangeCanTouchIsEvaluated) {
 }
 
 TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
-  EXPECT_EQ(set_.Register(world_.Parse("ASK { :a :p ?x }"), world_.writer.current(), {{"nope"}, 0}).status().code(),
-            absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(set_.Register(world_.Parse("CONSTRUCT WHERE { :a :p ?x }"), world_.writer.current()).status().code(),
-            absl::StatusCode::kInvalidArgument);
-  EXPECT_FALSE(set_.Register(world_.Parse("ASK { :a :p ?x FILTER(:nope(?x)) }"), world_.writer.current()).ok());
+  EXPECT_EQ(
+      set_.Register(world_.Parse("ASK { :a :p ?x }"), world_.writer.current(), {{"nope"}, 0}).status().code(),
+      absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(
+      set_.Register(world_.Parse("CONSTRUCT WHERE { :a :p ?x }"), world_.writer.current()).status().code(),
+      absl::StatusCode::kInvalidArgument);
+  EXPECT_FALSE(
+      set_.Register(world_.Parse("ASK { :a :p ?x FILTER(:nope(?x)) }"), world_.writer.current()).ok());
   EXPECT_EQ(set_.size(), 0u);
 }
 

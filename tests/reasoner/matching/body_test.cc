@@ -21,7 +21,8 @@ class BodyTest : public ::testing::Test {
     return body.ok() ? *std::move(body) : nullptr;
   }
   // Rows as "x=a y=b", sorted; `seed` as {"x", "a"} pairs.
-  std::vector<std::string> Rows(Body& body, const std::vector<std::pair<std::string, std::string>>& seed = {}) {
+  std::vector<std::string> Rows(Body& body,
+                                const std::vector<std::pair<std::string, std::string>>& seed = {}) {
     std::vector<TermId> ids(body.columns().size());
     for (const auto& [name, word] : seed) ids[static_cast<size_t>(body.ColumnOf(name))] = world_.Id(word);
     std::vector<std::string> rows;
@@ -71,13 +72,16 @@ TEST_F(BodyTest, NumbersAreComparedByValueAlsoWhereIdsCannotTell) {
 
 TEST_F(BodyTest, AFilterOfAnInnerGroupSeesOnlyThatGroup) {
   world_.Apply({"a n 1", "b n 2"});
-  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v { ?y :n ?w FILTER(?w > ?v) } }")), IsEmpty()) << "?v is unbound in there";
-  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v { ?y :n ?w } FILTER(?w > ?v) }")), ElementsAre("x=a v=1 y=b w=2"));
+  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v { ?y :n ?w FILTER(?w > ?v) } }")), IsEmpty())
+      << "?v is unbound in there";
+  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v { ?y :n ?w } FILTER(?w > ?v) }")),
+              ElementsAre("x=a v=1 y=b w=2"));
 }
 
 TEST_F(BodyTest, ComputedValuesAreInterned) {
   world_.Apply({"a n 1"});
-  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v BIND(CONCAT(\"n\", STR(?v)) AS ?t) }")), ElementsAre("x=a v=1 t='n1"));
+  EXPECT_THAT(Rows(*Compile("ASK { ?x :n ?v BIND(CONCAT(\"n\", STR(?v)) AS ?t) }")),
+              ElementsAre("x=a v=1 t='n1"));
 }
 
 TEST_F(BodyTest, ConstantsThatNobodyHasSaidYetAreFoundLater) {
@@ -92,7 +96,8 @@ TEST_F(BodyTest, ConstantsThatNobodyHasSaidYetAreFoundLater) {
 TEST_F(BodyTest, EveryEvaluationReadsTheGraphAsItIs) {
   const std::string inside = "{ SELECT ?x (COUNT(?y) AS ?n) { ?x :p ?y } GROUP BY ?x } ?z :p ?x";
   const auto flat = Compile("ASK { ?y :q :b FILTER NOT EXISTS { " + inside + " } }");
-  const auto general = Compile("ASK { { ?y :q :b } UNION { ?y :q :c } FILTER NOT EXISTS { " + inside + " } }");
+  const auto general =
+      Compile("ASK { { ?y :q :b } UNION { ?y :q :c } FILTER NOT EXISTS { " + inside + " } }");
   world_.Apply({"a q b", "n p n"});
   EXPECT_THAT(Rows(*flat), IsEmpty());
   EXPECT_THAT(Rows(*general), IsEmpty());

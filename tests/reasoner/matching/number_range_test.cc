@@ -37,12 +37,14 @@ TEST(NumberRange, LeavesOpenWhatDoublesCannotTell) {
   const TermId a = Number("9007199254740993", kXsdInteger);
   const TermId b = Number("9007199254740992", kXsdInteger);
   EXPECT_EQ(CompareNumbers(a, Comparison::kGreater, b), std::nullopt);
-  EXPECT_EQ(CompareNumbers(Number("1", kXsdInteger), Comparison::kLess, Number("1.0", kXsdDecimal)), std::nullopt);
+  EXPECT_EQ(CompareNumbers(Number("1", kXsdInteger), Comparison::kLess, Number("1.0", kXsdDecimal)),
+            std::nullopt);
   EXPECT_EQ(CompareNumbers(TermId::Make(TermId::Tag::kLiteral, 1), Comparison::kLess, a), std::nullopt);
 }
 
 TEST(NumberRange, AComparisonOfANumberWithAnIriIsAnErrorAndThusFalse) {
-  EXPECT_EQ(CompareNumbers(TermId::Make(TermId::Tag::kIri, 1), Comparison::kLess, Number("1", kXsdInteger)), false);
+  EXPECT_EQ(CompareNumbers(TermId::Make(TermId::Tag::kIri, 1), Comparison::kLess, Number("1", kXsdInteger)),
+            false);
 }
 
 // The long decimal that does not divide exactly still orders rightly against its neighbours.

@@ -15,9 +15,15 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TermId Id(uint64_t n) { return n == 0 ? TermId() : TermId::Make(TermId::Tag::kIri, n); }
-TermId Number(int n) { return InlineLiteral(Term::Integer(n)).value(); }
-MatchPattern Pattern(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 0) { return {{Id(s), Id(p), Id(o), Id(g)}, 0, {}}; }
+TermId Id(uint64_t n) {
+  return n == 0 ? TermId() : TermId::Make(TermId::Tag::kIri, n);
+}
+TermId Number(int n) {
+  return InlineLiteral(Term::Integer(n)).value();
+}
+MatchPattern Pattern(uint64_t s, uint64_t p, uint64_t o, uint64_t g = 0) {
+  return {{Id(s), Id(p), Id(o), Id(g)}, 0, {}};
+}
 
 std::vector<uint32_t> Owners(const PatternIndex& index, const Quad& quad) {
   std::vector<uint32_t> owners;

@@ -22,8 +22,11 @@ std::vector<std::string> Describe(const std::string& ask) {
   const TriggerAnalysis analysis = AnalyseTriggers(WithoutModifiers(*query.algebra));
   std::vector<std::string> texts;
   for (const TriggerSource& t : analysis.triggers) {
-    std::string text = t.polarity == Polarity::kPositive ? "+" : t.polarity == Polarity::kNegative ? "-" : "*";
-    text += t.pattern.predicate.IsVariable() ? "?" : t.pattern.predicate.term.lexical.substr(kExampleNs.size());
+    std::string text = t.polarity == Polarity::kPositive   ? "+"
+                       : t.polarity == Polarity::kNegative ? "-"
+                                                           : "*";
+    text +=
+        t.pattern.predicate.IsVariable() ? "?" : t.pattern.predicate.term.lexical.substr(kExampleNs.size());
     std::vector<std::string> seeds = t.seeds;
     std::sort(seeds.begin(), seeds.end());
     text += "{";
@@ -52,7 +55,8 @@ TEST(TriggerAnalysis, ExistsIsPositiveWithoutBeingRequired) {
 }
 
 TEST(TriggerAnalysis, ExistsInsideAnExpressionCountsBothWays) {
-  EXPECT_THAT(Describe("ASK { ?x :p ?y FILTER(EXISTS { ?x :q ?z } = (?y > 3)) }"), ElementsAre("+p{x,y}!", "*q{x}"));
+  EXPECT_THAT(Describe("ASK { ?x :p ?y FILTER(EXISTS { ?x :q ?z } = (?y > 3)) }"),
+              ElementsAre("+p{x,y}!", "*q{x}"));
 }
 
 TEST(TriggerAnalysis, OptionalCountsBothWaysAndMinusIsNegative) {

@@ -159,7 +159,8 @@ TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
   const Diagnostics diagnostics = engine_.PutRules("bad.rules", text);
   ASSERT_EQ(diagnostics.size(), 1u);
   EXPECT_EQ(diagnostics[0].message,
-            "negation through recursion: bad.rules rule 1 (line 2) negates what is derived by bad.rules rule 2 (line 3), "
+            "negation through recursion: bad.rules rule 1 (line 2) negates what is derived by bad.rules rule "
+            "2 (line 3), "
             "which needs bad.rules rule 3 (line 4), which needs bad.rules rule 1 (line 2)");
   EXPECT_EQ(diagnostics[0].span.line, 2);
   EXPECT_EQ(engine_.rule_count(), 0u) << "nothing changed";
@@ -209,9 +210,11 @@ class RuleLimitsTest : public ::testing::Test {
 TEST_F(RuleLimitsTest, ARuleThatFeedsItselfIsStoppedAndNamed) {
   Limits limits;
   limits.rule_rounds = 50;
-  const absl::Status status = Run(limits, "RULE { ?x :n ?m } WHERE { ?x :n ?n BIND(?n + 1 AS ?m) }", {"a n 1"});
+  const absl::Status status =
+      Run(limits, "RULE { ?x :n ?m } WHERE { ?x :n ?n BIND(?n + 1 AS ?m) }", {"a n 1"});
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("loop.rules rule 1 (line 2) goes beyond the limit rule_rounds = 50"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("loop.rules rule 1 (line 2) goes beyond the limit rule_rounds = 50"));
 }
 
 TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {

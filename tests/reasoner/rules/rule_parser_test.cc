@@ -11,7 +11,9 @@ using ::testing::HasSubstr;
 
 constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
 
-std::string Errors(const std::string& text) { return Render(ParseRules(kPrefix + text, "t.rules").diagnostics, kPrefix + text); }
+std::string Errors(const std::string& text) {
+  return Render(ParseRules(kPrefix + text, "t.rules").diagnostics, kPrefix + text);
+}
 
 TEST(RuleParser, ReadsRulesDataAndLaterPrefixes) {
   const ParsedRules parsed = ParseRules(R"(
@@ -21,7 +23,8 @@ TEST(RuleParser, ReadsRulesDataAndLaterPrefixes) {
     RULE { ?b ?p ?a . ?a :touched true } WHERE { ?a ?p ?b . ?p a :Symmetric }
     PREFIX ex: <http://example.org/more#>
     RULE { ?r ex:free true } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }
-  )", "t.rules");
+  )",
+                                        "t.rules");
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   ASSERT_EQ(parsed.rules.size(), 3u);
   EXPECT_EQ(parsed.rules[0].head.size(), 1u);
@@ -36,7 +39,8 @@ TEST(RuleParser, AnEmptyDocumentHasNoRules) {
 }
 
 TEST(RuleParser, UnsafeHeadsAreRefusedAtTheVariable) {
-  const ParsedRules parsed = ParseRules(std::string(kPrefix) + "RULE { ?a :p ?nobody } WHERE { ?a :q ?b }", "t.rules");
+  const ParsedRules parsed =
+      ParseRules(std::string(kPrefix) + "RULE { ?a :p ?nobody } WHERE { ?a :q ?b }", "t.rules");
   ASSERT_EQ(parsed.diagnostics.size(), 1u);
   EXPECT_THAT(parsed.diagnostics[0].message, HasSubstr("?nobody of the head does not occur in the body"));
   EXPECT_EQ(parsed.diagnostics[0].span.line, 2);
@@ -44,7 +48,8 @@ TEST(RuleParser, UnsafeHeadsAreRefusedAtTheVariable) {
 }
 
 TEST(RuleParser, AHeadVariableOfOneBranchOnlyIsRefused) {
-  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?a :r ?c } }"), HasSubstr("not bound in every solution"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?a :r ?c } }"),
+              HasSubstr("not bound in every solution"));
   EXPECT_EQ(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?b :r ?a } }"), "");
 }
 
@@ -53,14 +58,16 @@ TEST(RuleParser, BindMakesAHeadVariable) {
 }
 
 TEST(RuleParser, AFilterOnAnUnboundVariableIsAnError) {
-  EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b FILTER(?typo > 3) }"), HasSubstr("?typo is not bound where the FILTER"));
+  EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b FILTER(?typo > 3) }"),
+              HasSubstr("?typo is not bound where the FILTER"));
 }
 
 TEST(RuleParser, RefusesWhatCannotBeKeptUpToDate) {
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b OPTIONAL { ?a :r ?c } }"), HasSubstr("OPTIONAL"));
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { GRAPH :g { ?a :q ?b } }"), HasSubstr("GRAPH"));
   EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"), HasSubstr("property path"));
-  EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"), HasSubstr("rule body cannot contain"));
+  EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
+              HasSubstr("rule body cannot contain"));
   EXPECT_THAT(Errors("RULE { ?a :t ?t } WHERE { ?a :q ?b BIND(NOW() AS ?t) }"), HasSubstr("NOW() in a rule"));
 }
 
