@@ -415,6 +415,10 @@ void AdvanceAll(Engine::Core* core) {
       auto it = core->runs.find(id);
       if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second) continue;
       const Run& ended = it->second;
+      // the outermost run goes on holding them: what `holders` says must follow from the runs alone (RebuildDerived)
+      if (RunId root = core->RootOf(ended); root != id) {
+        if (Run* holder = core->Mutable(root)) holder->robots.insert(ended.robots.begin(), ended.robots.end());
+      }
       std::erase_if(core->holders, [&](const auto& pair) { return pair.second == id; });
       freed = true;
       core->blocked.erase(id);

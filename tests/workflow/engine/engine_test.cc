@@ -363,6 +363,20 @@ TEST_F(EngineTest, ASubflowEndsItsInvocation) {
   EXPECT_TRUE(Says("F-1 running>done"));
 }
 
+TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + Node("C", "later", "<invoke operation=\"c\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "C") + Link("C", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") + "<sink name=\"t\"/>" +
+         Link("s", "B") + Link("B", "t") + "</flow>");
+  Start();
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("G-2 running>done"));
+  engine_.Rollback();  // of a turn that changed nothing
+  Turn({}, {{RunRequest::Kind::kStart, "W/G", {}}});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_THAT(Fact("urn:docent:run:G-3/B/0", "reason"), HasSubstr("serves another run"));
+}
+
 TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
