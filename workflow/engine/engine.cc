@@ -132,7 +132,8 @@ std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const
 RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
                           const std::string& cause, const CommandOwner* parent) {
   Run run;
-  run.id = RunId(absl::StrCat(document->flows[flow].name.value, "-", next_run++));
+  run.number = next_run++;
+  run.id = RunId(absl::StrCat(document->flows[flow].name.value, "-", run.number));
   run.document = document;
   run.flow = flow;
   run.started_us = input->now_us;
@@ -405,9 +406,12 @@ void TouchWaiting(Engine::Core* core) {
 void AdvanceAll(Engine::Core* core) {
   std::set<RunId> settled;
   while (true) {
-    std::set<RunId> work = std::move(core->touched);
+    std::map<uint64_t, RunId> work;  // the oldest run first: nobody waits for a robot behind those that came later
+    for (const RunId& id : core->touched) {
+      if (auto it = core->runs.find(id); it != core->runs.end()) work.emplace(it->second.number, id);
+    }
     core->touched.clear();
-    for (const RunId& id : work) {
+    for (const auto& [number, id] : work) {
       if (Run* run = core->Mutable(id)) RunStepper(core, run).Advance();
     }
     bool freed = false;
@@ -512,9 +516,11 @@ std::optional<TimeMicros> Engine::NextDeadline() const {
 }
 
 std::vector<RobotCommand> Engine::OpenCommands() const {
+  std::map<uint64_t, const Run*> by_age;
+  for (const auto& [id, run] : core_->runs) by_age.emplace(run.number, &run);
   std::vector<RobotCommand> commands;
-  for (const auto& [id, run] : core_->runs) {
-    for (const NodeState& node : run.nodes) {
+  for (const auto& [number, run] : by_age) {
+    for (const NodeState& node : run->nodes) {
       for (const InvocationState& invocation : node.invocations) {
         for (const OpenCommand& open : invocation.commands) commands.push_back(open.command);
       }

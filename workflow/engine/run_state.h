@@ -82,6 +82,7 @@ struct NodeState {
 
 struct Run {
   RunId id;
+  uint64_t number = 0;  // in order of start, over all flows
   cawl::DocumentPtr document;
   size_t flow = 0;  // index in document->flows
   WorkState state = WorkState::kRunning;

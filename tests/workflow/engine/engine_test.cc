@@ -274,6 +274,18 @@ TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
   EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
 }
 
+TEST_F(EngineTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  for (int i = 1; i <= 11; ++i) Start();
+  for (int i = 2; i <= 11; ++i) {
+    std::vector<RobotCommand> open = engine_.OpenCommands();
+    ASSERT_EQ(open.size(), 1u);
+    Turn({Done(open[0].id)});
+    ASSERT_EQ(commands_.size(), 1u);
+    EXPECT_THAT(commands_[0].id.value(), ::testing::StartsWith("F-" + std::to_string(i) + "/"));
+  }
+}
+
 TEST_F(EngineTest, NoRobotOnlineIsSaidAndWaitedFor) {
   robots_.offers[0].offline = true;
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
