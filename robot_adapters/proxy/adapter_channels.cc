@@ -9,7 +9,7 @@ std::shared_ptr<v1::RobotAdapter::Stub> AdapterChannels::StubFor(const std::stri
   if (stub == nullptr) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+    arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // this long one attempt to connect may take
     arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
     // A robot that lost its radio link sends no goodbye: a quiet stream is probed.
     arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 20000);

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "absl/strings/str_format.h"
-#include "kb_server/rdf/term.h"
 #include "maps/hall_picture.h"
 #include "robot_adapters/sim/text_file.h"
 
@@ -34,7 +33,7 @@ std::string JsonOf(const DriveReport& report, const PathError& error) {
 absl::Status WritePicture(const DriveReport& report, const PathError& error, const maps::HallLayout& layout,
                           const std::string& path) {
   maps::HallPicture picture;
-  picture.title = layout.name + ": the way of " + ToDisplay(Term::Iri(report.robot));
+  picture.title = layout.name + ": the way of " + FileNameOf(report.robot);
   picture.subtitle = absl::StrFormat("%.1f m driven; error of the estimate: RMSE %.1f mm and %.2f°, largest %.1f mm",
                                      report.path_m, error.rmse_mm, error.rmse_deg, error.max_error_mm);
   maps::PicturePath truth{"true path", maps::kTruthColor, {}, false};

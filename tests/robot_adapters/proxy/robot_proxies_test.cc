@@ -133,6 +133,13 @@ class RobotProxiesTest : public testing::Test {
     return {quick, wait};
   }
 
+  // As the engine gives it: decided for the adapter that is there now.
+  RobotCommand Decided(const std::string& id, const std::string& operation, int deadline_ms = 20000) {
+    RobotCommand command = Command(id, operation, deadline_ms);
+    command.expected_incarnation = adapter_->incarnation();
+    return command;
+  }
+
   std::string folder_;
   std::string address_ = "127.0.0.1:0";
   std::atomic<int> runs_ = 0;
@@ -144,7 +151,7 @@ class RobotProxiesTest : public testing::Test {
 
 TEST_F(RobotProxiesTest, CommandSucceedsWithItsResults) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "quick"));
+  proxies_.Send(Decided("c/1", "quick"));
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kSucceeded);
   EXPECT_EQ(report.incarnation, adapter_->incarnation());
@@ -155,19 +162,19 @@ TEST_F(RobotProxiesTest, CommandSucceedsWithItsResults) {
 
 TEST_F(RobotProxiesTest, SameIdTwiceIsDoneOnce) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "wait"));
-  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Send(Decided("c/1", "wait"));
+  proxies_.Send(Decided("c/1", "wait"));
   reports_.Await("c/1", Outcome::kAccepted);
   release_ = true;
   reports_.AwaitFinal("c/1");
-  proxies_.Send(Command("c/2", "quick"));
+  proxies_.Send(Decided("c/2", "quick"));
   reports_.AwaitFinal("c/2");
   EXPECT_EQ(runs_, 2);
 }
 
 TEST_F(RobotProxiesTest, ProgressIsReportedNowAndThenOnly) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Send(Decided("c/1", "wait"));
   reports_.Await("c/1", Outcome::kProgress);
   absl::SleepFor(absl::Milliseconds(100));  // some fifty progress messages
   release_ = true;
@@ -187,7 +194,9 @@ TEST_F(RobotProxiesTest, AbsentAdapterIsUnreachableOnceThenFailedNamingTheAddres
 }
 
 TEST_F(RobotProxiesTest, RobotWithoutAddressIsUnreachableUntilItJoins) {
-  proxies_.Send(Command("c/1", "quick"));
+  RobotCommand command = Command("c/1", "quick");
+  command.idempotent = true;
+  proxies_.Send(command);
   reports_.Await("c/1", Outcome::kUnreachable);
   StartAdapter();
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
@@ -208,7 +217,7 @@ TEST_F(RobotProxiesTest, AdapterThatComesLateIsInvokedThen) {
 
 TEST_F(RobotProxiesTest, RestartOfTheAdapterWithAJournalTellsTheOutcome) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Send(Decided("c/1", "wait"));
   reports_.Await("c/1", Outcome::kAccepted);
   adapter_.reset();  // ends the command as failed and remembers that
   StartAdapter();
@@ -234,8 +243,7 @@ TEST_F(RobotProxiesTest, CommandForAnEarlierIncarnationIsUnknown) {
 
 TEST_F(RobotProxiesTest, ResumeOfACommandThatRunsAttachesToIt) {
   StartAdapter();
-  RobotCommand command = Command("c/1", "wait");
-  command.expected_incarnation = adapter_->incarnation();
+  RobotCommand command = Decided("c/1", "wait");
   {
     Reports earlier;
     RobotProxies before([&](WriteBatch batch) { earlier.Take(std::move(batch)); }, FastSettings());
@@ -252,8 +260,7 @@ TEST_F(RobotProxiesTest, ResumeOfACommandThatRunsAttachesToIt) {
 
 TEST_F(RobotProxiesTest, ResumeOfACommandThatWasNeverSentInvokesIt) {
   StartAdapter();
-  RobotCommand command = Command("c/1", "quick");
-  command.expected_incarnation = adapter_->incarnation();
+  RobotCommand command = Decided("c/1", "quick");
   proxies_.Resume(command);
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
   EXPECT_EQ(runs_, 1);
@@ -261,8 +268,7 @@ TEST_F(RobotProxiesTest, ResumeOfACommandThatWasNeverSentInvokesIt) {
 
 TEST_F(RobotProxiesTest, ResumeOfAFinishedCommandTellsItsOutcomeEvenAfterItsDeadline) {
   StartAdapter();
-  RobotCommand command = Command("c/1", "quick");
-  command.expected_incarnation = adapter_->incarnation();
+  RobotCommand command = Decided("c/1", "quick");
   proxies_.Send(command);
   reports_.AwaitFinal("c/1");
   adapter_.reset();
@@ -290,7 +296,7 @@ TEST_F(RobotProxiesTest, ResumeWithoutKnownIncarnationInvokesOnlyIdempotentOpera
 
 TEST_F(RobotProxiesTest, CancelReachesTheRobot) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "wait"));
+  proxies_.Send(Decided("c/1", "wait"));
   reports_.Await("c/1", Outcome::kAccepted);
   proxies_.Cancel(CommandId("c/1"));
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kCancelled);
@@ -305,7 +311,7 @@ TEST_F(RobotProxiesTest, CancelOfACommandThatWasNeverSentEndsItHere) {
 
 TEST_F(RobotProxiesTest, OperationThatIsNotOfferedFailsWithTheAdaptersWords) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "fly"));
+  proxies_.Send(Decided("c/1", "fly"));
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
   EXPECT_THAT(report.message, HasSubstr("no operation \"fly\""));
@@ -313,7 +319,7 @@ TEST_F(RobotProxiesTest, OperationThatIsNotOfferedFailsWithTheAdaptersWords) {
 
 TEST_F(RobotProxiesTest, AdapterGivesUpAtTheDeadline) {
   StartAdapter();
-  proxies_.Send(Command("c/1", "wait", 200));
+  proxies_.Send(Decided("c/1", "wait", 200));
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
   EXPECT_THAT(report.message, HasSubstr("deadline"));
@@ -322,7 +328,7 @@ TEST_F(RobotProxiesTest, AdapterGivesUpAtTheDeadline) {
 TEST_F(RobotProxiesTest, ManyCommandsAtOnceEachEndOnce) {
   StartAdapter();
   for (int i = 0; i < 200; ++i) {
-    proxies_.Send(Command(absl::StrCat("c/", i), "quick"));
+    proxies_.Send(Decided(absl::StrCat("c/", i), "quick"));
     reports_.AwaitFinal(absl::StrCat("c/", i));
   }
   for (int i = 0; i < 200; ++i) {
