@@ -337,11 +337,15 @@ void TakeReports(Engine::Core* core) {
 // A binding of an activator's key variables appeared: a run starts.
 void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
   Deployment& deployment = core->MutableDeployment(workflow);
-  for (const TermBinding& key : edge.disappeared) {
+  // a condition without free variables has one binding, the empty one
+  std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
+  if (edge.rose && appeared.empty()) appeared.emplace_back();
+  if (edge.fell && disappeared.empty()) disappeared.emplace_back();
+  for (const TermBinding& key : disappeared) {
     auto it = deployment.active.find(KeyOf(key));
     if (it != deployment.active.end() && --it->second == 0) deployment.active.erase(it);
   }
-  for (const TermBinding& key : edge.appeared) {
+  for (const TermBinding& key : appeared) {
     std::string text = KeyOf(key);
     if (deployment.active[text]++ > 0 || deployment.carried.erase(text) > 0) continue;
     if (core->runs.size() >= core->limits.runs_live) {
@@ -484,6 +488,10 @@ EngineOutput Engine::Step(const EngineInput& input) {
 }
 
 void Engine::Commit() {
+  for (const auto& [name, before] : core_->undo_deployments) {
+    // what held when the document was replaced has been told by now; whatever comes later is new
+    if (auto it = core_->deployments.find(name); it != core_->deployments.end()) it->second.carried.clear();
+  }
   core_->undo_runs.clear();
   core_->undo_deployments.clear();
   core_->undo_services.reset();

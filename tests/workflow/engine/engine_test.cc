@@ -262,6 +262,44 @@ TEST_F(EngineTest, AnActivatorStartsOneRunForEachBindingAndAgainWhenItComesBack)
   EXPECT_EQ(Fact("urn:docent:run:F-1/$s", "variableValue"), "urn:john");
 }
 
+TEST_F(EngineTest, AnActivatorWithoutFreeVariablesStartsARunWheneverItsConditionRises) {
+  Deploy("<activator name=\"act\"><activate flow=\"F\"/><condition><context name=\"c\"><rule name=\"r\"><constraint name=\"c\">"
+         "<subject>&lt;urn:door&gt;</subject><verb>&lt;urn:is&gt;</verb><object>&lt;urn:open&gt;</object></constraint></rule>"
+         "</context></condition></activator>" +
+         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  conditions_.Set("urn:door", {{}});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  conditions_.Set("urn:door", {});
+  Turn();
+  conditions_.Set("urn:door", {{}});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 2u);
+}
+
+TEST_F(EngineTest, AReplacedActivatorStartsARunForABindingThatItMeetsLater) {
+  auto deploy = [this](const std::string& word) {
+    Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition(word) + "</activator>" +
+           Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  };
+  TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
+  conditions_.Set("urn:arrived", {john});
+  conditions_.Set("urn:chose", {});
+  deploy("arrived");
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  deploy("arrived");
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 1u);  // the same John
+  deploy("chose");
+  Turn();
+  conditions_.Set("urn:chose", {john});
+  Turn();
+  EXPECT_EQ(engine_.live_runs(), 2u);
+}
+
 TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
