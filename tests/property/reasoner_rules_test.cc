@@ -59,17 +59,21 @@ std::vector<std::string> FromScratch(const std::string& rules, const std::set<st
   sets["rules"] = std::make_shared<const ParsedRules>(ParseRules(kPrefix + rules, "rules"));
   Diagnostics diagnostics;
   const auto program = RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
+  std::vector<std::unique_ptr<sparql::PreparedQuery>> constructs;
+  for (const Rule& rule : sets["rules"]->rules) {
+    sparql::Query construct = rule.body.Clone();
+    construct.form = sparql::Query::Form::kConstruct;
+    construct.construct_template = rule.head;
+    auto prepared = sparql::PreparedQuery::Prepare(construct, world.dictionary);
+    EXPECT_TRUE(prepared.ok()) << prepared.status();
+    constructs.push_back(*std::move(prepared));
+  }
   for (int stratum = 0; stratum < program->stratum_count; ++stratum) {
     for (bool changed = true; changed;) {
       changed = false;
       for (size_t r = 0; r < program->rules.size(); ++r) {
         if (program->rules[r].stratum != stratum) continue;
-        sparql::Query construct = sets["rules"]->rules[r].body.Clone();
-        construct.form = sparql::Query::Form::kConstruct;
-        construct.construct_template = sets["rules"]->rules[r].head;
-        auto prepared = sparql::PreparedQuery::Prepare(construct, world.dictionary);
-        EXPECT_TRUE(prepared.ok()) << prepared.status();
-        const auto triples = (*prepared)->Construct({.version = &world.writer.current()});
+        const auto triples = constructs[r]->Construct({.version = &world.writer.current()});
         EXPECT_TRUE(triples.ok()) << triples.status();
         for (const TermQuad& t : *triples) {
           const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
