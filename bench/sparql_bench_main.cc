@@ -1,6 +1,6 @@
-// The SPARQL engine alone: standing ASKs with constants prepared once and run again and again, joins over 100k triples,
-// parsing and preparing. Beside the two-pattern ASK stands its floor, the same lookups written by hand on the store.
-// Numbers with machine and date: bench/README.md.
+// The SPARQL engine alone: standing ASKs with constants prepared once and run again and again, joins over
+// 100k triples, parsing and preparing. Beside the two-pattern ASK stands its floor, the same lookups written
+// by hand on the store. Numbers with machine and date: bench/README.md.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -24,9 +24,11 @@ struct Hall {
       const TermId who = iri("a" + std::to_string(i));
       quads.push_back({who, type, iri(i % 10 == 0 ? "Robot" : "Visitor"), graph});
       quads.push_back({who, iri("isAt"), iri("B" + std::to_string(i % 200)), graph});
-      quads.push_back({who, iri("name"), dictionary.Intern(Term::Literal("name " + std::to_string(i))), graph});
+      quads.push_back(
+          {who, iri("name"), dictionary.Intern(Term::Literal("name " + std::to_string(i))), graph});
       for (int k = 0; k < 7; ++k) {
-        quads.push_back({who, iri("reading" + std::to_string(k)), dictionary.Intern(Term::Integer(i * 7 + k)), graph});
+        quads.push_back(
+            {who, iri("reading" + std::to_string(k)), dictionary.Intern(Term::Integer(i * 7 + k)), graph});
       }
     }
     writer.BulkLoad(quads);
@@ -57,10 +59,18 @@ void RunAsk(benchmark::State& state, const std::string& text) {
   for (auto _ : state) benchmark::DoNotOptimize(*ask->Ask(run));
 }
 
-void BM_AskTwoPatternsConstant(benchmark::State& state) { RunAsk(state, "ASK { :a10 :isAt :B10 . :a210 :isAt :B10 }"); }
-void BM_AskTwoPatternsJoin(benchmark::State& state) { RunAsk(state, "ASK { :a10 :isAt ?b . :a210 :isAt ?b }"); }
-void BM_AskTwoPatternsFalse(benchmark::State& state) { RunAsk(state, "ASK { :a10 :isAt ?b . :a11 :isAt ?b }"); }
-void BM_AskWithFilter(benchmark::State& state) { RunAsk(state, "ASK { :a10 :reading3 ?x FILTER(?x > 50.5) }"); }
+void BM_AskTwoPatternsConstant(benchmark::State& state) {
+  RunAsk(state, "ASK { :a10 :isAt :B10 . :a210 :isAt :B10 }");
+}
+void BM_AskTwoPatternsJoin(benchmark::State& state) {
+  RunAsk(state, "ASK { :a10 :isAt ?b . :a210 :isAt ?b }");
+}
+void BM_AskTwoPatternsFalse(benchmark::State& state) {
+  RunAsk(state, "ASK { :a10 :isAt ?b . :a11 :isAt ?b }");
+}
+void BM_AskWithFilter(benchmark::State& state) {
+  RunAsk(state, "ASK { :a10 :reading3 ?x FILTER(?x > 50.5) }");
+}
 void BM_AskNotExists(benchmark::State& state) {
   RunAsk(state, "ASK { :a10 :isAt ?b FILTER NOT EXISTS { ?v a :Visitor ; :isAt ?b } }");
 }
@@ -70,12 +80,14 @@ void BM_AskFloorByHand(benchmark::State& state) {
   const TermId at = *hall.dictionary.FindIri("urn:isAt"), b = *hall.dictionary.FindIri("urn:B10");
   const TermId x = *hall.dictionary.FindIri("urn:a10"), y = *hall.dictionary.FindIri("urn:a210");
   for (auto _ : state) {
-    benchmark::DoNotOptimize(hall.version->Scan({x, at, b, {}}).Valid() && hall.version->Scan({y, at, b, {}}).Valid());
+    benchmark::DoNotOptimize(hall.version->Scan({x, at, b, {}}).Valid() &&
+                             hall.version->Scan({y, at, b, {}}).Valid());
   }
 }
 
 void BM_SeededAsk(benchmark::State& state) {
-  const auto ask = TheHall().Prepare("ASK { ?r :isAt ?b . ?v :isAt ?b . ?v a :Robot FILTER(?v != ?r) }", {"r"});
+  const auto ask =
+      TheHall().Prepare("ASK { ?r :isAt ?b . ?v :isAt ?b . ?v a :Robot FILTER(?v != ?r) }", {"r"});
   const TermId robot = *TheHall().dictionary.FindIri("urn:a10");
   const RunOptions run = TheHall().Run();
   for (auto _ : state) benchmark::DoNotOptimize(*ask->Ask(run, {robot}));
@@ -90,11 +102,18 @@ void RunSelect(benchmark::State& state, const std::string& text) {
   state.SetItemsProcessed(rows);
 }
 
-void BM_SelectStar(benchmark::State& state) { RunSelect(state, "SELECT * { ?s :isAt ?b }"); }
-void BM_SelectJoin(benchmark::State& state) { RunSelect(state, "SELECT ?r ?v { ?v :isAt ?b . ?r a :Robot . ?r :isAt ?b }"); }
-void BM_CountGroups(benchmark::State& state) { RunSelect(state, "SELECT ?b (COUNT(*) AS ?n) { ?s :isAt ?b } GROUP BY ?b"); }
+void BM_SelectStar(benchmark::State& state) {
+  RunSelect(state, "SELECT * { ?s :isAt ?b }");
+}
+void BM_SelectJoin(benchmark::State& state) {
+  RunSelect(state, "SELECT ?r ?v { ?v :isAt ?b . ?r a :Robot . ?r :isAt ?b }");
+}
+void BM_CountGroups(benchmark::State& state) {
+  RunSelect(state, "SELECT ?b (COUNT(*) AS ?n) { ?s :isAt ?b } GROUP BY ?b");
+}
 
-constexpr char kText[] = "PREFIX : <urn:>\nASK { ?r a :Robot ; :isAt ?b . ?v a :Visitor ; :isAt ?b . FILTER(?r != ?v) }";
+constexpr char kText[] =
+    "PREFIX : <urn:>\nASK { ?r a :Robot ; :isAt ?b . ?v a :Visitor ; :isAt ?b . FILTER(?r != ?v) }";
 void BM_Parse(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(ParseQuery(kText));
 }

@@ -63,7 +63,8 @@ void AddInScope(const Algebra& a, VariableList* out) {
 
 void AddMentioned(const Expression& e, VariableList* out);
 
-// Every variable anywhere in a pattern of EXISTS, for that substitution reaches everywhere but what a sub-SELECT hides.
+// Every variable anywhere in a pattern of EXISTS, for that substitution reaches everywhere but what a
+// sub-SELECT hides.
 void AddMentioned(const Algebra& a, VariableList* out) {
   if (a.kind == Algebra::Kind::kProject) {
     for (const Variable& v : a.variables) out->Add(v);
@@ -99,7 +100,8 @@ void AddPatterns(const Expression& e, std::vector<PatternOccurrence>* out) {
 
 void AddPatterns(const Algebra& a, bool monotone, std::vector<PatternOccurrence>* out) {
   using Kind = Algebra::Kind;
-  // A top-level FILTER EXISTS { … } only gains solutions, too, as long as its inside does; NOT EXISTS loses them.
+  // A top-level FILTER EXISTS { … } only gains solutions, too, as long as its inside does; NOT EXISTS loses
+  // them.
   const auto add_expression = [&](const Expression& e) {
     if (e.kind == Expression::Kind::kExists && a.kind == Kind::kFilter) {
       AddPatterns(*e.pattern, monotone, out);
@@ -162,8 +164,8 @@ AlgebraPtr Algebra::Clone() const {
   copy->rows = rows;
   for (const GroupKey& key : group_keys) copy->group_keys.push_back({key.variable, key.expression->Clone()});
   for (const Aggregate& a : aggregates) {
-    copy->aggregates.push_back({a.function, a.distinct, a.expression ? a.expression->Clone() : nullptr, a.separator,
-                                a.result, a.span});
+    copy->aggregates.push_back({a.function, a.distinct, a.expression ? a.expression->Clone() : nullptr,
+                                a.separator, a.result, a.span});
   }
   for (const OrderCondition& o : order) copy->order.push_back({o.expression->Clone(), o.descending});
   copy->offset = offset;

@@ -1,10 +1,10 @@
-// A SPARQL query as its algebra (SPARQL 1.1 Query Language, section 18): what the parser makes, what the planner
-// reads, what the reasoner takes rule bodies and standing constraints from. It knows no store: terms are text,
-// variables are names.
+// A SPARQL query as its algebra (SPARQL 1.1 Query Language, section 18): what the parser makes, what the
+// planner reads, what the reasoner takes rule bodies and standing constraints from. It knows no store: terms
+// are text, variables are names.
 //
-// One tagged struct a level (`Algebra`, `Expression`, `Path`) instead of a class hierarchy: every consumer is a
-// switch over `kind`, and the fields that a kind uses stand beside it below. Trees are owned by unique_ptr and never
-// shared; `Clone` copies. Values; any thread reads, one thread changes.
+// One tagged struct a level (`Algebra`, `Expression`, `Path`) instead of a class hierarchy: every consumer is
+// a switch over `kind`, and the fields that a kind uses stand beside it below. Trees are owned by unique_ptr
+// and never shared; `Clone` copies. Values; any thread reads, one thread changes.
 #ifndef DOCENT_KB_SERVER_SPARQL_ALGEBRA_H_
 #define DOCENT_KB_SERVER_SPARQL_ALGEBRA_H_
 
@@ -38,7 +38,9 @@ struct PatternTerm {
   SourceSpan span;
 
   static PatternTerm Of(Term term, SourceSpan span = {}) { return {std::nullopt, std::move(term), span}; }
-  static PatternTerm Of(Variable variable, SourceSpan span = {}) { return {std::move(variable), Term{}, span}; }
+  static PatternTerm Of(Variable variable, SourceSpan span = {}) {
+    return {std::move(variable), Term{}, span};
+  }
   bool IsVariable() const { return variable.has_value(); }
   // Spans do not count.
   friend bool operator==(const PatternTerm& a, const PatternTerm& b) {
@@ -79,10 +81,56 @@ using ExpressionPtr = std::unique_ptr<Expression>;
 
 // The functions that SPARQL 1.1 section 17.4 names by keyword. In the order of the table in builtins.cc.
 enum class Builtin : uint8_t {
-  kStr, kLang, kLangMatches, kDatatype, kBound, kIri, kBnode, kRand, kAbs, kCeil, kFloor, kRound, kConcat, kStrlen,
-  kUcase, kLcase, kEncodeForUri, kContains, kStrStarts, kStrEnds, kStrBefore, kStrAfter, kYear, kMonth, kDay, kHours,
-  kMinutes, kSeconds, kTimezone, kTz, kNow, kUuid, kStrUuid, kMd5, kSha1, kSha256, kSha384, kSha512, kCoalesce, kIf,
-  kStrLang, kStrDt, kSameTerm, kIsIri, kIsBlank, kIsLiteral, kIsNumeric, kRegex, kSubstr, kReplace,
+  kStr,
+  kLang,
+  kLangMatches,
+  kDatatype,
+  kBound,
+  kIri,
+  kBnode,
+  kRand,
+  kAbs,
+  kCeil,
+  kFloor,
+  kRound,
+  kConcat,
+  kStrlen,
+  kUcase,
+  kLcase,
+  kEncodeForUri,
+  kContains,
+  kStrStarts,
+  kStrEnds,
+  kStrBefore,
+  kStrAfter,
+  kYear,
+  kMonth,
+  kDay,
+  kHours,
+  kMinutes,
+  kSeconds,
+  kTimezone,
+  kTz,
+  kNow,
+  kUuid,
+  kStrUuid,
+  kMd5,
+  kSha1,
+  kSha256,
+  kSha384,
+  kSha512,
+  kCoalesce,
+  kIf,
+  kStrLang,
+  kStrDt,
+  kSameTerm,
+  kIsIri,
+  kIsBlank,
+  kIsLiteral,
+  kIsNumeric,
+  kRegex,
+  kSubstr,
+  kReplace,
 };
 
 // An expression of FILTER, BIND, SELECT, HAVING, ORDER BY.
@@ -151,24 +199,24 @@ struct OrderCondition {
 // An operator of the algebra (section 18.2.4 and 18.5).
 struct Algebra {
   enum class Kind : uint8_t {
-    kBgp,        // { t1 . t2 }                    triples; empty: the one empty solution
-    kPath,       // subject path object            subject, path, object
-    kJoin,       // A . B . C                      children, two or more
-    kLeftJoin,   // A OPTIONAL { B FILTER e }      children A, B; expression (may be null)
-    kFilter,     // FILTER e                       children[0]; expression
-    kUnion,      // { A } UNION { B } UNION …      children, two or more
-    kMinus,      // A MINUS { B }                  children A, B
-    kGraph,      // GRAPH name { A }               name; children[0]
-    kExtend,     // BIND(e AS ?v)                  children[0]; variable; expression
-    kValues,     // VALUES (?x ?y) { (…) (…) }     variables; rows (nullopt: UNDEF)
-    kService,    // SERVICE name { A }             name; silent; children[0]
-    kGroup,      // GROUP BY keys, aggregates      children[0]; group_keys; aggregates
-    kOrderBy,    // ORDER BY                       children[0]; order
-    kProject,    // SELECT ?x ?y                   children[0]; variables. Inside a tree: a sub-SELECT, other
-                 //                                variables of the child are not visible outside
-    kDistinct,   // DISTINCT                       children[0]
-    kReduced,    // REDUCED                        children[0]
-    kSlice,      // OFFSET LIMIT                   children[0]; offset; limit
+    kBgp,       // { t1 . t2 }                    triples; empty: the one empty solution
+    kPath,      // subject path object            subject, path, object
+    kJoin,      // A . B . C                      children, two or more
+    kLeftJoin,  // A OPTIONAL { B FILTER e }      children A, B; expression (may be null)
+    kFilter,    // FILTER e                       children[0]; expression
+    kUnion,     // { A } UNION { B } UNION …      children, two or more
+    kMinus,     // A MINUS { B }                  children A, B
+    kGraph,     // GRAPH name { A }               name; children[0]
+    kExtend,    // BIND(e AS ?v)                  children[0]; variable; expression
+    kValues,    // VALUES (?x ?y) { (…) (…) }     variables; rows (nullopt: UNDEF)
+    kService,   // SERVICE name { A }             name; silent; children[0]
+    kGroup,     // GROUP BY keys, aggregates      children[0]; group_keys; aggregates
+    kOrderBy,   // ORDER BY                       children[0]; order
+    kProject,   // SELECT ?x ?y                   children[0]; variables. Inside a tree: a sub-SELECT, other
+                //                                variables of the child are not visible outside
+    kDistinct,  // DISTINCT                       children[0]
+    kReduced,   // REDUCED                        children[0]
+    kSlice,     // OFFSET LIMIT                   children[0]; offset; limit
   };
   Kind kind = Kind::kBgp;
   SourceSpan span;
@@ -199,14 +247,16 @@ struct Query {
   enum class Form : uint8_t { kSelect, kAsk, kConstruct, kDescribe };
   Form form = Form::kSelect;
   std::string base_iri;
-  std::vector<std::pair<std::string, std::string>> prefixes;  // declared in the text, in order: name without ':', IRI
+  std::vector<std::pair<std::string, std::string>>
+      prefixes;                  // declared in the text, in order: name without ':', IRI
   std::vector<Term> from;        // FROM <iri>
   std::vector<Term> from_named;  // FROM NAMED <iri>
   // WHERE with the solution modifiers around it. kSelect: a kProject is inside.
   AlgebraPtr algebra;
-  std::vector<Variable> projection;              // kSelect: the result's variables in order (those of SELECT * too)
-  std::vector<TriplePattern> construct_template; // kConstruct; blank nodes stay terms here: new ones for each solution
-  std::vector<PatternTerm> describe;             // kDescribe: IRIs and variables (those of DESCRIBE * too)
+  std::vector<Variable> projection;  // kSelect: the result's variables in order (those of SELECT * too)
+  std::vector<TriplePattern>
+      construct_template;             // kConstruct; blank nodes stay terms here: new ones for each solution
+  std::vector<PatternTerm> describe;  // kDescribe: IRIs and variables (those of DESCRIBE * too)
 
   Query() = default;
   Query(Query&&) = default;
@@ -214,13 +264,14 @@ struct Query {
   Query Clone() const;
 };
 
-// The variables that a solution of `algebra` can bind (section 18.2.1 "in scope"), in order of first occurrence,
-// hidden ones included.
+// The variables that a solution of `algebra` can bind (section 18.2.1 "in scope"), in order of first
+// occurrence, hidden ones included.
 std::vector<Variable> InScopeVariables(const Algebra& algebra);
 // Every variable that `expression` mentions, those inside EXISTS included.
 std::vector<Variable> MentionedVariables(const Expression& expression);
-// Every triple pattern in `algebra`, wherever it stands (OPTIONAL, EXISTS, sub-SELECT, …), with whether the answer
-// can change for an added triple in the other direction too (below MINUS, NOT EXISTS, OPTIONAL, FILTER EXISTS, …).
+// Every triple pattern in `algebra`, wherever it stands (OPTIONAL, EXISTS, sub-SELECT, …), with whether the
+// answer can change for an added triple in the other direction too (below MINUS, NOT EXISTS, OPTIONAL, FILTER
+// EXISTS, …).
 struct PatternOccurrence {
   const TriplePattern* pattern;
   bool monotone;  // true: more triples can only add solutions

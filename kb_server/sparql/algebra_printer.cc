@@ -51,8 +51,8 @@ class Printer {
     return ToNTriples(docent::Term::Literal(t.lexical)) + "^^" + Iri(t.datatype);
   }
 
-  // A blank node of one basic graph pattern as such; other hidden variables (steps of paths, aggregates, blank nodes that
-  // the translation of a path carried into several patterns) as ?_name.
+  // A blank node of one basic graph pattern as such; other hidden variables (steps of paths, aggregates,
+  // blank nodes that the translation of a path carried into several patterns) as ?_name.
   std::string VariableText(const Variable& v) {
     if (!v.IsHidden()) return "?" + v.name;
     if (v.name.starts_with(".b") && !spread_.contains(v.name)) {
@@ -85,7 +85,9 @@ class Printer {
     if (e.pattern) Scan(*e.pattern);
   }
 
-  std::string Text(const PatternTerm& t) { return t.IsVariable() ? VariableText(*t.variable) : TermText(t.term); }
+  std::string Text(const PatternTerm& t) {
+    return t.IsVariable() ? VariableText(*t.variable) : TermText(t.term);
+  }
 
   std::string Triple(const TriplePattern& t) {
     const bool type = !t.predicate.IsVariable() && t.predicate.term.lexical == kRdfType;
@@ -95,18 +97,27 @@ class Printer {
   std::string PathText(const Path& p) {
     const auto list = [&](std::string_view separator) {
       std::string out = "(";
-      for (size_t i = 0; i < p.children.size(); ++i) out += (i ? std::string(separator) : "") + PathText(p.children[i]);
+      for (size_t i = 0; i < p.children.size(); ++i)
+        out += (i ? std::string(separator) : "") + PathText(p.children[i]);
       return out + ")";
     };
     switch (p.kind) {
-      case Path::Kind::kIri: return Iri(p.iri.lexical);
-      case Path::Kind::kInverse: return "^" + PathText(p.children[0]);
-      case Path::Kind::kSequence: return list("/");
-      case Path::Kind::kAlternative: return list("|");
-      case Path::Kind::kZeroOrMore: return "(" + PathText(p.children[0]) + ")*";
-      case Path::Kind::kOneOrMore: return "(" + PathText(p.children[0]) + ")+";
-      case Path::Kind::kZeroOrOne: return "(" + PathText(p.children[0]) + ")?";
-      case Path::Kind::kNegatedSet: return "!" + list("|");
+      case Path::Kind::kIri:
+        return Iri(p.iri.lexical);
+      case Path::Kind::kInverse:
+        return "^" + PathText(p.children[0]);
+      case Path::Kind::kSequence:
+        return list("/");
+      case Path::Kind::kAlternative:
+        return list("|");
+      case Path::Kind::kZeroOrMore:
+        return "(" + PathText(p.children[0]) + ")*";
+      case Path::Kind::kOneOrMore:
+        return "(" + PathText(p.children[0]) + ")+";
+      case Path::Kind::kZeroOrOne:
+        return "(" + PathText(p.children[0]) + ")?";
+      case Path::Kind::kNegatedSet:
+        return "!" + list("|");
     }
     return "";
   }
@@ -123,8 +134,8 @@ class Printer {
   // The elements inside a group's braces, each line indented.
   std::string Elements(const Algebra& a, int depth);
   std::string Group(const Algebra& a, int depth);
-  // As Elements, in a group of its own where other elements after it would change what it means (a filter) or could not
-  // stand there (a sub-SELECT).
+  // As Elements, in a group of its own where other elements after it would change what it means (a filter) or
+  // could not stand there (a sub-SELECT).
   std::string Part(const Algebra& a, int depth);
   std::string Select(const Algebra& a, int depth, bool is_select);
 
@@ -138,7 +149,8 @@ class Printer {
       const char c = text[i];
       if (c >= '0' && c <= '9') {
         digits = true;
-      } else if (c == '.' && !point && !exponent && i + 1 < text.size() && text[i + 1] >= '0' && text[i + 1] <= '9') {
+      } else if (c == '.' && !point && !exponent && i + 1 < text.size() && text[i + 1] >= '0' &&
+                 text[i + 1] <= '9') {
         point = true;
       } else if ((c == 'e' || c == 'E') && digits && !exponent && i + 1 < text.size()) {
         exponent = true;
@@ -173,7 +185,8 @@ std::string Printer::Expr(const Expression& e, const std::vector<Aggregate>* agg
   const auto sub = [&](size_t i) { return Expr(*e.arguments[i], aggregates); };
   const auto list = [&](size_t from, std::string_view separator) {
     std::string out;
-    for (size_t i = from; i < e.arguments.size(); ++i) out += (i > from ? std::string(separator) : "") + sub(i);
+    for (size_t i = from; i < e.arguments.size(); ++i)
+      out += (i > from ? std::string(separator) : "") + sub(i);
     return out;
   };
   const auto binary = [&](std::string_view op) { return Concat({"(", sub(0), " ", op, " ", sub(1), ")"}); };
@@ -183,28 +196,50 @@ std::string Printer::Expr(const Expression& e, const std::vector<Aggregate>* agg
         if ((*aggregates)[i].result == e.variable) return AggregateText((*aggregates)[i]);
       }
       return VariableText(e.variable);
-    case E::kTerm: return TermText(e.term);
-    case E::kOr: return "(" + list(0, " || ") + ")";
-    case E::kAnd: return "(" + list(0, " && ") + ")";
-    case E::kNot: return "(! " + sub(0) + ")";
-    case E::kEqual: return binary("=");
-    case E::kNotEqual: return binary("!=");
-    case E::kLess: return binary("<");
-    case E::kGreater: return binary(">");
-    case E::kLessOrEqual: return binary("<=");
-    case E::kGreaterOrEqual: return binary(">=");
-    case E::kIn: return "(" + sub(0) + " IN (" + list(1, ", ") + "))";
-    case E::kNotIn: return "(" + sub(0) + " NOT IN (" + list(1, ", ") + "))";
-    case E::kAdd: return binary("+");
-    case E::kSubtract: return binary("-");
-    case E::kMultiply: return binary("*");
-    case E::kDivide: return binary("/");
-    case E::kUnaryPlus: return "(+ " + sub(0) + ")";
-    case E::kUnaryMinus: return "(- " + sub(0) + ")";
-    case E::kBuiltin: return Concat({NameOf(e.builtin), "(", list(0, ", "), ")"});
-    case E::kFunction: return Iri(e.term.lexical) + "(" + list(0, ", ") + ")";
-    case E::kExists: return "EXISTS " + Group(*e.pattern, depth_);
-    case E::kNotExists: return "NOT EXISTS " + Group(*e.pattern, depth_);
+    case E::kTerm:
+      return TermText(e.term);
+    case E::kOr:
+      return "(" + list(0, " || ") + ")";
+    case E::kAnd:
+      return "(" + list(0, " && ") + ")";
+    case E::kNot:
+      return "(! " + sub(0) + ")";
+    case E::kEqual:
+      return binary("=");
+    case E::kNotEqual:
+      return binary("!=");
+    case E::kLess:
+      return binary("<");
+    case E::kGreater:
+      return binary(">");
+    case E::kLessOrEqual:
+      return binary("<=");
+    case E::kGreaterOrEqual:
+      return binary(">=");
+    case E::kIn:
+      return "(" + sub(0) + " IN (" + list(1, ", ") + "))";
+    case E::kNotIn:
+      return "(" + sub(0) + " NOT IN (" + list(1, ", ") + "))";
+    case E::kAdd:
+      return binary("+");
+    case E::kSubtract:
+      return binary("-");
+    case E::kMultiply:
+      return binary("*");
+    case E::kDivide:
+      return binary("/");
+    case E::kUnaryPlus:
+      return "(+ " + sub(0) + ")";
+    case E::kUnaryMinus:
+      return "(- " + sub(0) + ")";
+    case E::kBuiltin:
+      return Concat({NameOf(e.builtin), "(", list(0, ", "), ")"});
+    case E::kFunction:
+      return Iri(e.term.lexical) + "(" + list(0, ", ") + ")";
+    case E::kExists:
+      return "EXISTS " + Group(*e.pattern, depth_);
+    case E::kNotExists:
+      return "NOT EXISTS " + Group(*e.pattern, depth_);
   }
   return "";
 }
@@ -236,13 +271,15 @@ std::string Printer::Elements(const Algebra& a, int depth) {
       for (const TriplePattern& t : a.triples) out += in + Triple(t) + " .\n";
       return out;
     }
-    case Kind::kPath: return in + Text(a.subject) + " " + PathText(a.path) + " " + Text(a.object) + " .\n";
+    case Kind::kPath:
+      return in + Text(a.subject) + " " + PathText(a.path) + " " + Text(a.object) + " .\n";
     case Kind::kJoin: {
       std::string out;
       for (const AlgebraPtr& child : a.children) {
-        const bool beside = child->kind == Kind::kBgp || child->kind == Kind::kPath || child->kind == Kind::kGraph ||
-                            child->kind == Kind::kService || child->kind == Kind::kUnion ||
-                            child->kind == Kind::kValues || child == a.children[0];
+        const bool beside = child->kind == Kind::kBgp || child->kind == Kind::kPath ||
+                            child->kind == Kind::kGraph || child->kind == Kind::kService ||
+                            child->kind == Kind::kUnion || child->kind == Kind::kValues ||
+                            child == a.children[0];
         const bool empty = child->kind == Kind::kBgp && child->triples.empty();
         out += beside && !empty ? Part(*child, depth) : in + Group(*child, depth) + "\n";
       }
@@ -261,16 +298,19 @@ std::string Printer::Elements(const Algebra& a, int depth) {
     }
     case Kind::kUnion: {
       std::string out = in;
-      for (size_t i = 0; i < a.children.size(); ++i) out += (i ? " UNION " : "") + Group(*a.children[i], depth);
+      for (size_t i = 0; i < a.children.size(); ++i)
+        out += (i ? " UNION " : "") + Group(*a.children[i], depth);
       return out + "\n";
     }
     case Kind::kMinus: {
       const std::string left = Part(*a.children[0], depth);
       return left + in + "MINUS " + Group(*a.children[1], depth) + "\n";
     }
-    case Kind::kGraph: return in + "GRAPH " + Text(a.name) + " " + Group(*a.children[0], depth) + "\n";
+    case Kind::kGraph:
+      return in + "GRAPH " + Text(a.name) + " " + Group(*a.children[0], depth) + "\n";
     case Kind::kService:
-      return in + "SERVICE " + (a.silent ? "SILENT " : "") + Text(a.name) + " " + Group(*a.children[0], depth) + "\n";
+      return in + "SERVICE " + (a.silent ? "SILENT " : "") + Text(a.name) + " " +
+             Group(*a.children[0], depth) + "\n";
     case Kind::kExtend: {
       const std::string left = Part(*a.children[0], depth);
       depth_ = depth;
@@ -282,17 +322,19 @@ std::string Printer::Elements(const Algebra& a, int depth) {
       out += ") {\n";
       for (const auto& row : a.rows) {
         out += in + "  (";
-        for (size_t i = 0; i < row.size(); ++i) out += (i ? " " : "") + (row[i] ? TermText(*row[i]) : "UNDEF");
+        for (size_t i = 0; i < row.size(); ++i)
+          out += (i ? " " : "") + (row[i] ? TermText(*row[i]) : "UNDEF");
         out += ")\n";
       }
       return out + in + "}\n";
     }
-    default: return Select(a, depth, true);
+    default:
+      return Select(a, depth, true);
   }
 }
 
-// SELECT … WHERE { … } modifiers, from the modifier operators at the top of `a`. Not `is_select` (ASK, CONSTRUCT): WHERE
-// and the modifiers; a SELECT at the top is then the one sub-SELECT of the group.
+// SELECT … WHERE { … } modifiers, from the modifier operators at the top of `a`. Not `is_select` (ASK,
+// CONSTRUCT): WHERE and the modifiers; a SELECT at the top is then the one sub-SELECT of the group.
 std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
   const std::string in = Indent(depth);
   const Algebra* at = &a;
@@ -320,7 +362,8 @@ std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
     ordered = at;
     at = at->children[0].get();
   }
-  // (expression AS ?v) of SELECT and a BIND at the end of WHERE are the same; over a group only the first can be.
+  // (expression AS ?v) of SELECT and a BIND at the end of WHERE are the same; over a group only the first can
+  // be.
   const Algebra* below = at;
   while (below->kind == Kind::kExtend || below->kind == Kind::kFilter ||
          (below->kind == Kind::kJoin && below->children[0]->kind == Kind::kGroup)) {
@@ -336,10 +379,12 @@ std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
       if (at->kind == Kind::kJoin) values = Elements(*at->children[1], depth);
     }
     for (const GroupKey& key : below->group_keys) {
-      const bool plain = key.expression->kind == Expression::Kind::kVariable && key.expression->variable == key.variable;
+      const bool plain =
+          key.expression->kind == Expression::Kind::kVariable && key.expression->variable == key.variable;
       group += plain ? " " + VariableText(key.variable)
-               : key.variable.IsHidden() ? " (" + Expr(*key.expression) + ")"
-                                         : " (" + Expr(*key.expression) + " AS " + VariableText(key.variable) + ")";
+               : key.variable.IsHidden()
+                   ? " (" + Expr(*key.expression) + ")"
+                   : " (" + Expr(*key.expression) + " AS " + VariableText(key.variable) + ")";
     }
     if (!group.empty()) group = " GROUP BY" + group;
     if (!having.empty()) having = " HAVING" + having;
@@ -354,9 +399,11 @@ std::string Printer::Select(const Algebra& a, int depth, bool is_select) {
   if (is_select) {
     if (variables.empty()) head += "*";
     for (const Variable& v : variables) {
-      const auto it = std::find_if(extends.begin(), extends.end(), [&](const Algebra* e) { return e->variable == v; });
-      head += it == extends.end() ? VariableText(v) + " "
-                                  : "(" + Expr(*(*it)->expression, aggregates) + " AS " + VariableText(v) + ") ";
+      const auto it =
+          std::find_if(extends.begin(), extends.end(), [&](const Algebra* e) { return e->variable == v; });
+      head += it == extends.end()
+                  ? VariableText(v) + " "
+                  : "(" + Expr(*(*it)->expression, aggregates) + " AS " + VariableText(v) + ") ";
     }
     if (head.back() != ' ') head += ' ';
   }
@@ -379,11 +426,14 @@ std::string PrintQuery(const Query& query, const PrintOptions& options) {
   switch (query.form) {
     case Query::Form::kAsk:
       // ASK { … } without modifiers is written without WHERE.
-      body = dataset.empty() && where.starts_with("WHERE ") ? "ASK " + where.substr(6) : "ASK\n" + dataset + where;
+      body = dataset.empty() && where.starts_with("WHERE ") ? "ASK " + where.substr(6)
+                                                            : "ASK\n" + dataset + where;
       break;
     case Query::Form::kSelect: {
       const size_t at = where.find("WHERE {");
-      body = dataset.empty() || at == std::string::npos ? where : where.substr(0, at) + "\n" + dataset + where.substr(at);
+      body = dataset.empty() || at == std::string::npos
+                 ? where
+                 : where.substr(0, at) + "\n" + dataset + where.substr(at);
       break;
     }
     case Query::Form::kConstruct:

@@ -1,5 +1,5 @@
-// Algebra → SPARQL text: `docent check --ask`, error messages, tests (parse, print, parse again gives the same).
-// Any thread.
+// Algebra → SPARQL text: `docent check --ask`, error messages, tests (parse, print, parse again gives the
+// same). Any thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
 #define DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
 
@@ -17,16 +17,16 @@ struct PrintOptions {
   bool declare_prefixes = true;
 };
 
-// A query that parses back to one that means and prints the same. Indented, one triple a line. Hidden variables of blank
-// nodes are printed as _:label, those of path steps as ?_pN.
+// A query that parses back to one that means and prints the same. Indented, one triple a line. Hidden
+// variables of blank nodes are printed as _:label, those of path steps as ?_pN.
 std::string PrintQuery(const Query& query, const PrintOptions& options = {});
 // The inside of a group: "{ … }".
 std::string PrintPattern(const Algebra& algebra, const PrintOptions& options = {});
 std::string PrintExpression(const Expression& expression, const PrintOptions& options = {});
 std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options = {});
 
-// The algebra as an S-expression, in the notation of the SPARQL 1.1 examples: (join (bgp …) (filter …)). For tests and
-// for people who want to see what a query means.
+// The algebra as an S-expression, in the notation of the SPARQL 1.1 examples: (join (bgp …) (filter …)). For
+// tests and for people who want to see what a query means.
 std::string PrintAlgebra(const Algebra& algebra);
 
 }  // namespace docent::sparql

@@ -8,7 +8,9 @@ using Kind = Algebra::Kind;
 
 namespace {
 
-std::string NameOf(const Variable& v) { return "?" + v.name; }
+std::string NameOf(const Variable& v) {
+  return "?" + v.name;
+}
 
 std::string Children(const Algebra& a) {
   std::string out;
@@ -49,15 +51,23 @@ std::string PrintAlgebra(const Algebra& a) {
       text = text.substr(4, text.find(" .\n") - 4);  // "{\n  s path o .\n}"
       return "(path " + text + ")";
     }
-    case Kind::kJoin: return "(join" + Children(a) + ")";
-    case Kind::kLeftJoin: return "(leftjoin" + Children(a) + (a.expression ? " " + Text(*a.expression) : "") + ")";
-    case Kind::kFilter: return "(filter " + Text(*a.expression) + Children(a) + ")";
-    case Kind::kUnion: return "(union" + Children(a) + ")";
-    case Kind::kMinus: return "(minus" + Children(a) + ")";
+    case Kind::kJoin:
+      return "(join" + Children(a) + ")";
+    case Kind::kLeftJoin:
+      return "(leftjoin" + Children(a) + (a.expression ? " " + Text(*a.expression) : "") + ")";
+    case Kind::kFilter:
+      return "(filter " + Text(*a.expression) + Children(a) + ")";
+    case Kind::kUnion:
+      return "(union" + Children(a) + ")";
+    case Kind::kMinus:
+      return "(minus" + Children(a) + ")";
     case Kind::kGraph:
-      return "(graph " + (a.name.IsVariable() ? NameOf(*a.name.variable) : ToNTriples(a.name.term)) + Children(a) + ")";
-    case Kind::kService: return std::string("(service") + (a.silent ? " silent" : "") + Children(a) + ")";
-    case Kind::kExtend: return "(extend " + NameOf(a.variable) + " " + Text(*a.expression) + Children(a) + ")";
+      return "(graph " + (a.name.IsVariable() ? NameOf(*a.name.variable) : ToNTriples(a.name.term)) +
+             Children(a) + ")";
+    case Kind::kService:
+      return std::string("(service") + (a.silent ? " silent" : "") + Children(a) + ")";
+    case Kind::kExtend:
+      return "(extend " + NameOf(a.variable) + " " + Text(*a.expression) + Children(a) + ")";
     case Kind::kValues: {
       std::string out = "(table " + NameList(a.variables);
       for (const auto& row : a.rows) {
@@ -69,24 +79,31 @@ std::string PrintAlgebra(const Algebra& a) {
     }
     case Kind::kGroup: {
       std::string out = "(group (";
-      for (const GroupKey& key : a.group_keys) out += "(" + NameOf(key.variable) + " " + Text(*key.expression) + ")";
+      for (const GroupKey& key : a.group_keys)
+        out += "(" + NameOf(key.variable) + " " + Text(*key.expression) + ")";
       out += ")";
       for (const Aggregate& aggregate : a.aggregates) {
         out += " (" + NameOf(aggregate.result) + " (" + std::string(NameOf(aggregate.function)) +
-               (aggregate.distinct ? " distinct" : "") + (aggregate.expression ? " " + Text(*aggregate.expression) : " *") + "))";
+               (aggregate.distinct ? " distinct" : "") +
+               (aggregate.expression ? " " + Text(*aggregate.expression) : " *") + "))";
       }
       return out + Children(a) + ")";
     }
     case Kind::kOrderBy: {
       std::string out = "(order (";
-      for (const OrderCondition& o : a.order) out += (o.descending ? "(desc " : "(asc ") + Text(*o.expression) + ")";
+      for (const OrderCondition& o : a.order)
+        out += (o.descending ? "(desc " : "(asc ") + Text(*o.expression) + ")";
       return out + ")" + Children(a) + ")";
     }
-    case Kind::kProject: return "(project " + NameList(a.variables) + Children(a) + ")";
-    case Kind::kDistinct: return "(distinct" + Children(a) + ")";
-    case Kind::kReduced: return "(reduced" + Children(a) + ")";
+    case Kind::kProject:
+      return "(project " + NameList(a.variables) + Children(a) + ")";
+    case Kind::kDistinct:
+      return "(distinct" + Children(a) + ")";
+    case Kind::kReduced:
+      return "(reduced" + Children(a) + ")";
     case Kind::kSlice:
-      return "(slice " + std::to_string(a.offset) + " " + (a.limit ? std::to_string(*a.limit) : "_") + Children(a) + ")";
+      return "(slice " + std::to_string(a.offset) + " " + (a.limit ? std::to_string(*a.limit) : "_") +
+             Children(a) + ")";
   }
   return "";
 }

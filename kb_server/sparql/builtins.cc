@@ -78,7 +78,9 @@ const BuiltinInfo* FindBuiltin(std::string_view keyword) {
   return nullptr;
 }
 
-std::string_view NameOf(Builtin builtin) { return kBuiltins[static_cast<size_t>(builtin)].name; }
+std::string_view NameOf(Builtin builtin) {
+  return kBuiltins[static_cast<size_t>(builtin)].name;
+}
 
 std::optional<Aggregate::Function> FindAggregate(std::string_view keyword) {
   for (size_t i = 0; i < std::size(kAggregates); ++i) {
@@ -87,7 +89,9 @@ std::optional<Aggregate::Function> FindAggregate(std::string_view keyword) {
   return std::nullopt;
 }
 
-std::string_view NameOf(Aggregate::Function function) { return kAggregates[static_cast<size_t>(function)]; }
+std::string_view NameOf(Aggregate::Function function) {
+  return kAggregates[static_cast<size_t>(function)];
+}
 
 std::vector<std::string> BuiltinNames() {
   std::vector<std::string> names;

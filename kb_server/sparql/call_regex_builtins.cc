@@ -1,5 +1,6 @@
-// REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15) on RE2: linear time and bounded memory whatever the
-// expression, so a query cannot hang the server. What RE2 does not have (back-references, look-around) is an error.
+// REGEX and REPLACE (SPARQL 1.1 sections 17.4.3.14 and 17.4.3.15) on RE2: linear time and bounded memory
+// whatever the expression, so a query cannot hang the server. What RE2 does not have (back-references,
+// look-around) is an error.
 #include <re2/re2.h>
 
 #include "kb_server/sparql/expression_evaluator.h"
@@ -21,18 +22,30 @@ std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view fla
   bool multi_line = false, literal = false, drop_space = false;
   for (const char flag : flags) {
     switch (flag) {
-      case 'i': options.set_case_sensitive(false); break;
-      case 's': options.set_dot_nl(true); break;
-      case 'm': multi_line = true; break;
-      case 'x': drop_space = true; break;
-      case 'q': literal = true; break;
-      default: return nullptr;
+      case 'i':
+        options.set_case_sensitive(false);
+        break;
+      case 's':
+        options.set_dot_nl(true);
+        break;
+      case 'm':
+        multi_line = true;
+        break;
+      case 'x':
+        drop_space = true;
+        break;
+      case 'q':
+        literal = true;
+        break;
+      default:
+        return nullptr;
     }
   }
   options.set_literal(literal);
   for (size_t i = 0, in_class = 0; i < pattern.size(); ++i) {
     const char c = pattern[i];
-    if (drop_space && !literal && in_class == 0 && (c == ' ' || c == '\t' || c == '\n' || c == '\r')) continue;
+    if (drop_space && !literal && in_class == 0 && (c == ' ' || c == '\t' || c == '\n' || c == '\r'))
+      continue;
     if (c == '\\' && i + 1 < pattern.size()) {
       source.push_back(c);
       source.push_back(pattern[++i]);
@@ -103,7 +116,8 @@ Value CallRegexBuiltin(PlanExpression& e, std::vector<Value>& a, EvaluationConte
   if (!rewrite) return Value::Error();
   std::string out(text);
   re2::RE2::GlobalReplace(&out, *regex, *rewrite);
-  if (a[0].type() == Type::kLangString) return Value::LangString(std::move(out), std::string(a[0].language()));
+  if (a[0].type() == Type::kLangString)
+    return Value::LangString(std::move(out), std::string(a[0].language()));
   return Value::String(std::move(out));
 }
 

@@ -16,18 +16,22 @@ using Type = Value::Type;
 
 namespace {
 
-bool IsContinuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+bool IsContinuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
 
 // A string with the language of `like`.
 Value SameKind(const Value& like, std::string text) {
-  if (like.type() == Type::kLangString) return Value::LangString(std::move(text), std::string(like.language()));
+  if (like.type() == Type::kLangString)
+    return Value::LangString(std::move(text), std::string(like.language()));
   return Value::String(std::move(text));
 }
 
 // Argument compatibility (section 17.4.3.1.2)
 bool Compatible(const Value& a, const Value& b) {
   if (!a.IsStringLike() || !b.IsStringLike()) return false;
-  return b.type() == Type::kString || (a.type() == Type::kLangString && EqualsIgnoreCase(a.language(), b.language()));
+  return b.type() == Type::kString ||
+         (a.type() == Type::kLangString && EqualsIgnoreCase(a.language(), b.language()));
 }
 
 int64_t LengthInCodePoints(std::string_view text) {
@@ -47,12 +51,15 @@ std::string Substring(std::string_view text, double first, double last) {
   return out;
 }
 
-double RoundHalfUp(double x) { return std::floor(x + 0.5); }
+double RoundHalfUp(double x) {
+  return std::floor(x + 0.5);
+}
 
 Value CallSubstr(const std::vector<Value>& a) {
   if (!a[0].IsStringLike() || !a[1].IsNumeric() || (a.size() > 2 && !a[2].IsNumeric())) return Value::Error();
   const double first = RoundHalfUp(a[1].AsDouble());
-  const double last = a.size() > 2 ? first + RoundHalfUp(a[2].AsDouble()) : std::numeric_limits<double>::infinity();
+  const double last =
+      a.size() > 2 ? first + RoundHalfUp(a[2].AsDouble()) : std::numeric_limits<double>::infinity();
   return SameKind(a[0], Substring(a[0].text(), first, last));
 }
 
@@ -79,8 +86,8 @@ std::string EncodeForUri(std::string_view text) {
   static constexpr char kHex[] = "0123456789ABCDEF";
   std::string out;
   for (const char c : text) {
-    const bool unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-                            c == '_' || c == '.' || c == '~';
+    const bool unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                            c == '-' || c == '_' || c == '.' || c == '~';
     if (unreserved) {
       out.push_back(c);
     } else {
@@ -104,44 +111,63 @@ Value CallStringBuiltin(PlanExpression& e, std::vector<Value>& a, EvaluationCont
     case Builtin::kLangMatches:
       if (a[0].type() != Type::kString || a[1].type() != Type::kString) return Value::Error();
       return Value::Boolean(LanguageMatches(text, a[1].text()));
-    case Builtin::kStrlen: return Value::Integer(LengthInCodePoints(text));
-    case Builtin::kUcase: return SameKind(a[0], UpperCase(text));
-    case Builtin::kLcase: return SameKind(a[0], LowerCase(text));
-    case Builtin::kEncodeForUri: return Value::String(EncodeForUri(text));
-    default: break;
+    case Builtin::kStrlen:
+      return Value::Integer(LengthInCodePoints(text));
+    case Builtin::kUcase:
+      return SameKind(a[0], UpperCase(text));
+    case Builtin::kLcase:
+      return SameKind(a[0], LowerCase(text));
+    case Builtin::kEncodeForUri:
+      return Value::String(EncodeForUri(text));
+    default:
+      break;
   }
   if (!Compatible(a[0], a[1])) return Value::Error();
   const std::string_view other = a[1].text();
   switch (e.builtin) {
-    case Builtin::kContains: return Value::Boolean(text.find(other) != std::string_view::npos);
-    case Builtin::kStrStarts: return Value::Boolean(text.substr(0, other.size()) == other);
-    case Builtin::kStrEnds: return Value::Boolean(text.ends_with(other));
+    case Builtin::kContains:
+      return Value::Boolean(text.find(other) != std::string_view::npos);
+    case Builtin::kStrStarts:
+      return Value::Boolean(text.substr(0, other.size()) == other);
+    case Builtin::kStrEnds:
+      return Value::Boolean(text.ends_with(other));
     case Builtin::kStrBefore: {
       const size_t at = text.find(other);
-      return at == std::string_view::npos ? Value::String("") : SameKind(a[0], std::string(text.substr(0, at)));
+      return at == std::string_view::npos ? Value::String("")
+                                          : SameKind(a[0], std::string(text.substr(0, at)));
     }
     case Builtin::kStrAfter: {
       const size_t at = text.find(other);
       return at == std::string_view::npos ? Value::String("")
                                           : SameKind(a[0], std::string(text.substr(at + other.size())));
     }
-    default: return Value::Error();
+    default:
+      return Value::Error();
   }
 }
 
 Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext& context) {
   const bool date_part = builtin == Builtin::kYear || builtin == Builtin::kMonth || builtin == Builtin::kDay;
-  if (argument.type() != Type::kDateTime && !(argument.type() == Type::kDate && date_part)) return Value::Error();
+  if (argument.type() != Type::kDateTime && !(argument.type() == Type::kDate && date_part))
+    return Value::Error();
   const CivilTime c = ToCivil(argument.local_time_us());
   switch (builtin) {
-    case Builtin::kYear: return Value::Integer(c.year);
-    case Builtin::kMonth: return Value::Integer(c.month);
-    case Builtin::kDay: return Value::Integer(c.day);
-    case Builtin::kHours: return Value::Integer(c.hour);
-    case Builtin::kMinutes: return Value::Integer(c.minute);
-    case Builtin::kSeconds: return Value::OfDecimal(Decimal{c.second_us, 6});
-    case Builtin::kTz: return Value::String(FormatZone(argument.zone_minutes()));
-    default: break;
+    case Builtin::kYear:
+      return Value::Integer(c.year);
+    case Builtin::kMonth:
+      return Value::Integer(c.month);
+    case Builtin::kDay:
+      return Value::Integer(c.day);
+    case Builtin::kHours:
+      return Value::Integer(c.hour);
+    case Builtin::kMinutes:
+      return Value::Integer(c.minute);
+    case Builtin::kSeconds:
+      return Value::OfDecimal(Decimal{c.second_us, 6});
+    case Builtin::kTz:
+      return Value::String(FormatZone(argument.zone_minutes()));
+    default:
+      break;
   }
   if (!argument.zone_minutes()) return Value::Error();
   const int minutes = std::abs(*argument.zone_minutes());

@@ -14,16 +14,26 @@ using Type = Value::Type;
 namespace {
 
 // fn:round of a float or double: half toward positive infinity
-double RoundHalfUp(double x) { return std::floor(x + 0.5); }
+double RoundHalfUp(double x) {
+  return std::floor(x + 0.5);
+}
 
 Value Rounded(Builtin builtin, const Value& v) {
   if (v.IsExact()) {
     Decimal d = v.decimal();
     switch (builtin) {
-      case Builtin::kAbs: d.mantissa = d.mantissa < 0 ? -d.mantissa : d.mantissa; break;
-      case Builtin::kCeil: d = d.Ceiling(); break;
-      case Builtin::kFloor: d = d.Floor(); break;
-      default: d = d.Round(); break;
+      case Builtin::kAbs:
+        d.mantissa = d.mantissa < 0 ? -d.mantissa : d.mantissa;
+        break;
+      case Builtin::kCeil:
+        d = d.Ceiling();
+        break;
+      case Builtin::kFloor:
+        d = d.Floor();
+        break;
+      default:
+        d = d.Round();
+        break;
     }
     return v.type() == Type::kInteger ? Value::Integer(d) : Value::OfDecimal(d);
   }
@@ -87,11 +97,13 @@ Value WithDatatype(const Value& text, const Value& datatype, EvaluationContext& 
   if (text.type() != Type::kString || datatype.type() != Type::kIri || datatype.text() == kRdfLangString) {
     return Value::Error();
   }
-  return context.ValueOf(context.Encode(Term::Literal(std::string(text.text()), std::string(datatype.text()))));
+  return context.ValueOf(
+      context.Encode(Term::Literal(std::string(text.text()), std::string(datatype.text()))));
 }
 
 Value WithLanguage(const Value& text, const Value& language) {
-  if (text.type() != Type::kString || language.type() != Type::kString || language.text().empty()) return Value::Error();
+  if (text.type() != Type::kString || language.type() != Type::kString || language.text().empty())
+    return Value::Error();
   return Value::LangString(std::string(text.text()), LowerAscii(language.text()));
 }
 
@@ -105,41 +117,76 @@ Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, Evaluati
     case Builtin::kLang:
       if (!a[0].IsLiteral()) return Value::Error();
       return Value::String(a[0].type() == Type::kLangString ? std::string(a[0].language()) : "");
-    case Builtin::kDatatype: return DatatypeOf(a[0], context);
-    case Builtin::kIri: return MakeIri(a[0], context);
-    case Builtin::kBnode: return NewBlank(a, context);
-    case Builtin::kRand: return Value::Double(static_cast<double>(context.Random() >> 11) * 0x1p-53);
+    case Builtin::kDatatype:
+      return DatatypeOf(a[0], context);
+    case Builtin::kIri:
+      return MakeIri(a[0], context);
+    case Builtin::kBnode:
+      return NewBlank(a, context);
+    case Builtin::kRand:
+      return Value::Double(static_cast<double>(context.Random() >> 11) * 0x1p-53);
     case Builtin::kAbs:
     case Builtin::kCeil:
     case Builtin::kFloor:
-    case Builtin::kRound: return Rounded(e.builtin, a[0]);
-    case Builtin::kUuid: return Value::Iri("urn:uuid:" + Uuid(context));
-    case Builtin::kStrUuid: return Value::String(Uuid(context));
-    case Builtin::kStrLang: return WithLanguage(a[0], a[1]);
-    case Builtin::kStrDt: return WithDatatype(a[0], a[1], context);
-    case Builtin::kSameTerm: return Value::Boolean(context.Encode(a[0]) == context.Encode(a[1]));
-    case Builtin::kIsIri: return Value::Boolean(a[0].type() == Type::kIri);
-    case Builtin::kIsBlank: return Value::Boolean(a[0].type() == Type::kBlank);
-    case Builtin::kIsLiteral: return Value::Boolean(a[0].IsLiteral());
-    case Builtin::kIsNumeric: return Value::Boolean(a[0].IsNumeric());
-    default: return Value::Error();
+    case Builtin::kRound:
+      return Rounded(e.builtin, a[0]);
+    case Builtin::kUuid:
+      return Value::Iri("urn:uuid:" + Uuid(context));
+    case Builtin::kStrUuid:
+      return Value::String(Uuid(context));
+    case Builtin::kStrLang:
+      return WithLanguage(a[0], a[1]);
+    case Builtin::kStrDt:
+      return WithDatatype(a[0], a[1], context);
+    case Builtin::kSameTerm:
+      return Value::Boolean(context.Encode(a[0]) == context.Encode(a[1]));
+    case Builtin::kIsIri:
+      return Value::Boolean(a[0].type() == Type::kIri);
+    case Builtin::kIsBlank:
+      return Value::Boolean(a[0].type() == Type::kBlank);
+    case Builtin::kIsLiteral:
+      return Value::Boolean(a[0].IsLiteral());
+    case Builtin::kIsNumeric:
+      return Value::Boolean(a[0].IsNumeric());
+    default:
+      return Value::Error();
   }
 }
 
 Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context) {
   switch (e.builtin) {
-    case Builtin::kLangMatches: case Builtin::kConcat: case Builtin::kStrlen: case Builtin::kUcase: case Builtin::kLcase:
-    case Builtin::kEncodeForUri: case Builtin::kContains: case Builtin::kStrStarts: case Builtin::kStrEnds:
-    case Builtin::kStrBefore: case Builtin::kStrAfter: case Builtin::kSubstr:
+    case Builtin::kLangMatches:
+    case Builtin::kConcat:
+    case Builtin::kStrlen:
+    case Builtin::kUcase:
+    case Builtin::kLcase:
+    case Builtin::kEncodeForUri:
+    case Builtin::kContains:
+    case Builtin::kStrStarts:
+    case Builtin::kStrEnds:
+    case Builtin::kStrBefore:
+    case Builtin::kStrAfter:
+    case Builtin::kSubstr:
       return CallStringBuiltin(e, arguments, context);
-    case Builtin::kYear: case Builtin::kMonth: case Builtin::kDay: case Builtin::kHours: case Builtin::kMinutes:
-    case Builtin::kSeconds: case Builtin::kTimezone: case Builtin::kTz:
+    case Builtin::kYear:
+    case Builtin::kMonth:
+    case Builtin::kDay:
+    case Builtin::kHours:
+    case Builtin::kMinutes:
+    case Builtin::kSeconds:
+    case Builtin::kTimezone:
+    case Builtin::kTz:
       return CallTimeBuiltin(e.builtin, arguments[0], context);
     case Builtin::kNow:
       return Value::DateTime(context.now_us);
-    case Builtin::kMd5: case Builtin::kSha1: case Builtin::kSha256: case Builtin::kSha384: case Builtin::kSha512:
+    case Builtin::kMd5:
+    case Builtin::kSha1:
+    case Builtin::kSha256:
+    case Builtin::kSha384:
+    case Builtin::kSha512:
       return CallHashBuiltin(e.builtin, arguments[0]);
-    case Builtin::kRegex: case Builtin::kReplace:
+    case Builtin::kRegex:
+    case Builtin::kReplace:
       return CallRegexBuiltin(e, arguments, context);
     default:
       return CallTermBuiltin(e, arguments, context);

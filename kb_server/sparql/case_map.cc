@@ -73,7 +73,11 @@ std::string MapEach(std::string_view text, Map map) {
 
 }  // namespace
 
-std::string UpperCase(std::string_view text) { return MapEach(text, ToUpper); }
-std::string LowerCase(std::string_view text) { return MapEach(text, ToLower); }
+std::string UpperCase(std::string_view text) {
+  return MapEach(text, ToUpper);
+}
+std::string LowerCase(std::string_view text) {
+  return MapEach(text, ToLower);
+}
 
 }  // namespace docent::sparql

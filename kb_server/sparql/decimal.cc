@@ -123,7 +123,9 @@ std::optional<Decimal> Add(const Decimal& a, const Decimal& b) {
   return Normalised(sum);
 }
 
-std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b) { return Add(a, {-b.mantissa, b.scale}); }
+std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b) {
+  return Add(a, {-b.mantissa, b.scale});
+}
 
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b) {
   const Decimal x = Normalised(a), y = Normalised(b);
@@ -150,7 +152,8 @@ int Compare(const Decimal& a, const Decimal& b) {
   if (const auto aligned = Align(a, b)) {
     return aligned->first < aligned->second ? -1 : aligned->first > aligned->second ? 1 : 0;
   }
-  // One of them does not fit at the other's scale: then the whole parts differ, or the digits after the point decide.
+  // One of them does not fit at the other's scale: then the whole parts differ, or the digits after the point
+  // decide.
   const Int128 x = a.Floor().mantissa, y = b.Floor().mantissa;
   if (x != y) return x < y ? -1 : 1;
   const double rest_a = Decimal{a.mantissa, a.scale}.ToDouble() - static_cast<double>(x);

@@ -1,6 +1,6 @@
-// Exact decimal numbers of up to 38 digits: xsd:decimal, and xsd:integer as those with scale 0 (XML Schema part 2
-// asks for at least 18 digits). An operation whose exact result does not fit is an error, never a rounded value;
-// division alone rounds (to 18 digits after the point, toward zero). Values; any thread.
+// Exact decimal numbers of up to 38 digits: xsd:decimal, and xsd:integer as those with scale 0 (XML Schema
+// part 2 asks for at least 18 digits). An operation whose exact result does not fit is an error, never a
+// rounded value; division alone rounds (to 18 digits after the point, toward zero). Values; any thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_DECIMAL_H_
 #define DOCENT_KB_SERVER_SPARQL_DECIMAL_H_
 
@@ -28,8 +28,8 @@ struct Decimal {
   std::string ToString() const;
   double ToDouble() const;
   bool IsZero() const { return mantissa == 0; }
-  // Whole, by dropping the digits after the point in the stated direction (XPath fn:floor, fn:ceiling, fn:round:
-  // half rounds toward positive infinity).
+  // Whole, by dropping the digits after the point in the stated direction (XPath fn:floor, fn:ceiling,
+  // fn:round: half rounds toward positive infinity).
   Decimal Floor() const;
   Decimal Ceiling() const;
   Decimal Round() const;

@@ -6,8 +6,8 @@ TermId EvaluationContext::Encode(const Term& term) {
   if (term.IsLiteral()) {
     if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
   }
-  // The own table first: a term that the dictionary learns while this run goes on stands in no version that it sees,
-  // and must keep the id that it has got.
+  // The own table first: a term that the dictionary learns while this run goes on stands in no version that
+  // it sees, and must keep the id that it has got.
   if (!local_terms_.empty()) {
     const auto it = local_ids_.find(term);
     if (it != local_ids_.end()) return it->second;

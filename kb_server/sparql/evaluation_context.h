@@ -1,4 +1,5 @@
-// What all operators of one evaluation share: the version, the computed terms, the limits, the first error. One thread.
+// What all operators of one evaluation share: the version, the computed terms, the limits, the first error.
+// One thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_
 #define DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_
 
@@ -22,11 +23,11 @@ inline constexpr TermId kUnknownTerm = TermId::Make(TermId::Tag::kLocal, (uint64
 
 // The graphs that patterns see, as ids (section 13).
 struct DatasetIds {
-  bool is_explicit = false;              // FROM or FROM NAMED stand in the query
-  std::vector<TermId> default_graphs;    // explicit: the merged graphs
-  std::vector<TermId> named_graphs;      // explicit: what GRAPH ranges over
-  bool strict = false;                   // not explicit: the default graph is `default_graph` alone
-  TermId default_graph;                  // docent:default, or kUnknownTerm
+  bool is_explicit = false;            // FROM or FROM NAMED stand in the query
+  std::vector<TermId> default_graphs;  // explicit: the merged graphs
+  std::vector<TermId> named_graphs;    // explicit: what GRAPH ranges over
+  bool strict = false;                 // not explicit: the default graph is `default_graph` alone
+  TermId default_graph;                // docent:default, or kUnknownTerm
 };
 
 class EvaluationContext {
@@ -35,7 +36,8 @@ class EvaluationContext {
       : dictionary(dictionary), functions(functions), memory_limit_(memory_limit) {}
 
   // Begins a run: forgets computed terms, memory and error.
-  void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us, uint64_t seed) {
+  void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us,
+             uint64_t seed) {
     version = new_version;
     cancellation = new_cancellation;
     now_us = new_now_us;

@@ -22,7 +22,9 @@ constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
 class Program {
  public:
   Program(const Dictionary& dictionary, const PrepareOptions& options)
-      : dictionary_(dictionary), options_(options), context(dictionary, options.functions, options.memory_bytes) {}
+      : dictionary_(dictionary),
+        options_(options),
+        context(dictionary, options.functions, options.memory_bytes) {}
 
   // The constants that the dictionary did not have at first are looked for again when it has grown.
   // True if one was found.
@@ -46,7 +48,8 @@ class Program {
   }
 
   // The data set's graphs, whose numbers among the constants are given.
-  void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named, int default_graph) {
+  void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named,
+                  int default_graph) {
     DatasetIds& d = context.dataset;
     d.is_explicit = is_explicit;
     d.strict = options_.default_graph == DefaultGraph::kStrict;
@@ -64,7 +67,8 @@ class Program {
 
   bool SizeChangedMuch(const GraphVersion& version) const {
     const uint64_t now = version.size();
-    return now > planned_size * kReplanFactor + kReplanSlack || planned_size > now * kReplanFactor + kReplanSlack;
+    return now > planned_size * kReplanFactor + kReplanSlack ||
+           planned_size > now * kReplanFactor + kReplanSlack;
   }
 
  private:
@@ -106,7 +110,8 @@ struct PreparedQuery::Impl {
   bool running = false;
 };
 
-// Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done again.
+// Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done
+// again.
 absl::Status PreparedQuery::Impl::Lower() {
   Lowering lowering(dictionary, options.functions);
   columns.clear();
@@ -160,7 +165,8 @@ absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
 PreparedQuery::PreparedQuery(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 PreparedQuery::~PreparedQuery() = default;
 
-absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Query& query, const Dictionary& dictionary,
+absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Query& query,
+                                                                      const Dictionary& dictionary,
                                                                       const PrepareOptions& options) {
   if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
   if (query.form == Query::Form::kDescribe) {
@@ -179,8 +185,12 @@ absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Quer
   return std::unique_ptr<PreparedQuery>(new PreparedQuery(std::move(impl)));
 }
 
-Query::Form PreparedQuery::form() const { return impl_->query.form; }
-const std::vector<std::string>& PreparedQuery::variables() const { return impl_->names; }
+Query::Form PreparedQuery::form() const {
+  return impl_->query.form;
+}
+const std::vector<std::string>& PreparedQuery::variables() const {
+  return impl_->names;
+}
 
 absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId> bound) {
   Impl& p = *impl_;
@@ -208,10 +218,18 @@ bool PreparedQuery::Next() {
   return true;
 }
 
-absl::Span<const TermId> PreparedQuery::row() const { return impl_->row; }
-const absl::Status& PreparedQuery::status() const { return impl_->program.context.status; }
-Term PreparedQuery::Decode(TermId id) const { return impl_->program.context.Decode(id); }
-TermId PreparedQuery::Encode(const Term& term) { return impl_->program.context.Encode(term); }
+absl::Span<const TermId> PreparedQuery::row() const {
+  return impl_->row;
+}
+const absl::Status& PreparedQuery::status() const {
+  return impl_->program.context.status;
+}
+Term PreparedQuery::Decode(TermId id) const {
+  return impl_->program.context.Decode(id);
+}
+TermId PreparedQuery::Encode(const Term& term) {
+  return impl_->program.context.Encode(term);
+}
 
 absl::StatusOr<bool> PreparedQuery::Ask(const RunOptions& run, absl::Span<const TermId> bound) {
   if (absl::Status status = Start(run, bound); !status.ok()) return status;
@@ -231,7 +249,8 @@ absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermI
 
 namespace {
 
-// The label of a template's blank node in one solution: ".0" is the parser's own (for []), others are the user's.
+// The label of a template's blank node in one solution: ".0" is the parser's own (for []), others are the
+// user's.
 std::string TemplateLabel(const std::string& label, uint64_t solution) {
   const std::string number = std::to_string(solution);
   return label[0] == '.' ? "a" + number + "_" + label.substr(1) : "c" + number + "_" + label;
@@ -239,15 +258,18 @@ std::string TemplateLabel(const std::string& label, uint64_t solution) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions& run, absl::Span<const TermId> bound) {
+absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions& run,
+                                                               absl::Span<const TermId> bound) {
   Impl& p = *impl_;
-  if (p.query.form != Query::Form::kConstruct) return absl::InvalidArgumentError("this is not a CONSTRUCT query");
+  if (p.query.form != Query::Form::kConstruct)
+    return absl::InvalidArgumentError("this is not a CONSTRUCT query");
   if (absl::Status status = Start(run, bound); !status.ok()) return status;
   std::vector<TermQuad> out;
   absl::flat_hash_set<std::vector<Term>> seen;
   for (uint64_t solution = 0; Next(); ++solution) {
     const auto instantiate = [&](const PatternTerm& t) -> std::optional<Term> {
-      if (!t.IsVariable()) return t.term.IsBlank() ? Term::Blank(TemplateLabel(t.term.lexical, solution)) : t.term;
+      if (!t.IsVariable())
+        return t.term.IsBlank() ? Term::Blank(TemplateLabel(t.term.lexical, solution)) : t.term;
       const auto it = std::find(p.names.begin(), p.names.end(), t.variable->name);
       if (it == p.names.end()) return std::nullopt;
       const TermId id = p.row[static_cast<size_t>(it - p.names.begin())];
@@ -255,10 +277,12 @@ absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions&
       return Decode(id);
     };
     for (const TriplePattern& t : p.query.construct_template) {
-      const std::optional<Term> s = instantiate(t.subject), r = instantiate(t.predicate), o = instantiate(t.object);
+      const std::optional<Term> s = instantiate(t.subject), r = instantiate(t.predicate),
+                                o = instantiate(t.object);
       if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
       if (!seen.insert({*s, *r, *o}).second) continue;
-      if (!p.program.context.Charge(2 * (3 * sizeof(Term) + s->lexical.size() + r->lexical.size() + o->lexical.size()))) {
+      if (!p.program.context.Charge(
+              2 * (3 * sizeof(Term) + s->lexical.size() + r->lexical.size() + o->lexical.size()))) {
         break;
       }
       out.push_back({*s, *r, *o, Term{}});
@@ -278,7 +302,8 @@ std::string PreparedQuery::Explain(const GraphVersion& version) {
 }
 
 struct PreparedExpression::Impl {
-  Impl(const Dictionary& dictionary, const PrepareOptions& options) : program(dictionary, options), options(options) {}
+  Impl(const Dictionary& dictionary, const PrepareOptions& options)
+      : program(dictionary, options), options(options) {}
   void Begin(const RunOptions& run, absl::Span<const TermId> row);
 
   Program program;
@@ -319,7 +344,8 @@ void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const Ter
   }
   ForgetExpression(*expression);
   std::fill(base.begin(), base.end(), TermId());
-  std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())), base.begin());
+  std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())),
+            base.begin());
 }
 
 namespace {
@@ -341,7 +367,8 @@ absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<
   return passes;
 }
 
-absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOptions& run, absl::Span<const TermId> row) {
+absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOptions& run,
+                                                                 absl::Span<const TermId> row) {
   if (run.version == nullptr && HasExists(*impl_->expression)) {
     return absl::InvalidArgumentError("EXISTS needs a graph version");
   }

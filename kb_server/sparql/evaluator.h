@@ -1,13 +1,13 @@
-// Runs a query on a graph version. Prepare once (variables → slots, constants → ids, operators built), run many times,
-// on any version, with no allocation in the common case: standing constraints and rules do that thousands of
-// times a second.
+// Runs a query on a graph version. Prepare once (variables → slots, constants → ids, operators built), run
+// many times, on any version, with no allocation in the common case: standing constraints and rules do that
+// thousands of times a second.
 //
 //   auto ask = PreparedQuery::Prepare(parsed.query, dictionary, {.bound = {"robot"}});
 //   absl::StatusOr<bool> holds = (*ask)->Ask({.version = &version, .now_us = now}, {robot_id});
 //
 // A PreparedQuery is used by one thread at a time; many of them read one version and one dictionary together.
-// Semantics: SPARQL 1.1 section 18.6 bottom-up semantics; where evaluating an operand with the bindings of the
-// other is provably the same, it is done so (index nested loop), else operands are joined by hash.
+// Semantics: SPARQL 1.1 section 18.6 bottom-up semantics; where evaluating an operand with the bindings of
+// the other is provably the same, it is done so (index nested loop), else operands are joined by hash.
 #ifndef DOCENT_KB_SERVER_SPARQL_EVALUATOR_H_
 #define DOCENT_KB_SERVER_SPARQL_EVALUATOR_H_
 
@@ -40,20 +40,20 @@ enum class DefaultGraph : uint8_t {
 
 struct PrepareOptions {
   DefaultGraph default_graph = DefaultGraph::kUnion;
-  // Variables that every run gives a value for (initial bindings). They act as if the term stood in their place in
-  // the whole WHERE (sub-SELECTs that do not project them excepted).
+  // Variables that every run gives a value for (initial bindings). They act as if the term stood in their
+  // place in the whole WHERE (sub-SELECTs that do not project them excepted).
   std::vector<std::string> bound;
-  const FunctionRegistry* functions = nullptr;  // must outlive the query; null: casts and builtins only
-  bool reorder_joins = true;                    // false: textual order (tests compare the two)
+  const FunctionRegistry* functions = nullptr;        // must outlive the query; null: casts and builtins only
+  bool reorder_joins = true;                          // false: textual order (tests compare the two)
   size_t memory_bytes = Limits{}.query_memory_bytes;  // of hash tables, sorts, groups, computed terms
 };
 
 // What changes from run to run. The pointers must outlive the run.
 struct RunOptions {
-  const GraphVersion* version = nullptr;    // required
-  Cancellation* cancellation = nullptr;     // may be null
-  TimeMicros now_us = 0;                    // NOW()
-  uint64_t seed = 0;                        // RAND(), UUID(), STRUUID(), BNODE()
+  const GraphVersion* version = nullptr;  // required
+  Cancellation* cancellation = nullptr;   // may be null
+  TimeMicros now_us = 0;                  // NOW()
+  uint64_t seed = 0;                      // RAND(), UUID(), STRUUID(), BNODE()
 };
 
 class PreparedQuery {
@@ -61,15 +61,16 @@ class PreparedQuery {
   // UNIMPLEMENTED, with the place, for what the evaluator does not do (SERVICE, DESCRIBE);
   // INVALID_ARGUMENT for an unknown function or a variable in `bound` that the query does not have.
   // `dictionary` must outlive the result; `query` need not.
-  static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(const Query& query, const Dictionary& dictionary,
+  static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(const Query& query,
+                                                                const Dictionary& dictionary,
                                                                 const PrepareOptions& options = {});
   ~PreparedQuery();
   PreparedQuery(const PreparedQuery&) = delete;
   PreparedQuery& operator=(const PreparedQuery&) = delete;
 
   Query::Form form() const;
-  // The names of a row's columns. SELECT: its projection. ASK and CONSTRUCT: all visible variables of WHERE, in order
-  // of first occurrence.
+  // The names of a row's columns. SELECT: its projection. ASK and CONSTRUCT: all visible variables of WHERE,
+  // in order of first occurrence.
   const std::vector<std::string>& variables() const;
 
   // Begins a run; one value for each of `PrepareOptions::bound`, in that order. Ends the run before, if any.
@@ -78,12 +79,12 @@ class PreparedQuery {
   bool Next();
   // The current solution, one id for each of variables(); none where unbound. Valid until Next.
   absl::Span<const TermId> row() const;
-  // OK; CANCELLED or DEADLINE_EXCEEDED; RESOURCE_EXHAUSTED naming the limit. After an error rows given are not the
-  // whole answer.
+  // OK; CANCELLED or DEADLINE_EXCEEDED; RESOURCE_EXHAUSTED naming the limit. After an error rows given are
+  // not the whole answer.
   const absl::Status& status() const;
 
-  // The term of an id of a row. Computed values (BIND, aggregates) have TermId::Tag::kLocal and are known only here,
-  // until the next Start.
+  // The term of an id of a row. Computed values (BIND, aggregates) have TermId::Tag::kLocal and are known
+  // only here, until the next Start.
   Term Decode(TermId id) const;
   // As the rows hold it: the dictionary's id, an inline id, or a local one. Equal terms give equal ids.
   TermId Encode(const Term& term);
@@ -93,13 +94,13 @@ class PreparedQuery {
   // Calls `visit(row)` for each solution until it returns false.
   absl::Status Select(const RunOptions& run, absl::Span<const TermId> bound,
                       const std::function<bool(absl::Span<const TermId> row)>& visit);
-  // CONSTRUCT: the distinct triples, without graph, in order of first making. Template triples that are not RDF
-  // (literal as subject, unbound variable) are left out (section 16.2). Blank nodes of the template get labels
-  // "c<solution>_<label>".
+  // CONSTRUCT: the distinct triples, without graph, in order of first making. Template triples that are not
+  // RDF (literal as subject, unbound variable) are left out (section 16.2). Blank nodes of the template get
+  // labels "c<solution>_<label>".
   absl::StatusOr<std::vector<TermQuad>> Construct(const RunOptions& run, absl::Span<const TermId> bound = {});
 
-  // The plan as an indented tree with the estimated rows of each pattern, for people (`docent query --explain`).
-  // Planned on `version`.
+  // The plan as an indented tree with the estimated rows of each pattern, for people (`docent query
+  // --explain`). Planned on `version`.
   std::string Explain(const GraphVersion& version);
 
  private:
@@ -113,10 +114,9 @@ class PreparedQuery {
 class PreparedExpression {
  public:
   // `variables`: the columns that a row will have. EXISTS is evaluated on the run's version.
-  static absl::StatusOr<std::unique_ptr<PreparedExpression>> Prepare(const Expression& expression,
-                                                                     const std::vector<std::string>& variables,
-                                                                     const Dictionary& dictionary,
-                                                                     const PrepareOptions& options = {});
+  static absl::StatusOr<std::unique_ptr<PreparedExpression>> Prepare(
+      const Expression& expression, const std::vector<std::string>& variables, const Dictionary& dictionary,
+      const PrepareOptions& options = {});
   ~PreparedExpression();
 
   // The effective boolean value (section 17.2.2); an error in the expression is false, as in FILTER.
@@ -130,8 +130,8 @@ class PreparedExpression {
   std::unique_ptr<Impl> impl_;
 };
 
-// SPARQL 1.1 ORDER BY (section 15.1) made total: unbound < blank < IRI < literal; literals that `<` compares by
-// value, then by term. For "the first in term order" of bindings.
+// SPARQL 1.1 ORDER BY (section 15.1) made total: unbound < blank < IRI < literal; literals that `<` compares
+// by value, then by term. For "the first in term order" of bindings.
 int CompareTerms(const Term& a, const Term& b);
 
 }  // namespace docent::sparql

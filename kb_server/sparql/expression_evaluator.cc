@@ -14,7 +14,9 @@ PlanExpression::~PlanExpression() = default;
 
 namespace {
 
-Value FromBool(std::optional<bool> value) { return value ? Value::Boolean(*value) : Value::Error(); }
+Value FromBool(std::optional<bool> value) {
+  return value ? Value::Boolean(*value) : Value::Error();
+}
 
 // The operand without a copy where it is a constant.
 const Value& Operand(PlanExpression& e, const TermId* row, EvaluationContext& context, Value& scratch) {
@@ -23,8 +25,8 @@ const Value& Operand(PlanExpression& e, const TermId* row, EvaluationContext& co
   return scratch;
 }
 
-// Ids that settle `=` without reading the terms: the same term (a literal may be NaN or invalid, so only others), or
-// two different IRIs.
+// Ids that settle `=` without reading the terms: the same term (a literal may be NaN or invalid, so only
+// others), or two different IRIs.
 std::optional<bool> EqualByIds(const PlanExpression& a, const PlanExpression& b, const TermId* row) {
   const auto id_of = [row](const PlanExpression& e) {
     return e.kind == Kind::kVariable ? row[e.slot] : e.kind == Kind::kTerm ? e.constant.id() : TermId();
@@ -34,7 +36,8 @@ std::optional<bool> EqualByIds(const PlanExpression& a, const PlanExpression& b,
   return std::nullopt;
 }
 
-std::optional<bool> Equal(PlanExpression& a, PlanExpression& b, const TermId* row, EvaluationContext& context) {
+std::optional<bool> Equal(PlanExpression& a, PlanExpression& b, const TermId* row,
+                          EvaluationContext& context) {
   if (const std::optional<bool> settled = EqualByIds(a, b, row)) return settled;
   Value x, y;
   return ValuesEqual(Operand(a, row, context, x), Operand(b, row, context, y));
@@ -44,14 +47,19 @@ std::optional<bool> Ordered(Kind kind, PlanExpression& a, PlanExpression& b, con
                             EvaluationContext& context) {
   Value x, y;
   bool unordered = false;
-  const std::optional<int> order = CompareValues(Operand(a, row, context, x), Operand(b, row, context, y), &unordered);
+  const std::optional<int> order =
+      CompareValues(Operand(a, row, context, x), Operand(b, row, context, y), &unordered);
   if (unordered) return false;  // NaN is neither less nor greater
   if (!order) return std::nullopt;
   switch (kind) {
-    case Kind::kLess: return *order < 0;
-    case Kind::kGreater: return *order > 0;
-    case Kind::kLessOrEqual: return *order <= 0;
-    default: return *order >= 0;
+    case Kind::kLess:
+      return *order < 0;
+    case Kind::kGreater:
+      return *order > 0;
+    case Kind::kLessOrEqual:
+      return *order <= 0;
+    default:
+      return *order >= 0;
   }
 }
 
@@ -145,13 +153,15 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
 std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   switch (e.kind) {
     case Kind::kOr:
-    case Kind::kAnd: return Connective(e, row, context);
+    case Kind::kAnd:
+      return Connective(e, row, context);
     case Kind::kNot: {
       const std::optional<bool> value = EvaluateBoolean(*e.arguments[0], row, context);
       if (!value) return std::nullopt;
       return !*value;
     }
-    case Kind::kEqual: return Equal(*e.arguments[0], *e.arguments[1], row, context);
+    case Kind::kEqual:
+      return Equal(*e.arguments[0], *e.arguments[1], row, context);
     case Kind::kNotEqual: {
       const std::optional<bool> equal = Equal(*e.arguments[0], *e.arguments[1], row, context);
       if (!equal) return std::nullopt;
@@ -160,16 +170,21 @@ std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, Evalua
     case Kind::kLess:
     case Kind::kGreater:
     case Kind::kLessOrEqual:
-    case Kind::kGreaterOrEqual: return Ordered(e.kind, *e.arguments[0], *e.arguments[1], row, context);
-    case Kind::kIn: return In(e, row, context);
+    case Kind::kGreaterOrEqual:
+      return Ordered(e.kind, *e.arguments[0], *e.arguments[1], row, context);
+    case Kind::kIn:
+      return In(e, row, context);
     case Kind::kNotIn: {
       const std::optional<bool> in = In(e, row, context);
       if (!in) return std::nullopt;
       return !*in;
     }
-    case Kind::kExists: return Exists(e, row, context);
-    case Kind::kNotExists: return !Exists(e, row, context);
-    default: return EffectiveBooleanValue(Evaluate(e, row, context));
+    case Kind::kExists:
+      return Exists(e, row, context);
+    case Kind::kNotExists:
+      return !Exists(e, row, context);
+    default:
+      return EffectiveBooleanValue(Evaluate(e, row, context));
   }
 }
 
@@ -179,7 +194,8 @@ Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context)
       const TermId id = row[e.slot];
       return id.IsNone() ? Value::Error() : context.ValueOf(id);
     }
-    case Kind::kTerm: return e.constant;
+    case Kind::kTerm:
+      return e.constant;
     case Kind::kAdd:
     case Kind::kSubtract:
     case Kind::kMultiply:
@@ -197,10 +213,14 @@ Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context)
       Value value = Evaluate(*e.arguments[0], row, context);
       return value.IsNumeric() ? value : Value::Error();
     }
-    case Kind::kUnaryMinus: return Negated(Evaluate(*e.arguments[0], row, context));
-    case Kind::kBuiltin: return EvaluateBuiltin(e, row, context);
-    case Kind::kFunction: return CallFunction(e, row, context);
-    default: return FromBool(EvaluateBoolean(e, row, context));
+    case Kind::kUnaryMinus:
+      return Negated(Evaluate(*e.arguments[0], row, context));
+    case Kind::kBuiltin:
+      return EvaluateBuiltin(e, row, context);
+    case Kind::kFunction:
+      return CallFunction(e, row, context);
+    default:
+      return FromBool(EvaluateBoolean(e, row, context));
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace docent::sparql {
 
-// The value of `e` on `row`, an error value where it has none. `e` changes inside (EXISTS operators, compiled regular
-// expressions).
+// The value of `e` on `row`, an error value where it has none. `e` changes inside (EXISTS operators, compiled
+// regular expressions).
 Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context);
 // The effective boolean value; nullopt is an error.
 std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context);
@@ -16,7 +16,8 @@ std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, Evalua
 inline bool Passes(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   return EvaluateBoolean(e, row, context).value_or(false);
 }
-// One of the functions of section 17.4 on evaluated arguments; not BOUND, COALESCE, IF, which see their arguments first.
+// One of the functions of section 17.4 on evaluated arguments; not BOUND, COALESCE, IF, which see their
+// arguments first.
 Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
 // The groups of builtins, one file each.
 Value CallStringBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);

@@ -8,9 +8,11 @@ namespace docent::sparql {
 absl::Status FunctionRegistry::Register(std::string_view iri, int min_arguments, int max_arguments,
                                         NamedFunction function) {
   if (!function || min_arguments < 0 || min_arguments > max_arguments) {
-    return absl::InvalidArgumentError("function <" + std::string(iri) + ">: empty, or its argument counts are crossed");
+    return absl::InvalidArgumentError("function <" + std::string(iri) +
+                                      ">: empty, or its argument counts are crossed");
   }
-  auto entry = std::make_unique<FunctionEntry>(FunctionEntry{std::move(function), min_arguments, max_arguments});
+  auto entry =
+      std::make_unique<FunctionEntry>(FunctionEntry{std::move(function), min_arguments, max_arguments});
   if (!functions_.emplace(std::string(iri), std::move(entry)).second) {
     return absl::AlreadyExistsError("function <" + std::string(iri) + "> is registered already");
   }

@@ -1,5 +1,6 @@
-// Functions that SPARQL calls by IRI: FILTER(docent:distance(?a, ?b) < 2.0). Registered by app (spatial functions
-// live beside maps), so that queries, rules and constraints use them without knowing where they come from.
+// Functions that SPARQL calls by IRI: FILTER(docent:distance(?a, ?b) < 2.0). Registered by app (spatial
+// functions live beside maps), so that queries, rules and constraints use them without knowing where they
+// come from.
 //
 // Filled once at start, then read by any thread. The xsd: casts are part of the evaluator and not in here.
 #ifndef DOCENT_KB_SERVER_SPARQL_FUNCTION_REGISTRY_H_
@@ -19,8 +20,9 @@
 
 namespace docent::sparql {
 
-// From bound terms to a term. An error status is a type error of the expression: FILTER drops the row, BIND leaves
-// the variable unbound. Must depend on nothing but its arguments, be safe on any thread, and throw nothing.
+// From bound terms to a term. An error status is a type error of the expression: FILTER drops the row, BIND
+// leaves the variable unbound. Must depend on nothing but its arguments, be safe on any thread, and throw
+// nothing.
 using NamedFunction = std::function<absl::StatusOr<Term>(absl::Span<const Term> arguments)>;
 
 struct FunctionEntry {

@@ -76,14 +76,22 @@ void Grammar::Error(const SourceSpan& span, std::string message, std::string hin
 
 std::string Grammar::Describe(const Token& token) const {
   switch (token.kind) {
-    case TokenKind::kEnd: return "the end of the text";
-    case TokenKind::kIri: return "<" + token.text + ">";
-    case TokenKind::kPrefixedName: return token.prefix + ":" + token.text;
-    case TokenKind::kBlankLabel: return "_:" + token.text;
-    case TokenKind::kVariable: return "?" + token.text;
-    case TokenKind::kString: return "the string \"" + token.text.substr(0, 40) + "\"";
-    case TokenKind::kLanguage: return "@" + token.text;
-    default: return "'" + token.text + "'";
+    case TokenKind::kEnd:
+      return "the end of the text";
+    case TokenKind::kIri:
+      return "<" + token.text + ">";
+    case TokenKind::kPrefixedName:
+      return token.prefix + ":" + token.text;
+    case TokenKind::kBlankLabel:
+      return "_:" + token.text;
+    case TokenKind::kVariable:
+      return "?" + token.text;
+    case TokenKind::kString:
+      return "the string \"" + token.text.substr(0, 40) + "\"";
+    case TokenKind::kLanguage:
+      return "@" + token.text;
+    default:
+      return "'" + token.text + "'";
   }
 }
 
@@ -97,7 +105,8 @@ Grammar::Nested::Nested(Grammar* grammar) : grammar_(grammar) {
   const int limit = grammar->options_.limits.query_nesting;
   ok_ = ++grammar->depth_ <= limit && !grammar->too_deep_;
   if (!ok_ && !grammar->too_deep_) {
-    grammar->Error(grammar->Peek().span, "nested deeper than the limit query_nesting = " + std::to_string(limit),
+    grammar->Error(grammar->Peek().span,
+                   "nested deeper than the limit query_nesting = " + std::to_string(limit),
                    "split the query, or join the groups without nesting them");
     grammar->too_deep_ = true;
   }
@@ -124,7 +133,9 @@ std::optional<std::string> Grammar::Resolve(const Token& iri) {
   if (IsAbsoluteIri(iri.text)) return iri.text;
   if (base_iri_.empty()) {
     Error(iri.span, "<" + iri.text + "> is relative and no BASE is known",
-          iri.text.find(':') == std::string::npos ? "write BASE <http://…/> before the query, or the whole IRI" : "");
+          iri.text.find(':') == std::string::npos
+              ? "write BASE <http://…/> before the query, or the whole IRI"
+              : "");
     return std::nullopt;
   }
   return ResolveIri(iri.text, base_iri_);
@@ -188,9 +199,15 @@ std::optional<Term> Grammar::NumericLiteral() {
   }
   std::string_view datatype;
   switch (Peek().kind) {
-    case TokenKind::kInteger: datatype = kXsdInteger; break;
-    case TokenKind::kDecimal: datatype = kXsdDecimal; break;
-    case TokenKind::kDouble: datatype = kXsdDouble; break;
+    case TokenKind::kInteger:
+      datatype = kXsdInteger;
+      break;
+    case TokenKind::kDecimal:
+      datatype = kXsdDecimal;
+      break;
+    case TokenKind::kDouble:
+      datatype = kXsdDouble;
+      break;
     default:
       Expected("a number");
       return std::nullopt;

@@ -1,8 +1,9 @@
-// The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose number
-// stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc (groups, triples,
-// paths) and grammar_expression.cc. Not for use outside this folder; one thread.
+// The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose
+// number stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc
+// (groups, triples, paths) and grammar_expression.cc. Not for use outside this folder; one thread.
 //
-// A production that fails has reported why, returns null, false or nullopt, and leaves the place near the error.
+// A production that fails has reported why, returns null, false or nullopt, and leaves the place near the
+// error.
 #ifndef DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
 #define DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
 
@@ -30,15 +31,15 @@ class Grammar {
   bool Prologue();                   // [4]
 
   // grammar_pattern.cc
-  AlgebraPtr GroupGraphPattern();  // [53], any filter wrapped around
+  AlgebraPtr GroupGraphPattern();                                // [53], any filter wrapped around
   std::optional<std::vector<TriplePattern>> TemplateInBraces();  // [73] ConstructTemplate
 
   // grammar_expression.cc
   ExpressionPtr ParseExpression();  // [110]
 
   // terms
-  std::optional<Term> Iri();          // [136]
-  std::optional<Term> GroundTerm();   // [109] without blank nodes and variables
+  std::optional<Term> Iri();         // [136]
+  std::optional<Term> GroundTerm();  // [109] without blank nodes and variables
   std::optional<std::string> String();
 
   // tokens
@@ -98,10 +99,10 @@ class Grammar {
     std::optional<uint64_t> limit;
     AlgebraPtr values;
   };
-  bool SelectQuery(Query* query);     // [7]
-  bool ConstructQuery(Query* query);  // [10]
-  bool DescribeQuery(Query* query);   // [11]
-  bool AskQuery(Query* query);        // [12]
+  bool SelectQuery(Query* query);                   // [7]
+  bool ConstructQuery(Query* query);                // [10]
+  bool DescribeQuery(Query* query);                 // [11]
+  bool AskQuery(Query* query);                      // [12]
   std::optional<SelectClause> ParseSelectClause();  // [9]
   bool DatasetClauses(Query* query);                // [13]
   AlgebraPtr WhereClause();                         // [17]
@@ -111,11 +112,12 @@ class Grammar {
   bool OrderClause(Modifiers* out);                 // [23]
   bool LimitOffsetClauses(Modifiers* out);          // [25]
   bool ValuesClause(Modifiers* out);                // [28]
-  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers, std::vector<Aggregate> aggregates,
-                            std::vector<Variable>* projection);
-  AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers, std::vector<Aggregate> aggregates);
+  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers,
+                            std::vector<Aggregate> aggregates, std::vector<Variable>* projection);
+  AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
+                        std::vector<Aggregate> aggregates);
   void CheckGrouped(const Expression& expression, const std::set<std::string>& allowed);
-  AlgebraPtr SubSelect();                           // [8]
+  AlgebraPtr SubSelect();  // [8]
 
   // grammar_pattern.cc
   struct Group {
@@ -123,21 +125,21 @@ class Grammar {
     ExpressionPtr filter;  // conjunction of the group's own FILTERs; null: none
   };
   struct OpenGroup {
-    AlgebraPtr pattern;       // null: nothing yet
-    Algebra* bgp = nullptr;   // the BGP that further triples go to; null: the next triples begin one
+    AlgebraPtr pattern;      // null: nothing yet
+    Algebra* bgp = nullptr;  // the BGP that further triples go to; null: the next triples begin one
     std::vector<ExpressionPtr> filters;
   };
   std::optional<Group> GroupWithFilter();
   bool GroupElement(OpenGroup* group);
-  bool TriplesBlock(OpenGroup* group);             // [55]
-  bool OptionalElement(OpenGroup* group);          // [57]
-  bool MinusElement(OpenGroup* group);             // [66]
-  bool GraphElement(OpenGroup* group);             // [58]
-  bool ServiceElement(OpenGroup* group);           // [59]
-  bool BindElement(OpenGroup* group);              // [60]
-  bool FilterElement(OpenGroup* group);            // [68]
-  bool GroupOrUnion(OpenGroup* group);             // [67]
-  AlgebraPtr DataBlock();                          // [62]
+  bool TriplesBlock(OpenGroup* group);     // [55]
+  bool OptionalElement(OpenGroup* group);  // [57]
+  bool MinusElement(OpenGroup* group);     // [66]
+  bool GraphElement(OpenGroup* group);     // [58]
+  bool ServiceElement(OpenGroup* group);   // [59]
+  bool BindElement(OpenGroup* group);      // [60]
+  bool FilterElement(OpenGroup* group);    // [68]
+  bool GroupOrUnion(OpenGroup* group);     // [67]
+  AlgebraPtr DataBlock();                  // [62]
   void AddToGroup(OpenGroup* group, AlgebraPtr element);
   void CloseBgp(OpenGroup* group);
   void RecoverInGroup();
@@ -148,38 +150,40 @@ class Grammar {
     std::vector<AlgebraPtr> paths;
     bool template_mode = false;  // blank nodes stay terms, no paths
   };
-  bool TriplesSameSubject(TriplesSink* sink);                              // [75] [81]
+  bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
   bool PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink);  // [77] [83]
-  bool ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb, TriplesSink* sink);
-  std::optional<PatternTerm> GraphNode(TriplesSink* sink);                 // [104] [105]
-  std::optional<PatternTerm> Collection(TriplesSink* sink);                // [102]
-  std::optional<PatternTerm> BlankNodePropertyList(TriplesSink* sink);     // [99]
-  std::optional<PatternTerm> VarOrTerm(TriplesSink* sink);                 // [106]
-  std::optional<PatternTerm> VarOrIri();                                   // [107]
+  bool ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb,
+                  TriplesSink* sink);
+  std::optional<PatternTerm> GraphNode(TriplesSink* sink);              // [104] [105]
+  std::optional<PatternTerm> Collection(TriplesSink* sink);             // [102]
+  std::optional<PatternTerm> BlankNodePropertyList(TriplesSink* sink);  // [99]
+  std::optional<PatternTerm> VarOrTerm(TriplesSink* sink);              // [106]
+  std::optional<PatternTerm> VarOrIri();                                // [107]
   PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
   std::optional<PatternTerm> LabelledBlank(const Token& token, bool template_mode);
-  std::optional<Path> ParsePath();          // [88] [89]
-  std::optional<Path> PathSequence();       // [90]
-  std::optional<Path> PathEltOrInverse();   // [92]
-  std::optional<Path> PathPrimary();        // [94]
-  std::optional<Path> PathNegatedSet();     // [95]
+  std::optional<Path> ParsePath();         // [88] [89]
+  std::optional<Path> PathSequence();      // [90]
+  std::optional<Path> PathEltOrInverse();  // [92]
+  std::optional<Path> PathPrimary();       // [94]
+  std::optional<Path> PathNegatedSet();    // [95]
   // Section 18.2.2.4: what is not recursive becomes triples, UNIONs and hidden variables.
-  void TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object, TriplesSink* sink);
+  void TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object,
+                     TriplesSink* sink);
   AlgebraPtr SinkToAlgebra(TriplesSink sink);
 
   // grammar_expression.cc
-  ExpressionPtr AndExpression();             // [112]
-  ExpressionPtr RelationalExpression();      // [114]
-  ExpressionPtr AdditiveExpression();        // [116]
-  ExpressionPtr MultiplicativeExpression();  // [117]
-  ExpressionPtr UnaryExpression();           // [118]
-  ExpressionPtr PrimaryExpression();         // [119]
-  ExpressionPtr BracketedExpression();       // [120]
-  ExpressionPtr BuiltinCall();               // [121]
-  ExpressionPtr ExistsCall(bool negated);    // [125] [126]
-  ExpressionPtr AggregateCall(Aggregate::Function function);  // [127]
-  ExpressionPtr IriOrFunction();             // [128]
-  ExpressionPtr Constraint();                // [69]
+  ExpressionPtr AndExpression();                                       // [112]
+  ExpressionPtr RelationalExpression();                                // [114]
+  ExpressionPtr AdditiveExpression();                                  // [116]
+  ExpressionPtr MultiplicativeExpression();                            // [117]
+  ExpressionPtr UnaryExpression();                                     // [118]
+  ExpressionPtr PrimaryExpression();                                   // [119]
+  ExpressionPtr BracketedExpression();                                 // [120]
+  ExpressionPtr BuiltinCall();                                         // [121]
+  ExpressionPtr ExistsCall(bool negated);                              // [125] [126]
+  ExpressionPtr AggregateCall(Aggregate::Function function);           // [127]
+  ExpressionPtr IriOrFunction();                                       // [128]
+  ExpressionPtr Constraint();                                          // [69]
   bool ArgumentList(std::vector<ExpressionPtr>* out, bool* distinct);  // [71]
   ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
   friend class ProductionParser;
@@ -200,8 +204,8 @@ class Grammar {
   int depth_ = 0;
   size_t elements_ = 0;
   bool too_deep_ = false;
-  int counter_ = 0;  // hidden variables
-  int bgp_ = 0;      // number of the current basic graph pattern
+  int counter_ = 0;                               // hidden variables
+  int bgp_ = 0;                                   // number of the current basic graph pattern
   std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
   std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
   bool in_aggregate_ = false;

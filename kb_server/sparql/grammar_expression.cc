@@ -53,8 +53,8 @@ ExpressionPtr Grammar::RelationalExpression() {
   ExpressionPtr left = AdditiveExpression();
   if (!left) return nullptr;
   static constexpr std::pair<std::string_view, Kind> kOperators[] = {
-      {"=", Kind::kEqual},        {"!=", Kind::kNotEqual},    {"<", Kind::kLess},
-      {">", Kind::kGreater},      {"<=", Kind::kLessOrEqual}, {">=", Kind::kGreaterOrEqual},
+      {"=", Kind::kEqual},   {"!=", Kind::kNotEqual},    {"<", Kind::kLess},
+      {">", Kind::kGreater}, {"<=", Kind::kLessOrEqual}, {">=", Kind::kGreaterOrEqual},
   };
   for (const auto& [text, kind] : kOperators) {
     if (!Accept(text)) continue;
@@ -126,7 +126,8 @@ ExpressionPtr Grammar::PrimaryExpression() {
     case TokenKind::kPrefixedName:
       return IriOrFunction();
     case TokenKind::kWord:
-      if (!EqualsIgnoreCase(token.text, "true") && !EqualsIgnoreCase(token.text, "false")) return BuiltinCall();
+      if (!EqualsIgnoreCase(token.text, "true") && !EqualsIgnoreCase(token.text, "false"))
+        return BuiltinCall();
       break;
     case TokenKind::kPunctuation:
       if (token.Is("(")) return BracketedExpression();
@@ -169,7 +170,8 @@ ExpressionPtr Grammar::BuiltinCall() {
   if (info == nullptr) {
     const std::string near = Nearest(word.text, BuiltinNames());
     Error(word.span, "'" + word.text + "' is no function of SPARQL",
-          near.empty() ? "a variable begins with '?', a name needs a prefix and ':'" : "did you mean " + near + "?");
+          near.empty() ? "a variable begins with '?', a name needs a prefix and ':'"
+                       : "did you mean " + near + "?");
     return nullptr;
   }
   Take();
@@ -199,7 +201,8 @@ ExpressionPtr Grammar::ExistsCall(bool negated) {
 ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   const Token word = Take();
   if (aggregates_ == nullptr || in_aggregate_) {
-    Error(word.span, in_aggregate_ ? "an aggregate cannot stand inside another" : word.text + " cannot stand here",
+    Error(word.span,
+          in_aggregate_ ? "an aggregate cannot stand inside another" : word.text + " cannot stand here",
           "aggregates stand in SELECT, HAVING and ORDER BY");
     return nullptr;
   }

@@ -39,8 +39,8 @@ std::optional<Grammar::Group> Grammar::GroupWithFilter() {
   in_aggregate_ = outer_in_aggregate;
   ++bgp_;
   if (!Accept("}")) {
-    Error(Peek().span, "expected '}' to close the group opened in line " + std::to_string(span.line) + ", column " +
-                           std::to_string(span.column) + ", not " + Describe(Peek()));
+    Error(Peek().span, "expected '}' to close the group opened in line " + std::to_string(span.line) +
+                           ", column " + std::to_string(span.column) + ", not " + Describe(Peek()));
     return std::nullopt;
   }
   Group group;
@@ -54,7 +54,8 @@ std::optional<Grammar::Group> Grammar::GroupWithFilter() {
   return group;
 }
 
-// Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken FILTER or BIND.
+// Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken
+// FILTER or BIND.
 void Grammar::RecoverInGroup() {
   for (int open = 0, parentheses = 0; Peek().kind != TokenKind::kEnd;) {
     if (At("}") && open == 0) return;
@@ -66,8 +67,9 @@ void Grammar::RecoverInGroup() {
     if (open != 0) continue;
     if (token.Is(".") && parentheses <= 0) return;
     const TokenKind next = Peek().kind;
-    const bool begins = next == TokenKind::kVariable || next == TokenKind::kIri || next == TokenKind::kPrefixedName ||
-                        next == TokenKind::kBlankLabel || next == TokenKind::kWord || At("{");
+    const bool begins = next == TokenKind::kVariable || next == TokenKind::kIri ||
+                        next == TokenKind::kPrefixedName || next == TokenKind::kBlankLabel ||
+                        next == TokenKind::kWord || At("{");
     if (token.Is(")") && parentheses < 0 && begins) return;
   }
 }
@@ -125,10 +127,11 @@ bool Grammar::TriplesBlock(OpenGroup* group) {
     for (AlgebraPtr& path : sink.paths) AddToGroup(group, std::move(path));
     const bool dot = Accept(".");
     const Token& next = Peek();
-    const bool triple_may_follow = next.kind != TokenKind::kWord && !next.Is("{") && !next.Is("}") &&
-                                   next.kind != TokenKind::kEnd;
+    const bool triple_may_follow =
+        next.kind != TokenKind::kWord && !next.Is("{") && !next.Is("}") && next.kind != TokenKind::kEnd;
     if (!dot && triple_may_follow) {
-      Expected("'.' or ';' after a triple", "triples are separated by '.'; ';' repeats the subject, ',' the predicate");
+      Expected("'.' or ';' after a triple",
+               "triples are separated by '.'; ';' repeats the subject, ',' the predicate");
       return false;
     }
     const bool literal_word = AtWord("true") || AtWord("false");
@@ -293,8 +296,10 @@ AlgebraPtr Grammar::DataBlock() {
     }
     if (!one) Take();
     if (row.size() != values->variables.size()) {
-      Error(span, "this row has " + std::to_string(row.size()) + " values for " +
-                      std::to_string(values->variables.size()) + " variables", "write UNDEF for a value that is missing");
+      Error(span,
+            "this row has " + std::to_string(row.size()) + " values for " +
+                std::to_string(values->variables.size()) + " variables",
+            "write UNDEF for a value that is missing");
     }
     values->rows.push_back(std::move(row));
   }

@@ -96,8 +96,8 @@ bool Grammar::SelectQuery(Query* query) {
   std::optional<Modifiers> modifiers = SolutionModifier();
   aggregates_ = nullptr;
   if (!modifiers) return false;
-  query->algebra =
-      ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates), &query->projection);
+  query->algebra = ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates),
+                                  &query->projection);
   return true;
 }
 
@@ -114,7 +114,8 @@ AlgebraPtr Grammar::SubSelect() {
   in_aggregate_ = outer;
   if (!modifiers) return nullptr;
   std::vector<Variable> projection;
-  return ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates), &projection);
+  return ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates),
+                        &projection);
 }
 
 std::optional<Grammar::SelectClause> Grammar::ParseSelectClause() {
@@ -165,7 +166,8 @@ bool Grammar::AskQuery(Query* query) {
   std::optional<Modifiers> modifiers = SolutionModifier();
   aggregates_ = nullptr;
   if (!modifiers) return false;
-  query->algebra = ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+  query->algebra =
+      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
   return true;
 }
 
@@ -202,7 +204,8 @@ bool Grammar::ConstructQuery(Query* query) {
   std::optional<Modifiers> modifiers = SolutionModifier();
   aggregates_ = nullptr;
   if (!modifiers) return false;
-  query->algebra = ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+  query->algebra =
+      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
   return true;
 }
 
@@ -238,7 +241,8 @@ bool Grammar::DescribeQuery(Query* query) {
   std::optional<Modifiers> modifiers = SolutionModifier();
   aggregates_ = nullptr;
   if (!modifiers) return false;
-  query->algebra = ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+  query->algebra =
+      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
   return true;
 }
 
@@ -274,8 +278,8 @@ bool Grammar::GroupClause(Modifiers* out) {
   out->grouped = true;
   while (true) {
     const Token token = Peek();
-    const bool word = token.kind == TokenKind::kWord && !AtWord("HAVING") && !AtWord("ORDER") && !AtWord("LIMIT") &&
-                      !AtWord("OFFSET") && !AtWord("VALUES");
+    const bool word = token.kind == TokenKind::kWord && !AtWord("HAVING") && !AtWord("ORDER") &&
+                      !AtWord("LIMIT") && !AtWord("OFFSET") && !AtWord("VALUES");
     GroupKey key;
     if (token.kind == TokenKind::kVariable) {
       key.variable = Variable{Take().text};
@@ -318,8 +322,8 @@ bool Grammar::HavingClause(Modifiers* out) {
     ExpressionPtr condition = Constraint();
     if (!condition) return false;
     out->having.push_back(std::move(condition));
-  } while (At("(") || (Peek().kind == TokenKind::kWord && !AtWord("ORDER") && !AtWord("LIMIT") && !AtWord("OFFSET") &&
-                       !AtWord("VALUES")));
+  } while (At("(") || (Peek().kind == TokenKind::kWord && !AtWord("ORDER") && !AtWord("LIMIT") &&
+                       !AtWord("OFFSET") && !AtWord("VALUES")));
   return true;
 }
 
@@ -338,7 +342,8 @@ bool Grammar::OrderClause(Modifiers* out) {
       condition.expression = std::make_unique<Expression>(Expression::Kind::kVariable, token.span);
       condition.expression->variable = Variable{Take().text};
     } else if (token.Is("(") || token.kind == TokenKind::kIri || token.kind == TokenKind::kPrefixedName ||
-               (token.kind == TokenKind::kWord && !AtWord("LIMIT") && !AtWord("OFFSET") && !AtWord("VALUES"))) {
+               (token.kind == TokenKind::kWord && !AtWord("LIMIT") && !AtWord("OFFSET") &&
+                !AtWord("VALUES"))) {
       condition.expression = Constraint();
     } else {
       break;
@@ -404,7 +409,8 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
   group->aggregates = std::move(aggregates);
   for (const ExpressionPtr& having : modifiers->having) CheckGrouped(*having, allowed);
   if (select != nullptr) {
-    if (select->all) Error(select->span, "SELECT * cannot stand with GROUP BY", "name the keys and aggregates");
+    if (select->all)
+      Error(select->span, "SELECT * cannot stand with GROUP BY", "name the keys and aggregates");
     for (const SelectItem& item : select->items) {
       if (item.expression) {
         CheckGrouped(*item.expression, allowed);
@@ -443,7 +449,8 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     for (SelectItem& item : select->items) {
       if (item.expression) {
         if (in_scope.contains(item.variable.name) || named.contains(item.variable.name)) {
-          Error(item.span, "?" + item.variable.name + " already has a value here", "give the expression another name");
+          Error(item.span, "?" + item.variable.name + " already has a value here",
+                "give the expression another name");
         }
         a = Extend(std::move(a), item.variable, std::move(item.expression));
       }

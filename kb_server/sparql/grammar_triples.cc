@@ -11,7 +11,9 @@ constexpr std::string_view kRdfFirst = "http://www.w3.org/1999/02/22-rdf-syntax-
 constexpr std::string_view kRdfRest = "http://www.w3.org/1999/02/22-rdf-syntax-ns#rest";
 constexpr std::string_view kRdfNil = "http://www.w3.org/1999/02/22-rdf-syntax-ns#nil";
 
-PatternTerm IriTerm(std::string_view iri) { return PatternTerm::Of(Term::Iri(std::string(iri))); }
+PatternTerm IriTerm(std::string_view iri) {
+  return PatternTerm::Of(Term::Iri(std::string(iri)));
+}
 
 Path PathOf(Term iri) {
   Path path;
@@ -102,8 +104,9 @@ bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink
     }
     const Token& next = Peek();
     const bool verb_follows = next.kind == TokenKind::kVariable || next.kind == TokenKind::kIri ||
-                              next.kind == TokenKind::kPrefixedName || (next.kind == TokenKind::kWord && next.text == "a") ||
-                              next.Is("^") || next.Is("!") || next.Is("(");
+                              next.kind == TokenKind::kPrefixedName ||
+                              (next.kind == TokenKind::kWord && next.text == "a") || next.Is("^") ||
+                              next.Is("!") || next.Is("(");
     if (!verb_follows) return true;
   }
 }
@@ -183,7 +186,8 @@ std::optional<PatternTerm> Grammar::VarOrTerm(TriplesSink* sink) {
       break;
     case TokenKind::kWord:
       if (!AtWord("true") && !AtWord("false")) {
-        Expected("a variable, IRI, literal or blank node", "a variable begins with '?', a name needs a prefix and ':'");
+        Expected("a variable, IRI, literal or blank node",
+                 "a variable begins with '?', a name needs a prefix and ':'");
         return std::nullopt;
       }
       break;
@@ -296,7 +300,8 @@ std::optional<Path> Grammar::PathNegatedSet() {
   return set;
 }
 
-void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object, TriplesSink* sink) {
+void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object,
+                            TriplesSink* sink) {
   switch (path.kind) {
     case Path::Kind::kIri:
       sink->triples.push_back({subject, PatternTerm::Of(path.iri, subject.span), object});
@@ -308,7 +313,8 @@ void Grammar::TranslatePath(const PatternTerm& subject, const Path& path, const 
       PatternTerm from = subject;
       for (size_t i = 0; i < path.children.size(); ++i) {
         const bool last = i + 1 == path.children.size();
-        PatternTerm to = last ? object : PatternTerm::Of(Variable{".p" + std::to_string(counter_++)}, subject.span);
+        PatternTerm to =
+            last ? object : PatternTerm::Of(Variable{".p" + std::to_string(counter_++)}, subject.span);
         TranslatePath(from, path.children[i], to, sink);
         from = std::move(to);
       }

@@ -7,10 +7,18 @@
 namespace docent::sparql {
 namespace {
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-bool IsAlpha(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool IsHex(char c) { return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
-uint32_t HexValue(char c) { return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10; }
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool IsAlpha(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+bool IsHex(char c) {
+  return IsDigit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+}
+uint32_t HexValue(char c) {
+  return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10;
+}
 
 // The code point at `at` of valid UTF-8 and its length.
 std::pair<uint32_t, size_t> CodePointAt(std::string_view text, size_t at) {
@@ -29,7 +37,9 @@ bool IsWideNameStart(uint32_t c) {
          (c >= 0x2070 && c <= 0x218F) || (c >= 0x2C00 && c <= 0x2FEF) || (c >= 0x3001 && c <= 0xD7FF) ||
          (c >= 0xF900 && c <= 0xFDCF) || (c >= 0xFDF0 && c <= 0xFFFD) || (c >= 0x10000 && c <= 0xEFFFF);
 }
-bool IsNameStart(uint32_t c) { return c < 0x80 ? IsAlpha(static_cast<char>(c)) : IsWideNameStart(c); }
+bool IsNameStart(uint32_t c) {
+  return c < 0x80 ? IsAlpha(static_cast<char>(c)) : IsWideNameStart(c);
+}
 // [167] PN_CHARS
 bool IsNameChar(uint32_t c) {
   if (c < 0x80) return IsAlpha(static_cast<char>(c)) || IsDigit(static_cast<char>(c)) || c == '_' || c == '-';
@@ -52,15 +62,24 @@ std::optional<std::pair<uint32_t, size_t>> CodePointEscape(std::string_view text
 
 std::optional<char> SimpleEscape(char c) {
   switch (c) {
-    case 't': return '\t';
-    case 'b': return '\b';
-    case 'n': return '\n';
-    case 'r': return '\r';
-    case 'f': return '\f';
-    case '"': return '"';
-    case '\'': return '\'';
-    case '\\': return '\\';
-    default: return std::nullopt;
+    case 't':
+      return '\t';
+    case 'b':
+      return '\b';
+    case 'n':
+      return '\n';
+    case 'r':
+      return '\r';
+    case 'f':
+      return '\f';
+    case '"':
+      return '"';
+    case '\'':
+      return '\'';
+    case '\\':
+      return '\\';
+    default:
+      return std::nullopt;
   }
 }
 
@@ -90,8 +109,11 @@ bool AppendUtf8(uint32_t code, std::string* out) {
 size_t FindInvalidUtf8(std::string_view text) {
   for (size_t i = 0; i < text.size();) {
     const uint8_t lead = static_cast<uint8_t>(text[i]);
-    const size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : (lead & 0xF0) == 0xE0 ? 3
-                          : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+    const size_t length = lead < 0x80                   ? 1
+                          : lead >= 0xC2 && lead < 0xE0 ? 2
+                          : (lead & 0xF0) == 0xE0       ? 3
+                          : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                        : 0;
     if (lead == 0 || length == 0 || i + length > text.size()) return i;
     for (size_t k = 1; k < length; ++k) {
       if ((static_cast<uint8_t>(text[i + k]) & 0xC0) != 0x80) return i;
@@ -116,7 +138,9 @@ void Lexer::Advance(size_t bytes) {
   }
 }
 
-SourceSpan Lexer::SpanOf(size_t length) const { return {line_, column_, at_, length}; }
+SourceSpan Lexer::SpanOf(size_t length) const {
+  return {line_, column_, at_, length};
+}
 
 Token Lexer::Make(TokenKind kind, size_t length, std::string text, std::string prefix) {
   Token token{kind, SpanOf(length), std::move(text), std::move(prefix)};
@@ -157,7 +181,8 @@ Token Lexer::Next() {
     size_t end = at_ + 1;
     while (end < text_.size()) {  // [166] VARNAME
       const auto [code, length] = CodePointAt(text_, end);
-      const bool part = (IsNameChar(code) && code != '-') || (code < 0x80 && IsDigit(static_cast<char>(code)));
+      const bool part =
+          (IsNameChar(code) && code != '-') || (code < 0x80 && IsDigit(static_cast<char>(code)));
       if (!part || (end == at_ + 1 && (code == 0xB7 || (code >= 0x300 && code <= 0x36F)))) break;
       end += length;
     }
@@ -169,8 +194,10 @@ Token Lexer::Next() {
   if (c == '@') {
     size_t end = at_ + 1;
     while (end < text_.size() && IsAlpha(text_[end])) ++end;
-    if (end == at_ + 1) return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
-    while (end + 1 < text_.size() && text_[end] == '-' && (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
+    if (end == at_ + 1)
+      return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
+    while (end + 1 < text_.size() && text_[end] == '-' &&
+           (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
       ++end;
       while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
     }
@@ -188,8 +215,8 @@ size_t Lexer::IriLength() const {
       if (!CodePointEscape(text_, i)) return 0;
       continue;
     }
-    if (static_cast<uint8_t>(c) <= 0x20 || c == '<' || c == '"' || c == '{' || c == '}' || c == '|' || c == '^' ||
-        c == '`') {
+    if (static_cast<uint8_t>(c) <= 0x20 || c == '<' || c == '"' || c == '{' || c == '}' || c == '|' ||
+        c == '^' || c == '`') {
       return 0;
     }
   }
@@ -205,7 +232,8 @@ Token Lexer::LexString() {
   while (true) {
     if (i >= text_.size() || (!is_long && (text_[i] == '\n' || text_[i] == '\r'))) {
       return Error(i - at_, "this string is not closed",
-                   is_long ? "end it with three quotes" : "end it with the same quote on the same line, or use \"\"\"");
+                   is_long ? "end it with three quotes"
+                           : "end it with the same quote on the same line, or use \"\"\"");
     }
     const char c = text_[i];
     if (c == quote && (!is_long || text_.substr(i, 3) == std::string(3, quote))) break;
@@ -227,8 +255,10 @@ Token Lexer::LexString() {
   }
   const size_t length = i + (is_long ? 3 : 1) - at_;
   if (bad_escape) {
-    return Error(length, "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
-                 "a backslash itself is written \\\\");
+    return Error(
+        length,
+        "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
+        "a backslash itself is written \\\\");
   }
   return Make(TokenKind::kString, length, std::move(value));
 }
@@ -267,8 +297,9 @@ Token Lexer::LexBlankLabel() {
   while (end < text_.size()) {
     const auto [code, length] = CodePointAt(text_, end);
     const bool first = end == at_ + 2;
-    const bool part = first ? IsNameStart(code) || code == '_' || (code < 0x80 && IsDigit(static_cast<char>(code)))
-                            : IsNameChar(code) || code == '.';
+    const bool part =
+        first ? IsNameStart(code) || code == '_' || (code < 0x80 && IsDigit(static_cast<char>(code)))
+              : IsNameChar(code) || code == '.';
     if (!part) break;
     end += length;
     if (code != '.') good = end;
@@ -284,7 +315,8 @@ Token Lexer::LexWordOrName() {
     if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
     end += length;
   }
-  if (end < text_.size() && text_[end] == ':' && (end == at_ || text_[end - 1] != '.')) return LexLocalName(end - at_);
+  if (end < text_.size() && text_[end] == ':' && (end == at_ || text_[end - 1] != '.'))
+    return LexLocalName(end - at_);
   // a keyword; in it code point escapes are allowed as everywhere (section 19.2)
   std::string word;
   for (end = at_; end < text_.size();) {

@@ -1,5 +1,5 @@
-// SPARQL text → tokens (SPARQL 1.1 section 19.8, productions [139] to [173]), one at a time. Escapes are decoded
-// and places counted here; names are not resolved. One thread.
+// SPARQL text → tokens (SPARQL 1.1 section 19.8, productions [139] to [173]), one at a time. Escapes are
+// decoded and places counted here; names are not resolved. One thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_LEXER_H_
 #define DOCENT_KB_SERVER_SPARQL_LEXER_H_
 
@@ -32,7 +32,9 @@ struct Token {
   std::string text;
   std::string prefix;
 
-  bool Is(std::string_view punctuation) const { return kind == TokenKind::kPunctuation && text == punctuation; }
+  bool Is(std::string_view punctuation) const {
+    return kind == TokenKind::kPunctuation && text == punctuation;
+  }
 };
 
 class Lexer {

@@ -13,7 +13,9 @@ using Plan = PlanNode::Kind;
 
 namespace {
 
-PlanNodePtr Node(Plan kind) { return std::make_unique<PlanNode>(kind); }
+PlanNodePtr Node(Plan kind) {
+  return std::make_unique<PlanNode>(kind);
+}
 
 // A node over one child with the child's variables.
 PlanNodePtr Over(Plan kind, PlanNodePtr child) {
@@ -84,18 +86,28 @@ PlanExpressionPtr Lowering::LowerExpression(const Expression& expression) {
 PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& graph, bool top) {
   if (!status_.ok()) return Node(Plan::kBgp);
   switch (a.kind) {
-    case Kind::kBgp: return LowerBgp(a, scope, graph);
-    case Kind::kPath: return LowerPath(a, scope, graph);
-    case Kind::kJoin: return LowerJoin(a, scope, graph);
+    case Kind::kBgp:
+      return LowerBgp(a, scope, graph);
+    case Kind::kPath:
+      return LowerPath(a, scope, graph);
+    case Kind::kJoin:
+      return LowerJoin(a, scope, graph);
     case Kind::kLeftJoin:
-    case Kind::kMinus: return LowerLeftJoin(a, scope, graph);
-    case Kind::kFilter: return LowerFilter(a, scope, graph);
-    case Kind::kGraph: return LowerGraph(a, scope);
-    case Kind::kValues: return LowerValues(a, scope);
-    case Kind::kGroup: return LowerGroup(a, scope, graph);
-    case Kind::kProject: return LowerProject(a, scope, graph, top);
+    case Kind::kMinus:
+      return LowerLeftJoin(a, scope, graph);
+    case Kind::kFilter:
+      return LowerFilter(a, scope, graph);
+    case Kind::kGraph:
+      return LowerGraph(a, scope);
+    case Kind::kValues:
+      return LowerValues(a, scope);
+    case Kind::kGroup:
+      return LowerGroup(a, scope, graph);
+    case Kind::kProject:
+      return LowerProject(a, scope, graph, top);
     case Kind::kService:
-      Fail(absl::StatusCode::kUnimplemented, a.span, "SERVICE is not supported: other endpoints are not asked");
+      Fail(absl::StatusCode::kUnimplemented, a.span,
+           "SERVICE is not supported: other endpoints are not asked");
       return Node(Plan::kBgp);
     case Kind::kUnion: {
       PlanNodePtr node = Node(Plan::kUnion);
@@ -295,7 +307,8 @@ PlanNodePtr Lowering::LowerGraph(const Algebra& a, Scope& scope) {
     node->mentions.Add(graph.name.slot);
     return node;
   }
-  // Anything else runs once for each graph, with the graph in a slot of its own: ?g has no value inside (section 18.6).
+  // Anything else runs once for each graph, with the graph in a slot of its own: ?g has no value inside
+  // (section 18.6).
   PlanNodePtr node = Node(Plan::kGraph);
   node->name = TermOf(a.name, scope);
   node->graph_slot = next_slot_++;
@@ -341,7 +354,8 @@ PlanNodePtr Lowering::LowerGroup(const Algebra& a, Scope& scope, const GraphRef&
     node->keys.emplace_back(slot, Lower(*key.expression, scope, graph));
     node->possible.Add(slot);
     const bool plain = key.expression->kind == Expression::Kind::kVariable;
-    if (plain && child->certain.Contains(SlotOf(key.expression->variable.name, scope))) node->certain.Add(slot);
+    if (plain && child->certain.Contains(SlotOf(key.expression->variable.name, scope)))
+      node->certain.Add(slot);
   }
   for (const Aggregate& aggregate : a.aggregates) {
     const int slot = SlotOf(aggregate.result.name, scope);
@@ -385,7 +399,8 @@ void Lowering::CheckFunction(const Expression& e) {
     if (functions_) names = functions_->Names();
     const std::string near = Nearest(e.term.lexical, names);
     Fail(absl::StatusCode::kInvalidArgument, e.span,
-         "no function <" + e.term.lexical + "> is known" + (near.empty() ? "" : "; did you mean <" + near + ">?"));
+         "no function <" + e.term.lexical + "> is known" +
+             (near.empty() ? "" : "; did you mean <" + near + ">?"));
   } else if (entry == nullptr ? count != 1 : count < entry->min_arguments || count > entry->max_arguments) {
     Fail(absl::StatusCode::kInvalidArgument, e.span,
          "<" + e.term.lexical + "> does not take " + std::to_string(count) + " arguments");

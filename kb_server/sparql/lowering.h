@@ -1,6 +1,6 @@
-// Algebra → plan, first half: variables become slots (those that a sub-SELECT hides get slots of their own), constants
-// become numbers, filters move to the pattern that binds what they read, neighbouring patterns become one. No order
-// of joins is chosen here; that is the planner's. One thread.
+// Algebra → plan, first half: variables become slots (those that a sub-SELECT hides get slots of their own),
+// constants become numbers, filters move to the pattern that binds what they read, neighbouring patterns
+// become one. No order of joins is chosen here; that is the planner's. One thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_LOWERING_H_
 #define DOCENT_KB_SERVER_SPARQL_LOWERING_H_
 
@@ -26,8 +26,8 @@ class Lowering {
   // Slots that have a value before the query begins.
   void SetBound(const SlotSet& bound) { bound_ = bound; }
 
-  // The plan of a whole WHERE with modifiers. Null where status() is not OK: UNIMPLEMENTED or INVALID_ARGUMENT, with
-  // line and column.
+  // The plan of a whole WHERE with modifiers. Null where status() is not OK: UNIMPLEMENTED or
+  // INVALID_ARGUMENT, with line and column.
   PlanNodePtr LowerQuery(const Algebra& algebra);
   PlanExpressionPtr LowerExpression(const Expression& expression);
 

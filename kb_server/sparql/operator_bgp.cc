@@ -1,5 +1,5 @@
-// Basic graph patterns: nested index lookups, one level a pattern, each filter at the first level that binds what it
-// reads. And GRAPH over anything that is not a basic graph pattern.
+// Basic graph patterns: nested index lookups, one level a pattern, each filter at the first level that binds
+// what it reads. And GRAPH over anything that is not a basic graph pattern.
 #include <algorithm>
 #include <vector>
 
@@ -13,7 +13,10 @@ namespace {
 class BgpOperator final : public Operator {
  public:
   BgpOperator(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), row_(build.slots), scans_(node.patterns.size()),
+      : node_(node),
+        context_(*build.context),
+        row_(build.slots),
+        scans_(node.patterns.size()),
         filters_(node.patterns.size() + 1) {
     SlotSet bound;
     std::vector<bool> placed(node.filters.size());
@@ -92,7 +95,8 @@ class BgpOperator final : public Operator {
   EvaluationContext& context_;
   std::vector<TermId> row_;
   std::vector<PatternScan> scans_;
-  std::vector<std::vector<PlanExpression*>> filters_;  // [0]: before the first pattern, [i + 1]: after pattern i
+  std::vector<std::vector<PlanExpression*>>
+      filters_;  // [0]: before the first pattern, [i + 1]: after pattern i
   State state_ = State::kDone;
 };
 
@@ -100,7 +104,11 @@ class BgpOperator final : public Operator {
 class GraphOperator final : public Operator {
  public:
   GraphOperator(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), outer_base_(build.base), base_(build.slots), in_(build.slots),
+      : node_(node),
+        context_(*build.context),
+        outer_base_(build.base),
+        base_(build.slots),
+        in_(build.slots),
         child_(BuildOperator(*node.children[0], {build.context, build.slots, base_.data()})) {}
 
   void Start(const TermId* in) override {
@@ -108,13 +116,16 @@ class GraphOperator final : public Operator {
     graphs_.clear();
     next_ = 0;
     running_ = false;
-    const TermId bound = node_.name.constant >= 0 ? context_.constants[node_.name.constant] : in[node_.name.slot];
+    const TermId bound =
+        node_.name.constant >= 0 ? context_.constants[node_.name.constant] : in[node_.name.slot];
     const DatasetIds& dataset = context_.dataset;
     if (!bound.IsNone()) {
-      const bool named = !dataset.is_explicit || std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(),
-                                                           bound) != dataset.named_graphs.end();
+      const bool named = !dataset.is_explicit ||
+                         std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(), bound) !=
+                             dataset.named_graphs.end();
       const bool is_default = !dataset.is_explicit && dataset.strict && bound == dataset.default_graph;
-      const bool exists = bound.tag() != TermId::Tag::kLocal && context_.version->Count({{}, {}, {}, bound}) > 0;
+      const bool exists =
+          bound.tag() != TermId::Tag::kLocal && context_.version->Count({{}, {}, {}, bound}) > 0;
       if (named && !is_default && exists) graphs_.push_back(bound);
       return;
     }

@@ -25,16 +25,20 @@ class Accumulator {
       return;
     }
     Value value = Evaluate(*plan.expression, row, context);
-    if (value.IsError()) {  // of an unbound or wrong value: the aggregate is an error, but for COUNT and SAMPLE
+    if (value.IsError()) {  // of an unbound or wrong value: the aggregate is an error, but for COUNT and
+                            // SAMPLE
       error_ |= plan.function != Function::kCount && plan.function != Function::kSample;
       return;
     }
     if (plan.distinct && !Unseen({context.Encode(value)}, context)) return;
     ++count_;
     switch (plan.function) {
-      case Function::kCount: break;
+      case Function::kCount:
+        break;
       case Function::kSum:
-      case Function::kAvg: sum_ = Compute(Arithmetic::kAdd, sum_, value); break;
+      case Function::kAvg:
+        sum_ = Compute(Arithmetic::kAdd, sum_, value);
+        break;
       case Function::kMin:
         if (best_.IsError() || CompareForOrder(value, best_) < 0) best_ = std::move(value);
         break;
@@ -62,11 +66,14 @@ class Accumulator {
     if (plan.function == Function::kCount) return Value::Integer(count_);
     if (error_) return Value::Error();
     switch (plan.function) {
-      case Function::kSum: return sum_;
+      case Function::kSum:
+        return sum_;
       case Function::kAvg:
         return count_ == 0 ? Value::Integer(0) : Compute(Arithmetic::kDivide, sum_, Value::Integer(count_));
-      case Function::kGroupConcat: return Value::String(text_);
-      default: return best_;
+      case Function::kGroupConcat:
+        return Value::String(text_);
+      default:
+        return best_;
     }
   }
 
@@ -88,7 +95,10 @@ class Accumulator {
 class GroupOperator final : public Operator {
  public:
   GroupOperator(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), in_(build.slots), child_(BuildOperator(*node.children[0], build)),
+      : node_(node),
+        context_(*build.context),
+        in_(build.slots),
+        child_(BuildOperator(*node.children[0], build)),
         all_(node.children[0]->possible.List()) {
     for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
     for (auto& aggregate : node.aggregates) {
@@ -174,7 +184,10 @@ class GroupOperator final : public Operator {
 class OrderByOperator final : public Operator {
  public:
   OrderByOperator(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), width_(build.slots), child_(BuildOperator(*node.children[0], build)) {
+      : node_(node),
+        context_(*build.context),
+        width_(build.slots),
+        child_(BuildOperator(*node.children[0], build)) {
     for (auto& [expression, descending] : node.order) PrepareExpression(*expression, build);
   }
   void Start(const TermId* in) override {

@@ -1,5 +1,5 @@
-// Joins: Join, LeftJoin and Minus of SPARQL 1.1 section 18.5, each as a loop over the left rows (the right side is
-// started with each) and by hash (the right side is run once, from the base row, and kept).
+// Joins: Join, LeftJoin and Minus of SPARQL 1.1 section 18.5, each as a loop over the left rows (the right
+// side is started with each) and by hash (the right side is run once, from the base row, and kept).
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -17,8 +17,11 @@ namespace {
 class LoopJoin final : public Operator {
  public:
   LoopJoin(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), left_(BuildOperator(*node.children[0], build)),
-        right_(BuildOperator(*node.children[1], build)), row_(build.slots) {
+      : node_(node),
+        context_(*build.context),
+        left_(BuildOperator(*node.children[0], build)),
+        right_(BuildOperator(*node.children[1], build)),
+        row_(build.slots) {
     if (node.expression) PrepareExpression(*node.expression, build);
   }
   void Start(const TermId* in) override {
@@ -65,9 +68,13 @@ class LoopJoin final : public Operator {
 class LoopMinus final : public Operator {
  public:
   LoopMinus(PlanNode& node, const BuildContext& build)
-      : context_(*build.context), left_(BuildOperator(*node.children[0], build)),
-        right_(BuildOperator(*node.children[1], build)), in_(build.slots), scratch_(build.slots),
-        shared_(node.children[0]->possible.And(node.children[1]->possible).List()), base_(build.base) {}
+      : context_(*build.context),
+        left_(BuildOperator(*node.children[0], build)),
+        right_(BuildOperator(*node.children[1], build)),
+        in_(build.slots),
+        scratch_(build.slots),
+        shared_(node.children[0]->possible.And(node.children[1]->possible).List()),
+        base_(build.base) {}
   void Start(const TermId* in) override { left_->Start(in); }
   bool Next(TermId* out) override {
     while (left_->Next(out)) {
@@ -96,8 +103,12 @@ class LoopMinus final : public Operator {
 class RowTable {
  public:
   RowTable(PlanNode& node, const SlotSet& left_certain, const BuildContext& build)
-      : context_(*build.context), operator_(BuildOperator(node, build)), width_(build.slots), base_(build.base),
-        columns_(node.possible.List()), keys_(left_certain.And(node.certain).List()),
+      : context_(*build.context),
+        operator_(BuildOperator(node, build)),
+        width_(build.slots),
+        base_(build.base),
+        columns_(node.possible.List()),
+        keys_(left_certain.And(node.certain).List()),
         depends_on_(node.mentions.List()) {}
 
   // Runs the plan unless its rows are known for this base.
@@ -114,7 +125,8 @@ class RowTable {
     operator_->Start(base_);
     while (operator_->Next(row.data()) && context_.Poll() &&
            context_.Charge(48 + (columns_.size() + keys_.size()) * sizeof(TermId))) {
-      by_key_[KeyOf(row.data())].push_back(static_cast<uint32_t>(rows_.size() / std::max<size_t>(columns_.size(), 1)));
+      by_key_[KeyOf(row.data())].push_back(
+          static_cast<uint32_t>(rows_.size() / std::max<size_t>(columns_.size(), 1)));
       for (const int slot : columns_) rows_.push_back(row[slot]);
       if (columns_.empty()) rows_.push_back(TermId());
     }
@@ -157,7 +169,9 @@ class RowTable {
   }
 
  private:
-  const TermId* RowAt(uint32_t index) const { return rows_.data() + index * std::max<size_t>(columns_.size(), 1); }
+  const TermId* RowAt(uint32_t index) const {
+    return rows_.data() + index * std::max<size_t>(columns_.size(), 1);
+  }
   std::vector<TermId> KeyOf(const TermId* row) const {
     std::vector<TermId> key;
     key.reserve(keys_.size());
@@ -179,8 +193,11 @@ class RowTable {
 class HashJoin final : public Operator {
  public:
   HashJoin(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), left_(BuildOperator(*node.children[0], build)),
-        table_(*node.children[1], node.children[0]->certain, build), row_(build.slots) {
+      : node_(node),
+        context_(*build.context),
+        left_(BuildOperator(*node.children[0], build)),
+        table_(*node.children[1], node.children[0]->certain, build),
+        row_(build.slots) {
     if (node.expression) PrepareExpression(*node.expression, build);
   }
   void Start(const TermId* in) override {
@@ -238,8 +255,10 @@ class HashJoin final : public Operator {
 class HashMinus final : public Operator {
  public:
   HashMinus(PlanNode& node, const BuildContext& build)
-      : context_(*build.context), left_(BuildOperator(*node.children[0], build)),
-        table_(*node.children[1], node.children[0]->certain, build), dom_(node.children[0]->possible) {}
+      : context_(*build.context),
+        left_(BuildOperator(*node.children[0], build)),
+        table_(*node.children[1], node.children[0]->certain, build),
+        dom_(node.children[0]->possible) {}
   void Start(const TermId* in) override {
     left_->Start(in);
     filled_ = false;
@@ -253,7 +272,8 @@ class HashMinus final : public Operator {
       }
       const std::vector<uint32_t>* candidates = table_.Find(out);
       bool removed = false;
-      for (size_t i = 0; candidates != nullptr && !removed && i < candidates->size() && context_.Poll(); ++i) {
+      for (size_t i = 0; candidates != nullptr && !removed && i < candidates->size() && context_.Poll();
+           ++i) {
         removed = table_.SharesAndFits((*candidates)[i], out, dom_);
       }
       if (!removed) return context_.status.ok();

@@ -1,5 +1,5 @@
-// Property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1 section 18.4 and 9.3).
-// What is reachable from a node is found by breadth-first search; a node is visited once.
+// Property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1 section 18.4
+// and 9.3). What is reachable from a node is found by breadth-first search; a node is visited once.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -26,7 +26,8 @@ class PathOperator final : public Operator {
   void Start(const TermId* in) override {
     std::copy(in, in + in_.size(), in_.begin());
     if (node_.graph.kind == GraphRef::Kind::kNamed) {
-      graph_ = node_.graph.name.slot >= 0 ? in[node_.graph.name.slot] : context_.constants[node_.graph.name.constant];
+      graph_ = node_.graph.name.slot >= 0 ? in[node_.graph.name.slot]
+                                          : context_.constants[node_.graph.name.constant];
     }
     from_ = node_.subject.slot >= 0 ? in[node_.subject.slot] : context_.Encode(node_.subject_term);
     to_ = node_.object.slot >= 0 ? in[node_.object.slot] : context_.Encode(node_.object_term);
@@ -38,7 +39,8 @@ class PathOperator final : public Operator {
       starts_ = AllNodes();
     } else {
       const TermId start = forward_ ? from_ : to_;
-      // Between two variables a path of length zero leads from a node of the graph to itself, and from nothing else.
+      // Between two variables a path of length zero leads from a node of the graph to itself, and from
+      // nothing else.
       const bool variables = node_.subject.slot >= 0 && node_.object.slot >= 0;
       if (!variables || IsNode(start)) starts_.push_back(start);
     }
@@ -95,7 +97,8 @@ class PathOperator final : public Operator {
   }
   TermId Constant(int number) const { return context_.constants[node_.path_constants[number]]; }
 
-  // The nodes that `path` leads to from `node` (against its direction if not forward). `first`: number of its first IRI.
+  // The nodes that `path` leads to from `node` (against its direction if not forward). `first`: number of its
+  // first IRI.
   std::vector<TermId> Expand(const Path& path, TermId node, bool forward, int first) {
     std::vector<TermId> out;
     if (!context_.Poll()) return out;
@@ -104,8 +107,10 @@ class PathOperator final : public Operator {
         ForTriples(forward ? node : TermId(), Constant(first), forward ? TermId() : node,
                    [&](TermId s, TermId, TermId o) { out.push_back(forward ? o : s); });
         return out;
-      case Kind::kInverse: return Expand(path.children[0], node, !forward, first);
-      case Kind::kSequence: return ExpandSequence(path, node, forward, first);
+      case Kind::kInverse:
+        return Expand(path.children[0], node, !forward, first);
+      case Kind::kSequence:
+        return ExpandSequence(path, node, forward, first);
       case Kind::kAlternative:
         for (const Path& child : path.children) {
           for (const TermId id : Expand(child, node, forward, first)) out.push_back(id);
@@ -121,8 +126,10 @@ class PathOperator final : public Operator {
         return out;
       }
       case Kind::kZeroOrMore:
-      case Kind::kOneOrMore: return Closure(path, node, forward, first);
-      case Kind::kNegatedSet: return ExpandNegated(path, node, forward, first);
+      case Kind::kOneOrMore:
+        return Closure(path, node, forward, first);
+      case Kind::kNegatedSet:
+        return ExpandNegated(path, node, forward, first);
     }
     return out;
   }

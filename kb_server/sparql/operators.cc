@@ -1,4 +1,5 @@
-// The choice of operator for a plan node, and the simple operators: filter, union, extend, values, distinct, slice.
+// The choice of operator for a plan node, and the simple operators: filter, union, extend, values, distinct,
+// slice.
 #include "kb_server/sparql/operators.h"
 
 #include <algorithm>
@@ -49,9 +50,9 @@ class FilterOperator final : public Operator {
   bool Next(TermId* out) override {
     while (child_->Next(out)) {
       if (!context_.Poll()) return false;
-      const bool passes = std::all_of(node_.filters.begin(), node_.filters.end(), [&](const PlanExpressionPtr& filter) {
-        return Passes(*filter, out, context_);
-      });
+      const bool passes =
+          std::all_of(node_.filters.begin(), node_.filters.end(),
+                      [&](const PlanExpressionPtr& filter) { return Passes(*filter, out, context_); });
       if (passes) return true;
     }
     return false;
@@ -127,7 +128,8 @@ class ExtendOperator final : public Operator {
 
 class ValuesOperator final : public Operator {
  public:
-  ValuesOperator(PlanNode& node, const BuildContext& build) : node_(node), context_(*build.context), in_(build.slots) {}
+  ValuesOperator(PlanNode& node, const BuildContext& build)
+      : node_(node), context_(*build.context), in_(build.slots) {}
   void Start(const TermId* in) override {
     std::copy(in, in + in_.size(), in_.begin());
     next_ = 0;
@@ -225,30 +227,46 @@ class SliceOperator final : public Operator {
 
 std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build) {
   switch (node.kind) {
-    case Kind::kFilter: return std::make_unique<FilterOperator>(node, build);
-    case Kind::kUnion: return std::make_unique<UnionOperator>(node, build);
-    case Kind::kExtend: return std::make_unique<ExtendOperator>(node, build);
-    case Kind::kValues: return std::make_unique<ValuesOperator>(node, build);
-    case Kind::kDistinct: return std::make_unique<DistinctOperator>(node, build);
-    case Kind::kSlice: return std::make_unique<SliceOperator>(node, build);
-    default: return BuildOperator(*node.children[0], build);  // kProject: what it hides has slots of its own
+    case Kind::kFilter:
+      return std::make_unique<FilterOperator>(node, build);
+    case Kind::kUnion:
+      return std::make_unique<UnionOperator>(node, build);
+    case Kind::kExtend:
+      return std::make_unique<ExtendOperator>(node, build);
+    case Kind::kValues:
+      return std::make_unique<ValuesOperator>(node, build);
+    case Kind::kDistinct:
+      return std::make_unique<DistinctOperator>(node, build);
+    case Kind::kSlice:
+      return std::make_unique<SliceOperator>(node, build);
+    default:
+      return BuildOperator(*node.children[0], build);  // kProject: what it hides has slots of its own
   }
 }
 
 std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build) {
   switch (node.kind) {
-    case Kind::kBgp: return BuildBgp(node, build);
+    case Kind::kBgp:
+      return BuildBgp(node, build);
     case Kind::kJoin:
-    case Kind::kLeftJoin: return BuildJoin(node, build);
+    case Kind::kLeftJoin:
+      return BuildJoin(node, build);
     case Kind::kHashJoin:
-    case Kind::kHashLeftJoin: return BuildHashJoin(node, build);
+    case Kind::kHashLeftJoin:
+      return BuildHashJoin(node, build);
     case Kind::kMinus:
-    case Kind::kHashMinus: return BuildMinus(node, build);
-    case Kind::kGraph: return BuildGraph(node, build);
-    case Kind::kGroup: return BuildGroup(node, build);
-    case Kind::kOrderBy: return BuildOrderBy(node, build);
-    case Kind::kPath: return BuildPath(node, build);
-    default: return BuildSimple(node, build);
+    case Kind::kHashMinus:
+      return BuildMinus(node, build);
+    case Kind::kGraph:
+      return BuildGraph(node, build);
+    case Kind::kGroup:
+      return BuildGroup(node, build);
+    case Kind::kOrderBy:
+      return BuildOrderBy(node, build);
+    case Kind::kPath:
+      return BuildPath(node, build);
+    default:
+      return BuildSimple(node, build);
   }
 }
 

@@ -9,8 +9,9 @@
 
 namespace docent::sparql {
 
-// Gives the solutions of its plan node that are compatible with an input row, merged with it. After an error of the
-// context (cancelled, limit) Next returns false soon; whoever pulls looks at context.status before it believes the end.
+// Gives the solutions of its plan node that are compatible with an input row, merged with it. After an error
+// of the context (cancelled, limit) Next returns false soon; whoever pulls looks at context.status before it
+// believes the end.
 class Operator {
  public:
   virtual ~Operator() = default;
@@ -22,8 +23,9 @@ class Operator {
   virtual void Forget() {}
 };
 
-// What building needs. `base` is the row that begins the plan this operator belongs to: the initial bindings, or the row
-// for which EXISTS is asked. Operators that run an operand once and keep its rows begin it with that row.
+// What building needs. `base` is the row that begins the plan this operator belongs to: the initial bindings,
+// or the row for which EXISTS is asked. Operators that run an operand once and keep its rows begin it with
+// that row.
 struct BuildContext {
   EvaluationContext* context;
   size_t slots;
@@ -47,7 +49,8 @@ void PrepareExpression(PlanExpression& e, const BuildContext& build);
 // A new run: they forget what they kept of the run before, which may have been on another version.
 void ForgetExpression(PlanExpression& e);
 
-// True if the two rows agree wherever both are bound at `slots`; then `out` (a copy of `a`) gets what `b` has besides.
+// True if the two rows agree wherever both are bound at `slots`; then `out` (a copy of `a`) gets what `b` has
+// besides.
 bool MergeCompatible(const std::vector<int>& slots, const TermId* a, const TermId* b, TermId* out);
 
 }  // namespace docent::sparql

@@ -10,14 +10,18 @@ namespace {
 std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options) {
   const size_t limit = options.limits.query_text_bytes;
   if (text.size() > limit) {
-    return Diagnostic{options.file, {}, "the text has " + std::to_string(text.size()) +
-                                            " bytes, the limit query_text_bytes is " + std::to_string(limit), ""};
+    return Diagnostic{options.file,
+                      {},
+                      "the text has " + std::to_string(text.size()) +
+                          " bytes, the limit query_text_bytes is " + std::to_string(limit),
+                      ""};
   }
   const size_t bad = FindInvalidUtf8(text);
   if (bad == std::string_view::npos) return std::nullopt;
   SourceSpan span;  // SpanAt would count code points in what is no UTF-8
   span = SpanAt(text.substr(0, bad), bad);
-  return Diagnostic{options.file, span, text[bad] == '\0' ? "U+0000 cannot stand in a query" : "this byte is not UTF-8",
+  return Diagnostic{options.file, span,
+                    text[bad] == '\0' ? "U+0000 cannot stand in a query" : "this byte is not UTF-8",
                     "save the text as UTF-8"};
 }
 
@@ -50,15 +54,16 @@ ParsedExpression ParseExpression(std::string_view text, const ParseOptions& opti
   }
   Grammar grammar(text, options);
   parsed.expression = grammar.ParseExpression();
-  if (parsed.expression && grammar.Peek().kind != TokenKind::kEnd) grammar.Expected("the end of the expression");
+  if (parsed.expression && grammar.Peek().kind != TokenKind::kEnd)
+    grammar.Expected("the end of the expression");
   parsed.diagnostics = grammar.diagnostics();
   if (!parsed.ok()) parsed.expression = nullptr;
   return parsed;
 }
 
 struct ProductionParser::Impl {
-  Impl(std::string_view text, const ParseOptions& options) : refused(Refuse(text, options)),
-        grammar(refused ? std::string_view() : text, options) {
+  Impl(std::string_view text, const ParseOptions& options)
+      : refused(Refuse(text, options)), grammar(refused ? std::string_view() : text, options) {
     if (refused) grammar.Error(refused->span, refused->message, refused->hint);
   }
   std::optional<Diagnostic> refused;
@@ -69,7 +74,9 @@ ProductionParser::ProductionParser(std::string_view text, const ParseOptions& op
     : impl_(std::make_unique<Impl>(text, options)) {}
 ProductionParser::~ProductionParser() = default;
 
-bool ProductionParser::Prologue() { return impl_->grammar.Prologue(); }
+bool ProductionParser::Prologue() {
+  return impl_->grammar.Prologue();
+}
 
 std::optional<std::vector<TriplePattern>> ProductionParser::TriplesTemplateInBraces() {
   return impl_->grammar.TemplateInBraces();
@@ -80,26 +87,48 @@ AlgebraPtr ProductionParser::GroupGraphPattern() {
   return impl_->grammar.GroupGraphPattern();
 }
 
-ExpressionPtr ProductionParser::Expression() { return impl_->grammar.ParseExpression(); }
-std::optional<Term> ProductionParser::Iri() { return impl_->grammar.Iri(); }
-std::optional<Term> ProductionParser::GroundTerm() { return impl_->grammar.GroundTerm(); }
-std::optional<std::string> ProductionParser::String() { return impl_->grammar.String(); }
-bool ProductionParser::AcceptKeyword(std::string_view keyword) { return impl_->grammar.AcceptWord(keyword); }
-bool ProductionParser::AtKeyword(std::string_view keyword) const { return impl_->grammar.AtWord(keyword); }
-bool ProductionParser::AcceptPunctuation(std::string_view punctuation) { return impl_->grammar.Accept(punctuation); }
-bool ProductionParser::AtEnd() const { return impl_->grammar.Peek().kind == TokenKind::kEnd; }
-SourceSpan ProductionParser::Here() const { return impl_->grammar.Peek().span; }
+ExpressionPtr ProductionParser::Expression() {
+  return impl_->grammar.ParseExpression();
+}
+std::optional<Term> ProductionParser::Iri() {
+  return impl_->grammar.Iri();
+}
+std::optional<Term> ProductionParser::GroundTerm() {
+  return impl_->grammar.GroundTerm();
+}
+std::optional<std::string> ProductionParser::String() {
+  return impl_->grammar.String();
+}
+bool ProductionParser::AcceptKeyword(std::string_view keyword) {
+  return impl_->grammar.AcceptWord(keyword);
+}
+bool ProductionParser::AtKeyword(std::string_view keyword) const {
+  return impl_->grammar.AtWord(keyword);
+}
+bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
+  return impl_->grammar.Accept(punctuation);
+}
+bool ProductionParser::AtEnd() const {
+  return impl_->grammar.Peek().kind == TokenKind::kEnd;
+}
+SourceSpan ProductionParser::Here() const {
+  return impl_->grammar.Peek().span;
+}
 
 void ProductionParser::Error(std::string message, std::string hint) {
   impl_->grammar.Error(Here(), std::move(message), std::move(hint));
 }
 
-void ProductionParser::SkipPastBrace() { impl_->grammar.SkipPastBrace(); }
+void ProductionParser::SkipPastBrace() {
+  impl_->grammar.SkipPastBrace();
+}
 
 const std::vector<std::pair<std::string, std::string>>& ProductionParser::prefixes() const {
   return impl_->grammar.prefixes();
 }
 
-const Diagnostics& ProductionParser::diagnostics() const { return impl_->grammar.diagnostics(); }
+const Diagnostics& ProductionParser::diagnostics() const {
+  return impl_->grammar.diagnostics();
+}
 
 }  // namespace docent::sparql

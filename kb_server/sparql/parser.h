@@ -1,8 +1,8 @@
-// SPARQL 1.1 text → algebra. The whole query grammar of the W3C recommendation (section 19.8) is read; what the
-// evaluator cannot do yet is refused there, not here.
+// SPARQL 1.1 text → algebra. The whole query grammar of the W3C recommendation (section 19.8) is read; what
+// the evaluator cannot do yet is refused there, not here.
 //
-// Hand-written recursive descent, one method a production. It knows no store and no clock. After an error it goes on
-// at the next '.' or '}', so several mistakes are reported at once. Any thread.
+// Hand-written recursive descent, one method a production. It knows no store and no clock. After an error it
+// goes on at the next '.' or '}', so several mistakes are reported at once. Any thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_PARSER_H_
 #define DOCENT_KB_SERVER_SPARQL_PARSER_H_
 
@@ -24,7 +24,7 @@ struct ParseOptions {
   std::string base_iri;  // BASE before the text's own; empty: a relative IRI is an error
   // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may declare them anew.
   std::vector<std::pair<std::string, std::string>> prefixes;
-  Limits limits;         // query_text_bytes, query_nesting, query_elements
+  Limits limits;  // query_text_bytes, query_nesting, query_elements
 };
 
 // kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.
@@ -45,9 +45,9 @@ struct ParsedExpression {
 };
 ParsedExpression ParseExpression(std::string_view text, const ParseOptions& options = {});
 
-// The productions of SPARQL as building blocks for languages that contain them (the rule language). It stands at a
-// token and each method reads from there. Errors are collected in diagnostics(); a method that fails has reported
-// why and returns false, null or nullopt. `text` must outlive it. One thread.
+// The productions of SPARQL as building blocks for languages that contain them (the rule language). It stands
+// at a token and each method reads from there. Errors are collected in diagnostics(); a method that fails has
+// reported why and returns false, null or nullopt. `text` must outlive it. One thread.
 //
 //   ProductionParser p(text, options);
 //   p.Prologue();

@@ -29,7 +29,8 @@ bool PatternScan::OpenGraph(const GraphRef& graph, const TermId* row, QuadPatter
   } else if (dataset.strict) {
     except_ = dataset.default_graph;
   }
-  const TermId bound = graph.name.constant >= 0 ? context_->constants[graph.name.constant] : row[graph.name.slot];
+  const TermId bound =
+      graph.name.constant >= 0 ? context_->constants[graph.name.constant] : row[graph.name.slot];
   if (bound.IsNone()) {
     assign_[3] = graph.name.slot;
     ++assigns_;
@@ -98,7 +99,8 @@ bool PatternScan::Next(TermId* row) {
     const Quad& quad = cursor_.quad();
     if ((only_ != nullptr || !except_.IsNone()) && !GraphAllowed(quad.graph)) continue;
     if (merge_) {  // copies of a triple are adjacent
-      if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object) continue;
+      if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object)
+        continue;
       last_ = quad;
     }
     const TermId terms[] = {quad.subject, quad.predicate, quad.object, quad.graph};

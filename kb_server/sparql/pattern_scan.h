@@ -8,8 +8,8 @@
 
 namespace docent::sparql {
 
-// Usage: scan.Open(pattern, row, context); while (scan.Next(row)) …; what Next put into the row is taken out again
-// when it returns false, or by Close.
+// Usage: scan.Open(pattern, row, context); while (scan.Next(row)) …; what Next put into the row is taken out
+// again when it returns false, or by Close.
 class PatternScan {
  public:
   void Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context);
@@ -26,12 +26,12 @@ class PatternScan {
   Quad last_;
   bool valid_ = false;
   bool first_ = false;
-  bool merge_ = false;                          // the same triple in several graphs is one match
-  const std::vector<TermId>* only_ = nullptr;   // graphs allowed; null: all
-  TermId except_;                               // graph not allowed
-  int assign_[4];                               // slots that take the quad's positions; -1: already bound
+  bool merge_ = false;                         // the same triple in several graphs is one match
+  const std::vector<TermId>* only_ = nullptr;  // graphs allowed; null: all
+  TermId except_;                              // graph not allowed
+  int assign_[4];                              // slots that take the quad's positions; -1: already bound
   int assigns_ = 0;
-  int same_as_[3];                              // an earlier position that must hold the same term; -1: none
+  int same_as_[3];  // an earlier position that must hold the same term; -1: none
   bool repeats_ = false;
 };
 

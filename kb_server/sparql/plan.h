@@ -1,5 +1,6 @@
-// A query ready to run: variables are slots of a row, constants are numbers of a table, joins have an order and a method.
-// Made by the planner for one size of graph; the operators are built from it. Immutable once made; one thread.
+// A query ready to run: variables are slots of a row, constants are numbers of a table, joins have an order
+// and a method. Made by the planner for one size of graph; the operators are built from it. Immutable once
+// made; one thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_PLAN_H_
 #define DOCENT_KB_SERVER_SPARQL_PLAN_H_
 
@@ -37,8 +38,8 @@ struct GraphRef {
 struct PlanPattern {
   PlanTerm terms[3];  // subject, predicate, object
   GraphRef graph;
-  double estimate = 0;     // rows that it gives for one row before it
-  std::string text;        // for Explain
+  double estimate = 0;  // rows that it gives for one row before it
+  std::string text;     // for Explain
 };
 
 // An expression with its variables resolved. EXISTS holds its own plan and, once built, its operator.
@@ -61,22 +62,28 @@ struct PlanExpression {
 };
 using PlanExpressionPtr = std::unique_ptr<PlanExpression>;
 
-// What each node does, given an input row `in` whose slots may be bound from outside: give the solutions that are
-// compatible with `in`, each merged with it.
+// What each node does, given an input row `in` whose slots may be bound from outside: give the solutions that
+// are compatible with `in`, each merged with it.
 struct PlanNode {
   enum class Kind : uint8_t {
-    kBgp,       // patterns in order, filters after them
-    kJoin,      // children in order; each gets the rows of the one before (index nested loop)
-    kHashJoin,  // children[1] once, into a hash table
+    kBgp,           // patterns in order, filters after them
+    kJoin,          // children in order; each gets the rows of the one before (index nested loop)
+    kHashJoin,      // children[1] once, into a hash table
     kLeftJoin,      // as kJoin with expression
     kHashLeftJoin,  // as kHashJoin with expression
-    kFilter, kUnion,
+    kFilter,
+    kUnion,
     kMinus,      // children[1] for each row
     kHashMinus,  // children[1] once
     kGraph,      // children[0] for each graph, in slot `graph_slot`; then name
-    kExtend, kValues, kGroup, kOrderBy,
+    kExtend,
+    kValues,
+    kGroup,
+    kOrderBy,
     kProject,  // clears the slots that are not `columns`
-    kDistinct, kSlice, kPath,
+    kDistinct,
+    kSlice,
+    kPath,
   };
   struct AggregatePlan {
     Aggregate::Function function;
@@ -90,31 +97,31 @@ struct PlanNode {
 
   Kind kind;
   std::vector<std::unique_ptr<PlanNode>> children;
-  SlotSet certain;   // bound in every solution
-  SlotSet possible;  // bound in some; both without what comes from outside
-  SlotSet mentions;  // possible, and what expressions inside read
+  SlotSet certain;       // bound in every solution
+  SlotSet possible;      // bound in some; both without what comes from outside
+  SlotSet mentions;      // possible, and what expressions inside read
   bool barrier = false;  // holds a group, slice, sort or distinct: run once rather than for each row
   double estimate = 1;
 
   std::vector<PlanPattern> patterns;
-  std::vector<PlanExpressionPtr> filters;  // kBgp: all; kFilter: the conjuncts
-  std::vector<SlotSet> filter_slots;       // what each filter, or `expression`, reads
-  PlanExpressionPtr expression;            // kLeftJoin, kHashLeftJoin (may be null), kExtend
-  int slot = -1;                           // kExtend
-  int graph_slot = -1;                     // kGraph
-  PlanTerm name;                           // kGraph
-  std::vector<int> columns;                // kValues, kProject, kDistinct
-  std::vector<std::vector<std::optional<Term>>> rows;  // kValues
-  std::vector<std::pair<int, PlanExpressionPtr>> keys;  // kGroup
-  std::vector<AggregatePlan> aggregates;                // kGroup
+  std::vector<PlanExpressionPtr> filters;                 // kBgp: all; kFilter: the conjuncts
+  std::vector<SlotSet> filter_slots;                      // what each filter, or `expression`, reads
+  PlanExpressionPtr expression;                           // kLeftJoin, kHashLeftJoin (may be null), kExtend
+  int slot = -1;                                          // kExtend
+  int graph_slot = -1;                                    // kGraph
+  PlanTerm name;                                          // kGraph
+  std::vector<int> columns;                               // kValues, kProject, kDistinct
+  std::vector<std::vector<std::optional<Term>>> rows;     // kValues
+  std::vector<std::pair<int, PlanExpressionPtr>> keys;    // kGroup
+  std::vector<AggregatePlan> aggregates;                  // kGroup
   std::vector<std::pair<PlanExpressionPtr, bool>> order;  // kOrderBy: expression, descending
   uint64_t offset = 0;
   std::optional<uint64_t> limit;
-  PlanTerm subject, object;  // kPath
+  PlanTerm subject, object;        // kPath
   Term subject_term, object_term;  // kPath, where they are constants: a path of length zero needs no triple
   const Path* path = nullptr;
   std::vector<int> path_constants;  // kPath: the numbers of its IRIs, in order of occurrence
-  GraphRef graph;            // kPath
+  GraphRef graph;                   // kPath
 };
 using PlanNodePtr = std::unique_ptr<PlanNode>;
 

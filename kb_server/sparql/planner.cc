@@ -12,8 +12,9 @@ using Kind = PlanNode::Kind;
 
 namespace {
 
-// How a pattern's number of matches n shrinks, as a power of n, for a variable that is bound but whose value the planner does
-// not know. A subject has few values of one property, an object is shared by more subjects, a predicate by most.
+// How a pattern's number of matches n shrinks, as a power of n, for a variable that is bound but whose value
+// the planner does not know. A subject has few values of one property, an object is shared by more subjects,
+// a predicate by most.
 constexpr double kBoundSubject = 0.15, kBoundPredicate = 0.6, kBoundObject = 0.4;
 
 class Arranger {
@@ -28,7 +29,9 @@ class Arranger {
   }
 
  private:
-  TermId IdOf(const PlanTerm& term) const { return term.constant < 0 ? TermId() : context_.constants[term.constant]; }
+  TermId IdOf(const PlanTerm& term) const {
+    return term.constant < 0 ? TermId() : context_.constants[term.constant];
+  }
   double EstimatePattern(const PlanPattern& pattern, const SlotSet& bound) const;
   double Estimate(const PlanNode& node, const SlotSet& bound) const;
   double ArrangeBgp(std::vector<PlanPattern>& patterns, SlotSet bound) const;
@@ -41,7 +44,8 @@ class Arranger {
 };
 
 double Arranger::EstimatePattern(const PlanPattern& pattern, const SlotSet& bound) const {
-  QuadPattern quad{IdOf(pattern.terms[0]), IdOf(pattern.terms[1]), IdOf(pattern.terms[2]), IdOf(pattern.graph.name)};
+  QuadPattern quad{IdOf(pattern.terms[0]), IdOf(pattern.terms[1]), IdOf(pattern.terms[2]),
+                   IdOf(pattern.graph.name)};
   for (const TermId id : {quad.subject, quad.predicate, quad.object, quad.graph}) {
     if (id.tag() == TermId::Tag::kLocal) return 0;
   }
@@ -69,7 +73,8 @@ double Arranger::ArrangeBgp(std::vector<PlanPattern>& patterns, SlotSet bound) c
       }
       if (!options_.reorder) break;
     }
-    std::rotate(patterns.begin() + static_cast<std::ptrdiff_t>(done), patterns.begin() + static_cast<std::ptrdiff_t>(best),
+    std::rotate(patterns.begin() + static_cast<std::ptrdiff_t>(done),
+                patterns.begin() + static_cast<std::ptrdiff_t>(best),
                 patterns.begin() + static_cast<std::ptrdiff_t>(best) + 1);
     patterns[done].estimate = best_estimate;
     rows = std::max(rows * best_estimate, 1e-3);
@@ -87,7 +92,8 @@ double Arranger::Estimate(const PlanNode& node, const SlotSet& bound) const {
       std::vector<PlanPattern> patterns = node.patterns;
       return ArrangeBgp(patterns, bound);
     }
-    case Kind::kValues: return static_cast<double>(node.rows.size());
+    case Kind::kValues:
+      return static_cast<double>(node.rows.size());
     case Kind::kUnion: {
       double sum = 0;
       for (const PlanNodePtr& child : node.children) sum += Estimate(*child, bound);
@@ -108,8 +114,10 @@ double Arranger::Estimate(const PlanNode& node, const SlotSet& bound) const {
       const double size = static_cast<double>(context_.version->size()) + 1;
       return from && to ? 0.5 : from || to ? std::sqrt(size) : size * 2;
     }
-    case Kind::kGraph: return 4 * Estimate(*node.children[0], bound);
-    default: return node.children.empty() ? 1 : Estimate(*node.children[0], bound);
+    case Kind::kGraph:
+      return 4 * Estimate(*node.children[0], bound);
+    default:
+      return node.children.empty() ? 1 : Estimate(*node.children[0], bound);
   }
 }
 
@@ -210,12 +218,14 @@ bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer) {
   const SlotSet shared = outer.And(node.mentions);
   if (shared.empty()) return true;
   const auto reads_only_own = [&](const std::vector<SlotSet>& reads, const SlotSet& own) {
-    return std::all_of(reads.begin(), reads.end(), [&](const SlotSet& r) { return shared.And(r).Within(own); });
+    return std::all_of(reads.begin(), reads.end(),
+                       [&](const SlotSet& r) { return shared.And(r).Within(own); });
   };
   switch (node.kind) {
     case Kind::kBgp:
     case Kind::kValues:
-    case Kind::kPath: return true;
+    case Kind::kPath:
+      return true;
     case Kind::kJoin:
     case Kind::kUnion:
       return std::all_of(node.children.begin(), node.children.end(),
@@ -223,7 +233,8 @@ bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer) {
     case Kind::kHashJoin:  // the right side sees nothing from outside
     case Kind::kDistinct:
     case Kind::kGraph:
-    case Kind::kProject: return IsSafeWithBound(*node.children[0], shared);
+    case Kind::kProject:
+      return IsSafeWithBound(*node.children[0], shared);
     case Kind::kLeftJoin:
     case Kind::kHashLeftJoin:
     case Kind::kMinus:
@@ -232,13 +243,15 @@ bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer) {
       return IsSafeWithBound(left, shared) && shared.And(node.children[1]->mentions).Within(left.certain) &&
              reads_only_own(node.filter_slots, left.certain);
     }
-    case Kind::kExtend:  // its own variable is compared with what is bound; what it reads must come from inside
+    case Kind::kExtend:  // its own variable is compared with what is bound; what it reads must come from
+                         // inside
     case Kind::kFilter:
       return IsSafeWithBound(*node.children[0], shared) &&
              reads_only_own(node.filter_slots, node.children[0]->certain);
     case Kind::kGroup:
     case Kind::kOrderBy:
-    case Kind::kSlice: return false;
+    case Kind::kSlice:
+      return false;
   }
   return false;
 }
@@ -252,16 +265,17 @@ std::string Rounded(double value) {
 }
 
 void Explain(const PlanNode& node, int depth, std::string* out) {
-  static constexpr const char* kNames[] = {"patterns",  "join (loop)",     "join (hash)", "optional (loop)",
-                                           "optional (hash)", "filter",    "union",       "minus (loop)",
-                                           "minus (hash)",    "graph",     "extend",      "values",
-                                           "group",     "order",           "project",     "distinct",
-                                           "slice",     "path"};
+  static constexpr const char* kNames[] = {
+      "patterns", "join (loop)",  "join (hash)",  "optional (loop)", "optional (hash)", "filter",
+      "union",    "minus (loop)", "minus (hash)", "graph",           "extend",          "values",
+      "group",    "order",        "project",      "distinct",        "slice",           "path"};
   const std::string indent(static_cast<size_t>(depth) * 2, ' ');
   *out += indent + kNames[static_cast<size_t>(node.kind)] + "  ~" + Rounded(node.estimate) + " rows";
-  if (node.kind == Kind::kBgp && !node.filters.empty()) *out += ", " + std::to_string(node.filters.size()) + " filters";
+  if (node.kind == Kind::kBgp && !node.filters.empty())
+    *out += ", " + std::to_string(node.filters.size()) + " filters";
   *out += '\n';
-  for (const PlanPattern& p : node.patterns) *out += indent + "  " + p.text + "  ~" + Rounded(p.estimate) + "\n";
+  for (const PlanPattern& p : node.patterns)
+    *out += indent + "  " + p.text + "  ~" + Rounded(p.estimate) + "\n";
   for (const PlanNodePtr& child : node.children) Explain(*child, depth + 1, out);
   for (const PlanExpressionPtr& filter : node.filters) {
     if (filter->exists) Explain(*filter->exists, depth + 2, out);

@@ -12,11 +12,21 @@ void AppendJsonString(std::string_view text, std::string* out) {
   out->push_back('"');
   for (const char c : text) {
     switch (c) {
-      case '"': *out += "\\\""; break;
-      case '\\': *out += "\\\\"; break;
-      case '\n': *out += "\\n"; break;
-      case '\r': *out += "\\r"; break;
-      case '\t': *out += "\\t"; break;
+      case '"':
+        *out += "\\\"";
+        break;
+      case '\\':
+        *out += "\\\\";
+        break;
+      case '\n':
+        *out += "\\n";
+        break;
+      case '\r':
+        *out += "\\r";
+        break;
+      case '\t':
+        *out += "\\t";
+        break;
       default:
         if (static_cast<unsigned char>(c) < 0x20) {
           char buffer[8];
@@ -33,11 +43,21 @@ void AppendJsonString(std::string_view text, std::string* out) {
 void AppendXmlText(std::string_view text, std::string* out) {
   for (const char c : text) {
     switch (c) {
-      case '&': *out += "&amp;"; break;
-      case '<': *out += "&lt;"; break;
-      case '>': *out += "&gt;"; break;
-      case '"': *out += "&quot;"; break;
-      case '\r': *out += "&#13;"; break;
+      case '&':
+        *out += "&amp;";
+        break;
+      case '<':
+        *out += "&lt;";
+        break;
+      case '>':
+        *out += "&gt;";
+        break;
+      case '"':
+        *out += "&quot;";
+        break;
+      case '\r':
+        *out += "&#13;";
+        break;
       default:
         // XML 1.0 section 2.2 has no other control characters, not even as references.
         if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') {
@@ -80,8 +100,9 @@ class JsonWriter final : public ResultWriter {
 
  private:
   void Cell(const Term& t) {
-    out_ += t.IsIri() ? "{\"type\":\"uri\",\"value\":" : t.IsBlank() ? "{\"type\":\"bnode\",\"value\":"
-                                                                       : "{\"type\":\"literal\",\"value\":";
+    out_ += t.IsIri()     ? "{\"type\":\"uri\",\"value\":"
+            : t.IsBlank() ? "{\"type\":\"bnode\",\"value\":"
+                          : "{\"type\":\"literal\",\"value\":";
     AppendJsonString(t.lexical, &out_);
     if (!t.language.empty()) {
       out_ += ",\"xml:lang\":";
@@ -218,7 +239,8 @@ class TsvWriter final : public ResultWriter {
     if (s.empty() || s.find_first_not_of("0123456789+-.eE") != std::string::npos) return false;
     if (s.find_first_of("0123456789") == std::string::npos || s.back() == '.') return false;
     if (t.datatype == kXsdInteger) return s.find_first_of(".eE") == std::string::npos;
-    if (t.datatype == kXsdDecimal) return s.find('.') != std::string::npos && s.find_first_of("eE") == std::string::npos;
+    if (t.datatype == kXsdDecimal)
+      return s.find('.') != std::string::npos && s.find_first_of("eE") == std::string::npos;
     return t.datatype == kXsdDouble && s.find_first_of("eE") != std::string::npos;
   }
 
@@ -226,9 +248,12 @@ class TsvWriter final : public ResultWriter {
 };
 
 constexpr std::pair<std::string_view, ResultFormat> kMediaTypes[] = {
-    {"application/sparql-results+json", ResultFormat::kJson}, {"application/json", ResultFormat::kJson},
-    {"application/sparql-results+xml", ResultFormat::kXml},   {"application/xml", ResultFormat::kXml},
-    {"text/xml", ResultFormat::kXml},                         {"text/csv", ResultFormat::kCsv},
+    {"application/sparql-results+json", ResultFormat::kJson},
+    {"application/json", ResultFormat::kJson},
+    {"application/sparql-results+xml", ResultFormat::kXml},
+    {"application/xml", ResultFormat::kXml},
+    {"text/xml", ResultFormat::kXml},
+    {"text/csv", ResultFormat::kCsv},
     {"text/tab-separated-values", ResultFormat::kTsv},
 };
 
@@ -254,20 +279,28 @@ std::optional<ResultFormat> ResultFormatOfName(std::string_view name) {
 
 std::string_view MediaTypeOf(ResultFormat format) {
   switch (format) {
-    case ResultFormat::kJson: return "application/sparql-results+json";
-    case ResultFormat::kXml: return "application/sparql-results+xml";
-    case ResultFormat::kCsv: return "text/csv; charset=utf-8";
-    case ResultFormat::kTsv: return "text/tab-separated-values; charset=utf-8";
+    case ResultFormat::kJson:
+      return "application/sparql-results+json";
+    case ResultFormat::kXml:
+      return "application/sparql-results+xml";
+    case ResultFormat::kCsv:
+      return "text/csv; charset=utf-8";
+    case ResultFormat::kTsv:
+      return "text/tab-separated-values; charset=utf-8";
   }
   return "";
 }
 
 std::unique_ptr<ResultWriter> ResultWriter::Make(ResultFormat format, std::string* out) {
   switch (format) {
-    case ResultFormat::kJson: return std::make_unique<JsonWriter>(out);
-    case ResultFormat::kXml: return std::make_unique<XmlWriter>(out);
-    case ResultFormat::kCsv: return std::make_unique<CsvWriter>(out);
-    case ResultFormat::kTsv: return std::make_unique<TsvWriter>(out);
+    case ResultFormat::kJson:
+      return std::make_unique<JsonWriter>(out);
+    case ResultFormat::kXml:
+      return std::make_unique<XmlWriter>(out);
+    case ResultFormat::kCsv:
+      return std::make_unique<CsvWriter>(out);
+    case ResultFormat::kTsv:
+      return std::make_unique<TsvWriter>(out);
   }
   return nullptr;
 }
@@ -275,11 +308,14 @@ std::unique_ptr<ResultWriter> ResultWriter::Make(ResultFormat format, std::strin
 std::string WriteBoolean(bool value, ResultFormat format) {
   const std::string word = value ? "true" : "false";
   switch (format) {
-    case ResultFormat::kJson: return "{\"head\":{},\"boolean\":" + word + "}\n";
+    case ResultFormat::kJson:
+      return "{\"head\":{},\"boolean\":" + word + "}\n";
     case ResultFormat::kXml:
-      return "<?xml version=\"1.0\"?>\n<sparql xmlns=\"http://www.w3.org/2005/sparql-results#\">\n<head/>\n<boolean>" + word +
-             "</boolean>\n</sparql>\n";
-    default: return word + "\n";
+      return "<?xml version=\"1.0\"?>\n<sparql "
+             "xmlns=\"http://www.w3.org/2005/sparql-results#\">\n<head/>\n<boolean>" +
+             word + "</boolean>\n</sparql>\n";
+    default:
+      return word + "\n";
   }
 }
 

@@ -1,5 +1,5 @@
-// SPARQL results → text: JSON (SPARQL 1.1 Query Results JSON Format), XML, CSV and TSV. Rows are appended as they
-// come, so a large answer streams. Values of one thread.
+// SPARQL results → text: JSON (SPARQL 1.1 Query Results JSON Format), XML, CSV and TSV. Rows are appended as
+// they come, so a large answer streams. Values of one thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_RESULTS_H_
 #define DOCENT_KB_SERVER_SPARQL_RESULTS_H_
 
@@ -16,15 +16,15 @@ namespace docent::sparql {
 
 enum class ResultFormat { kJson, kXml, kCsv, kTsv };
 
-// "application/sparql-results+json" and so on; also the plain forms (application/json, text/csv, …), with parameters
-// ignored. nullopt if it is none of them.
+// "application/sparql-results+json" and so on; also the plain forms (application/json, text/csv, …), with
+// parameters ignored. nullopt if it is none of them.
 std::optional<ResultFormat> ResultFormatOfMediaType(std::string_view media_type);
 // "json", "xml", "csv", "tsv".
 std::optional<ResultFormat> ResultFormatOfName(std::string_view name);
 std::string_view MediaTypeOf(ResultFormat format);
 
-// Usage: writer.Begin(names); writer.Row(terms) …; writer.End(). Each appends to *out, which the caller may send and
-// clear between calls.
+// Usage: writer.Begin(names); writer.Row(terms) …; writer.End(). Each appends to *out, which the caller may
+// send and clear between calls.
 class ResultWriter {
  public:
   static std::unique_ptr<ResultWriter> Make(ResultFormat format, std::string* out);

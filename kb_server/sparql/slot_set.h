@@ -37,19 +37,22 @@ class SlotSet {
   SlotSet Or(const SlotSet& other) const { return SlotSet(*this) |= other; }
   SlotSet And(const SlotSet& other) const {
     SlotSet out = *this;
-    for (size_t i = 0; i < out.words_.size(); ++i) out.words_[i] &= i < other.words_.size() ? other.words_[i] : 0;
+    for (size_t i = 0; i < out.words_.size(); ++i)
+      out.words_[i] &= i < other.words_.size() ? other.words_[i] : 0;
     return out;
   }
   SlotSet Minus(const SlotSet& other) const {
     SlotSet out = *this;
-    for (size_t i = 0; i < std::min(out.words_.size(), other.words_.size()); ++i) out.words_[i] &= ~other.words_[i];
+    for (size_t i = 0; i < std::min(out.words_.size(), other.words_.size()); ++i)
+      out.words_[i] &= ~other.words_[i];
     return out;
   }
   // The members in ascending order.
   std::vector<int> List() const {
     std::vector<int> out;
     for (size_t i = 0; i < words_.size(); ++i) {
-      for (uint64_t w = words_[i]; w != 0; w &= w - 1) out.push_back(static_cast<int>(i * 64) + __builtin_ctzll(w));
+      for (uint64_t w = words_[i]; w != 0; w &= w - 1)
+        out.push_back(static_cast<int>(i * 64) + __builtin_ctzll(w));
     }
     return out;
   }

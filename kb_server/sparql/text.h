@@ -1,5 +1,5 @@
-// Small operations on std::string_view (Debian's Abseil has a string_view of its own, so its string functions do not
-// take ours). Pure functions.
+// Small operations on std::string_view (Debian's Abseil has a string_view of its own, so its string functions
+// do not take ours). Pure functions.
 #ifndef DOCENT_KB_SERVER_SPARQL_TEXT_H_
 #define DOCENT_KB_SERVER_SPARQL_TEXT_H_
 
@@ -9,8 +9,12 @@
 
 namespace docent::sparql {
 
-inline char AsciiLower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c; }
-inline char AsciiUpper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c & ~0x20) : c; }
+inline char AsciiLower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
+}
+inline char AsciiUpper(char c) {
+  return c >= 'a' && c <= 'z' ? static_cast<char>(c & ~0x20) : c;
+}
 
 // ASCII letters count as equal whatever their case.
 inline bool EqualsIgnoreCase(std::string_view a, std::string_view b) {

@@ -42,7 +42,8 @@ class Reader {
   std::optional<int64_t> Digits(size_t min, size_t max) {
     int64_t value = 0;
     size_t n = 0;
-    while (n < rest_.size() && n < max && rest_[n] >= '0' && rest_[n] <= '9') value = value * 10 + (rest_[n++] - '0');
+    while (n < rest_.size() && n < max && rest_[n] >= '0' && rest_[n] <= '9')
+      value = value * 10 + (rest_[n++] - '0');
     if (n < min) return std::nullopt;
     rest_.remove_prefix(n);
     return value;
@@ -72,7 +73,8 @@ std::optional<int64_t> ReadDate(Reader* in) {
   if (!month || *month < 1 || *month > 12 || !in->Take('-')) return std::nullopt;
   const auto day = in->Digits(2, 2);
   const int64_t y = negative ? -*year : *year;
-  if (std::abs(y) > 200'000 || !day || *day < 1 || *day > DaysInMonth(y, static_cast<int>(*month))) return std::nullopt;
+  if (std::abs(y) > 200'000 || !day || *day < 1 || *day > DaysInMonth(y, static_cast<int>(*month)))
+    return std::nullopt;
   return DaysFromCivil(y, static_cast<int>(*month), static_cast<int>(*day));
 }
 
@@ -111,7 +113,8 @@ CivilTime ToCivil(TimeMicros local_time_us) {
   days += 719468;
   const int64_t era = (days >= 0 ? days : days - 146096) / 146097;
   const int64_t day_of_era = days - era * 146097;
-  const int64_t year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36524 - day_of_era / 146096) / 365;
+  const int64_t year_of_era =
+      (day_of_era - day_of_era / 1460 + day_of_era / 36524 - day_of_era / 146096) / 365;
   const int64_t day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
   const int64_t month_index = (5 * day_of_year + 2) / 153;
   CivilTime c;
@@ -161,14 +164,16 @@ std::string FormatZone(std::optional<int> zone_minutes) {
   if (*zone_minutes == 0) return "Z";
   char buffer[16];
   const int minutes = std::abs(*zone_minutes);
-  std::snprintf(buffer, sizeof buffer, "%c%02d:%02d", *zone_minutes < 0 ? '-' : '+', minutes / 60, minutes % 60);
+  std::snprintf(buffer, sizeof buffer, "%c%02d:%02d", *zone_minutes < 0 ? '-' : '+', minutes / 60,
+                minutes % 60);
   return buffer;
 }
 
 std::string FormatDateTimeText(const ZonedTime& time) {
   const CivilTime c = ToCivil(time.local_us);
   char buffer[48];
-  std::snprintf(buffer, sizeof buffer, "T%02d:%02d:%02d", c.hour, c.minute, static_cast<int>(c.second_us / kSecond));
+  std::snprintf(buffer, sizeof buffer, "T%02d:%02d:%02d", c.hour, c.minute,
+                static_cast<int>(c.second_us / kSecond));
   std::string out = FormatCivilDate(c) + buffer;
   if (const int64_t fraction = c.second_us % kSecond; fraction != 0) {
     std::snprintf(buffer, sizeof buffer, ".%06d", static_cast<int>(fraction));

@@ -46,7 +46,8 @@ std::optional<double> ParseDouble(std::string_view text) {
   if (text == "-INF") return -std::numeric_limits<double>::infinity();
   if (text == "NaN") return std::numeric_limits<double>::quiet_NaN();
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-  if (text.empty() || text.find_first_not_of("0123456789.eE+-") != std::string_view::npos) return std::nullopt;
+  if (text.empty() || text.find_first_not_of("0123456789.eE+-") != std::string_view::npos)
+    return std::nullopt;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return std::nullopt;
@@ -60,7 +61,8 @@ std::string FormatScientific(Number value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value > 0 ? "INF" : "-INF";
   std::array<char, 48> buffer;
-  const char* end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
+  const char* end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
   const std::string_view text(buffer.data(), static_cast<size_t>(end - buffer.data()));
   const size_t e = text.find('e');
   std::string out(text.substr(0, e));
@@ -74,8 +76,12 @@ std::string FormatScientific(Number value) {
 
 }  // namespace
 
-std::string FormatDouble(double value) { return FormatScientific(value); }
-std::string FormatFloat(float value) { return FormatScientific(value); }
+std::string FormatDouble(double value) {
+  return FormatScientific(value);
+}
+std::string FormatFloat(float value) {
+  return FormatScientific(value);
+}
 
 Value Value::Boolean(bool value) {
   Value v;
@@ -185,9 +191,12 @@ void Value::ReadLiteral(std::string_view text, std::string_view datatype) {
 
 Value Value::OfTerm(const Term& term) {
   switch (term.kind) {
-    case TermKind::kIri: return Iri(term.lexical);
-    case TermKind::kBlank: return Blank(term.lexical);
-    case TermKind::kLiteral: break;
+    case TermKind::kIri:
+      return Iri(term.lexical);
+    case TermKind::kBlank:
+      return Blank(term.lexical);
+    case TermKind::kLiteral:
+      break;
   }
   if (!term.language.empty()) return LangString(term.lexical, term.language);
   Value v = String(term.lexical);
@@ -258,40 +267,63 @@ Value Value::OfId(TermId id, const Dictionary& dictionary) {
 
 std::string_view Value::CanonicalDatatype() const {
   switch (type_) {
-    case Type::kBoolean: return kXsdBoolean;
-    case Type::kInteger: return kXsdInteger;
-    case Type::kDecimal: return kXsdDecimal;
-    case Type::kFloat: return kXsdFloat;
-    case Type::kDouble: return kXsdDouble;
-    case Type::kDateTime: return kXsdDateTime;
-    case Type::kDate: return kXsdDate;
-    case Type::kString: return kXsdString;
-    case Type::kLangString: return kRdfLangString;
-    case Type::kOther: return datatype();
-    default: return "";
+    case Type::kBoolean:
+      return kXsdBoolean;
+    case Type::kInteger:
+      return kXsdInteger;
+    case Type::kDecimal:
+      return kXsdDecimal;
+    case Type::kFloat:
+      return kXsdFloat;
+    case Type::kDouble:
+      return kXsdDouble;
+    case Type::kDateTime:
+      return kXsdDateTime;
+    case Type::kDate:
+      return kXsdDate;
+    case Type::kString:
+      return kXsdString;
+    case Type::kLangString:
+      return kRdfLangString;
+    case Type::kOther:
+      return datatype();
+    default:
+      return "";
   }
 }
 
 std::string Value::CanonicalText() const {
   switch (type_) {
-    case Type::kBoolean: return boolean_ ? "true" : "false";
+    case Type::kBoolean:
+      return boolean_ ? "true" : "false";
     case Type::kInteger:
-    case Type::kDecimal: return decimal_.ToString();
-    case Type::kFloat: return FormatFloat(static_cast<float>(number_));
-    case Type::kDouble: return FormatDouble(number_);
-    case Type::kDateTime: return FormatDateTimeText({time_us_, zone_});
-    case Type::kDate: return FormatDateText({time_us_, zone_});
-    default: return std::string(text());
+    case Type::kDecimal:
+      return decimal_.ToString();
+    case Type::kFloat:
+      return FormatFloat(static_cast<float>(number_));
+    case Type::kDouble:
+      return FormatDouble(number_);
+    case Type::kDateTime:
+      return FormatDateTimeText({time_us_, zone_});
+    case Type::kDate:
+      return FormatDateText({time_us_, zone_});
+    default:
+      return std::string(text());
   }
 }
 
 Term Value::ToTerm() const {
   switch (type_) {
-    case Type::kIri: return Term::Iri(std::string(text()));
-    case Type::kBlank: return Term::Blank(std::string(text()));
-    case Type::kString: return Term::Literal(std::string(text()));
-    case Type::kLangString: return Term::LangString(std::string(text()), std::string(language()));
-    default: return Term::Literal(CanonicalText(), std::string(CanonicalDatatype()));
+    case Type::kIri:
+      return Term::Iri(std::string(text()));
+    case Type::kBlank:
+      return Term::Blank(std::string(text()));
+    case Type::kString:
+      return Term::Literal(std::string(text()));
+    case Type::kLangString:
+      return Term::LangString(std::string(text()), std::string(language()));
+    default:
+      return Term::Literal(CanonicalText(), std::string(CanonicalDatatype()));
   }
 }
 

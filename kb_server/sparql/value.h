@@ -1,5 +1,5 @@
-// A term with its value read: what expressions compute with. The text of a term of the dictionary is viewed, not copied;
-// a value thus lives no longer than the dictionary. Values; one thread.
+// A term with its value read: what expressions compute with. The text of a term of the dictionary is viewed,
+// not copied; a value thus lives no longer than the dictionary. Values; one thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_VALUE_H_
 #define DOCENT_KB_SERVER_SPARQL_VALUE_H_
 
@@ -31,7 +31,7 @@ class Value {
     kDouble,      // number
     kDateTime,    // time_us, zone
     kDate,        // time_us (midnight), zone
-    kOther,       // text(), datatype(): a datatype that is not known here, or a lexical form that is not valid
+    kOther,  // text(), datatype(): a datatype that is not known here, or a lexical form that is not valid
   };
 
   Value() = default;
@@ -82,8 +82,8 @@ class Value {
   // xsd:… of a literal that is none of kString, kLangString, kOther, as computed.
   std::string_view CanonicalDatatype() const;
 
-  // The term of a computed value, in canonical lexical form. Not for kError, and not for values with an id, whose
-  // lexical form may be another.
+  // The term of a computed value, in canonical lexical form. Not for kError, and not for values with an id,
+  // whose lexical form may be another.
   Term ToTerm() const;
   // The lexical form, canonical for computed values.
   std::string CanonicalText() const;
@@ -113,10 +113,12 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
 int CompareForOrder(const Value& a, const Value& b);
 
 enum class Arithmetic : uint8_t { kAdd, kSubtract, kMultiply, kDivide };
-// With the promotions of XPath; an error value where an operand is not a number, by a zero divisor, on overflow.
+// With the promotions of XPath; an error value where an operand is not a number, by a zero divisor, on
+// overflow.
 Value Compute(Arithmetic operation, const Value& a, const Value& b);
 
-// The xsd: constructor functions (section 17.5); an error value if the cast fails. nullopt if `datatype` is no cast.
+// The xsd: constructor functions (section 17.5); an error value if the cast fails. nullopt if `datatype` is
+// no cast.
 std::optional<Value> Cast(std::string_view datatype, const Value& value);
 bool IsCast(std::string_view datatype);
 

@@ -12,8 +12,12 @@ using Type = Value::Type;
 
 namespace {
 
-int Sign(int64_t value) { return value < 0 ? -1 : value > 0 ? 1 : 0; }
-int CompareText(std::string_view a, std::string_view b) { return Sign(a.compare(b)); }
+int Sign(int64_t value) {
+  return value < 0 ? -1 : value > 0 ? 1 : 0;
+}
+int CompareText(std::string_view a, std::string_view b) {
+  return Sign(a.compare(b));
+}
 
 // Both numeric. NaN: unordered.
 std::optional<int> CompareNumbers(const Value& a, const Value& b) {
@@ -41,19 +45,29 @@ std::optional<int> CompareTimes(const Value& a, const Value& b) {
 // The rank of the kinds in ORDER BY.
 int OrderRank(const Value& v) {
   switch (v.type()) {
-    case Type::kError: return 0;
-    case Type::kBlank: return 1;
-    case Type::kIri: return 2;
+    case Type::kError:
+      return 0;
+    case Type::kBlank:
+      return 1;
+    case Type::kIri:
+      return 2;
     case Type::kInteger:
     case Type::kDecimal:
     case Type::kFloat:
-    case Type::kDouble: return 3;
-    case Type::kBoolean: return 4;
-    case Type::kDate: return 5;
-    case Type::kDateTime: return 6;
-    case Type::kString: return 7;
-    case Type::kLangString: return 8;
-    case Type::kOther: return 9;
+    case Type::kDouble:
+      return 3;
+    case Type::kBoolean:
+      return 4;
+    case Type::kDate:
+      return 5;
+    case Type::kDateTime:
+      return 6;
+    case Type::kString:
+      return 7;
+    case Type::kLangString:
+      return 8;
+    case Type::kOther:
+      return 9;
   }
   return 9;
 }
@@ -62,22 +76,27 @@ int OrderRank(const Value& v) {
 
 std::optional<bool> EffectiveBooleanValue(const Value& v) {
   switch (v.type()) {
-    case Type::kBoolean: return v.boolean();
+    case Type::kBoolean:
+      return v.boolean();
     case Type::kString:
-    case Type::kLangString: return !v.text().empty();
+    case Type::kLangString:
+      return !v.text().empty();
     case Type::kInteger:
-    case Type::kDecimal: return !v.decimal().IsZero();
+    case Type::kDecimal:
+      return !v.decimal().IsZero();
     case Type::kFloat:
-    case Type::kDouble: return !(v.number() == 0 || std::isnan(v.number()));
+    case Type::kDouble:
+      return !(v.number() == 0 || std::isnan(v.number()));
     case Type::kOther: {  // an invalid lexical form of these types is false
       const std::string_view datatype = v.datatype();
-      if (datatype == kXsdBoolean || datatype == kXsdInteger || datatype == kXsdDecimal || datatype == kXsdDouble ||
-          datatype == kXsdFloat) {
+      if (datatype == kXsdBoolean || datatype == kXsdInteger || datatype == kXsdDecimal ||
+          datatype == kXsdDouble || datatype == kXsdFloat) {
         return false;
       }
       return std::nullopt;
     }
-    default: return std::nullopt;
+    default:
+      return std::nullopt;
   }
 }
 
@@ -90,9 +109,12 @@ std::optional<bool> ValuesEqual(const Value& a, const Value& b) {
   if (!a.IsLiteral() || !b.IsLiteral()) return a.type() == b.type() && a.text() == b.text();
   if (a.type() == b.type()) {
     switch (a.type()) {
-      case Type::kString: return a.text() == b.text();
-      case Type::kLangString: return a.text() == b.text() && EqualsIgnoreCase(a.language(), b.language());
-      case Type::kBoolean: return a.boolean() == b.boolean();
+      case Type::kString:
+        return a.text() == b.text();
+      case Type::kLangString:
+        return a.text() == b.text() && EqualsIgnoreCase(a.language(), b.language());
+      case Type::kBoolean:
+        return a.boolean() == b.boolean();
       case Type::kDate:
       case Type::kDateTime: {
         const std::optional<int> order = CompareTimes(a, b);
@@ -104,8 +126,9 @@ std::optional<bool> ValuesEqual(const Value& a, const Value& b) {
         return std::nullopt;
     }
   }
-  // Literals of different kinds: what has a language tag differs from what has none; a value of a known datatype
-  // differs from one of another known datatype whose values are disjoint. Of unknown datatypes nobody knows.
+  // Literals of different kinds: what has a language tag differs from what has none; a value of a known
+  // datatype differs from one of another known datatype whose values are disjoint. Of unknown datatypes
+  // nobody knows.
   if (a.type() == Type::kOther || b.type() == Type::kOther) {
     if (a.type() == Type::kLangString || b.type() == Type::kLangString) return false;
     return std::nullopt;
@@ -122,11 +145,15 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
   }
   if (a.type() != b.type()) return std::nullopt;
   switch (a.type()) {
-    case Type::kString: return CompareText(a.text(), b.text());
-    case Type::kBoolean: return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
+    case Type::kString:
+      return CompareText(a.text(), b.text());
+    case Type::kBoolean:
+      return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
     case Type::kDate:
-    case Type::kDateTime: return CompareTimes(a, b);
-    default: return std::nullopt;
+    case Type::kDateTime:
+      return CompareTimes(a, b);
+    default:
+      return std::nullopt;
   }
 }
 
@@ -134,7 +161,8 @@ int CompareForOrder(const Value& a, const Value& b) {
   const int rank_a = OrderRank(a), rank_b = OrderRank(b);
   if (rank_a != rank_b) return rank_a - rank_b;
   switch (a.type()) {
-    case Type::kError: return 0;
+    case Type::kError:
+      return 0;
     case Type::kInteger:
     case Type::kDecimal:
     case Type::kFloat:
@@ -143,9 +171,11 @@ int CompareForOrder(const Value& a, const Value& b) {
       // NaN before all numbers
       return static_cast<int>(!std::isnan(a.AsDouble())) - static_cast<int>(!std::isnan(b.AsDouble()));
     }
-    case Type::kBoolean: return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
+    case Type::kBoolean:
+      return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
     case Type::kDate:
-    case Type::kDateTime: return Sign(a.instant_us() - b.instant_us());
+    case Type::kDateTime:
+      return Sign(a.instant_us() - b.instant_us());
     case Type::kLangString: {
       const int text = CompareText(a.text(), b.text());
       return text != 0 ? text : CompareText(a.language(), b.language());
@@ -154,7 +184,8 @@ int CompareForOrder(const Value& a, const Value& b) {
       const int type = CompareText(a.datatype(), b.datatype());
       return type != 0 ? type : CompareText(a.text(), b.text());
     }
-    default: return CompareText(a.text(), b.text());
+    default:
+      return CompareText(a.text(), b.text());
   }
 }
 
@@ -163,13 +194,22 @@ Value Compute(Arithmetic operation, const Value& a, const Value& b) {
   if (a.IsExact() && b.IsExact()) {
     std::optional<Decimal> result;
     switch (operation) {
-      case Arithmetic::kAdd: result = Add(a.decimal(), b.decimal()); break;
-      case Arithmetic::kSubtract: result = Subtract(a.decimal(), b.decimal()); break;
-      case Arithmetic::kMultiply: result = Multiply(a.decimal(), b.decimal()); break;
-      case Arithmetic::kDivide: result = Divide(a.decimal(), b.decimal()); break;
+      case Arithmetic::kAdd:
+        result = Add(a.decimal(), b.decimal());
+        break;
+      case Arithmetic::kSubtract:
+        result = Subtract(a.decimal(), b.decimal());
+        break;
+      case Arithmetic::kMultiply:
+        result = Multiply(a.decimal(), b.decimal());
+        break;
+      case Arithmetic::kDivide:
+        result = Divide(a.decimal(), b.decimal());
+        break;
     }
     if (!result) return Value::Error();
-    const bool whole = a.type() == Type::kInteger && b.type() == Type::kInteger && operation != Arithmetic::kDivide;
+    const bool whole =
+        a.type() == Type::kInteger && b.type() == Type::kInteger && operation != Arithmetic::kDivide;
     return whole ? Value::Integer(*result) : Value::OfDecimal(*result);
   }
   const bool is_double = a.type() == Type::kDouble || b.type() == Type::kDouble;
@@ -180,17 +220,26 @@ Value Compute(Arithmetic operation, const Value& a, const Value& b) {
   }
   double result = 0;
   switch (operation) {
-    case Arithmetic::kAdd: result = x + y; break;
-    case Arithmetic::kSubtract: result = x - y; break;
-    case Arithmetic::kMultiply: result = x * y; break;
-    case Arithmetic::kDivide: result = x / y; break;
+    case Arithmetic::kAdd:
+      result = x + y;
+      break;
+    case Arithmetic::kSubtract:
+      result = x - y;
+      break;
+    case Arithmetic::kMultiply:
+      result = x * y;
+      break;
+    case Arithmetic::kDivide:
+      result = x / y;
+      break;
   }
   return is_double ? Value::Double(result) : Value::Float(result);
 }
 
 bool IsCast(std::string_view datatype) {
-  return datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdInteger || datatype == kXsdDecimal ||
-         datatype == kXsdDouble || datatype == kXsdFloat || datatype == kXsdDateTime || datatype == kXsdDate;
+  return datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdInteger ||
+         datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat ||
+         datatype == kXsdDateTime || datatype == kXsdDate;
 }
 
 namespace {
@@ -223,7 +272,8 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
   if (!IsCast(datatype)) return std::nullopt;
   if (v.IsError() || v.type() == Type::kBlank) return Value::Error();
   if (datatype == kXsdString) {
-    if (v.type() == Type::kIri || v.IsStringLike() || v.type() == Type::kOther) return Value::String(std::string(v.text()));
+    if (v.type() == Type::kIri || v.IsStringLike() || v.type() == Type::kOther)
+      return Value::String(std::string(v.text()));
     // XPath writes whole doubles without exponent (fn:string of 1.0E0 is "1")
     if (v.type() == Type::kDouble || v.type() == Type::kFloat) {
       const double magnitude = std::abs(v.number());
@@ -243,8 +293,10 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
   if (v.type() == Type::kIri || v.type() == Type::kLangString) return Value::Error();
   if (v.type() == Type::kString) {
     std::string_view text = v.text();  // white space is collapsed in a cast (XPath 17.1.1)
-    while (!text.empty() && std::string_view(" \t\r\n").find(text.front()) != std::string_view::npos) text.remove_prefix(1);
-    while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != std::string_view::npos) text.remove_suffix(1);
+    while (!text.empty() && std::string_view(" \t\r\n").find(text.front()) != std::string_view::npos)
+      text.remove_prefix(1);
+    while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != std::string_view::npos)
+      text.remove_suffix(1);
     Value read = Value::OfTerm(Term::Literal(std::string(text), std::string(datatype)));
     return read.type() == Type::kOther ? Value::Error() : read;
   }

@@ -1,5 +1,5 @@
-// Any bytes as a query: sound diagnostics; or an algebra whose printed text parses and prints the same, and which prepares and
-// runs on a small graph within its limits.
+// Any bytes as a query: sound diagnostics; or an algebra whose printed text parses and prints the same, and
+// which prepares and runs on a small graph within its limits.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,8 +24,10 @@ struct SmallGraph {
     for (int i = 0; i < 20; ++i) {
       const TermId node = dictionary.InternIri("urn:n" + std::to_string(i));
       writer.Add({node, type, dictionary.InternIri(DocentIri(i % 3 ? "Visitor" : "Robot")), graph});
-      writer.Add({node, dictionary.InternIri(DocentIri("isAt")), dictionary.InternIri("urn:n" + std::to_string(i % 5)), graph});
-      writer.Add({node, dictionary.InternIri(DocentIri("x")), *InlineLiteral(Term::Integer(i)), dictionary.InternIri("urn:g")});
+      writer.Add({node, dictionary.InternIri(DocentIri("isAt")),
+                  dictionary.InternIri("urn:n" + std::to_string(i % 5)), graph});
+      writer.Add({node, dictionary.InternIri(DocentIri("x")), *InlineLiteral(Term::Integer(i)),
+                  dictionary.InternIri("urn:g")});
     }
     version = writer.Freeze(Revision(1));
   }
@@ -67,8 +69,10 @@ void CheckOne(std::string_view text) {
   options.limits.query_elements *= 10;
   options.limits.query_text_bytes *= 10;
   const sparql::ParsedQuery again = sparql::ParseQuery(printed, options);
-  fuzz::Require(again.ok(), "printed text that does not parse:\n" + printed + Render(again.diagnostics, printed));
-  fuzz::Require(sparql::PrintQuery(again.query, print) == printed, "text that prints differently:\n" + printed);
+  fuzz::Require(again.ok(),
+                "printed text that does not parse:\n" + printed + Render(again.diagnostics, printed));
+  fuzz::Require(sparql::PrintQuery(again.query, print) == printed,
+                "text that prints differently:\n" + printed);
 }
 
 }  // namespace

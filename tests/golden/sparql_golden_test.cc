@@ -38,7 +38,8 @@ std::string Answer(const sparql::Query& query, const std::string& trig) {
     EXPECT_TRUE(triples.ok()) << triples.status();
     if (!triples.ok()) return out;
     for (const TermQuad& t : *triples) {
-      lines.push_back(ToNTriples(t.subject) + " " + ToNTriples(t.predicate) + " " + ToNTriples(t.object) + " .\n");
+      lines.push_back(ToNTriples(t.subject) + " " + ToNTriples(t.predicate) + " " + ToNTriples(t.object) +
+                      " .\n");
     }
     std::sort(lines.begin(), lines.end());
     for (const std::string& line : lines) out += line;
@@ -46,12 +47,16 @@ std::string Answer(const sparql::Query& query, const std::string& trig) {
   }
   const auto rows = sparql::ResultWriter::Make(sparql::ResultFormat::kTsv, &out);
   rows->Begin((*prepared)->variables());
-  EXPECT_TRUE((*prepared)->Select(run, {}, [&](absl::Span<const TermId> row) {
-    std::vector<std::optional<Term>> cells;
-    for (const TermId id : row) cells.push_back(id.IsNone() ? std::optional<Term>() : (*prepared)->Decode(id));
-    rows->Row(cells);
-    return true;
-  }).ok());
+  EXPECT_TRUE((*prepared)
+                  ->Select(run, {},
+                           [&](absl::Span<const TermId> row) {
+                             std::vector<std::optional<Term>> cells;
+                             for (const TermId id : row)
+                               cells.push_back(id.IsNone() ? std::optional<Term>() : (*prepared)->Decode(id));
+                             rows->Row(cells);
+                             return true;
+                           })
+                  .ok());
   rows->End();
   return out;
 }

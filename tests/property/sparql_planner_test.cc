@@ -1,6 +1,7 @@
-// Random graphs and random queries: the planned query gives what the query gives as written, on the union and on the
-// strict default graph, also when prepared once and run on several versions. And a naive evaluator of section 18 (every
-// operand on its own, rows joined pair by pair) gives the same, which holds the index joins to the bottom-up semantics.
+// Random graphs and random queries: the planned query gives what the query gives as written, on the union and
+// on the strict default graph, also when prepared once and run on several versions. And a naive evaluator of
+// section 18 (every operand on its own, rows joined pair by pair) gives the same, which holds the index joins
+// to the bottom-up semantics.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,10 +33,14 @@ class RandomQueries {
   }
   std::string Condition() {
     switch (Below(4)) {
-      case 0: return Variable() + " = " + Variable();
-      case 1: return Variable() + " != " + Node();
-      case 2: return "BOUND(" + Variable() + ")";
-      default: return "!BOUND(" + Variable() + ") || " + Variable() + " = " + Node();
+      case 0:
+        return Variable() + " = " + Variable();
+      case 1:
+        return Variable() + " != " + Node();
+      case 2:
+        return "BOUND(" + Variable() + ")";
+      default:
+        return "!BOUND(" + Variable() + ") || " + Variable() + " = " + Node();
     }
   }
   std::string Group(int depth) {
@@ -45,13 +50,27 @@ class RandomQueries {
       switch (depth > 0 ? Below(9) : 0) {
         case 0:
         case 1:
-        case 2: out += Triple() + " . "; break;
-        case 3: out += "OPTIONAL " + Group(depth - 1) + " "; break;
-        case 4: out += Group(depth - 1) + " UNION " + Group(depth - 1) + " "; break;
-        case 5: out += "MINUS " + Group(depth - 1) + " "; break;
-        case 6: out += "FILTER(" + Condition() + ") "; break;
-        case 7: out += Group(depth - 1) + " "; break;
-        default: out += "VALUES " + Variable() + " { " + Node() + " " + Node() + " } "; break;
+        case 2:
+          out += Triple() + " . ";
+          break;
+        case 3:
+          out += "OPTIONAL " + Group(depth - 1) + " ";
+          break;
+        case 4:
+          out += Group(depth - 1) + " UNION " + Group(depth - 1) + " ";
+          break;
+        case 5:
+          out += "MINUS " + Group(depth - 1) + " ";
+          break;
+        case 6:
+          out += "FILTER(" + Condition() + ") ";
+          break;
+        case 7:
+          out += Group(depth - 1) + " ";
+          break;
+        default:
+          out += "VALUES " + Variable() + " { " + Node() + " " + Node() + " } ";
+          break;
       }
     }
     return out + "}";
@@ -64,17 +83,20 @@ class RandomQueries {
 // Section 18.5 by the letter.
 class Naive {
  public:
-  Naive(const Dictionary& dictionary, const GraphVersion& version) : dictionary_(dictionary), version_(version) {}
+  Naive(const Dictionary& dictionary, const GraphVersion& version)
+      : dictionary_(dictionary), version_(version) {}
 
   std::vector<Solution> Evaluate(const Algebra& a) {
     switch (a.kind) {
-      case Algebra::Kind::kBgp: return Bgp(a);
+      case Algebra::Kind::kBgp:
+        return Bgp(a);
       case Algebra::Kind::kJoin: {
         std::vector<Solution> out = {{}};
         for (const AlgebraPtr& child : a.children) out = Join(out, Evaluate(*child));
         return out;
       }
-      case Algebra::Kind::kLeftJoin: return LeftJoin(Evaluate(*a.children[0]), Evaluate(*a.children[1]), a.expression.get());
+      case Algebra::Kind::kLeftJoin:
+        return LeftJoin(Evaluate(*a.children[0]), Evaluate(*a.children[1]), a.expression.get());
       case Algebra::Kind::kFilter: {
         std::vector<Solution> out;
         for (const Solution& s : Evaluate(*a.children[0])) {
@@ -94,7 +116,8 @@ class Naive {
         std::vector<Solution> out;
         for (const Solution& s : Evaluate(*a.children[0])) {
           const bool removed = std::any_of(right.begin(), right.end(), [&](const Solution& r) {
-            const bool shares = std::any_of(r.begin(), r.end(), [&](const auto& cell) { return s.contains(cell.first); });
+            const bool shares =
+                std::any_of(r.begin(), r.end(), [&](const auto& cell) { return s.contains(cell.first); });
             return shares && Merge(s, r).has_value();
           });
           if (!removed) out.push_back(s);
@@ -110,7 +133,9 @@ class Naive {
         }
         return out;
       }
-      default: ADD_FAILURE() << "not in the random queries"; return {};
+      default:
+        ADD_FAILURE() << "not in the random queries";
+        return {};
     }
   }
 
@@ -134,7 +159,8 @@ class Naive {
     }
     return out;
   }
-  std::vector<Solution> LeftJoin(const std::vector<Solution>& a, const std::vector<Solution>& b, const Expression* e) {
+  std::vector<Solution> LeftJoin(const std::vector<Solution>& a, const std::vector<Solution>& b,
+                                 const Expression* e) {
     std::vector<Solution> out;
     for (const Solution& x : a) {
       bool any = false;
@@ -154,7 +180,8 @@ class Naive {
       std::vector<Solution> matches;
       Quad last;
       version_.ForEach({}, [&](const Quad& q) {
-        const bool copy = q.subject == last.subject && q.predicate == last.predicate && q.object == last.object;
+        const bool copy =
+            q.subject == last.subject && q.predicate == last.predicate && q.object == last.object;
         last = q;
         if (copy) return true;
         Solution s;
@@ -163,7 +190,8 @@ class Naive {
           const auto [it, added] = s.emplace(p.variable->name, id);
           return added || it->second == id;
         };
-        if (fits(t.subject, q.subject) && fits(t.predicate, q.predicate) && fits(t.object, q.object)) matches.push_back(s);
+        if (fits(t.subject, q.subject) && fits(t.predicate, q.predicate) && fits(t.object, q.object))
+          matches.push_back(s);
         return true;
       });
       out = Join(out, matches);
@@ -217,7 +245,9 @@ TEST(SparqlPlanner, PlannedQueriesGiveWhatTheAlgebraSays) {
     auto plain = *PreparedQuery::Prepare(parsed.query, dictionary, as_written);
     for (int step = 0; step < 3; ++step) {
       for (int i = 0; i < 12; ++i) {
-        const auto id = [&](const std::string& bracketed) { return dictionary.InternIri(bracketed.substr(1, bracketed.size() - 2)); };
+        const auto id = [&](const std::string& bracketed) {
+          return dictionary.InternIri(bracketed.substr(1, bracketed.size() - 2));
+        };
         writer.Add({id(random.Node()), id(random.Predicate()), id(random.Node()),
                     random.Below(3) ? dictionary.InternIri(kDefaultGraph) : dictionary.InternIri("urn:g")});
       }
@@ -225,7 +255,9 @@ TEST(SparqlPlanner, PlannedQueriesGiveWhatTheAlgebraSays) {
     }
     for (const GraphVersionPtr& version : {versions[2], versions[0], versions[1]}) {
       const std::vector<std::string> with_plan = RowsOf(*planned, *version);
-      EXPECT_EQ(with_plan, RowsOf(*plain, *version)) << "seed " << seed << "\n" << text << "\n" << planned->Explain(*version);
+      EXPECT_EQ(with_plan, RowsOf(*plain, *version)) << "seed " << seed << "\n"
+                                                     << text << "\n"
+                                                     << planned->Explain(*version);
       if (with_plan.size() > 3000) continue;  // the naive way would take long
       std::vector<std::string> naive;
       const Algebra& where = *parsed.query.algebra->children[0];
@@ -237,7 +269,9 @@ TEST(SparqlPlanner, PlannedQueriesGiveWhatTheAlgebraSays) {
         }
         naive.push_back(row);
       }
-      EXPECT_EQ(with_plan, Sorted(naive)) << "seed " << seed << "\n" << text << "\n" << planned->Explain(*version);
+      EXPECT_EQ(with_plan, Sorted(naive)) << "seed " << seed << "\n"
+                                          << text << "\n"
+                                          << planned->Explain(*version);
       if (testing::Test::HasFailure()) return;
     }
   }

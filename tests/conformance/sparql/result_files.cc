@@ -41,12 +41,14 @@ std::string Content(xmlNode* node) {
 std::vector<xmlNode*> Elements(xmlNode* parent, const std::string& name) {
   std::vector<xmlNode*> out;
   for (xmlNode* n = parent->children; n != nullptr; n = n->next) {
-    if (n->type == XML_ELEMENT_NODE && (name.empty() || reinterpret_cast<const char*>(n->name) == name)) out.push_back(n);
+    if (n->type == XML_ELEMENT_NODE && (name.empty() || reinterpret_cast<const char*>(n->name) == name))
+      out.push_back(n);
   }
   return out;
 }
 
-Term MakeTerm(const std::string& kind, const std::string& text, const std::string& datatype, const std::string& language) {
+Term MakeTerm(const std::string& kind, const std::string& text, const std::string& datatype,
+              const std::string& language) {
   if (kind == "uri") return Term::Iri(text);
   if (kind == "bnode") return Term::Blank(text);
   return language.empty() ? Term::Literal(text, datatype) : Term::LangString(text, Lower(language));
@@ -120,7 +122,8 @@ class Json {
       ++*at;
     } else if (t[*at] == '[') {
       out.kind = Kind::kArray;
-      for (++*at, Space(t, at); *at < t.size() && t[*at] != ']'; Space(t, at)) out.items.push_back(Value(t, at));
+      for (++*at, Space(t, at); *at < t.size() && t[*at] != ']'; Space(t, at))
+        out.items.push_back(Value(t, at));
       ++*at;
     } else {
       out.kind = t[*at] == 'n' ? Kind::kNull : Kind::kBoolean;
@@ -146,11 +149,13 @@ std::vector<TermQuad> AsGraph(const Answer& answer, bool ordered, bool lax) {
   for (size_t i = 0; i < answer.rows.size(); ++i) {
     const Term row = Term::Blank("row" + std::to_string(i));
     std::string text;
-    std::vector<TermQuad> quads = {{row, Term::Iri("urn:row"), Term::Literal(ordered ? std::to_string(i) : ""), Term{}}};
+    std::vector<TermQuad> quads = {
+        {row, Term::Iri("urn:row"), Term::Literal(ordered ? std::to_string(i) : ""), Term{}}};
     for (const auto& [name, term] : answer.rows[i]) {
       const Term value = Canonical(term);
       text += name + "=" + ToNTriples(value) + " ";
-      quads.push_back({row, Term::Iri("urn:var:" + name), value.IsBlank() ? Term::Blank("v" + value.lexical) : value, Term{}});
+      quads.push_back({row, Term::Iri("urn:var:" + name),
+                       value.IsBlank() ? Term::Blank("v" + value.lexical) : value, Term{}});
     }
     if (lax && !seen.insert(text).second) continue;
     out.insert(out.end(), quads.begin(), quads.end());
@@ -162,7 +167,8 @@ std::vector<TermQuad> AsGraph(const Answer& answer, bool ordered, bool lax) {
 
 Answer ReadXmlResult(const std::string& text) {
   Answer answer;
-  xmlDoc* doc = xmlReadMemory(text.data(), static_cast<int>(text.size()), "result.srx", nullptr, XML_PARSE_NONET);
+  xmlDoc* doc =
+      xmlReadMemory(text.data(), static_cast<int>(text.size()), "result.srx", nullptr, XML_PARSE_NONET);
   EXPECT_NE(doc, nullptr);
   if (doc == nullptr) return answer;
   xmlNode* root = xmlDocGetRootElement(doc);
@@ -175,8 +181,9 @@ Answer ReadXmlResult(const std::string& text) {
       std::map<std::string, Term> row;
       for (xmlNode* binding : Elements(result, "binding")) {
         for (xmlNode* value : Elements(binding, "")) {
-          row[Attribute(binding, "name")] = MakeTerm(reinterpret_cast<const char*>(value->name), Content(value),
-                                                     Attribute(value, "datatype"), Attribute(value, "lang"));
+          row[Attribute(binding, "name")] =
+              MakeTerm(reinterpret_cast<const char*>(value->name), Content(value),
+                       Attribute(value, "datatype"), Attribute(value, "lang"));
         }
       }
       answer.rows.push_back(std::move(row));
@@ -194,7 +201,8 @@ Answer ReadJsonResult(const std::string& text) {
   for (const Json& result : root["results"]["bindings"].items) {
     std::map<std::string, Term> row;
     for (const auto& [name, value] : result.members) {
-      row[name] = MakeTerm(value["type"].string, value["value"].string, value["datatype"].string, value["xml:lang"].string);
+      row[name] = MakeTerm(value["type"].string, value["value"].string, value["datatype"].string,
+                           value["xml:lang"].string);
     }
     answer.rows.push_back(std::move(row));
   }
@@ -243,7 +251,8 @@ bool SameAnswer(const Answer& a, const Answer& b, bool lax) {
   if (a.boolean || b.boolean) return a.boolean == b.boolean;
   if (a.graph.has_value() != b.graph.has_value()) return false;
   if (a.graph) return Isomorphism::Holds(*a.graph, *b.graph);
-  if (std::set(a.variables.begin(), a.variables.end()) != std::set(b.variables.begin(), b.variables.end())) return false;
+  if (std::set(a.variables.begin(), a.variables.end()) != std::set(b.variables.begin(), b.variables.end()))
+    return false;
   const bool ordered = a.ordered && b.ordered;
   return Isomorphism::Holds(AsGraph(a, ordered, lax), AsGraph(b, ordered, lax));
 }

@@ -24,7 +24,8 @@ Answer ReadXmlResult(const std::string& text);
 Answer ReadJsonResult(const std::string& text);
 // A result set in the DAWG vocabulary, or else a graph.
 Answer ReadRdfResult(const std::vector<TermQuad>& quads);
-// Equal but for blank node labels and the lexical forms of numbers. `lax`: how often a solution comes does not count.
+// Equal but for blank node labels and the lexical forms of numbers. `lax`: how often a solution comes does
+// not count.
 bool SameAnswer(const Answer& a, const Answer& b, bool lax);
 std::string ToText(const Answer& answer);
 

@@ -1,6 +1,6 @@
-// The W3C SPARQL 1.0 and 1.1 query suites: syntax, evaluation, result formats. They are looked for in $DOCENT_W3C_TESTS,
-// else beside the source tree; skipped where they are not. known_failures.txt lists what fails, each with its reason; a
-// test listed there that passes is an error, too.
+// The W3C SPARQL 1.0 and 1.1 query suites: syntax, evaluation, result formats. They are looked for in
+// $DOCENT_W3C_TESTS, else beside the source tree; skipped where they are not. known_failures.txt lists what
+// fails, each with its reason; a test listed there that passes is an error, too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace {
 const std::map<std::string, std::string>& KnownFailures() {
   static const auto* known = [] {
     auto* out = new std::map<std::string, std::string>;
-    std::istringstream in(ReadText(std::string(DOCENT_SOURCE_DIR) + "/tests/conformance/sparql/known_failures.txt"));
+    std::istringstream in(
+        ReadText(std::string(DOCENT_SOURCE_DIR) + "/tests/conformance/sparql/known_failures.txt"));
     for (std::string line; std::getline(in, line);) {
       const size_t space = line.find(' ');
       if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
@@ -46,7 +47,8 @@ class Store {
     EXPECT_TRUE(parsed.ok()) << iri << "\n" << Render(parsed.diagnostics, text);
     const TermId name = dictionary.InternIri(graph);
     for (const TermQuad& q : parsed.quads) {
-      writer_.Add({dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), name});
+      writer_.Add(
+          {dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), name});
     }
   }
   GraphVersionPtr Freeze() { return writer_.Freeze(Revision(1)); }
@@ -121,7 +123,8 @@ absl::StatusOr<Answer> Evaluate(const W3cQueryTest& test, std::string* csv = nul
   return answer;
 }
 
-// The lines, sorted (CSV and TSV say nothing of order where the query does not), with all blank nodes as "_:b".
+// The lines, sorted (CSV and TSV say nothing of order where the query does not), with all blank nodes as
+// "_:b".
 std::vector<std::string> Lines(const std::string& text) {
   std::vector<std::string> out;
   std::istringstream in(std::regex_replace(text, std::regex("_:[A-Za-z0-9]+"), "_:b"));
@@ -194,17 +197,51 @@ TEST_P(SparqlSuites, EveryTestPassesOrIsKnown) {
   std::printf("%s: %d of %zu pass\n", folder.c_str(), passed, tests.size());
 }
 
-constexpr const char* kFolders[] = {
-    "sparql10/algebra", "sparql10/ask", "sparql10/basic", "sparql10/bnode-coreference",
-    "sparql10/boolean-effective-value", "sparql10/bound", "sparql10/cast", "sparql10/construct", "sparql10/dataset",
-    "sparql10/distinct", "sparql10/expr-builtin", "sparql10/expr-equals", "sparql10/expr-ops", "sparql10/graph",
-    "sparql10/i18n", "sparql10/open-world", "sparql10/optional", "sparql10/optional-filter", "sparql10/reduced",
-    "sparql10/regex", "sparql10/solution-seq", "sparql10/sort", "sparql10/syntax-sparql1", "sparql10/syntax-sparql2",
-    "sparql10/syntax-sparql3", "sparql10/syntax-sparql4", "sparql10/syntax-sparql5", "sparql10/triple-match",
-    "sparql10/type-promotion", "sparql11/aggregates", "sparql11/bind", "sparql11/bindings", "sparql11/cast",
-    "sparql11/construct", "sparql11/csv-tsv-res", "sparql11/exists", "sparql11/functions", "sparql11/grouping",
-    "sparql11/json-res", "sparql11/negation", "sparql11/project-expression", "sparql11/property-path",
-    "sparql11/subquery", "sparql11/syntax-fed", "sparql11/syntax-query"};
+constexpr const char* kFolders[] = {"sparql10/algebra",
+                                    "sparql10/ask",
+                                    "sparql10/basic",
+                                    "sparql10/bnode-coreference",
+                                    "sparql10/boolean-effective-value",
+                                    "sparql10/bound",
+                                    "sparql10/cast",
+                                    "sparql10/construct",
+                                    "sparql10/dataset",
+                                    "sparql10/distinct",
+                                    "sparql10/expr-builtin",
+                                    "sparql10/expr-equals",
+                                    "sparql10/expr-ops",
+                                    "sparql10/graph",
+                                    "sparql10/i18n",
+                                    "sparql10/open-world",
+                                    "sparql10/optional",
+                                    "sparql10/optional-filter",
+                                    "sparql10/reduced",
+                                    "sparql10/regex",
+                                    "sparql10/solution-seq",
+                                    "sparql10/sort",
+                                    "sparql10/syntax-sparql1",
+                                    "sparql10/syntax-sparql2",
+                                    "sparql10/syntax-sparql3",
+                                    "sparql10/syntax-sparql4",
+                                    "sparql10/syntax-sparql5",
+                                    "sparql10/triple-match",
+                                    "sparql10/type-promotion",
+                                    "sparql11/aggregates",
+                                    "sparql11/bind",
+                                    "sparql11/bindings",
+                                    "sparql11/cast",
+                                    "sparql11/construct",
+                                    "sparql11/csv-tsv-res",
+                                    "sparql11/exists",
+                                    "sparql11/functions",
+                                    "sparql11/grouping",
+                                    "sparql11/json-res",
+                                    "sparql11/negation",
+                                    "sparql11/project-expression",
+                                    "sparql11/property-path",
+                                    "sparql11/subquery",
+                                    "sparql11/syntax-fed",
+                                    "sparql11/syntax-query"};
 
 INSTANTIATE_TEST_SUITE_P(W3c, SparqlSuites, testing::ValuesIn(kFolders), [](const auto& info) {
   std::string name = info.param;

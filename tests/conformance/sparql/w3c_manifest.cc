@@ -42,7 +42,8 @@ class Graph {
     for (const auto& [key, objects] : values_) {
       if (key.second != kRdfType) continue;
       for (const Term& o : objects) {
-        if (o.lexical == type) return key.first[0] == '_' ? Term::Blank(key.first.substr(1)) : Term::Iri(key.first);
+        if (o.lexical == type)
+          return key.first[0] == '_' ? Term::Blank(key.first.substr(1)) : Term::Iri(key.first);
       }
     }
     return Term{};
@@ -53,7 +54,9 @@ class Graph {
   std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
 };
 
-std::string LocalName(const std::string& iri) { return iri.substr(iri.find_last_of("#/") + 1); }
+std::string LocalName(const std::string& iri) {
+  return iri.substr(iri.find_last_of("#/") + 1);
+}
 
 }  // namespace
 

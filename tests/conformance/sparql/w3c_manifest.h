@@ -12,7 +12,7 @@ namespace docent {
 struct W3cQueryTest {
   enum class Kind { kEvaluation, kPositiveSyntax, kNegativeSyntax };
   Kind kind = Kind::kEvaluation;
-  std::string name;  // folder/name-of-the-entry
+  std::string name;                                        // folder/name-of-the-entry
   std::string query;                                       // files below are IRIs beneath kBase
   std::vector<std::string> data;                           // default graph
   std::vector<std::pair<std::string, std::string>> named;  // graph IRI, file
@@ -27,7 +27,8 @@ std::filesystem::path W3cRoot();
 // The file of an IRI beneath kW3cBase.
 std::filesystem::path W3cFile(const std::string& iri);
 std::string ReadText(const std::filesystem::path& path);
-// The query tests of a folder such as "sparql11/aggregates", in manifest order. Update and protocol tests are left out.
+// The query tests of a folder such as "sparql11/aggregates", in manifest order. Update and protocol tests are
+// left out.
 std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder);
 
 }  // namespace docent

@@ -27,14 +27,16 @@ class SparqlEvaluator : public testing::Test {
 
 TEST_F(SparqlEvaluator, JoinsPatterns) {
   EXPECT_TRUE(g_.Ask("ASK { ?r a ex:Robot ; ex:at ?p . ?v a ex:Person ; ex:at ?p }"));
-  EXPECT_THAT(g_.Rows("SELECT ?r ?v { ?r a ex:Robot ; ex:at ?p . ?v a ex:Person ; ex:at ?p }"), ElementsAre("R01 John"));
+  EXPECT_THAT(g_.Rows("SELECT ?r ?v { ?r a ex:Robot ; ex:at ?p . ?v a ex:Person ; ex:at ?p }"),
+              ElementsAre("R01 John"));
   EXPECT_FALSE(g_.Ask("ASK { ex:R02 ex:at ?p . ex:Mary ex:at ?p }"));
   EXPECT_FALSE(g_.Ask("ASK { ?s ex:unheardOf ?o }"));
   EXPECT_TRUE(g_.Ask("ASK {}"));
 }
 
 TEST_F(SparqlEvaluator, OptionalKeepsWhatDoesNotMatch) {
-  EXPECT_THAT(g_.Rows("SELECT ?v ?c { ?v a ex:Person OPTIONAL { ?v ex:chose ?c } }"), ElementsAre("John -", "Mary Guide"));
+  EXPECT_THAT(g_.Rows("SELECT ?v ?c { ?v a ex:Person OPTIONAL { ?v ex:chose ?c } }"),
+              ElementsAre("John -", "Mary Guide"));
 }
 
 TEST_F(SparqlEvaluator, FilterSeesOnlyItsOwnGroup) {
@@ -50,9 +52,11 @@ TEST_F(SparqlEvaluator, OptionalThatIsNotWellDesigned) {
 }
 
 TEST_F(SparqlEvaluator, NotExistsAndMinusDiffer) {
-  EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person FILTER NOT EXISTS { ?v ex:chose ?c } }"), ElementsAre("John"));
+  EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person FILTER NOT EXISTS { ?v ex:chose ?c } }"),
+              ElementsAre("John"));
   EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person MINUS { ?v ex:chose ?c } }"), ElementsAre("John"));
-  EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person MINUS { ?other ex:chose ?c } }"), ElementsAre("John", "Mary"));
+  EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person MINUS { ?other ex:chose ?c } }"),
+              ElementsAre("John", "Mary"));
   EXPECT_THAT(g_.Rows("SELECT ?v { ?v a ex:Person FILTER NOT EXISTS { ?other ex:chose ?c } }"), IsEmpty());
   EXPECT_THAT(g_.Rows("SELECT ?v { ?v ex:at ?p FILTER EXISTS { ?r a ex:Robot ; ex:at ?q FILTER(?q = ?p) } }"),
               ElementsAre("John", "R01", "R02"));
@@ -61,35 +65,45 @@ TEST_F(SparqlEvaluator, NotExistsAndMinusDiffer) {
 TEST_F(SparqlEvaluator, SubSelectHidesItsVariables) {
   EXPECT_THAT(g_.Rows("SELECT ?v ?n { ?v a ex:Person { SELECT (COUNT(?v) AS ?n) { ?v a ex:Robot } } }"),
               ElementsAre("John 2", "Mary 2"));
-  EXPECT_THAT(g_.Rows("SELECT ?v ?p { ?v a ex:Person ; ex:at ?p { SELECT ?p { ?p ex:next ?q } ORDER BY DESC(?p) LIMIT 1 } }"),
+  EXPECT_THAT(g_.Rows("SELECT ?v ?p { ?v a ex:Person ; ex:at ?p { SELECT ?p { ?p ex:next ?q } ORDER BY "
+                      "DESC(?p) LIMIT 1 } }"),
               ElementsAre("Mary B02"));
 }
 
 TEST_F(SparqlEvaluator, GroupsAndAggregates) {
-  EXPECT_THAT(g_.Rows("SELECT ?t (COUNT(*) AS ?n) (MIN(?x) AS ?m) { ?s a ?t OPTIONAL { ?s ex:x ?x } } GROUP BY ?t"),
-              ElementsAre("Person 2 -", "Robot 2 1.5"));
-  EXPECT_THAT(g_.Rows("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { ?r ex:x ?x }"), ElementsAre("11.5 5.75 10"));
+  EXPECT_THAT(
+      g_.Rows("SELECT ?t (COUNT(*) AS ?n) (MIN(?x) AS ?m) { ?s a ?t OPTIONAL { ?s ex:x ?x } } GROUP BY ?t"),
+      ElementsAre("Person 2 -", "Robot 2 1.5"));
+  EXPECT_THAT(g_.Rows("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { ?r ex:x ?x }"),
+              ElementsAre("11.5 5.75 10"));
   EXPECT_THAT(g_.Rows("SELECT (COUNT(*) AS ?n) (SUM(?x) AS ?s) { ?r ex:none ?x }"), ElementsAre("0 0"));
-  EXPECT_THAT(g_.Rows("SELECT ?p (COUNT(?s) AS ?n) { ?s ex:at ?p } GROUP BY ?p HAVING (COUNT(?s) > 1)"), ElementsAre("B03 2"));
-  EXPECT_THAT(g_.Rows("SELECT (GROUP_CONCAT(STR(?n) ; SEPARATOR = \"+\") AS ?all) { SELECT ?n { ?v ex:name ?n } ORDER BY ?n }"),
+  EXPECT_THAT(g_.Rows("SELECT ?p (COUNT(?s) AS ?n) { ?s ex:at ?p } GROUP BY ?p HAVING (COUNT(?s) > 1)"),
+              ElementsAre("B03 2"));
+  EXPECT_THAT(g_.Rows("SELECT (GROUP_CONCAT(STR(?n) ; SEPARATOR = \"+\") AS ?all) { SELECT ?n { ?v ex:name "
+                      "?n } ORDER BY ?n }"),
               ElementsAre("Mary+John"));
 }
 
 TEST_F(SparqlEvaluator, OrderSliceDistinct) {
   EXPECT_THAT(g_.Rows("SELECT ?r { ?r ex:x ?x } ORDER BY DESC(?x)", {}, true), ElementsAre("R02", "R01"));
-  EXPECT_THAT(g_.Rows("SELECT ?s { ?s ex:at ?p } ORDER BY ?s LIMIT 2 OFFSET 1", {}, true), ElementsAre("Mary", "R01"));
-  EXPECT_THAT(g_.Rows("SELECT DISTINCT ?p { ?s ex:at ?p } ORDER BY ?p", {}, true), ElementsAre("B01", "B02", "B03"));
+  EXPECT_THAT(g_.Rows("SELECT ?s { ?s ex:at ?p } ORDER BY ?s LIMIT 2 OFFSET 1", {}, true),
+              ElementsAre("Mary", "R01"));
+  EXPECT_THAT(g_.Rows("SELECT DISTINCT ?p { ?s ex:at ?p } ORDER BY ?p", {}, true),
+              ElementsAre("B01", "B02", "B03"));
   EXPECT_THAT(g_.Rows("SELECT ?p { ?s ex:at ?p } LIMIT 0"), IsEmpty());
 }
 
 TEST_F(SparqlEvaluator, BindAndValues) {
   EXPECT_THAT(g_.Rows("SELECT ?r ?y { ?r ex:x ?x BIND(?x * 2 AS ?y) }"), ElementsAre("R01 3", "R02 20"));
-  EXPECT_THAT(g_.Rows("SELECT ?r ?y { ?r a ex:Robot BIND(STRLEN(?none) AS ?y) }"), ElementsAre("R01 -", "R02 -"));
+  EXPECT_THAT(g_.Rows("SELECT ?r ?y { ?r a ex:Robot BIND(STRLEN(?none) AS ?y) }"),
+              ElementsAre("R01 -", "R02 -"));
   EXPECT_THAT(g_.Rows("SELECT ?x { VALUES ?x {1 2 3} }"), ElementsAre("1", "2", "3"));
-  EXPECT_THAT(g_.Rows("SELECT ?r ?x { VALUES (?r ?x) { (ex:R01 UNDEF) (UNDEF 10) } ?r ex:x ?x }"), ElementsAre("R01 1.5", "R02 10"));
+  EXPECT_THAT(g_.Rows("SELECT ?r ?x { VALUES (?r ?x) { (ex:R01 UNDEF) (UNDEF 10) } ?r ex:x ?x }"),
+              ElementsAre("R01 1.5", "R02 10"));
   // A computed term and the graph's own are the same.
   EXPECT_THAT(g_.Rows("SELECT ?r { BIND(5 + 5 AS ?x) ?r ex:x ?x }"), ElementsAre("R02"));
-  EXPECT_THAT(g_.Rows("SELECT ?v { BIND(STRLANG(\"John\", \"en\") AS ?n) ?v ex:name ?n }"), ElementsAre("John"));
+  EXPECT_THAT(g_.Rows("SELECT ?v { BIND(STRLANG(\"John\", \"en\") AS ?n) ?v ex:name ?n }"),
+              ElementsAre("John"));
 }
 
 TEST_F(SparqlEvaluator, Paths) {
@@ -101,15 +115,18 @@ TEST_F(SparqlEvaluator, Paths) {
 TEST_F(SparqlEvaluator, RegexTakesXPathFlagsAndLinearTime) {
   EXPECT_TRUE(g_.Ask("ASK { ?v ex:name ?n FILTER REGEX(?n, \"^jo\", \"i\") }"));
   EXPECT_FALSE(g_.Ask("ASK { ?v ex:name ?n FILTER REGEX(?n, \"^jo\") }"));
-  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REPLACE(\"abcd\", \"b(.)\", \"[$1]\") AS ?y) }"), ElementsAre("a[c]d"));
+  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REPLACE(\"abcd\", \"b(.)\", \"[$1]\") AS ?y) }"),
+              ElementsAre("a[c]d"));
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"a\", \"(\") AS ?y) }"), ElementsAre("-"));
   const std::string many(50000, 'a');
   EXPECT_FALSE(g_.Ask("ASK { FILTER REGEX(\"" + many + "b\", \"^(a+)+$\") }"));
 }
 
 TEST_F(SparqlEvaluator, InitialBindingsActAsConstants) {
-  const auto ask = g_.Prepare("ASK { ?v ex:at ?p . ?r a ex:Robot ; ex:at ?p FILTER(?v != ?r) }", {.bound = {"v"}});
-  const TermId john = *g_.dictionary.FindIri("http://example.org/John"), mary = *g_.dictionary.FindIri("http://example.org/Mary");
+  const auto ask =
+      g_.Prepare("ASK { ?v ex:at ?p . ?r a ex:Robot ; ex:at ?p FILTER(?v != ?r) }", {.bound = {"v"}});
+  const TermId john = *g_.dictionary.FindIri("http://example.org/John"),
+               mary = *g_.dictionary.FindIri("http://example.org/Mary");
   EXPECT_EQ(*ask->Ask(g_.Run(), {john}), true);
   EXPECT_EQ(*ask->Ask(g_.Run(), {mary}), false);
   EXPECT_EQ(*ask->Ask(g_.Run(), {john}), true);
@@ -176,31 +193,35 @@ TEST(SparqlDataset, FromMergesAndLimits) {
   const TestGraph g(kGraphs);
   EXPECT_THAT(g.Rows("SELECT ?s FROM ex:g1 FROM ex:g2 { ?s ex:p 1 }"), ElementsAre("a", "b"));
   EXPECT_THAT(g.Rows("SELECT ?s FROM ex:g2 { ?s ex:p ?o }"), ElementsAre("a"));
-  EXPECT_THAT(g.Rows("SELECT ?g ?s FROM NAMED ex:g1 { GRAPH ?g { ?s ex:p 1 } }"), ElementsAre("g1 a", "g1 b"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?s FROM NAMED ex:g1 { GRAPH ?g { ?s ex:p 1 } }"),
+              ElementsAre("g1 a", "g1 b"));
   EXPECT_THAT(g.Rows("SELECT ?s FROM NAMED ex:g1 { ?s ex:p 1 }"), IsEmpty());
 }
 
 TEST(SparqlDataset, GraphOverMoreThanPatterns) {
   const TestGraph g(kGraphs);
   const PrepareOptions strict{.default_graph = DefaultGraph::kStrict};
-  EXPECT_THAT(g.Rows("SELECT ?g ?n { GRAPH ?g { SELECT (COUNT(*) AS ?n) { ?s ex:p ?o } } }", strict), ElementsAre("g1 2", "g2 1"));
-  EXPECT_THAT(g.Rows("SELECT ?g ?b { GRAPH ?g { OPTIONAL { ex:b ex:p ?b } } }", strict), ElementsAre("g1 1", "g2 -"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?n { GRAPH ?g { SELECT (COUNT(*) AS ?n) { ?s ex:p ?o } } }", strict),
+              ElementsAre("g1 2", "g2 1"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?b { GRAPH ?g { OPTIONAL { ex:b ex:p ?b } } }", strict),
+              ElementsAre("g1 1", "g2 -"));
   EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ex:a ex:p 1 MINUS { ex:a ex:p ?x . ex:b ex:p ?x } } }", strict),
               ElementsAre("g1", "g2"));
-  EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ?s ex:p 1 FILTER NOT EXISTS { ex:b ex:p 1 } } }", strict), ElementsAre("g2"));
+  EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ?s ex:p 1 FILTER NOT EXISTS { ex:b ex:p 1 } } }", strict),
+              ElementsAre("g2"));
 }
 
 TEST(SparqlLimits, CancellationEndsEveryOperator) {
   std::string text;
   for (int i = 0; i < 400; ++i) text += "ex:s" + std::to_string(i) + " ex:p " + std::to_string(i) + " .\n";
   const TestGraph g(text);
-  for (const char* query :
-       {"ASK { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z FILTER(?x + ?y + ?z < 0) }",
-        "SELECT * { { ?a ex:p ?x } { SELECT ?b ?y { ?b ex:p ?y } LIMIT 400 } { SELECT ?c ?z { ?c ex:p ?z } LIMIT 400 } FILTER(?x + "
-        "?y + ?z < 0) }",
-        "SELECT ?a { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z } ORDER BY ?z",
-        "SELECT (COUNT(*) AS ?n) { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z }",
-        "SELECT ?a { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z MINUS { ?a ex:p ?w } }"}) {
+  for (const char* query : {"ASK { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z FILTER(?x + ?y + ?z < 0) }",
+                            "SELECT * { { ?a ex:p ?x } { SELECT ?b ?y { ?b ex:p ?y } LIMIT 400 } { SELECT ?c "
+                            "?z { ?c ex:p ?z } LIMIT 400 } FILTER(?x + "
+                            "?y + ?z < 0) }",
+                            "SELECT ?a { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z } ORDER BY ?z",
+                            "SELECT (COUNT(*) AS ?n) { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z }",
+                            "SELECT ?a { ?a ex:p ?x . ?b ex:p ?y . ?c ex:p ?z MINUS { ?a ex:p ?w } }"}) {
     const auto prepared = g.Prepare(query);
     Cancellation cancellation;
     cancellation.Cancel();
@@ -222,21 +243,25 @@ TEST(SparqlLimits, MemoryLimitIsNamed) {
   const TestGraph g(text);
   PrepareOptions small;
   small.memory_bytes = 20000;
-  for (const char* query :
-       {"SELECT DISTINCT ?x { ?a ex:p ?x }", "SELECT ?x { ?a ex:p ?x } ORDER BY ?x", "SELECT ?x (COUNT(*) AS ?n) { ?a ex:p ?x } GROUP BY ?x",
-        "SELECT ?y { ?a ex:p ?x BIND(CONCAT(\"value\", STR(?x)) AS ?y) }",
-        "SELECT * { ?a ex:p ?x { SELECT ?b ?y { ?b ex:p ?y } LIMIT 2000 } }", "SELECT (GROUP_CONCAT(?a) AS ?y) { ?a ex:p ?x }"}) {
+  for (const char* query : {"SELECT DISTINCT ?x { ?a ex:p ?x }", "SELECT ?x { ?a ex:p ?x } ORDER BY ?x",
+                            "SELECT ?x (COUNT(*) AS ?n) { ?a ex:p ?x } GROUP BY ?x",
+                            "SELECT ?y { ?a ex:p ?x BIND(CONCAT(\"value\", STR(?x)) AS ?y) }",
+                            "SELECT * { ?a ex:p ?x { SELECT ?b ?y { ?b ex:p ?y } LIMIT 2000 } }",
+                            "SELECT (GROUP_CONCAT(?a) AS ?y) { ?a ex:p ?x }"}) {
     const auto prepared = g.Prepare(query, small);
     const absl::Status status = prepared->Select(g.Run(), {}, [](absl::Span<const TermId>) { return true; });
     EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << query;
     EXPECT_THAT(std::string(status.message()), HasSubstr("query_memory_bytes = 20000"));
     PrepareOptions enough;
-    EXPECT_TRUE(g.Prepare(query, enough)->Select(g.Run(), {}, [](absl::Span<const TermId>) { return true; }).ok()) << query;
+    EXPECT_TRUE(
+        g.Prepare(query, enough)->Select(g.Run(), {}, [](absl::Span<const TermId>) { return true; }).ok())
+        << query;
   }
 }
 
 TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
-  const auto service = PreparedQuery::Prepare(g_.Parse("ASK {\n ?s ?p ?o SERVICE <http://x/> { ?s ?p ?o } }"), g_.dictionary);
+  const auto service =
+      PreparedQuery::Prepare(g_.Parse("ASK {\n ?s ?p ?o SERVICE <http://x/> { ?s ?p ?o } }"), g_.dictionary);
   EXPECT_EQ(service.status().code(), absl::StatusCode::kUnimplemented);
   EXPECT_THAT(std::string(service.status().message()), HasSubstr("line 2, column 11: SERVICE"));
   const auto function = PreparedQuery::Prepare(g_.Parse("ASK { FILTER(ex:near(1, 2)) }"), g_.dictionary);
@@ -245,21 +270,29 @@ TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
 
 TEST_F(SparqlEvaluator, NamedFunctions) {
   FunctionRegistry functions;
-  ASSERT_TRUE(functions.Register("http://example.org/half", 1, 1, [](absl::Span<const Term> a) -> absl::StatusOr<Term> {
-    if (!a[0].IsLiteral()) return absl::InvalidArgumentError("not a number");
-    return Term::Literal(std::to_string(std::stod(a[0].lexical) / 2), "http://www.w3.org/2001/XMLSchema#decimal");
-  }).ok());
-  EXPECT_EQ(functions.Register("http://example.org/half", 1, 1, [](absl::Span<const Term>) { return Term{}; }).code(),
+  ASSERT_TRUE(functions
+                  .Register("http://example.org/half", 1, 1,
+                            [](absl::Span<const Term> a) -> absl::StatusOr<Term> {
+                              if (!a[0].IsLiteral()) return absl::InvalidArgumentError("not a number");
+                              return Term::Literal(std::to_string(std::stod(a[0].lexical) / 2),
+                                                   "http://www.w3.org/2001/XMLSchema#decimal");
+                            })
+                  .ok());
+  EXPECT_EQ(functions.Register("http://example.org/half", 1, 1, [](absl::Span<const Term>) { return Term{}; })
+                .code(),
             absl::StatusCode::kAlreadyExists);
   const PrepareOptions options{.functions = &functions};
   EXPECT_THAT(g_.Rows("SELECT ?r { ?r ex:x ?x FILTER(ex:half(?x) > 4) }", options), ElementsAre("R02"));
   EXPECT_THAT(g_.Rows("SELECT ?r { ?r ex:at ?x FILTER(ex:half(?x) > 4) }", options), IsEmpty());
-  const auto wrong = PreparedQuery::Prepare(g_.Parse("ASK { FILTER(ex:half(1, 2)) }"), g_.dictionary, options);
+  const auto wrong =
+      PreparedQuery::Prepare(g_.Parse("ASK { FILTER(ex:half(1, 2)) }"), g_.dictionary, options);
   EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 TEST_F(SparqlEvaluator, ConstructMakesDistinctTriplesAndNewBlankNodes) {
-  const auto query = g_.Prepare("CONSTRUCT { ?p ex:holds ?t . _:n ex:of ?s . [] ex:of ?s . ?x ex:of ?s } { ?s ex:at ?p ; a ?t OPTIONAL { ?s ex:x ?x } }");
+  const auto query = g_.Prepare(
+      "CONSTRUCT { ?p ex:holds ?t . _:n ex:of ?s . [] ex:of ?s . ?x ex:of ?s } { ?s ex:at ?p ; a ?t OPTIONAL "
+      "{ ?s ex:x ?x } }");
   const auto triples = query->Construct(g_.Run());
   ASSERT_TRUE(triples.ok());
   int holds = 0;

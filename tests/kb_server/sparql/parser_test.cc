@@ -29,8 +29,9 @@ Diagnostics ErrorsOf(const std::string& text) {
 }
 
 TEST(SparqlParser, TriplesWithAbbreviations) {
-  EXPECT_EQ(AlgebraOf("ASK { ?s a ex:C ; ex:p 1, 2.5 . }"),
-            "(bgp (?s a <http://example.org/C>) (?s <http://example.org/p> 1) (?s <http://example.org/p> 2.5))");
+  EXPECT_EQ(
+      AlgebraOf("ASK { ?s a ex:C ; ex:p 1, 2.5 . }"),
+      "(bgp (?s a <http://example.org/C>) (?s <http://example.org/p> 1) (?s <http://example.org/p> 2.5))");
 }
 
 TEST(SparqlParser, AFilterDoesNotSplitItsPattern) {
@@ -42,7 +43,8 @@ TEST(SparqlParser, OptionalTakesTheFilterOfItsOwnGroupOnly) {
   EXPECT_EQ(AlgebraOf("ASK { ?s ex:p ?o OPTIONAL { ?s ex:q ?z FILTER(?z = ?o) } }"),
             "(leftjoin (bgp (?s <http://example.org/p> ?o)) (bgp (?s <http://example.org/q> ?z)) (?z = ?o))");
   EXPECT_EQ(AlgebraOf("ASK { ?s ex:p ?o OPTIONAL { { ?s ex:q ?z FILTER(?z = ?o) } } }"),
-            "(leftjoin (bgp (?s <http://example.org/p> ?o)) (filter (?z = ?o) (bgp (?s <http://example.org/q> ?z))))");
+            "(leftjoin (bgp (?s <http://example.org/p> ?o)) (filter (?z = ?o) (bgp (?s "
+            "<http://example.org/q> ?z))))");
 }
 
 TEST(SparqlParser, SequencesAlternativesAndInversesBecomePatterns) {
@@ -55,7 +57,8 @@ TEST(SparqlParser, SequencesAlternativesAndInversesBecomePatterns) {
 
 TEST(SparqlParser, AggregatesBecomeAGroup) {
   EXPECT_EQ(AlgebraOf("SELECT ?k (COUNT(*) AS ?n) { ?s ex:p ?k } GROUP BY ?k HAVING (COUNT(*) > 1)"),
-            "(project (?k ?n) (extend ?n ?.a0 (filter (?_a1 > 1) (group ((?k ?k)) (?.a0 (COUNT *)) (?.a1 (COUNT *)) "
+            "(project (?k ?n) (extend ?n ?.a0 (filter (?_a1 > 1) (group ((?k ?k)) (?.a0 (COUNT *)) (?.a1 "
+            "(COUNT *)) "
             "(bgp (?s <http://example.org/p> ?k))))))");
 }
 
@@ -81,7 +84,8 @@ TEST(SparqlParser, UnknownPrefixNamesTheNearest) {
 }
 
 TEST(SparqlParser, WellKnownPrefixIsOfferedForDeclaration) {
-  EXPECT_THAT(ErrorsOf("ASK { ?s sosa:p ?o }")[0].hint, HasSubstr("PREFIX sosa: <http://www.w3.org/ns/sosa/>"));
+  EXPECT_THAT(ErrorsOf("ASK { ?s sosa:p ?o }")[0].hint,
+              HasSubstr("PREFIX sosa: <http://www.w3.org/ns/sosa/>"));
 }
 
 TEST(SparqlParser, MissingDotIsSaid) {
@@ -92,11 +96,13 @@ TEST(SparqlParser, MissingDotIsSaid) {
 }
 
 TEST(SparqlParser, MissingBraceNamesTheOneThatIsOpen) {
-  EXPECT_THAT(ErrorsOf("ASK {\n ?s ex:p ?o")[0].message, HasSubstr("close the group opened in line 1, column 5"));
+  EXPECT_THAT(ErrorsOf("ASK {\n ?s ex:p ?o")[0].message,
+              HasSubstr("close the group opened in line 1, column 5"));
 }
 
 TEST(SparqlParser, SeveralMistakesAreReportedTogether) {
-  const Diagnostics errors = ErrorsOf("SELECT ?s {\n ?s foo:p ?o .\n ?s ex:p .\n FILTER(STRLN(?s) > 1)\n ?s bar:q 1 }");
+  const Diagnostics errors =
+      ErrorsOf("SELECT ?s {\n ?s foo:p ?o .\n ?s ex:p .\n FILTER(STRLN(?s) > 1)\n ?s bar:q 1 }");
   ASSERT_EQ(errors.size(), 4u);
   EXPECT_EQ(errors[0].span.line, 2);
   EXPECT_EQ(errors[1].span.line, 3);
@@ -106,10 +112,14 @@ TEST(SparqlParser, SeveralMistakesAreReportedTogether) {
 }
 
 TEST(SparqlParser, ScopesAreChecked) {
-  EXPECT_THAT(ErrorsOf("SELECT * { ?s ex:p ?o BIND(1 AS ?o) }")[0].message, HasSubstr("?o already has a value"));
-  EXPECT_THAT(ErrorsOf("SELECT ?o { ?s ex:p ?o } GROUP BY ?s")[0].message, HasSubstr("neither a key of GROUP BY"));
-  EXPECT_THAT(ErrorsOf("SELECT (SUM(COUNT(?o)) AS ?n) { ?s ex:p ?o }")[0].message, HasSubstr("inside another"));
-  EXPECT_THAT(ErrorsOf("ASK { _:a ex:p ?o OPTIONAL { _:a ex:q ?z } }")[0].message, HasSubstr("another basic graph pattern"));
+  EXPECT_THAT(ErrorsOf("SELECT * { ?s ex:p ?o BIND(1 AS ?o) }")[0].message,
+              HasSubstr("?o already has a value"));
+  EXPECT_THAT(ErrorsOf("SELECT ?o { ?s ex:p ?o } GROUP BY ?s")[0].message,
+              HasSubstr("neither a key of GROUP BY"));
+  EXPECT_THAT(ErrorsOf("SELECT (SUM(COUNT(?o)) AS ?n) { ?s ex:p ?o }")[0].message,
+              HasSubstr("inside another"));
+  EXPECT_THAT(ErrorsOf("ASK { _:a ex:p ?o OPTIONAL { _:a ex:q ?z } }")[0].message,
+              HasSubstr("another basic graph pattern"));
   EXPECT_THAT(ErrorsOf("ASK { VALUES (?a ?b) { (1) } }")[0].message, HasSubstr("1 values for 2 variables"));
 }
 
@@ -172,12 +182,14 @@ TEST(SparqlParser, UpdateTextIsNamedAsSuch) {
 TEST(SparqlParser, PrintedQueriesParseToTheSameAlgebra) {
   const char* queries[] = {
       "ASK { ?s a ex:C ; ex:p 1, \"a\"@en, \"x\\ny\", true, 1.5, 1e3 }",
-      "SELECT DISTINCT ?s (STRLEN(?o) AS ?n) { ?s ex:p ?o FILTER(?o > 5 || !BOUND(?z) && ?o IN (1, 2)) } ORDER BY DESC(?o) "
+      "SELECT DISTINCT ?s (STRLEN(?o) AS ?n) { ?s ex:p ?o FILTER(?o > 5 || !BOUND(?z) && ?o IN (1, 2)) } "
+      "ORDER BY DESC(?o) "
       "LIMIT 3 OFFSET 2",
       "SELECT * { ?s ex:p ?o OPTIONAL { ?o ex:q ?z FILTER(?z != ?o) } MINUS { ?s ex:r ?z } }",
       "SELECT * { { ?s ex:p ?o } UNION { ?o ex:q ?s } UNION { VALUES (?s ?o) { (1 UNDEF) (ex:a \"b\") } } }",
       "ASK { GRAPH ?g { ?s ex:p ?o } FILTER NOT EXISTS { ?s ex:q ?o FILTER(?o = ?g) } }",
-      "SELECT ?k (COUNT(DISTINCT ?s) AS ?n) (GROUP_CONCAT(?s ; SEPARATOR = \", \") AS ?all) { ?s ex:p ?k } GROUP BY ?k HAVING "
+      "SELECT ?k (COUNT(DISTINCT ?s) AS ?n) (GROUP_CONCAT(?s ; SEPARATOR = \", \") AS ?all) { ?s ex:p ?k } "
+      "GROUP BY ?k HAVING "
       "(COUNT(?s) > 2) ORDER BY ?k",
       "CONSTRUCT { ?s ex:p _:b . _:b ex:q ?o } WHERE { ?s ex:p ?o . BIND(?o + 1 AS ?z) }",
       "ASK { ?s ex:p+ ?o . ?o !(ex:a|^ex:b) ?z . ?z (ex:c/ex:d)* ?s }",

@@ -24,7 +24,8 @@ TEST(SparqlResults, Json) {
             "{\"a\":{\"type\":\"uri\",\"value\":\"http://x/é\"},\"b\":{\"type\":\"literal\",\"value\":\"say "
             "\\\"hi\\\",\\n<ok>\\t\\\\\"}},\n"
             "{\"a\":{\"type\":\"bnode\",\"value\":\"b1\"}},\n"
-            "{\"a\":{\"type\":\"literal\",\"value\":\"x\",\"xml:lang\":\"en\"},\"b\":{\"type\":\"literal\",\"value\":\"5\","
+            "{\"a\":{\"type\":\"literal\",\"value\":\"x\",\"xml:lang\":\"en\"},\"b\":{\"type\":\"literal\","
+            "\"value\":\"5\","
             "\"datatype\":\"http://www.w3.org/2001/XMLSchema#integer\"}}\n]}}\n");
 }
 
@@ -38,7 +39,8 @@ TEST(SparqlResults, Tsv) {
 }
 
 TEST(SparqlResults, Xml) {
-  EXPECT_NE(Write(ResultFormat::kXml).find("<binding name=\"b\"><literal>say &quot;hi&quot;,\n&lt;ok&gt;\t\\</literal>"),
+  EXPECT_NE(Write(ResultFormat::kXml)
+                .find("<binding name=\"b\"><literal>say &quot;hi&quot;,\n&lt;ok&gt;\t\\</literal>"),
             std::string::npos);
 }
 

@@ -30,8 +30,10 @@ class TestGraph {
     const ParsedRdf parsed = ParseRdf(all, RdfFormat::kTriG);
     EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, all);
     for (const TermQuad& q : parsed.quads) {
-      const TermId graph = q.graph.lexical.empty() ? dictionary.InternIri(kDefaultGraph) : dictionary.Intern(q.graph);
-      writer_.Add({dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), graph});
+      const TermId graph =
+          q.graph.lexical.empty() ? dictionary.InternIri(kDefaultGraph) : dictionary.Intern(q.graph);
+      writer_.Add(
+          {dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), graph});
     }
     version = writer_.Freeze(Revision(++revision_));
   }
@@ -60,7 +62,8 @@ class TestGraph {
   }
 
   // Each row as its terms in display form separated by spaces ("-" where unbound); sorted unless `ordered`.
-  std::vector<std::string> Rows(const std::string& text, const PrepareOptions& options = {}, bool ordered = false) const {
+  std::vector<std::string> Rows(const std::string& text, const PrepareOptions& options = {},
+                                bool ordered = false) const {
     const auto query = Prepare(text, options);
     std::vector<std::string> out;
     if (!query) return out;

@@ -11,7 +11,9 @@ namespace {
 Value Of(const std::string& lexical, std::string_view datatype) {
   return Value::OfTerm(Term::Literal(lexical, std::string(datatype)));
 }
-std::string Text(const Value& v) { return v.IsError() ? "error" : v.CanonicalText(); }
+std::string Text(const Value& v) {
+  return v.IsError() ? "error" : v.CanonicalText();
+}
 
 TEST(Decimal, ReadsAndWritesExactly) {
   EXPECT_EQ(Decimal::Parse("0.1")->ToString(), "0.1");
@@ -37,8 +39,10 @@ TEST(Decimal, ComputesWithoutRounding) {
 }
 
 TEST(Decimal, RoundsAsXPathSays) {
-  for (const auto& [text, floor, ceiling, round] :
-       {std::tuple{"2.5", "2", "3", "3"}, {"-2.5", "-3", "-2", "-2"}, {"2.4", "2", "3", "2"}, {"-2.6", "-3", "-2", "-3"}}) {
+  for (const auto& [text, floor, ceiling, round] : {std::tuple{"2.5", "2", "3", "3"},
+                                                    {"-2.5", "-3", "-2", "-2"},
+                                                    {"2.4", "2", "3", "2"},
+                                                    {"-2.6", "-3", "-2", "-3"}}) {
     const Decimal d = *Decimal::Parse(text);
     EXPECT_EQ(d.Floor().ToString(), floor);
     EXPECT_EQ(d.Ceiling().ToString(), ceiling);
@@ -50,7 +54,8 @@ TEST(Decimal, ComparesNumbersOfAnyScale) {
   EXPECT_LT(Compare(*Decimal::Parse("0.1"), *Decimal::Parse("0.11")), 0);
   EXPECT_EQ(Compare(*Decimal::Parse("1.10"), *Decimal::Parse("1.1")), 0);
   EXPECT_GT(Compare(*Decimal::Parse("99999999999999999999999999999999999999"),
-                    *Decimal::Parse("0.000000000000000000000000000000000001")), 0);
+                    *Decimal::Parse("0.000000000000000000000000000000000001")),
+            0);
 }
 
 TEST(Value, IntegersBeyond32BitsAreExact) {
@@ -64,7 +69,8 @@ TEST(Value, NumbersArePromoted) {
   EXPECT_EQ(Compute(Arithmetic::kDivide, Value::Integer(6), Value::Integer(4)).type(), Value::Type::kDecimal);
   EXPECT_EQ(Text(Compute(Arithmetic::kDivide, Value::Integer(6), Value::Integer(4))), "1.5");
   EXPECT_EQ(Compute(Arithmetic::kAdd, Value::Integer(1), Of("1.5", kXsdFloat)).type(), Value::Type::kFloat);
-  EXPECT_EQ(Compute(Arithmetic::kAdd, Of("1.5", kXsdFloat), Of("1.5", kXsdDouble)).type(), Value::Type::kDouble);
+  EXPECT_EQ(Compute(Arithmetic::kAdd, Of("1.5", kXsdFloat), Of("1.5", kXsdDouble)).type(),
+            Value::Type::kDouble);
   EXPECT_TRUE(Compute(Arithmetic::kDivide, Value::Integer(1), Value::Integer(0)).IsError());
   EXPECT_EQ(Text(Compute(Arithmetic::kDivide, Value::Double(1), Value::Integer(0))), "INF");
   EXPECT_TRUE(Compute(Arithmetic::kAdd, Value::Integer(1), Value::String("1")).IsError());
@@ -91,13 +97,16 @@ TEST(Value, EqualityKnowsWhatItDoesNotKnow) {
 }
 
 TEST(Value, TimesCompareAsInstants) {
-  const Value noon = Of("2026-05-01T12:00:00Z", kXsdDateTime), zoned = Of("2026-05-01T14:00:00+02:00", kXsdDateTime);
+  const Value noon = Of("2026-05-01T12:00:00Z", kXsdDateTime),
+              zoned = Of("2026-05-01T14:00:00+02:00", kXsdDateTime);
   EXPECT_EQ(ValuesEqual(noon, zoned), true);
   bool unordered = false;
   EXPECT_LT(*CompareValues(noon, Of("2026-05-01T12:00:00.001Z", kXsdDateTime), &unordered), 0);
-  EXPECT_EQ(CompareValues(noon, Of("2026-05-01T12:00:00", kXsdDateTime), &unordered), std::nullopt);  // within 14 hours
+  EXPECT_EQ(CompareValues(noon, Of("2026-05-01T12:00:00", kXsdDateTime), &unordered),
+            std::nullopt);  // within 14 hours
   EXPECT_LT(*CompareValues(noon, Of("2026-05-03T12:00:00", kXsdDateTime), &unordered), 0);
-  for (const char* bad : {"2026-13-01T00:00:00", "2026-02-29T00:00:00", "2026-01-01T25:00:00", "2026-01-01", "x"}) {
+  for (const char* bad :
+       {"2026-13-01T00:00:00", "2026-02-29T00:00:00", "2026-01-01T25:00:00", "2026-01-01", "x"}) {
     EXPECT_EQ(Of(bad, kXsdDateTime).type(), Value::Type::kOther) << bad;
   }
 }
@@ -113,9 +122,14 @@ TEST(Value, Casts) {
 }
 
 TEST(Value, TermOrderIsTotalAndByValue) {
-  const std::vector<Term> ordered = {Term::Blank("b"), Term::Iri("http://a/"), Term::Integer(2),
-                                     Term::Literal("10", std::string(kXsdInteger)), Term::Literal("10.0", std::string(kXsdDecimal)),
-                                     Term::Literal("a"), Term::Literal("b"), Term::LangString("a", "en")};
+  const std::vector<Term> ordered = {Term::Blank("b"),
+                                     Term::Iri("http://a/"),
+                                     Term::Integer(2),
+                                     Term::Literal("10", std::string(kXsdInteger)),
+                                     Term::Literal("10.0", std::string(kXsdDecimal)),
+                                     Term::Literal("a"),
+                                     Term::Literal("b"),
+                                     Term::LangString("a", "en")};
   for (size_t i = 0; i < ordered.size(); ++i) {
     for (size_t k = 0; k < ordered.size(); ++k) {
       const int order = CompareTerms(ordered[i], ordered[k]);
