@@ -19,7 +19,7 @@ class Mutator {
   // A text of the corpus with one to eight changes.
   std::string Next() {
     std::string text = corpus_[Below(corpus_.size())];
-    for (size_t changes = 1 + Below(8); changes > 0; --changes) Change(&text);
+    for (size_t changes = Below(2) == 0 ? 1 : 1 + Below(8); changes > 0; --changes) Change(&text);
     return text;
   }
 
