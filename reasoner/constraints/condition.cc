@@ -142,6 +142,10 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
   for (const uint32_t slot : slots) {
     if (absl::Status status = Recheck(slot, run, edits); !status.ok()) return status;
   }
+  return ProbeAll(run, edits);
+}
+
+absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
   if (holds() && !has_keys()) return absl::OkStatus();
   seed_.assign(body_->columns().size(), TermId());
   return body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {

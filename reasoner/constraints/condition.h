@@ -67,6 +67,8 @@ class Condition {
   // when nothing could be bound and one is made here.
   absl::Status Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done,
                      Edits& edits);
+  // Takes all new keys that there are, by a whole evaluation.
+  absl::Status ProbeAll(const sparql::RunOptions& run, Edits& edits);
   // Whole evaluation, in both directions.
   absl::Status Refresh(const sparql::RunOptions& run, Edits& edits);
   void Undo(const Edit& edit);

@@ -44,7 +44,8 @@ struct ConstraintSet::Impl {
   // What the running Update finds to do with a condition.
   struct Touched {
     Condition::Edits edits;
-    bool full_done = false;
+    int rises = 0;           // changes that a rise watch matched
+    bool full_done = false;  // evaluated whole: nothing is left to find
     bool held = false;
     bool probed = false;
   };
@@ -84,6 +85,8 @@ struct ConstraintSet::Impl {
   absl::Status RelevelGroups(uint32_t number, absl::FunctionRef<void(ConstraintId, bool)> visit);
   Binding BindingOf(const Condition& condition, const Condition::Key& key) const;
 
+  // A condition that more changes of one update match is evaluated whole, once.
+  static constexpr int kMaxProbes = 256;
   // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.
   static constexpr int64_t kThresholdsAlone = 8;
   // A group is not made where its variable has more solutions than this: each value is remembered.

@@ -35,12 +35,13 @@ void ConstraintSet::Impl::GatherRises(const Delta& delta) {
   rises.clear();
   const auto gather = [&](const Quad& quad) {
     return [this, &quad](PatternIndex::Reference reference) {
+      ++counters.candidates;
+      if (++Touch(reference.owner).rises > kMaxProbes) return;
       rises.push_back({reference.owner, reference.pattern, &quad});
     };
   };
   for (const Quad& quad : delta.added) indexes.rise_on_add.ForEachMatch(quad, gather(quad));
   for (const Quad& quad : delta.removed) indexes.rise_on_remove.ForEachMatch(quad, gather(quad));
-  counters.candidates += rises.size();
 }
 
 absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
@@ -50,7 +51,13 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
     touch.probed = true;
     if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
     ++counters.evaluations;
-    const absl::Status status = condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
+    absl::Status status;
+    if (touch.rises > kMaxProbes) {
+      touch.full_done = true;
+      status = condition.ProbeAll(run, touch.edits);
+    } else {
+      status = condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
+    }
     if (!status.ok()) return status;
   }
   return absl::OkStatus();

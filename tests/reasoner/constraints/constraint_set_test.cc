@@ -237,6 +237,18 @@ TEST_F(ConstraintSetTest, OnlyWhatAChangeCanTouchIsEvaluated) {
   EXPECT_LE(set_.evaluations() - before, 2u) << "the 499 halls without a booth do not watch who is where";
 }
 
+TEST_F(ConstraintSetTest, AConditionThatABulkOfChangesMatchesIsEvaluatedOnce) {
+  Register("ASK { ?x :p ?y . ?y :q :end }");
+  const ConstraintId keys = Register("ASK { ?x :p ?y . ?y :r ?z }", {"x"});
+  std::vector<std::string> bulk = {"n5 r z"};
+  for (int i = 0; i < 2000; ++i) bulk.push_back("m" + std::to_string(i) + " p n" + std::to_string(i % 10));
+  Turn({"n1 q end"});
+  const uint64_t before = set_.evaluations();
+  EXPECT_EQ(Turn(bulk).size(), 2u);
+  EXPECT_LE(set_.evaluations() - before, 3u);
+  EXPECT_EQ(set_.Keys(keys).size(), 200u);
+}
+
 TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
   EXPECT_EQ(
       set_.Register(world_.Parse("ASK { :a :p ?x }"), world_.writer.current(), {{"nope"}, 0}).status().code(),
