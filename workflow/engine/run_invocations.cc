@@ -10,6 +10,8 @@ namespace docent {
 namespace {
 
 constexpr std::string_view kRobotVariable = "robot";
+// Of one invocation, after an unknown outcome of an idempotent operation.
+constexpr int kResendLimit = 3;
 
 }  // namespace
 
@@ -129,7 +131,8 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost, cons
   ++invocation.resends;
   OpenCommand again = lost;
   again.command.id = CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends));
-  again.command.expected_incarnation = incarnation;
+  // A proxy that was turned away knows only whom the command was meant for; then any incarnation will do.
+  again.command.expected_incarnation = incarnation == lost.command.expected_incarnation ? "" : incarnation;
   again.command.guard_revision = core_.input->revision;
   core_.commands[again.command.id.value()] = {run_.id, node, index};
   core_.output->commands.push_back(again.command);
@@ -202,6 +205,7 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
       return;
     case Outcome::kProgress:
       invocation.progress = report.progress;
+      invocation.reason.clear();  // it can be reached again
       return;
     case Outcome::kUnreachable:
       invocation.reason = report.message;
@@ -217,7 +221,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)), "running",
               "done", "");
     invocation.handler->Succeeded(done.step, done.attempt, results);
-  } else if (report.outcome == Outcome::kUnknown && done.command.idempotent && !report.incarnation.empty()) {
+  } else if (report.outcome == Outcome::kUnknown && done.command.idempotent &&
+             invocation.resends < kResendLimit) {
     Resend(owner.node, owner.invocation, done, report.incarnation);
     return;
   } else {

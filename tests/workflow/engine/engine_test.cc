@@ -240,6 +240,29 @@ TEST_F(EngineTest, AnUnknownOutcomeIsSentAgainOnlyIfIdempotent) {
   EXPECT_EQ(commands_[0].expected_incarnation, "i2");
 }
 
+TEST_F(EngineTest, AnIdempotentCommandIsNotMeantForTheIncarnationThatIsGone) {
+  robots_.offers[0].idempotent = true;
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  ASSERT_EQ(commands_[0].expected_incarnation, "i1");
+  Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "meant for incarnation i1", 0, "i1", {}}});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].expected_incarnation, "");
+}
+
+TEST_F(EngineTest, ACommandWhoseOutcomeIsAlwaysUnknownIsNotSentForEver) {
+  robots_.offers[0].idempotent = true;
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  for (int i = 0; i < 3; ++i) {
+    Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "not ready", 0, "i1", {}}});
+    ASSERT_EQ(commands_.size(), 1u);
+  }
+  Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "not ready", 0, "i1", {}}});
+  EXPECT_THAT(commands_, IsEmpty());
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("not ready"));
+}
+
 TEST_F(EngineTest, AnActivatorStartsOneRunForEachBindingAndAgainWhenItComesBack) {
   Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition("arrived") + "</activator>" +
          Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
