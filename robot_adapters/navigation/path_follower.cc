@@ -77,8 +77,8 @@ DriveCommand PathFollower::Step(const Pose2& robot_in_hall, const maps::LaserSca
   DriveCommand wanted = Wanted(robot_in_hall);
   if (state_ == State::kArrived) return last_ = {};
   // Speeding up takes time; slowing down is left to the wheels' lag.
-  wanted.speed_m_per_s =
-      std::min(wanted.speed_m_per_s, last_.speed_m_per_s + settings_.acceleration_m_per_s2 * std::max(dt_s, 0.01));
+  wanted.speed_m_per_s = std::min(
+      wanted.speed_m_per_s, last_.speed_m_per_s + settings_.acceleration_m_per_s2 * std::max(dt_s, 0.01));
   const std::vector<Point2> points = PointsOf(scan, scan_pose_in_hall, robot_in_hall);
   for (double share : kSpeedSteps) {
     // The same arc, more slowly.
@@ -139,7 +139,8 @@ DriveCommand PathFollower::Wanted(const Pose2& robot_in_hall) {
   if (std::abs(off_rad) > settings_.turn_in_place_rad) return Turn(off_rad);
   // Coulter (1992), equation 3: curvature = 2 x / L², x the target's offset to the side.
   const double curvature = 2 * std::sin(off_rad) / distance_m;
-  const double brake_m_per_s = std::sqrt(2 * settings_.acceleration_m_per_s2 * std::max(0.0, remaining_m_ - 0.02));
+  const double brake_m_per_s =
+      std::sqrt(2 * settings_.acceleration_m_per_s2 * std::max(0.0, remaining_m_ - 0.02));
   double speed = std::min(settings_.max_speed_m_per_s * std::max(0.25, std::cos(off_rad)), brake_m_per_s);
   speed = std::min(speed, settings_.max_turn_rad_per_s / std::max(1e-6, std::abs(curvature)));
   return {speed, speed * curvature};
@@ -149,8 +150,8 @@ DriveCommand PathFollower::Wanted(const Pose2& robot_in_hall) {
 DriveCommand PathFollower::Approach(const Pose2& robot_in_hall) {
   const Point2 goal = path_.back();
   const double distance_m = maps::Distance(robot_in_hall.position(), goal);
-  const double off_rad = maps::WrapAngle(std::atan2(goal.y_m - robot_in_hall.y_m, goal.x_m - robot_in_hall.x_m) -
-                                         robot_in_hall.heading_rad);
+  const double off_rad = maps::WrapAngle(
+      std::atan2(goal.y_m - robot_in_hall.y_m, goal.x_m - robot_in_hall.x_m) - robot_in_hall.heading_rad);
   if (std::abs(off_rad) > 0.35) return Turn(off_rad);
   const double speed = std::clamp(0.8 * distance_m, 0.04, settings_.max_speed_m_per_s);
   return {std::min(speed, std::sqrt(2 * settings_.acceleration_m_per_s2 * distance_m)),
@@ -164,14 +165,16 @@ DriveCommand PathFollower::Turn(double angle_rad) const {
 
 std::vector<Point2> PathFollower::PointsOf(const maps::LaserScan& scan, const Pose2& scan_pose_in_hall,
                                            const Pose2& robot_in_hall) {
-  const Pose2 scan_in_robot = maps::Between(robot_in_hall, maps::Compose(scan_pose_in_hall, scan.sensor_in_robot));
+  const Pose2 scan_in_robot =
+      maps::Between(robot_in_hall, maps::Compose(scan_pose_in_hall, scan.sensor_in_robot));
   std::vector<Point2> points;
   points.reserve(scan.range_m.size());
   for (size_t i = 0; i < scan.range_m.size(); ++i) {
     if (scan.range_m[i] <= 0) continue;
     const double bearing = scan.first_bearing_rad + static_cast<double>(i) * scan.bearing_step_rad;
     points.push_back(maps::Compose(scan_in_robot, {scan.range_m[i] * std::cos(bearing),
-                                                   scan.range_m[i] * std::sin(bearing), 0}).position());
+                                                   scan.range_m[i] * std::sin(bearing), 0})
+                         .position());
   }
   return points;
 }
@@ -190,7 +193,8 @@ bool PathFollower::IsSafe(const DriveCommand& command, const std::vector<Point2>
       if (distance_m < reach_m && distance_m < std::hypot(point.x_m, point.y_m)) return false;
     }
     time_s += kSimulationStepS;
-    if (time_s >= settings_.lag_s + kSimulationStepS) speed -= settings_.acceleration_m_per_s2 * kSimulationStepS;
+    if (time_s >= settings_.lag_s + kSimulationStepS)
+      speed -= settings_.acceleration_m_per_s2 * kSimulationStepS;
   }
   return true;  // a round robot touches nothing by turning on the spot
 }

@@ -1,8 +1,10 @@
-// Drives along a path: pure pursuit on the estimated pose, each command first tried out in thought against the scan.
+// Drives along a path: pure pursuit on the estimated pose, each command first tried out in thought against
+// the scan.
 //
-// Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01 (1992): the arc through the point
-// one look-ahead further on the path. A command whose simulated movement, braking included, would touch a scanned point
-// is slowed down until it would not; if none is left, the robot stands. Deterministic. One thread.
+// Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01 (1992): the arc
+// through the point one look-ahead further on the path. A command whose simulated movement, braking included,
+// would touch a scanned point is slowed down until it would not; if none is left, the robot stands.
+// Deterministic. One thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_FOLLOWER_H_
 #define DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_FOLLOWER_H_
 
@@ -72,8 +74,8 @@ class PathFollower {
   State state_ = State::kIdle;
   std::vector<maps::Point2> path_;
   double goal_heading_rad_ = 0;
-  size_t segment_ = 0;      // the one between path_[segment_] and path_[segment_ + 1] that the robot is on
-  bool aligning_ = false;   // at the goal, turning to its heading
+  size_t segment_ = 0;     // the one between path_[segment_] and path_[segment_ + 1] that the robot is on
+  bool aligning_ = false;  // at the goal, turning to its heading
   double remaining_m_ = 0;
   double length_m_ = 0;
   double blocked_s_ = 0;

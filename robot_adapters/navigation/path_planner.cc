@@ -27,11 +27,10 @@ absl::Status CheckRange(const char* name, double value, double low, double high)
 }  // namespace
 
 absl::Status Validate(const PlannerSettings& s) {
-  for (absl::Status status : {CheckRange("robot_radius_m", s.robot_radius_m, 0.05, 1),
-                              CheckRange("margin_m", s.margin_m, 0, 1), CheckRange("comfort_m", s.comfort_m, 0.05, 2),
-                              CheckRange("discomfort", s.discomfort, 0, 100),
-                              CheckRange("cell_m", s.cell_m, 0.02, 0.5),
-                              CheckRange("leave_radius_m", s.leave_radius_m, 0, 2)}) {
+  for (absl::Status status :
+       {CheckRange("robot_radius_m", s.robot_radius_m, 0.05, 1), CheckRange("margin_m", s.margin_m, 0, 1),
+        CheckRange("comfort_m", s.comfort_m, 0.05, 2), CheckRange("discomfort", s.discomfort, 0, 100),
+        CheckRange("cell_m", s.cell_m, 0.02, 0.5), CheckRange("leave_radius_m", s.leave_radius_m, 0, 2)}) {
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -75,8 +74,10 @@ std::vector<float> PathPlanner::ClearanceWith(const std::vector<Point2>& obstacl
   for (const Point2& obstacle : obstacles) {
     const int center = IsFinite(obstacle) ? CellOf(obstacle) : -1;
     if (center < 0) continue;
-    for (int j = std::max(0, center / width_ - reach); j <= std::min(height_ - 1, center / width_ + reach); ++j) {
-      for (int i = std::max(0, center % width_ - reach); i <= std::min(width_ - 1, center % width_ + reach); ++i) {
+    for (int j = std::max(0, center / width_ - reach); j <= std::min(height_ - 1, center / width_ + reach);
+         ++j) {
+      for (int i = std::max(0, center % width_ - reach); i <= std::min(width_ - 1, center % width_ + reach);
+           ++i) {
         const int cell = j * width_ + i;
         const float distance_m = static_cast<float>(maps::Distance(CenterOf(cell), obstacle));
         clearance[cell] = std::min(clearance[cell], distance_m);
@@ -111,7 +112,8 @@ struct PathPlanner::Search {
   bool Run(int from) {
     cost.assign(clearance.size(), std::numeric_limits<float>::infinity());
     before.assign(clearance.size(), -1);
-    using Open = std::tuple<float, float, int>;  // estimate, minus cost, cell: ties go deeper first, then by cell
+    using Open =
+        std::tuple<float, float, int>;  // estimate, minus cost, cell: ties go deeper first, then by cell
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
     const Point2 target = planner.CenterOf(goal);
     cost[from] = 0;
@@ -130,7 +132,8 @@ struct PathPlanner::Search {
           }
           const int next = (j + dj) * planner.width_ + i + di;
           if (!IsPassable(next)) continue;
-          const float length_m = static_cast<float>(planner.cell_m_ * (di != 0 && dj != 0 ? std::sqrt(2.0) : 1.0));
+          const float length_m =
+              static_cast<float>(planner.cell_m_ * (di != 0 && dj != 0 ? std::sqrt(2.0) : 1.0));
           const float so_far = cost[cell] + length_m * CostPerMetre(next);
           if (so_far >= cost[next]) continue;
           cost[next] = so_far;
@@ -146,7 +149,8 @@ struct PathPlanner::Search {
 
 absl::StatusOr<std::vector<Point2>> PathPlanner::Plan(const Point2& from, const Point2& to,
                                                       const std::vector<Point2>& obstacles) const {
-  if (!IsFinite(from) || !IsFinite(to)) return absl::InvalidArgumentError("a coordinate is not a finite number");
+  if (!IsFinite(from) || !IsFinite(to))
+    return absl::InvalidArgumentError("a coordinate is not a finite number");
   const int start = CellOf(from), goal = CellOf(to);
   if (start < 0) {
     return absl::FailedPreconditionError(
@@ -154,14 +158,15 @@ absl::StatusOr<std::vector<Point2>> PathPlanner::Plan(const Point2& from, const 
   }
   if (goal < 0 || clearance_m_[goal] < settings_.robot_radius_m) {
     return absl::FailedPreconditionError(absl::StrFormat(
-        "the robot, radius %.2f m, does not fit at (%.2f, %.2f): clearance %.2f m", settings_.robot_radius_m, to.x_m,
-        to.y_m, goal < 0 ? 0.0 : std::max(0.f, clearance_m_[goal])));
+        "the robot, radius %.2f m, does not fit at (%.2f, %.2f): clearance %.2f m", settings_.robot_radius_m,
+        to.x_m, to.y_m, goal < 0 ? 0.0 : std::max(0.f, clearance_m_[goal])));
   }
   const std::vector<float> clearance = ClearanceWith(obstacles);
   Search search{*this, clearance, from, goal};
   if (!search.Run(start)) {
-    return absl::NotFoundError(absl::StrFormat("there is no way from (%.2f, %.2f) to (%.2f, %.2f) for a robot of radius %.2f m",
-                                               from.x_m, from.y_m, to.x_m, to.y_m, settings_.robot_radius_m));
+    return absl::NotFoundError(
+        absl::StrFormat("there is no way from (%.2f, %.2f) to (%.2f, %.2f) for a robot of radius %.2f m",
+                        from.x_m, from.y_m, to.x_m, to.y_m, settings_.robot_radius_m));
   }
   std::vector<Point2> way = {to};
   for (int cell = search.before[goal]; cell >= 0 && cell != start; cell = search.before[cell]) {
@@ -183,8 +188,10 @@ bool PathPlanner::IsFreeLine(const Point2& a, const Point2& b, double least_m,
   return true;
 }
 
-// Replaces runs of cells by straight lines that come no nearer to anything than the run did (or than is comfortable).
-std::vector<Point2> PathPlanner::Shorten(const std::vector<Point2>& way, const std::vector<float>& clearance) const {
+// Replaces runs of cells by straight lines that come no nearer to anything than the run did (or than is
+// comfortable).
+std::vector<Point2> PathPlanner::Shorten(const std::vector<Point2>& way,
+                                         const std::vector<float>& clearance) const {
   std::vector<Point2> out = {way.front()};
   size_t at = 0;
   while (at + 1 < way.size()) {
@@ -193,7 +200,8 @@ std::vector<Point2> PathPlanner::Shorten(const std::vector<Point2>& way, const s
     for (size_t i = at + 1; i < way.size(); ++i) {
       const int cell = CellOf(way[i]);
       least_m = std::min<double>(least_m, clearance[cell]);
-      if (IsFreeLine(way[at], way[i], std::min<double>(least_m, clearance[CellOf(way[at])]), clearance)) next = i;
+      if (IsFreeLine(way[at], way[i], std::min<double>(least_m, clearance[CellOf(way[at])]), clearance))
+        next = i;
       if (i > next + 15) break;  // a metre and a half without a line: there will be none soon
     }
     out.push_back(way[next]);
@@ -222,8 +230,8 @@ absl::StatusOr<Point2> PathPlanner::NearestFree(const Point2& wanted, double rad
     }
   }
   if (found == nullptr) {
-    return absl::NotFoundError(absl::StrFormat("the robot fits nowhere within %.2f m of (%.2f, %.2f)", radius_m,
-                                               wanted.x_m, wanted.y_m));
+    return absl::NotFoundError(absl::StrFormat("the robot fits nowhere within %.2f m of (%.2f, %.2f)",
+                                               radius_m, wanted.x_m, wanted.y_m));
   }
   return best;
 }

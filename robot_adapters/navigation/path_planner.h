@@ -1,8 +1,8 @@
 // The way from here to there: A* on the hall model's clearance, preferring to keep away from walls.
 //
-// Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths (1968), on 8-connected
-// cells, then shortened by straight lines where they keep as much clearance. Deterministic: same map, same path.
-// Immutable after construction; any thread.
+// Hart, Nilsson, Raphael, A Formal Basis for the Heuristic Determination of Minimum Cost Paths (1968), on
+// 8-connected cells, then shortened by straight lines where they keep as much clearance. Deterministic: same
+// map, same path. Immutable after construction; any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_PLANNER_H_
 #define DOCENT_ROBOT_ADAPTERS_NAVIGATION_PATH_PLANNER_H_
 
@@ -15,12 +15,13 @@
 namespace docent::robot {
 
 struct PlannerSettings {
-  double robot_radius_m = 0.25;    // 0.05..1: nothing may come nearer to the robot's centre
-  double margin_m = 0.10;          // 0..1: kept besides, for errors of pose and control
-  double comfort_m = 0.80;         // 0.05..2: clearance beyond which more is not worth a longer way
-  double discomfort = 3.0;         // 0..100: cost of a metre at no clearance beyond the margin is 1 + this
-  double cell_m = 0.10;            // 0.02..0.5: edge of a planning cell, rounded to whole map cells
-  double leave_radius_m = 0.60;    // 0..2: this near to the start less clearance is allowed, to get away from a wall
+  double robot_radius_m = 0.25;  // 0.05..1: nothing may come nearer to the robot's centre
+  double margin_m = 0.10;        // 0..1: kept besides, for errors of pose and control
+  double comfort_m = 0.80;       // 0.05..2: clearance beyond which more is not worth a longer way
+  double discomfort = 3.0;       // 0..100: cost of a metre at no clearance beyond the margin is 1 + this
+  double cell_m = 0.10;          // 0.02..0.5: edge of a planning cell, rounded to whole map cells
+  double leave_radius_m =
+      0.60;  // 0..2: this near to the start less clearance is allowed, to get away from a wall
 };
 
 // INVALID_ARGUMENT naming the first field out of its range.
@@ -31,9 +32,10 @@ class PathPlanner {
   // `settings` must be valid.
   PathPlanner(std::shared_ptr<const maps::HallModel> hall, const PlannerSettings& settings);
 
-  // Points from `from` to exactly `to`, a straight line between neighbours being free. `obstacles` are points seen now
-  // that the map does not know (people). INVALID_ARGUMENT: a coordinate that is not finite. FAILED_PRECONDITION: the
-  // robot does not fit at `to` (says what its clearance is). NOT_FOUND: there is no way.
+  // Points from `from` to exactly `to`, a straight line between neighbours being free. `obstacles` are points
+  // seen now that the map does not know (people). INVALID_ARGUMENT: a coordinate that is not finite.
+  // FAILED_PRECONDITION: the robot does not fit at `to` (says what its clearance is). NOT_FOUND: there is no
+  // way.
   absl::StatusOr<std::vector<maps::Point2>> Plan(const maps::Point2& from, const maps::Point2& to,
                                                  const std::vector<maps::Point2>& obstacles = {}) const;
 
@@ -45,7 +47,8 @@ class PathPlanner {
  private:
   struct Search;
   std::vector<float> ClearanceWith(const std::vector<maps::Point2>& obstacles) const;
-  std::vector<maps::Point2> Shorten(const std::vector<maps::Point2>& way, const std::vector<float>& clearance) const;
+  std::vector<maps::Point2> Shorten(const std::vector<maps::Point2>& way,
+                                    const std::vector<float>& clearance) const;
   bool IsFreeLine(const maps::Point2& a, const maps::Point2& b, double least_m,
                   const std::vector<float>& clearance) const;
   int CellOf(const maps::Point2& p) const;  // -1: outside

@@ -1,4 +1,5 @@
-// Connections to adapters, one an address, kept while the proxies live. Not thread-safe: the proxies' thread owns it.
+// Connections to adapters, one an address, kept while the proxies live. Not thread-safe: the proxies' thread
+// owns it.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_ADAPTER_CHANNELS_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_ADAPTER_CHANNELS_H_
 
@@ -12,7 +13,8 @@ namespace docent {
 
 class AdapterChannels {
  public:
-  // The stub for HOST:PORT. Connects by itself, again and again; an adapter that is away makes calls fail at once.
+  // The stub for HOST:PORT. Connects by itself, again and again; an adapter that is away makes calls fail at
+  // once.
   std::shared_ptr<v1::RobotAdapter::Stub> StubFor(const std::string& address);
 
  private:

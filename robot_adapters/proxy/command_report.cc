@@ -9,8 +9,12 @@ namespace {
 
 void ToProto(const Term& term, v1::Term* out) {
   switch (term.kind) {
-    case TermKind::kIri: out->set_iri(term.lexical); return;
-    case TermKind::kBlank: out->set_blank(term.lexical); return;
+    case TermKind::kIri:
+      out->set_iri(term.lexical);
+      return;
+    case TermKind::kBlank:
+      out->set_blank(term.lexical);
+      return;
     case TermKind::kLiteral:
       out->mutable_literal()->set_lexical(term.lexical);
       out->mutable_literal()->set_datatype(term.datatype);
@@ -31,18 +35,24 @@ std::optional<Term> FromProto(const v1::Term& term) {
 
 CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
   switch (state) {
-    case v1::Feedback::RUNNING: return CommandReport::Outcome::kProgress;
-    case v1::Feedback::SUCCEEDED: return CommandReport::Outcome::kSucceeded;
-    case v1::Feedback::FAILED: return CommandReport::Outcome::kFailed;
-    case v1::Feedback::CANCELLED: return CommandReport::Outcome::kCancelled;
-    default: return CommandReport::Outcome::kAccepted;
+    case v1::Feedback::RUNNING:
+      return CommandReport::Outcome::kProgress;
+    case v1::Feedback::SUCCEEDED:
+      return CommandReport::Outcome::kSucceeded;
+    case v1::Feedback::FAILED:
+      return CommandReport::Outcome::kFailed;
+    case v1::Feedback::CANCELLED:
+      return CommandReport::Outcome::kCancelled;
+    default:
+      return CommandReport::Outcome::kAccepted;
   }
 }
 
 }  // namespace
 
 bool IsFinal(v1::Feedback::State state) {
-  return state == v1::Feedback::SUCCEEDED || state == v1::Feedback::FAILED || state == v1::Feedback::CANCELLED;
+  return state == v1::Feedback::SUCCEEDED || state == v1::Feedback::FAILED ||
+         state == v1::Feedback::CANCELLED;
 }
 
 CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback) {

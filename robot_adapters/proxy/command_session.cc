@@ -8,7 +8,8 @@
 namespace docent {
 namespace {
 
-// Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is known.
+// Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is
+// known.
 bool IsConnectionLoss(grpc::StatusCode code) {
   switch (code) {
     case grpc::StatusCode::UNAVAILABLE:
@@ -40,7 +41,8 @@ void CommandSession::UseAddress(const std::string& address) {
   address_ = address;
   if (!started_) {
     started_ = true;
-    host_->After(std::max(absl::ZeroDuration(), deadline_ - host_->SteadyNow()), command_.id, [this] { OnDeadline(); });
+    host_->After(std::max(absl::ZeroDuration(), deadline_ - host_->SteadyNow()), command_.id,
+                 [this] { OnDeadline(); });
     Try();
   } else if (call_ == nullptr) {
     Try();
@@ -66,7 +68,8 @@ void CommandSession::Try() {
     request = InvokeRequestOf(command_, expected_incarnation_);
     attach_next_ = true;  // from here on the adapter may have it
   }
-  call_ = host_->Call(command_.id, address_, std::move(request), deadline_ - host_->SteadyNow() + absl::Seconds(1));
+  call_ = host_->Call(command_.id, address_, std::move(request),
+                      deadline_ - host_->SteadyNow() + absl::Seconds(1));
 }
 
 // Reports the loss once, then tries again after a pause that grows.
@@ -130,13 +133,13 @@ void CommandSession::OnCallEnded(uint64_t call, const grpc::Status& status) {
       Lost(absl::StrCat("adapter at ", address_, " cannot be reached: ", status.error_message()));
     }
   } else {
-    Finish(CommandReport::Outcome::kFailed,
-           absl::StrCat("adapter at ", address_, " refused ", command_.operation, ": ", status.error_message()));
+    Finish(CommandReport::Outcome::kFailed, absl::StrCat("adapter at ", address_, " refused ",
+                                                         command_.operation, ": ", status.error_message()));
   }
 }
 
-// The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries with its
-// own, so that a forgetful one cannot do the command a second time.
+// The adapter that answered an Attach does not know the id. It compares the incarnation that Invoke carries
+// with its own, so that a forgetful one cannot do the command a second time.
 void CommandSession::NeverBegun() {
   if (cancel_requested_) {
     Finish(CommandReport::Outcome::kCancelled, "cancelled before the robot began it");

@@ -1,5 +1,5 @@
-// One command under way: the state machine of robot_proxies.h for a single id. Lives on the proxies' thread, is driven
-// by it, and does at most one call at a time.
+// One command under way: the state machine of robot_proxies.h for a single id. Lives on the proxies' thread,
+// is driven by it, and does at most one call at a time.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_
 
@@ -31,8 +31,8 @@ class SessionHost {
 class CommandSession {
  public:
   // `time_left` until the command's deadline. `may_have_been_sent`: see RobotProxies::Resume.
-  CommandSession(SessionHost* host, const ProxySettings& settings, RobotCommand command, absl::Duration time_left,
-                 bool may_have_been_sent);
+  CommandSession(SessionHost* host, const ProxySettings& settings, RobotCommand command,
+                 absl::Duration time_left, bool may_have_been_sent);
 
   // The robot's address as of now; the first call starts the session.
   void UseAddress(const std::string& address);
@@ -65,10 +65,10 @@ class CommandSession {
   std::shared_ptr<FeedbackCall> call_;  // nullptr: waiting for the next attempt
   bool started_ = false;
   bool done_ = false;
-  bool attach_next_;            // the adapter may have the command already
-  bool seen_ = false;           // the adapter has told its state
-  bool accepted_ = false;       // reported
-  bool unreachable_ = false;    // reported, and not seen since
+  bool attach_next_;          // the adapter may have the command already
+  bool seen_ = false;         // the adapter has told its state
+  bool accepted_ = false;     // reported
+  bool unreachable_ = false;  // reported, and not seen since
   bool cancel_requested_ = false;
   bool retry_at_once_ = false;  // when the present call has ended
   uint64_t attempt_ = 0;

@@ -1,4 +1,5 @@
-// One thread that runs tasks in order and timers when they are due. What only this thread touches needs no lock.
+// One thread that runs tasks in order and timers when they are due. What only this thread touches needs no
+// lock.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_EVENT_LOOP_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_EVENT_LOOP_H_
 
@@ -21,8 +22,8 @@ class EventLoop {
 
   // Any thread. After the destructor has begun, tasks may only be posted by tasks.
   void Post(std::function<void()> task);
-  // Runs `task` on the loop's thread after `delay`. Loop thread only; there is no way to take it back, so a task looks
-  // whether it still matters.
+  // Runs `task` on the loop's thread after `delay`. Loop thread only; there is no way to take it back, so a
+  // task looks whether it still matters.
   void PostAfter(absl::Duration delay, std::function<void()> task);
 
  private:

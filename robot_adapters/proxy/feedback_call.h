@@ -18,17 +18,18 @@ class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
  public:
   using Request = std::variant<v1::InvokeRequest, v1::AttachRequest>;
   using FeedbackCallback = std::function<void(const v1::Feedback&)>;
-  // Takes over the call. Must not let go of it on the thread that it runs on: a call may hold the last reference to
-  // its channel, and gRPC 1.51 crashes when one of its own callback threads destroys the last channel of a process.
+  // Takes over the call. Must not let go of it on the thread that it runs on: a call may hold the last
+  // reference to its channel, and gRPC 1.51 crashes when one of its own callback threads destroys the last
+  // channel of a process.
   using DoneCallback = std::function<void(const grpc::Status&, std::shared_ptr<FeedbackCall>)>;
 
-  // The callbacks run on gRPC's threads, in the order of events, `on_done` last and exactly once. The call keeps itself
-  // alive until then.
+  // The callbacks run on gRPC's threads, in the order of events, `on_done` last and exactly once. The call
+  // keeps itself alive until then.
   static std::shared_ptr<FeedbackCall> Start(uint64_t serial, std::shared_ptr<v1::RobotAdapter::Stub> stub,
                                              Request request, std::chrono::system_clock::time_point deadline,
                                              FeedbackCallback on_feedback, DoneCallback on_done) {
-    auto call = std::shared_ptr<FeedbackCall>(
-        new FeedbackCall(serial, std::move(stub), std::move(request), std::move(on_feedback), std::move(on_done)));
+    auto call = std::shared_ptr<FeedbackCall>(new FeedbackCall(serial, std::move(stub), std::move(request),
+                                                               std::move(on_feedback), std::move(on_done)));
     call->self_ = call;
     call->context_.set_deadline(deadline);
     if (const auto* invoke = std::get_if<v1::InvokeRequest>(&call->request_)) {

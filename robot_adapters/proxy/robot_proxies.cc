@@ -56,7 +56,8 @@ class RobotProxies::Impl final : public SessionHost {
       Entry& entry = sessions_[command.id];
       entry.serial = ++serials_;
       entry.session = std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
-      With(command.id, [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
+      With(command.id,
+           [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
     });
   }
 
@@ -77,7 +78,8 @@ class RobotProxies::Impl final : public SessionHost {
     const uint64_t serial = ++serials_;
     return FeedbackCall::Start(
         serial, channels_.StubFor(address), std::move(request),
-        std::chrono::system_clock::now() + absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
+        std::chrono::system_clock::now() +
+            absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
         [this, command, serial](const v1::Feedback& feedback) {
           loop_.Post([this, command, serial, feedback] {
             With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); });
@@ -103,9 +105,10 @@ class RobotProxies::Impl final : public SessionHost {
     call->context.set_deadline(std::chrono::system_clock::now() + kCancelTimeout);
     call->request.set_command_id(command.value());
     AddCalls(1);
-    call->stub->async()->Cancel(&call->context, &call->request, &call->reply, [this, call](const grpc::Status&) {
-      loop_.Post([this, ended = std::shared_ptr<CancelCall>(call)] { AddCalls(-1); });
-    });
+    call->stub->async()->Cancel(
+        &call->context, &call->request, &call->reply, [this, call](const grpc::Status&) {
+          loop_.Post([this, ended = std::shared_ptr<CancelCall>(call)] { AddCalls(-1); });
+        });
   }
 
   void After(absl::Duration delay, const CommandId& command, std::function<void()> task) override {
@@ -158,7 +161,8 @@ class RobotProxies::Impl final : public SessionHost {
   EventLoop loop_;  // last: its thread ends before what it uses
 };
 
-RobotProxies::RobotProxies(std::function<void(WriteBatch)> report, const ProxySettings& settings, const Clock* clock)
+RobotProxies::RobotProxies(std::function<void(WriteBatch)> report, const ProxySettings& settings,
+                           const Clock* clock)
     : impl_(std::make_unique<Impl>(std::move(report), settings, clock)) {}
 RobotProxies::~RobotProxies() = default;
 

@@ -1,8 +1,8 @@
 // The server's side of robots: carries each command to its robot's adapter and brings back what became of it.
 //
 // Whatever happens to the adapter or the network, every command that is sent ends in exactly one final report
-// (succeeded, failed, cancelled, unknown), at the latest shortly after its deadline, and the adapter never gets it twice
-// while the first may still be under way:
+// (succeeded, failed, cancelled, unknown), at the latest shortly after its deadline, and the adapter never
+// gets it twice while the first may still be under way:
 //
 //   Send ─► Invoke ──feedback──► accepted, progress …, final report
 //             │ connection lost, adapter away: unreachable (once), wait, then
@@ -12,8 +12,9 @@
 //             │ FAILED_PRECONDITION (another incarnation, or it died with the adapter) ─► unknown
 //             └ still away: wait longer, Attach again … until the deadline ─► failed
 //
-// Thread-safe. `Send`, `Resume`, `Cancel` and `SetAddress` only queue the request for the proxies' own thread and never
-// block. Feedback goes out through `report`, called on that thread, one at a time; it should not block for long.
+// Thread-safe. `Send`, `Resume`, `Cancel` and `SetAddress` only queue the request for the proxies' own thread
+// and never block. Feedback goes out through `report`, called on that thread, one at a time; it should not
+// block for long.
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
 
@@ -53,16 +54,16 @@ class RobotProxies {
   RobotProxies(const RobotProxies&) = delete;
   RobotProxies& operator=(const RobotProxies&) = delete;
 
-  // Where the robot's adapter serves, HOST:PORT, or "" for nowhere. Commands under way move to the new address; the same
-  // address again says that the adapter is back, so that those that wait try at once.
+  // Where the robot's adapter serves, HOST:PORT, or "" for nowhere. Commands under way move to the new
+  // address; the same address again says that the adapter is back, so that those that wait try at once.
   void SetAddress(const RobotId& robot, const std::string& address);
 
   // A command that was never sent before. Nothing happens if this id is under way.
   void Send(const RobotCommand& command);
   // A command that may have been sent before this process began: asks for its state first.
   void Resume(const RobotCommand& command);
-  // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the id is
-  // not under way.
+  // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the
+  // id is not under way.
   void Cancel(const CommandId& command);
 
  private:

@@ -76,8 +76,8 @@ class FeedbackStream final : public grpc::ServerWriteReactor<v1::Feedback>, publ
 
 }  // namespace
 
-grpc::ServerUnaryReactor* AdapterService::Describe(grpc::CallbackServerContext* context, const v1::DescribeRequest*,
-                                                   v1::RobotDescription* reply) {
+grpc::ServerUnaryReactor* AdapterService::Describe(grpc::CallbackServerContext* context,
+                                                   const v1::DescribeRequest*, v1::RobotDescription* reply) {
   *reply = description_;
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);

@@ -23,11 +23,20 @@ std::string Escape(const std::string& field) {
   std::string out;
   for (char c : field) {
     switch (c) {
-      case '\\': out += "\\\\"; break;
-      case '\t': out += "\\t"; break;
-      case '\n': out += "\\n"; break;
-      case '\r': out += "\\r"; break;
-      default: out += c;
+      case '\\':
+        out += "\\\\";
+        break;
+      case '\t':
+        out += "\\t";
+        break;
+      case '\n':
+        out += "\\n";
+        break;
+      case '\r':
+        out += "\\r";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -56,9 +65,12 @@ std::string JoinLine(const std::vector<std::string>& fields) {
 
 std::string_view NameOf(CommandOutcome outcome) {
   switch (outcome) {
-    case CommandOutcome::kSucceeded: return "succeeded";
-    case CommandOutcome::kFailed: return "failed";
-    case CommandOutcome::kCancelled: return "cancelled";
+    case CommandOutcome::kSucceeded:
+      return "succeeded";
+    case CommandOutcome::kFailed:
+      return "failed";
+    case CommandOutcome::kCancelled:
+      return "cancelled";
   }
   return "failed";
 }
@@ -77,10 +89,11 @@ std::optional<Term> ReadTerm(const std::string* fields) {
 
 std::vector<std::string> FinishedFields(const std::string& time, const std::string& incarnation,
                                         const std::string& command, const JournalEntry& entry) {
-  std::vector<std::string> fields = {"finished", time, incarnation, command, std::string(NameOf(entry.outcome)),
-                                     entry.message};
+  std::vector<std::string> fields = {
+      "finished", time, incarnation, command, std::string(NameOf(entry.outcome)), entry.message};
   for (const auto& [name, term] : entry.results) {
-    for (std::string field : {name, std::string(NameOf(term.kind)), term.lexical, term.datatype, term.language}) {
+    for (std::string field :
+         {name, std::string(NameOf(term.kind)), term.lexical, term.datatype, term.language}) {
       fields.push_back(std::move(field));
     }
   }
@@ -121,7 +134,8 @@ CommandJournal::~CommandJournal() {
   if (file_ >= 0) ::close(file_);
 }
 
-absl::StatusOr<std::unique_ptr<CommandJournal>> CommandJournal::Open(const std::string& path, const Clock* clock,
+absl::StatusOr<std::unique_ptr<CommandJournal>> CommandJournal::Open(const std::string& path,
+                                                                     const Clock* clock,
                                                                      size_t commands_remembered) {
   auto journal = std::unique_ptr<CommandJournal>(new CommandJournal(clock, commands_remembered));
   if (!path.empty()) {
@@ -156,11 +170,12 @@ absl::Status CommandJournal::Load(const std::string& path) {
     file_ = file;
   }
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-    return absl::FailedPreconditionError(absl::StrCat("the command journal ", path,
-                                                      " is in use by another adapter; give each robot its own"));
+    return absl::FailedPreconditionError(
+        absl::StrCat("the command journal ", path, " is in use by another adapter; give each robot its own"));
   }
   std::ostringstream content;
-  if (std::ifstream in(path, std::ios::binary); in.peek() != std::ifstream::traits_type::eof()) content << in.rdbuf();
+  if (std::ifstream in(path, std::ios::binary); in.peek() != std::ifstream::traits_type::eof())
+    content << in.rdbuf();
   const std::string text = content.str();
 
   size_t start = 0;
@@ -172,7 +187,8 @@ absl::Status CommandJournal::Load(const std::string& path) {
                                               "; move the file away to begin a new journal"));
     }
   }
-  if (start < text.size() && ::ftruncate(file, static_cast<off_t>(start)) != 0) return SystemError("repair", path);
+  if (start < text.size() && ::ftruncate(file, static_cast<off_t>(start)) != 0)
+    return SystemError("repair", path);
   if (absl::Status status = SyncFolderOf(path); !status.ok()) return status;
   return static_cast<size_t>(line) > 8 * commands_remembered_ ? Rewrite(path) : absl::OkStatus();
 }
@@ -232,7 +248,8 @@ absl::Status CommandJournal::Rewrite(const std::string& path) {
   for (const std::string& command : order_) {
     const JournalEntry& entry = entries_[command];
     text += JoinLine({"begun", now, entry.incarnation, command, entry.operation});
-    if (entry.state == JournalEntry::State::kLost) text += JoinLine({"lost", now, entry.incarnation, command});
+    if (entry.state == JournalEntry::State::kLost)
+      text += JoinLine({"lost", now, entry.incarnation, command});
     if (entry.state == JournalEntry::State::kFinished) {
       text += JoinLine(FinishedFields(now, entry.incarnation, command, entry));
     }
@@ -274,8 +291,8 @@ absl::Status CommandJournal::Begin(const CommandId& command, const std::string& 
   return absl::OkStatus();
 }
 
-absl::Status CommandJournal::Finish(const CommandId& command, CommandOutcome outcome, const std::string& message,
-                                    const NamedTerms& results) {
+absl::Status CommandJournal::Finish(const CommandId& command, CommandOutcome outcome,
+                                    const std::string& message, const NamedTerms& results) {
   absl::MutexLock lock(&mutex_);
   auto found = entries_.find(command.value());
   if (found == entries_.end() || found->second.state != JournalEntry::State::kBegun) {

@@ -1,12 +1,16 @@
-// The adapter's memory of commands, on disk: which were begun and how they ended. Because a command is recorded (and
-// synchronised to the disk) before its operation begins, no restart can make the adapter do one twice.
+// The adapter's memory of commands, on disk: which were begun and how they ended. Because a command is
+// recorded (and synchronised to the disk) before its operation begins, no restart can make the adapter do one
+// twice.
 //
-// A text file, one event a line, fields separated by tabs (\t, \n, \r and \ in a field are written \t \n \r \\):
+// A text file, one event a line, fields separated by tabs (\t, \n, \r and \ in a field are written \t \n \r
+// \\):
 //   started   TIME  INCARNATION
 //   begun     TIME  INCARNATION  COMMAND  OPERATION
-//   finished  TIME  INCARNATION  COMMAND  succeeded|failed|cancelled  MESSAGE  { NAME KIND LEXICAL DATATYPE LANGUAGE }
-//   lost      TIME  INCARNATION  COMMAND      begun by an earlier incarnation that ended before it was finished
-// TIME is UTC in microseconds since 1970. A last line without its end is what a crash left of a write; it is cut off.
+//   finished  TIME  INCARNATION  COMMAND  succeeded|failed|cancelled  MESSAGE  { NAME KIND LEXICAL DATATYPE
+//   LANGUAGE } lost      TIME  INCARNATION  COMMAND      begun by an earlier incarnation that ended before it
+//   was finished
+// TIME is UTC in microseconds since 1970. A last line without its end is what a crash left of a write; it is
+// cut off.
 //
 // Thread-safe.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_COMMAND_JOURNAL_H_
@@ -43,11 +47,11 @@ class CommandJournal {
   // Finished and lost commands beyond this number are forgotten, oldest first.
   static constexpr size_t kCommandsRemembered = 100000;
 
-  // Opens or creates the journal and begins a new incarnation: commands that earlier ones left unfinished become lost.
-  // An empty path keeps the journal in memory only. `clock` must outlive it.
-  // DATA_LOSS names file and line where a line is not understood; other errors are the system's.
-  static absl::StatusOr<std::unique_ptr<CommandJournal>> Open(const std::string& path, const Clock* clock,
-                                                              size_t commands_remembered = kCommandsRemembered);
+  // Opens or creates the journal and begins a new incarnation: commands that earlier ones left unfinished
+  // become lost. An empty path keeps the journal in memory only. `clock` must outlive it. DATA_LOSS names
+  // file and line where a line is not understood; other errors are the system's.
+  static absl::StatusOr<std::unique_ptr<CommandJournal>> Open(
+      const std::string& path, const Clock* clock, size_t commands_remembered = kCommandsRemembered);
   ~CommandJournal();
   CommandJournal(const CommandJournal&) = delete;
   CommandJournal& operator=(const CommandJournal&) = delete;

@@ -14,9 +14,12 @@ namespace {
 
 v1::Feedback::State StateOf(CommandOutcome outcome) {
   switch (outcome) {
-    case CommandOutcome::kSucceeded: return v1::Feedback::SUCCEEDED;
-    case CommandOutcome::kFailed: return v1::Feedback::FAILED;
-    case CommandOutcome::kCancelled: return v1::Feedback::CANCELLED;
+    case CommandOutcome::kSucceeded:
+      return v1::Feedback::SUCCEEDED;
+    case CommandOutcome::kFailed:
+      return v1::Feedback::FAILED;
+    case CommandOutcome::kCancelled:
+      return v1::Feedback::CANCELLED;
   }
   return v1::Feedback::FAILED;
 }
@@ -67,7 +70,10 @@ void RunningCommand::Publish(const v1::Feedback& feedback) {
 class CommandRunner final : public OperationContext {
  public:
   CommandRunner(const v1::InvokeRequest& request, const Clock* clock, std::shared_ptr<RunningCommand> command)
-      : id_(request.command_id()), deadline_us_(request.deadline_us()), clock_(clock), command_(std::move(command)) {
+      : id_(request.command_id()),
+        deadline_us_(request.deadline_us()),
+        clock_(clock),
+        command_(std::move(command)) {
     for (const v1::NamedTerm& argument : request.arguments()) {
       if (auto term = FromProto(argument.value())) arguments_.emplace_back(argument.name(), *std::move(term));
     }
@@ -118,7 +124,9 @@ class CommandRunner final : public OperationContext {
     return command_->cancel_requested_ || command_->shutting_down_;
   }
   bool PastDeadline() const { return deadline_us_ != 0 && clock_->Now() >= deadline_us_; }
-  bool MustStop() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(command_->mutex_) { return Interrupted() || PastDeadline(); }
+  bool MustStop() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(command_->mutex_) {
+    return Interrupted() || PastDeadline();
+  }
 
   const CommandId id_;
   const TimeMicros deadline_us_;
@@ -136,25 +144,29 @@ CommandTable::CommandTable(std::vector<Operation> operations, CommandJournal* jo
       observer_(observer) {}
 
 absl::StatusOr<std::unique_ptr<CommandTable>> CommandTable::Create(std::vector<Operation> operations,
-                                                                   CommandJournal* journal, const Clock* clock,
-                                                                   size_t running_limit,
+                                                                   CommandJournal* journal,
+                                                                   const Clock* clock, size_t running_limit,
                                                                    FeedbackWatcher* observer) {
   std::set<std::string> names;
   for (const Operation& operation : operations) {
     if (operation.name.empty() || !operation.run) {
-      return absl::InvalidArgumentError(absl::StrCat("operation \"", operation.name, "\" lacks a name or function"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("operation \"", operation.name, "\" lacks a name or function"));
     }
     if (!names.insert(operation.name).second) {
-      return absl::InvalidArgumentError(absl::StrCat("operation \"", operation.name, "\" is registered twice"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("operation \"", operation.name, "\" is registered twice"));
     }
   }
-  return std::unique_ptr<CommandTable>(new CommandTable(std::move(operations), journal, clock, running_limit, observer));
+  return std::unique_ptr<CommandTable>(
+      new CommandTable(std::move(operations), journal, clock, running_limit, observer));
 }
 
 CommandTable::~CommandTable() {
   Stop();
   absl::ReleasableMutexLock lock(&mutex_);
-  mutex_.Await(absl::Condition(+[](CommandTable* table) { return table->live_.empty(); }, this));
+  mutex_.Await(absl::Condition(
+      +[](CommandTable* table) { return table->live_.empty(); }, this));
   lock.Release();
   JoinEnded();
 }
@@ -174,15 +186,16 @@ absl::StatusOr<std::shared_ptr<RunningCommand>> CommandTable::Begin(const v1::In
   auto operation = std::find_if(operations_.begin(), operations_.end(),
                                 [&](const Operation& o) { return o.name == request.operation(); });
   if (operation == operations_.end()) {
-    return absl::NotFoundError(absl::StrCat("this robot has no operation \"", request.operation(), "\"; it has ",
-                                            absl::StrJoin(operations_, ", ", [](std::string* out, const Operation& o) {
-                                              absl::StrAppend(out, o.name);
-                                            })));
+    return absl::NotFoundError(absl::StrCat(
+        "this robot has no operation \"", request.operation(), "\"; it has ",
+        absl::StrJoin(operations_, ", ",
+                      [](std::string* out, const Operation& o) { absl::StrAppend(out, o.name); })));
   }
   for (const std::string& input : operation->inputs) {
-    bool given = std::any_of(request.arguments().begin(), request.arguments().end(), [&](const v1::NamedTerm& a) {
-      return a.name() == input && a.value().kind_case() != v1::Term::KIND_NOT_SET;
-    });
+    bool given =
+        std::any_of(request.arguments().begin(), request.arguments().end(), [&](const v1::NamedTerm& a) {
+          return a.name() == input && a.value().kind_case() != v1::Term::KIND_NOT_SET;
+        });
     if (!given) {
       return absl::InvalidArgumentError(
           absl::StrCat("operation ", operation->name, " needs the argument \"", input, "\""));

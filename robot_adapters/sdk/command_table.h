@@ -1,6 +1,7 @@
 // The commands of this adapter: begins each once, runs it on its own thread, and tells everybody who watches.
 //
-// Thread-safe. `RunningCommand` is shared between its thread, the table and the feedback streams that watch it.
+// Thread-safe. `RunningCommand` is shared between its thread, the table and the feedback streams that watch
+// it.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_COMMAND_TABLE_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_COMMAND_TABLE_H_
 
@@ -41,7 +42,8 @@ class RunningCommand {
   void Publish(const v1::Feedback& feedback) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   absl::Mutex mutex_;
-  v1::Feedback feedback_ ABSL_GUARDED_BY(mutex_);  // STATE_UNSPECIFIED: not yet in the journal, nobody may know
+  v1::Feedback feedback_
+      ABSL_GUARDED_BY(mutex_);  // STATE_UNSPECIFIED: not yet in the journal, nobody may know
   std::vector<FeedbackWatcher*> watchers_ ABSL_GUARDED_BY(mutex_);
   bool cancel_requested_ ABSL_GUARDED_BY(mutex_) = false;
   bool shutting_down_ ABSL_GUARDED_BY(mutex_) = false;
@@ -49,8 +51,8 @@ class RunningCommand {
 
 class CommandTable {
  public:
-  // `journal`, `clock` and `observer` must outlive the table; `observer` (or nullptr) hears the feedback of every command.
-  // INVALID_ARGUMENT for two operations of one name.
+  // `journal`, `clock` and `observer` must outlive the table; `observer` (or nullptr) hears the feedback of
+  // every command. INVALID_ARGUMENT for two operations of one name.
   static absl::StatusOr<std::unique_ptr<CommandTable>> Create(std::vector<Operation> operations,
                                                               CommandJournal* journal, const Clock* clock,
                                                               size_t running_limit,
@@ -58,11 +60,12 @@ class CommandTable {
   // Stops what runs and waits for it.
   ~CommandTable();
 
-  // The command of this id; begun now if it is new. NOT_FOUND: no such operation. INVALID_ARGUMENT: an argument is
-  // missing, or the id is empty. FAILED_PRECONDITION: the outcome is unknown, because it was decided for, or begun by,
-  // an incarnation that is gone. RESOURCE_EXHAUSTED: too many run.
+  // The command of this id; begun now if it is new. NOT_FOUND: no such operation. INVALID_ARGUMENT: an
+  // argument is missing, or the id is empty. FAILED_PRECONDITION: the outcome is unknown, because it was
+  // decided for, or begun by, an incarnation that is gone. RESOURCE_EXHAUSTED: too many run.
   absl::StatusOr<std::shared_ptr<RunningCommand>> Begin(const v1::InvokeRequest& request);
-  // NOT_FOUND: never begun here. FAILED_PRECONDITION: begun by an incarnation that is gone; the outcome is unknown.
+  // NOT_FOUND: never begun here. FAILED_PRECONDITION: begun by an incarnation that is gone; the outcome is
+  // unknown.
   absl::StatusOr<std::shared_ptr<RunningCommand>> Find(const CommandId& command);
   // False: not known here. Cancelling an ended command does nothing.
   bool Cancel(const CommandId& command);
@@ -73,11 +76,12 @@ class CommandTable {
   const std::string& incarnation() const { return journal_->incarnation(); }
 
  private:
-  CommandTable(std::vector<Operation> operations, CommandJournal* journal, const Clock* clock, size_t running_limit,
-               FeedbackWatcher* observer);
+  CommandTable(std::vector<Operation> operations, CommandJournal* journal, const Clock* clock,
+               size_t running_limit, FeedbackWatcher* observer);
   absl::StatusOr<std::shared_ptr<RunningCommand>> FindLocked(const CommandId& command)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Run(const Operation& operation, const v1::InvokeRequest& request, std::shared_ptr<RunningCommand> command);
+  void Run(const Operation& operation, const v1::InvokeRequest& request,
+           std::shared_ptr<RunningCommand> command);
   void Ended(const std::string& command);
   void JoinEnded();
 

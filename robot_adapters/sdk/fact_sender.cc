@@ -75,11 +75,12 @@ void FactSender::PutState(StateKey key, std::optional<Term> value) {
   queue_.back().states[std::move(key)] = std::move(value);
 }
 
-absl::Status FactSender::Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove, std::vector<Reading> readings) {
+absl::Status FactSender::Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove,
+                              std::vector<Reading> readings) {
   absl::MutexLock lock(&mutex_);
   if (queue_.size() >= options_.queue_limit) {
-    return absl::ResourceExhaustedError(absl::StrCat("the server has not taken the last queue_limit = ",
-                                                     options_.queue_limit, " batches of facts"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "the server has not taken the last queue_limit = ", options_.queue_limit, " batches of facts"));
   }
   Batch batch;
   batch.add = std::move(add);
@@ -120,9 +121,7 @@ v1::AssertRequest FactSender::Build(const Batch& batch) {
 }
 
 void FactSender::Run() {
-  auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return stopped_ || !queue_.empty();
-  };
+  auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopped_ || !queue_.empty(); };
   while (true) {
     v1::AssertRequest request;
     {
@@ -168,9 +167,8 @@ bool FactSender::SendUntilAnswered(const v1::AssertRequest& request) {
 }
 
 bool FactSender::Flush(absl::Duration timeout) {
-  auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return stopped_ || (queue_.empty() && !sending_);
-  };
+  auto idle = [this]()
+                  ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return stopped_ || (queue_.empty() && !sending_); };
   absl::MutexLock lock(&mutex_);
   return mutex_.AwaitWithTimeout(absl::Condition(&idle), timeout) && queue_.empty() && !sending_;
 }

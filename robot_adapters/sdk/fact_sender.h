@@ -1,9 +1,9 @@
-// Tells the server facts, in order, each until it is acknowledged: whatever happens to the network or the server, no
-// batch is lost, applied twice (request ids) or overtaken by a later one.
+// Tells the server facts, in order, each until it is acknowledged: whatever happens to the network or the
+// server, no batch is lost, applied twice (request ids) or overtaken by a later one.
 //
-// State facts (one value a property: where the robot is, what it does) that wait while the server is away are merged,
-// so that the newest value is sent when it is back and the queue stays short. Other batches are kept as they are; when
-// the queue is full, adding one is refused.
+// State facts (one value a property: where the robot is, what it does) that wait while the server is away are
+// merged, so that the newest value is sent when it is back and the queue stays short. Other batches are kept
+// as they are; when the queue is full, adding one is refused.
 //
 // Thread-safe. One thread sends; `Set`, `Clear` and `Tell` never wait for the network.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_FACT_SENDER_H_
@@ -33,8 +33,8 @@ struct FactSenderOptions {
   std::string request_id_prefix;  // unique to this process: request ids are PREFIX/1, PREFIX/2, …
   size_t queue_limit = 1024;      // 1..: batches that wait, besides the merged state batch
   absl::Duration call_timeout = absl::Seconds(10);
-  absl::Duration first_retry = absl::Milliseconds(50);   // doubles with every failure
-  absl::Duration last_retry = absl::Seconds(2);          // up to this
+  absl::Duration first_retry = absl::Milliseconds(50);  // doubles with every failure
+  absl::Duration last_retry = absl::Seconds(2);         // up to this
 };
 
 // A raw sensor reading.
@@ -53,17 +53,19 @@ class FactSender {
 
   // The property of the subject has this value now. Nothing is sent when it is the value set last.
   void Set(const std::string& subject, const std::string& predicate, Term value);
-  // Several properties of one subject in one batch, so that no reader sees the x of one place with the y of another;
-  // nullopt: no value now.
+  // Several properties of one subject in one batch, so that no reader sees the x of one place with the y of
+  // another; nullopt: no value now.
   void SetAll(const std::string& subject, std::vector<std::pair<std::string, std::optional<Term>>> values);
-  // The server has this value of ours from an earlier life of this program. It is withdrawn unless this life has told
-  // one of its own.
+  // The server has this value of ours from an earlier life of this program. It is withdrawn unless this life
+  // has told one of its own.
   void WithdrawLeftover(const std::string& subject, const std::string& predicate, Term value);
   // The property of the subject has no value now.
   void Clear(const std::string& subject, const std::string& predicate);
 
-  // Adds and removes facts; `readings` are raw sensor readings. RESOURCE_EXHAUSTED when queue_limit batches wait.
-  absl::Status Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove = {}, std::vector<Reading> readings = {});
+  // Adds and removes facts; `readings` are raw sensor readings. RESOURCE_EXHAUSTED when queue_limit batches
+  // wait.
+  absl::Status Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove = {},
+                    std::vector<Reading> readings = {});
 
   // Sends all states anew: the server may have forgotten them.
   void ResendStates();
@@ -99,7 +101,7 @@ class FactSender {
   mutable absl::Mutex mutex_;
   std::deque<Batch> queue_ ABSL_GUARDED_BY(mutex_);
   std::map<StateKey, std::optional<Term>> told_ ABSL_GUARDED_BY(mutex_);  // newest value of each state
-  std::map<StateKey, Term> sent_ ABSL_GUARDED_BY(mutex_);  // what the server has or is getting
+  std::map<StateKey, Term> sent_ ABSL_GUARDED_BY(mutex_);                 // what the server has or is getting
   bool sending_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t requests_ ABSL_GUARDED_BY(mutex_) = 0;

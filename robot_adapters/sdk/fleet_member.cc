@@ -17,7 +17,10 @@ constexpr absl::Duration kShortestPause = absl::Milliseconds(20);
 }  // namespace
 
 FleetMember::FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return)
-    : link_(link), request_(std::move(request)), on_return_(std::move(on_return)), thread_([this] { Run(); }) {}
+    : link_(link),
+      request_(std::move(request)),
+      on_return_(std::move(on_return)),
+      thread_([this] { Run(); }) {}
 
 void FleetMember::Stop() {
   {

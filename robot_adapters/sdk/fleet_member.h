@@ -1,5 +1,5 @@
-// Keeps the robot's lease: calls Fleet.Join again and again, well before each lease runs out, and goes on for ever when
-// the server is away. One thread of its own; thread-safe.
+// Keeps the robot's lease: calls Fleet.Join again and again, well before each lease runs out, and goes on for
+// ever when the server is away. One thread of its own; thread-safe.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_
 
@@ -15,7 +15,8 @@ namespace docent::robot {
 
 class FleetMember {
  public:
-  // `link` must outlive it. `on_return` is called after each Join that follows a failed one (and after the first).
+  // `link` must outlive it. `on_return` is called after each Join that follows a failed one (and after the
+  // first).
   FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return);
   ~FleetMember() { Stop(); }
   // Joins no more. The link should have been shut down, or a call may keep this waiting for its timeout.

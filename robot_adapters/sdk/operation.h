@@ -22,8 +22,8 @@ namespace docent::robot {
 // Named values, in the order given.
 using NamedTerms = std::vector<std::pair<std::string, Term>>;
 
-// What an operation sees of the command that it carries out. Belongs to the operation's thread, and is valid until the
-// operation returns.
+// What an operation sees of the command that it carries out. Belongs to the operation's thread, and is valid
+// until the operation returns.
 class OperationContext {
  public:
   virtual ~OperationContext() = default;
@@ -33,8 +33,8 @@ class OperationContext {
   // Microseconds since 1970 after which the command counts as failed; 0: none.
   virtual TimeMicros deadline_us() const = 0;
 
-  // True once the command was cancelled, its deadline has passed, or the adapter shuts down: return soon, with any
-  // status that is not OK.
+  // True once the command was cancelled, its deadline has passed, or the adapter shuts down: return soon,
+  // with any status that is not OK.
   virtual bool StopRequested() = 0;
   // Waits; false as soon as StopRequested() is true.
   virtual bool SleepFor(std::chrono::microseconds duration) = 0;
@@ -45,7 +45,8 @@ class OperationContext {
   absl::StatusOr<Term> Argument(std::string_view name) const;
 };
 
-// OK with named results: SUCCEEDED. An error: FAILED with its message, or CANCELLED if the server cancelled it.
+// OK with named results: SUCCEEDED. An error: FAILED with its message, or CANCELLED if the server cancelled
+// it.
 using OperationFunction = std::function<absl::StatusOr<NamedTerms>(OperationContext&)>;
 
 struct Operation {

@@ -50,11 +50,13 @@ class RobotAdapter::Impl {
 
   void Shutdown() {
     if (commands != nullptr) commands->Stop();
-    if (server != nullptr) server->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
+    if (server != nullptr)
+      server->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(500));
     server.reset();
     service.reset();
     commands.reset();  // waits for the operations, whose last facts are told meanwhile
-    if (facts != nullptr) facts->Flush(member != nullptr && member->joined() ? options.linger : absl::ZeroDuration());
+    if (facts != nullptr)
+      facts->Flush(member != nullptr && member->joined() ? options.linger : absl::ZeroDuration());
     link.Shutdown();
     if (member != nullptr) member->Stop();
     if (facts != nullptr) facts->Stop(absl::ZeroDuration());
@@ -100,8 +102,8 @@ absl::Status RobotAdapter::Impl::Start(std::vector<Operation> operations) {
                                     activity.get());
   if (!table.ok()) return table.status();
   commands = *std::move(table);
-  service = std::make_unique<AdapterService>(Describe(options, commands->operations(), journal->incarnation()),
-                                             commands.get());
+  service = std::make_unique<AdapterService>(
+      Describe(options, commands->operations(), journal->incarnation()), commands.get());
   if (absl::Status status = Listen(); !status.ok()) return status;
 
   v1::JoinRequest join;
@@ -111,7 +113,8 @@ absl::Status RobotAdapter::Impl::Start(std::vector<Operation> operations) {
   return absl::OkStatus();
 }
 
-// The server is there (again): it hears what holds, and loses what an earlier life of this adapter left behind.
+// The server is there (again): it hears what holds, and loses what an earlier life of this adapter left
+// behind.
 void RobotAdapter::Impl::OnJoined() {
   facts->ResendStates();
   if (std::exchange(leftovers_withdrawn, true)) return;
@@ -120,8 +123,8 @@ void RobotAdapter::Impl::OnJoined() {
   predicates.push_back(DocentIri("progress"));
   std::string values;
   for (const std::string& predicate : predicates) absl::StrAppend(&values, " <", predicate, ">");
-  auto left = link.Query(absl::StrCat("SELECT ?p ?o WHERE { VALUES ?p {", values, " } GRAPH <", options.robot, "> { <",
-                                      options.robot, "> ?p ?o } }"),
+  auto left = link.Query(absl::StrCat("SELECT ?p ?o WHERE { VALUES ?p {", values, " } GRAPH <", options.robot,
+                                      "> { <", options.robot, "> ?p ?o } }"),
                          absl::Seconds(5));
   if (!left.ok()) {
     spdlog::warn("cannot ask what an earlier life left behind: {}", std::string(left.status().message()));
@@ -142,8 +145,8 @@ absl::Status RobotAdapter::Impl::Listen() {
   builder.RegisterService(service.get());
   server = builder.BuildAndStart();
   if (server == nullptr || port == 0) {
-    return absl::UnavailableError(absl::StrCat("cannot listen at ", options.listen,
-                                               "; is the port in use? Port 0 takes any free one"));
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen at ", options.listen, "; is the port in use? Port 0 takes any free one"));
   }
   address = absl::StrCat(options.listen.substr(0, options.listen.rfind(':')), ":", port);
   return absl::OkStatus();

@@ -28,13 +28,17 @@
 //     if (!adapter.ok()) { std::cerr << adapter.status() << "\n"; return 2; }
 //     (*adapter)->SetState("https://w3id.org/docent#battery", docent::Term::Integer(87));
 //     WaitForSigterm();
-//   }                                    // the destructor ends running commands, tells the server the last facts
+//   }                                    // the destructor ends running commands, tells the server the last
+//   facts
 //
 // What the sdk does for it:
-//  - serves gRPC RobotAdapter (Describe, Invoke, Attach, Cancel) and keeps the robot's lease with Fleet.Join, for ever,
+//  - serves gRPC RobotAdapter (Describe, Invoke, Attach, Cancel) and keeps the robot's lease with Fleet.Join,
+//  for ever,
 //    whether the server is there or not;
-//  - runs each command once: ids are in a journal on disk before their operation begins, a repeated id gets the state of
-//    the first, and a command that was running when the process died is reported as of unknown outcome, never repeated;
+//  - runs each command once: ids are in a journal on disk before their operation begins, a repeated id gets
+//  the state of
+//    the first, and a command that was running when the process died is reported as of unknown outcome, never
+//    repeated;
 //  - tells docent:status (Standby, Busy), docent:currentCommand and docent:progress;
 //  - delivers facts in order, each until it is acknowledged.
 //
@@ -56,34 +60,36 @@
 namespace docent::robot {
 
 struct AdapterOptions {
-  std::string robot;                           // IRI of the robot in the graph; required
-  std::string label;                           // for people
-  std::string type;                            // IRI of the robot's class; empty: docent:Robot
-  std::string server = "127.0.0.1:7400";       // HOST:PORT of the docent server
-  std::string listen = "127.0.0.1:0";          // HOST:PORT to serve RobotAdapter at; port 0: any free one
-  std::string journal_path;                    // one file a robot; empty: commands are forgotten when the process ends
-  // Properties of the robot, besides docent:currentCommand and docent:progress, whose values do not outlive the process:
-  // what an earlier life left on the server is withdrawn unless this one has told a value when it joins.
+  std::string robot;                      // IRI of the robot in the graph; required
+  std::string label;                      // for people
+  std::string type;                       // IRI of the robot's class; empty: docent:Robot
+  std::string server = "127.0.0.1:7400";  // HOST:PORT of the docent server
+  std::string listen = "127.0.0.1:0";     // HOST:PORT to serve RobotAdapter at; port 0: any free one
+  std::string journal_path;  // one file a robot; empty: commands are forgotten when the process ends
+  // Properties of the robot, besides docent:currentCommand and docent:progress, whose values do not outlive
+  // the process: what an earlier life left on the server is withdrawn unless this one has told a value when
+  // it joins.
   std::vector<std::string> transient_states;
-  size_t commands_running = 16;                // 1..: commands at the same time
-  size_t facts_queued = 1024;                  // 1..: batches of facts that wait for the server
-  absl::Duration linger = absl::Seconds(2);    // how long the destructor tries to deliver the last facts
-  const Clock* clock = nullptr;                // nullptr: the system's
+  size_t commands_running = 16;              // 1..: commands at the same time
+  size_t facts_queued = 1024;                // 1..: batches of facts that wait for the server
+  absl::Duration linger = absl::Seconds(2);  // how long the destructor tries to deliver the last facts
+  const Clock* clock = nullptr;              // nullptr: the system's
 };
 
 class RobotAdapter {
  public:
   // Serves at once; joins the fleet as soon as the server is there.
-  // INVALID_ARGUMENT: no robot IRI or bad operations; UNAVAILABLE: the address to listen at is taken; DATA_LOSS and
-  // others: the journal cannot be read or written.
-  static absl::StatusOr<std::unique_ptr<RobotAdapter>> Start(AdapterOptions options, std::vector<Operation> operations);
+  // INVALID_ARGUMENT: no robot IRI or bad operations; UNAVAILABLE: the address to listen at is taken;
+  // DATA_LOSS and others: the journal cannot be read or written.
+  static absl::StatusOr<std::unique_ptr<RobotAdapter>> Start(AdapterOptions options,
+                                                             std::vector<Operation> operations);
 
   ~RobotAdapter();  // Shutdown, if that was not done
   RobotAdapter(const RobotAdapter&) = delete;
   RobotAdapter& operator=(const RobotAdapter&) = delete;
 
-  // Ends running commands as failed, waits for their functions, and delivers the last facts for at most `linger`. What
-  // is told afterwards is not delivered. Not from an operation.
+  // Ends running commands as failed, waits for their functions, and delivers the last facts for at most
+  // `linger`. What is told afterwards is not delivered. Not from an operation.
   void Shutdown();
 
   // The robot's property has this value now, until told otherwise. Sent only when it changed.

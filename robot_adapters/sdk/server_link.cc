@@ -53,7 +53,8 @@ ServerLink::ServerLink(const std::string& address) {
   fleet_ = v1::Fleet::NewStub(channel);
 }
 
-absl::Status ServerLink::Assert(const v1::AssertRequest& request, v1::AssertReply* reply, absl::Duration timeout) {
+absl::Status ServerLink::Assert(const v1::AssertRequest& request, v1::AssertReply* reply,
+                                absl::Duration timeout) {
   Call call(this, timeout);
   return FromGrpc(context_->Assert(call.context(), request, reply));
 }

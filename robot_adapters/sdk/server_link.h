@@ -1,5 +1,5 @@
-// The client side of the docent server, as an adapter or sensor program needs it: blocking calls with deadlines that
-// another thread can end all at once. Thread-safe.
+// The client side of the docent server, as an adapter or sensor program needs it: blocking calls with
+// deadlines that another thread can end all at once. Thread-safe.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_SERVER_LINK_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_SERVER_LINK_H_
 
@@ -21,8 +21,8 @@ namespace docent::robot {
 
 // The answer of a SELECT; of an ASK, `boolean`.
 struct QueryAnswer {
-  std::vector<std::string> variables;                    // without "?"
-  std::vector<std::vector<std::optional<Term>>> rows;    // one value a variable; nullopt: unbound
+  std::vector<std::string> variables;                  // without "?"
+  std::vector<std::vector<std::optional<Term>>> rows;  // one value a variable; nullopt: unbound
   bool boolean = false;
   uint64_t revision = 0;
 };
@@ -37,7 +37,8 @@ class ServerLink {
   absl::Status Assert(const v1::AssertRequest& request, v1::AssertReply* reply, absl::Duration timeout);
   absl::Status Join(const v1::JoinRequest& request, v1::JoinReply* reply, absl::Duration timeout);
   // A SELECT or ASK. `min_revision`: wait until the graph is at least that new.
-  absl::StatusOr<QueryAnswer> Query(const std::string& sparql, absl::Duration timeout, uint64_t min_revision = 0);
+  absl::StatusOr<QueryAnswer> Query(const std::string& sparql, absl::Duration timeout,
+                                    uint64_t min_revision = 0);
 
   // Ends every call, now and later, with CANCELLED.
   void Shutdown();

@@ -43,32 +43,39 @@ std::string PlanOf(const maps::HallLayout& hall, std::string_view booth_iri, con
   if (hall.outline.empty()) return "";
   const maps::Bounds bounds = maps::BoundsOf(hall.outline);
   const double top = bounds.max_y_m;
-  std::string svg = absl::StrFormat("<svg viewBox=\"%.2f %.2f %.2f %.2f\" role=\"img\" aria-label=\"Plan of the hall\">",
-                                    bounds.min_x_m - 0.3, -0.3, bounds.max_x_m - bounds.min_x_m + 0.6,
-                                    bounds.max_y_m - bounds.min_y_m + 0.6);
-  absl::StrAppendFormat(&svg, "<polygon points=\"%s\" fill=\"#fbfaf7\" stroke=\"#1d2733\" stroke-width=\".25\"/>",
+  std::string svg =
+      absl::StrFormat("<svg viewBox=\"%.2f %.2f %.2f %.2f\" role=\"img\" aria-label=\"Plan of the hall\">",
+                      bounds.min_x_m - 0.3, -0.3, bounds.max_x_m - bounds.min_x_m + 0.6,
+                      bounds.max_y_m - bounds.min_y_m + 0.6);
+  absl::StrAppendFormat(&svg,
+                        "<polygon points=\"%s\" fill=\"#fbfaf7\" stroke=\"#1d2733\" stroke-width=\".25\"/>",
                         PointsOf(hall.outline, top));
   for (const maps::Region& region : hall.regions) {
     if (!region.is_booth) continue;
     const bool shown = region.iri == booth_iri;
-    absl::StrAppendFormat(&svg, "<polygon points=\"%s\" fill=\"%s\" stroke=\"#b9b2a3\" stroke-width=\".06\"/>",
+    absl::StrAppendFormat(&svg,
+                          "<polygon points=\"%s\" fill=\"%s\" stroke=\"#b9b2a3\" stroke-width=\".06\"/>",
                           PointsOf(region.outline, top), shown ? "#f0b79f" : "#ece8de");
     const maps::Point2 middle = maps::Centroid(region.outline);
-    absl::StrAppendFormat(&svg, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"1\" text-anchor=\"middle\" fill=\"%s\">%s</text>",
-                          middle.x_m, top - middle.y_m + 0.35, shown ? "#8a2f10" : "#8b8576", EscapeHtml(region.name));
+    absl::StrAppendFormat(
+        &svg, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"1\" text-anchor=\"middle\" fill=\"%s\">%s</text>",
+        middle.x_m, top - middle.y_m + 0.35, shown ? "#8a2f10" : "#8b8576", EscapeHtml(region.name));
   }
   for (const maps::Obstacle& obstacle : hall.obstacles) {
     if (obstacle.disc) {
       absl::StrAppendFormat(&svg, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\" fill=\"#5b6b7c\"/>",
-                            obstacle.disc->center.x_m, top - obstacle.disc->center.y_m, obstacle.disc->radius_m);
+                            obstacle.disc->center.x_m, top - obstacle.disc->center.y_m,
+                            obstacle.disc->radius_m);
     } else {
-      absl::StrAppendFormat(&svg, "<polygon points=\"%s\" fill=\"#5b6b7c\"/>", PointsOf(obstacle.outline, top));
+      absl::StrAppendFormat(&svg, "<polygon points=\"%s\" fill=\"#5b6b7c\"/>",
+                            PointsOf(obstacle.outline, top));
     }
   }
   if (robot != nullptr) {
     absl::StrAppendFormat(
-        &svg, "<g transform=\"translate(%.2f %.2f) rotate(%.1f)\"><circle r=\".55\" fill=\"#c8552b\"/>"
-              "<path d=\"M.5 0 -.2 .28 -.2 -.28Z\" fill=\"#fff\"/></g>",
+        &svg,
+        "<g transform=\"translate(%.2f %.2f) rotate(%.1f)\"><circle r=\".55\" fill=\"#c8552b\"/>"
+        "<path d=\"M.5 0 -.2 .28 -.2 -.28Z\" fill=\"#fff\"/></g>",
         robot->x_m, top - robot->y_m, -robot->heading_rad * 180 / std::numbers::pi);
   }
   return svg + "</svg>";
@@ -76,10 +83,11 @@ std::string PlanOf(const maps::HallLayout& hall, std::string_view booth_iri, con
 
 std::string Document(const std::string& title, const std::string& hall_name, std::string_view robot_name,
                      const std::string& body) {
-  return absl::StrCat("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>", title,
-                      "</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>",
-                      kStyle, "</style>\n</head>\n<body>\n<header><span>", EscapeHtml(hall_name), "</span><span>",
-                      EscapeHtml(robot_name), "</span></header>\n<main>\n", body, "</main>\n</body>\n</html>\n");
+  return absl::StrCat(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>", title,
+      "</title>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<style>", kStyle,
+      "</style>\n</head>\n<body>\n<header><span>", EscapeHtml(hall_name), "</span><span>",
+      EscapeHtml(robot_name), "</span></header>\n<main>\n", body, "</main>\n</body>\n</html>\n");
 }
 
 }  // namespace
@@ -88,12 +96,23 @@ std::string EscapeHtml(std::string_view text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -103,14 +122,17 @@ std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, cons
                       std::string_view robot_name) {
   const std::string name = EscapeHtml(booth.name.empty() ? booth.iri : booth.name);
   const std::string heading = booth.exhibitor.empty() ? name : EscapeHtml(booth.exhibitor);
-  std::string body = absl::StrCat("<section>\n<span class=\"tag\">Booth ", name, "</span>\n<h1>", heading, "</h1>\n");
-  if (!booth.slogan.empty()) absl::StrAppend(&body, "<p class=\"slogan\">", EscapeHtml(booth.slogan), "</p>\n");
+  std::string body =
+      absl::StrCat("<section>\n<span class=\"tag\">Booth ", name, "</span>\n<h1>", heading, "</h1>\n");
+  if (!booth.slogan.empty())
+    absl::StrAppend(&body, "<p class=\"slogan\">", EscapeHtml(booth.slogan), "</p>\n");
   if (!booth.description.empty()) {
     absl::StrAppend(&body, "<p class=\"text\">", EscapeHtml(booth.description), "</p>\n");
   }
   if (!booth.products.empty()) {
     absl::StrAppend(&body, "<ul>");
-    for (const std::string& product : booth.products) absl::StrAppend(&body, "<li>", EscapeHtml(product), "</li>");
+    for (const std::string& product : booth.products)
+      absl::StrAppend(&body, "<li>", EscapeHtml(product), "</li>");
     absl::StrAppend(&body, "</ul>\n");
   }
   absl::StrAppend(&body, "</section>\n<figure>", PlanOf(hall, booth.iri, &robot_in_hall),
@@ -120,10 +142,10 @@ std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, cons
 
 std::string StandbyPage(const maps::HallLayout& hall, std::string_view robot_name) {
   const std::string name = EscapeHtml(robot_name);
-  const std::string body = absl::StrCat("<section>\n<span class=\"tag\">", name, "</span>\n<h1>May I guide you?</h1>\n",
-                                        "<p class=\"text\">Choose the guide service, and I will come to you.</p>\n",
-                                        "</section>\n<figure>", PlanOf(hall, "", nullptr), "<figcaption>",
-                                        EscapeHtml(hall.name), "</figcaption></figure>\n");
+  const std::string body = absl::StrCat(
+      "<section>\n<span class=\"tag\">", name, "</span>\n<h1>May I guide you?</h1>\n",
+      "<p class=\"text\">Choose the guide service, and I will come to you.</p>\n", "</section>\n<figure>",
+      PlanOf(hall, "", nullptr), "<figcaption>", EscapeHtml(hall.name), "</figcaption></figure>\n");
   return Document(name, hall.name, robot_name, body);
 }
 

@@ -13,8 +13,8 @@ namespace docent::robot {
 // &, <, >, " and ' as character references.
 std::string EscapeHtml(std::string_view text);
 
-// A whole HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside. Texts of `booth`
-// are plain text; they are escaped here.
+// A whole HTML 5 document, self-contained: style and a plan of the hall with booth and robot are inside.
+// Texts of `booth` are plain text; they are escaped here.
 std::string BoothPage(const BoothInfo& booth, const maps::HallLayout& hall, const maps::Pose2& robot_in_hall,
                       std::string_view robot_name);
 

@@ -29,7 +29,9 @@ struct DriveArguments {
 std::string DefaultFolder(const std::string& robot) {
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
-  std::string base = state != nullptr && *state != '\0' ? state : absl::StrCat(home != nullptr ? home : ".", "/.local/state");
+  std::string base = state != nullptr && *state != '\0'
+                         ? state
+                         : absl::StrCat(home != nullptr ? home : ".", "/.local/state");
   return absl::StrCat(base, "/docent/robot-", FileNameOf(robot));
 }
 
@@ -37,7 +39,8 @@ std::string DefaultFolder(const std::string& robot) {
 absl::StatusOr<maps::Pose2> ParseStart(const std::string& text, const maps::HallLayout& layout) {
   if (const maps::Region* region = layout.FindRegion(text); region != nullptr) {
     if (region->service_point) return *region->service_point;
-    return absl::InvalidArgumentError(absl::StrCat("--start: region <", text, "> has no docent:servicePoint"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("--start: region <", text, "> has no docent:servicePoint"));
   }
   const std::vector<std::string> parts = absl::StrSplit(text, ',');
   maps::Pose2 pose;
@@ -45,13 +48,15 @@ absl::StatusOr<maps::Pose2> ParseStart(const std::string& text, const maps::Hall
       absl::SimpleAtod(parts[2], &pose.heading_rad)) {
     return pose;
   }
-  return absl::InvalidArgumentError(absl::StrCat("--start \"", text, "\" is neither x,y,heading (metres, radians) nor the "
+  return absl::InvalidArgumentError(absl::StrCat("--start \"", text,
+                                                 "\" is neither x,y,heading (metres, radians) nor the "
                                                  "IRI of a region of the hall"));
 }
 
 absl::StatusOr<std::shared_ptr<const maps::HallModel>> ModelFor(const DriveArguments& arguments,
-                                                               const maps::HallLayout& layout) {
-  if (!arguments.map.empty() && std::filesystem::exists(arguments.map)) return maps::HallModel::Load(arguments.map);
+                                                                const maps::HallLayout& layout) {
+  if (!arguments.map.empty() && std::filesystem::exists(arguments.map))
+    return maps::HallModel::Load(arguments.map);
   auto model = maps::HallModel::FromLayout(layout);
   if (model.ok() && !arguments.map.empty()) {
     if (absl::Status saved = (*model)->Save(arguments.map); !saved.ok()) return saved;
@@ -64,8 +69,8 @@ void SayReport(const absl::StatusOr<PathError>& error, const std::string& folder
     std::cerr << "docent-robot: no report: " << error.status().message() << "\n";
     return;
   }
-  std::cout << absl::StrFormat("report: RMSE %.1f mm and %.2f deg, largest %.1f mm, over %d scans; in %s", error->rmse_mm,
-                               error->rmse_deg, error->max_error_mm, error->points, folder)
+  std::cout << absl::StrFormat("report: RMSE %.1f mm and %.2f deg, largest %.1f mm, over %d scans; in %s",
+                               error->rmse_mm, error->rmse_deg, error->max_error_mm, error->points, folder)
             << std::endl;
 }
 
@@ -85,7 +90,8 @@ int Drive(DriveArguments arguments) {
   const std::string folder = options.folder;
   auto robot = GuideRobot::Start(std::move(options), *layout, *std::move(model));
   if (!robot.ok()) return Fail(robot.status());
-  std::cout << "listening grpc=" << (*robot)->address() << " screen=" << (*robot)->screen_address() << std::endl;
+  std::cout << "listening grpc=" << (*robot)->address() << " screen=" << (*robot)->screen_address()
+            << std::endl;
   while (true) {
     const Signal signal = WaitForSignal(std::chrono::seconds(3600));
     if (signal == Signal::kReport) SayReport((*robot)->WriteReportNow(), folder);
@@ -103,23 +109,35 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<DriveArguments>();
   AdapterOptions& adapter = arguments->options.adapter;
   adapter.robot = "https://w3id.org/docent/expo#R01";
-  app->add_option("--server", adapter.server, "HOST:PORT of the docent server")->envname("DOCENT_SERVER")->capture_default_str();
+  app->add_option("--server", adapter.server, "HOST:PORT of the docent server")
+      ->envname("DOCENT_SERVER")
+      ->capture_default_str();
   app->add_option("--robot", adapter.robot, "IRI of the robot in the graph")->capture_default_str();
   app->add_option("--label", adapter.label, "Its name for people; the end of the IRI if not given");
-  app->add_option("--hall,--layout", arguments->hall, "RDF file of the hall that it drives in")->capture_default_str();
-  app->add_option("--map", arguments->map, "OctoMap (.bt) to localise in; made from the hall, and kept here, if it is not there");
+  app->add_option("--hall,--layout", arguments->hall, "RDF file of the hall that it drives in")
+      ->capture_default_str();
+  app->add_option("--map", arguments->map,
+                  "OctoMap (.bt) to localise in; made from the hall, and kept here, if it is not there");
   app->add_option("--start", arguments->start,
-                  "Where it stands: x,y,heading (metres, radians) or the IRI of a region; otherwise where it was left, or the dock");
+                  "Where it stands: x,y,heading (metres, radians) or the IRI of a region; otherwise where it "
+                  "was left, or the dock");
   app->add_option("--out", arguments->options.folder,
-                  "Folder for its journal, pages, sound files and reports; ~/.local/state/docent/robot-NAME if not given");
-  app->add_option("--listen", adapter.listen, "HOST:PORT to serve commands at; port 0 takes a free one")->capture_default_str();
-  app->add_option_function<int>("--port", [arguments](int port) {
-       arguments->options.adapter.listen = absl::StrCat("127.0.0.1:", port);
-     }, "Short for --listen 127.0.0.1:PORT")->check(CLI::Range(0, 65535));
-  app->add_option("--screen-port", arguments->options.screen_port, "Port of its screen (HTTP on 127.0.0.1); 0 takes a free one")
+                  "Folder for its journal, pages, sound files and reports; ~/.local/state/docent/robot-NAME "
+                  "if not given");
+  app->add_option("--listen", adapter.listen, "HOST:PORT to serve commands at; port 0 takes a free one")
+      ->capture_default_str();
+  app->add_option_function<int>(
+         "--port",
+         [arguments](int port) { arguments->options.adapter.listen = absl::StrCat("127.0.0.1:", port); },
+         "Short for --listen 127.0.0.1:PORT")
       ->check(CLI::Range(0, 65535));
-  app->add_option("--speed,--speed-factor", arguments->options.speed, "How much faster than real time it lives, 0.1 to 100")
-      ->check(CLI::Range(0.1, 100.0))->capture_default_str();
+  app->add_option("--screen-port", arguments->options.screen_port,
+                  "Port of its screen (HTTP on 127.0.0.1); 0 takes a free one")
+      ->check(CLI::Range(0, 65535));
+  app->add_option("--speed,--speed-factor", arguments->options.speed,
+                  "How much faster than real time it lives, 0.1 to 100")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
   app->add_option("--seed", arguments->options.seed, "Of all simulated noise")->capture_default_str();
   app->callback([app, arguments, exit_code] {
     if (app->get_subcommands().empty()) *exit_code = Drive(*arguments);

@@ -56,14 +56,16 @@ void Tell(RobotAdapter& adapter, const std::string& robot, const ReplayedStep& s
 }
 
 // Steps at the recorded pace. False when a signal ended it.
-absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const ReplayArguments& arguments, Replayed* played) {
+absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const ReplayArguments& arguments,
+                          Replayed* played) {
   const auto begun = std::chrono::steady_clock::now();
   const TimeMicros first_us = replay.NextTime();
   std::string region;
   while (!replay.Done()) {
-    const auto due = begun + std::chrono::microseconds(
-                                 static_cast<int64_t>(static_cast<double>(replay.NextTime() - first_us) / arguments.speed));
-    const auto wait = std::chrono::duration_cast<std::chrono::milliseconds>(due - std::chrono::steady_clock::now());
+    const auto due = begun + std::chrono::microseconds(static_cast<int64_t>(
+                                 static_cast<double>(replay.NextTime() - first_us) / arguments.speed));
+    const auto wait =
+        std::chrono::duration_cast<std::chrono::milliseconds>(due - std::chrono::steady_clock::now());
     if (WaitForSignal(std::max(wait, std::chrono::milliseconds(0))) == Signal::kEnd) return false;
     auto step = replay.Next();
     if (!step.ok()) return step.status();
@@ -71,9 +73,10 @@ absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const Replay
     const std::string now = step->region != nullptr ? step->region->iri : "";
     if (now != region) {
       region = now;
-      const std::string line = absl::StrFormat("step %d  %.1f s  x %.2f  y %.2f  %s", step->number,
-                                               static_cast<double>(step->time_us - first_us) / 1e6, step->estimate.x_m,
-                                               step->estimate.y_m, region.empty() ? "(no region)" : ToDisplay(Term::Iri(region)));
+      const std::string line =
+          absl::StrFormat("step %d  %.1f s  x %.2f  y %.2f  %s", step->number,
+                          static_cast<double>(step->time_us - first_us) / 1e6, step->estimate.x_m,
+                          step->estimate.y_m, region.empty() ? "(no region)" : ToDisplay(Term::Iri(region)));
       std::cout << line << std::endl;
       played->entered.push_back(line);
     }
@@ -81,14 +84,15 @@ absl::StatusOr<bool> Play(LogReplay& replay, RobotAdapter& adapter, const Replay
     // Each step is a turn of its own, so that none is merged into the next while the server works.
     if (!adapter.facts().Flush(absl::Seconds(arguments.wait_s))) {
       return absl::DeadlineExceededError(absl::StrCat("the server at ", arguments.adapter.server,
-                                                      " did not take the facts within ", arguments.wait_s, " s"));
+                                                      " did not take the facts within ", arguments.wait_s,
+                                                      " s"));
     }
   }
   return true;
 }
 
-absl::Status WriteFiles(const ReplayArguments& arguments, const Replayed& played, const maps::HallLayout& layout,
-                        const maps::HallModel& building) {
+absl::Status WriteFiles(const ReplayArguments& arguments, const Replayed& played,
+                        const maps::HallLayout& layout, const maps::HallModel& building) {
   std::error_code error;
   std::filesystem::create_directories(arguments.folder, error);
   std::string csv = "step,time_us,x_m,y_m,heading_rad,localised,region\n";
@@ -133,9 +137,11 @@ int Replay(const ReplayArguments& arguments) {
   auto ended = Play(replay, **adapter, arguments, &played);
   if (!ended.ok()) return Fail(ended.status());
   if (!arguments.folder.empty()) {
-    if (absl::Status status = WriteFiles(arguments, played, *layout, **building); !status.ok()) return Fail(status);
+    if (absl::Status status = WriteFiles(arguments, played, *layout, **building); !status.ok())
+      return Fail(status);
   }
-  std::cout << "replayed " << played.steps.size() << " steps" << (*ended ? "" : ", then was told to stop") << std::endl;
+  std::cout << "replayed " << played.steps.size() << " steps" << (*ended ? "" : ", then was told to stop")
+            << std::endl;
   return kExitOk;
 }
 
@@ -144,17 +150,33 @@ int Replay(const ReplayArguments& arguments) {
 void AddReplayCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<ReplayArguments>();
   arguments->adapter.robot = "https://w3id.org/docent/s02#RealRobot";
-  CLI::App* command = app->add_subcommand("replay", "Replay the recorded log of a real robot through the localiser into the graph");
-  command->add_option("--server", arguments->adapter.server, "HOST:PORT of the docent server")->envname("DOCENT_SERVER")->capture_default_str();
-  command->add_option("--robot", arguments->adapter.robot, "IRI of the robot in the graph")->capture_default_str();
-  command->add_option("--rawlog", arguments->rawlog, "MRPT rawlog: a file, or the name of one of MRPT's data sets")->capture_default_str();
-  command->add_option("--map", arguments->building, "MRPT simple map of the building: a file or the name of a data set")->capture_default_str();
-  command->add_option("--hall,--layout", arguments->layout, "RDF file with the building's regions")->required();
-  command->add_option("--out", arguments->folder, "Folder for replay.csv and replay.png; not written if not given");
-  command->add_option("--speed,--speed-factor", arguments->speed, "How much faster than recorded, 0.1 to 1000")
-      ->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+  CLI::App* command = app->add_subcommand(
+      "replay", "Replay the recorded log of a real robot through the localiser into the graph");
+  command->add_option("--server", arguments->adapter.server, "HOST:PORT of the docent server")
+      ->envname("DOCENT_SERVER")
+      ->capture_default_str();
+  command->add_option("--robot", arguments->adapter.robot, "IRI of the robot in the graph")
+      ->capture_default_str();
+  command
+      ->add_option("--rawlog", arguments->rawlog,
+                   "MRPT rawlog: a file, or the name of one of MRPT's data sets")
+      ->capture_default_str();
+  command
+      ->add_option("--map", arguments->building,
+                   "MRPT simple map of the building: a file or the name of a data set")
+      ->capture_default_str();
+  command->add_option("--hall,--layout", arguments->layout, "RDF file with the building's regions")
+      ->required();
+  command->add_option("--out", arguments->folder,
+                      "Folder for replay.csv and replay.png; not written if not given");
+  command
+      ->add_option("--speed,--speed-factor", arguments->speed, "How much faster than recorded, 0.1 to 1000")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of the particle filter")->capture_default_str();
-  command->add_option("--wait", arguments->wait_s, "Seconds to wait for the server before giving up")->check(CLI::Range(1, 3600))->capture_default_str();
+  command->add_option("--wait", arguments->wait_s, "Seconds to wait for the server before giving up")
+      ->check(CLI::Range(1, 3600))
+      ->capture_default_str();
   command->callback([arguments, exit_code] { *exit_code = Replay(*arguments); });
 }
 

@@ -1,5 +1,5 @@
-// The subcommands of docent-robot. Each adds itself to the command line; what it does runs in its callback, which sets
-// the exit code: 0 ok, 1 a negative answer, 2 bad usage or input.
+// The subcommands of docent-robot. Each adds itself to the command line; what it does runs in its callback,
+// which sets the exit code: 0 ok, 1 a negative answer, 2 bad usage or input.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 

@@ -39,24 +39,37 @@ absl::StatusOr<std::string> IriArgument(const OperationContext& context, std::st
   if (!term.ok()) return term.status();
   // What may stand between < and > (SPARQL 1.1, production 139).
   const bool fits = std::none_of(term->lexical.begin(), term->lexical.end(), [](char c) {
-    return static_cast<unsigned char>(c) <= ' ' || std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos;
+    return static_cast<unsigned char>(c) <= ' ' ||
+           std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos;
   });
   if (!term->IsIri() || !fits) {
-    return absl::InvalidArgumentError(absl::StrCat("the argument \"", ToAbsl(name), "\" has to be an IRI, not ", ToNTriples(*term)));
+    return absl::InvalidArgumentError(
+        absl::StrCat("the argument \"", ToAbsl(name), "\" has to be an IRI, not ", ToNTriples(*term)));
   }
   return term->lexical;
 }
 
-absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context, const std::string& booth_iri) {
+absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context,
+                                        const std::string& booth_iri) {
   const std::string booth = absl::StrCat("<", booth_iri, ">");
-  auto answer = Ask(server, context, absl::StrCat(
-      "SELECT ?name ?description ?exhibitor ?slogan ?product WHERE {\n"
-      "  OPTIONAL { ", booth, " schema:name ?name }\n"
-      "  OPTIONAL { ", booth, " schema:description ?description }\n"
-      "  OPTIONAL { ", booth, " docent:exhibitor ?e . ?e schema:name ?exhibitor }\n"
-      "  OPTIONAL { ", booth, " docent:exhibitor ?s . ?s schema:slogan ?slogan }\n"
-      "  OPTIONAL { ", booth, " docent:shows ?p . ?p schema:name ?product }\n"
-      "} ORDER BY ?product"));
+  auto answer = Ask(server, context,
+                    absl::StrCat("SELECT ?name ?description ?exhibitor ?slogan ?product WHERE {\n"
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " schema:name ?name }\n"
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " schema:description ?description }\n"
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " docent:exhibitor ?e . ?e schema:name ?exhibitor }\n"
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " docent:exhibitor ?s . ?s schema:slogan ?slogan }\n"
+                                 "  OPTIONAL { ",
+                                 booth,
+                                 " docent:shows ?p . ?p schema:name ?product }\n"
+                                 "} ORDER BY ?product"));
   if (!answer.ok()) return answer.status();
   BoothInfo info;
   info.iri = booth_iri;
@@ -67,20 +80,26 @@ absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& co
     info.exhibitor = TextOf(row[2]);
     info.slogan = TextOf(row[3]);
     const std::string product = TextOf(row[4]);
-    if (!product.empty() && std::find(info.products.begin(), info.products.end(), product) == info.products.end()) {
+    if (!product.empty() &&
+        std::find(info.products.begin(), info.products.end(), product) == info.products.end()) {
       info.products.push_back(product);
     }
   }
   return info;
 }
 
-absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& context, const std::string& person_iri) {
+absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& context,
+                                       const std::string& person_iri) {
   const std::string person = absl::StrCat("<", person_iri, ">");
-  auto answer = Ask(server, context, absl::StrCat(
-      "SELECT ?x ?y ?region WHERE {\n"
-      "  OPTIONAL { ", person, " docent:x ?x ; docent:y ?y }\n"
-      "  OPTIONAL { ", person, " docent:isAt ?region }\n"
-      "} ORDER BY ?region"));
+  auto answer = Ask(server, context,
+                    absl::StrCat("SELECT ?x ?y ?region WHERE {\n"
+                                 "  OPTIONAL { ",
+                                 person,
+                                 " docent:x ?x ; docent:y ?y }\n"
+                                 "  OPTIONAL { ",
+                                 person,
+                                 " docent:isAt ?region }\n"
+                                 "} ORDER BY ?region"));
   if (!answer.ok()) return answer.status();
   Whereabouts found;
   for (const auto& row : answer->rows) {
@@ -90,7 +109,8 @@ absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& con
       found.point = point;
     }
     const std::string region = TextOf(row[2]);
-    if (!region.empty() && std::find(found.regions.begin(), found.regions.end(), region) == found.regions.end()) {
+    if (!region.empty() &&
+        std::find(found.regions.begin(), found.regions.end(), region) == found.regions.end()) {
       found.regions.push_back(region);
     }
   }

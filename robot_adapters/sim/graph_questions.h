@@ -18,7 +18,7 @@ namespace docent::robot {
 // What is told about a booth; any field may be empty.
 struct BoothInfo {
   std::string iri;
-  std::string name;         // "B03"
+  std::string name;  // "B03"
   std::string description;
   std::string exhibitor;
   std::string slogan;
@@ -32,9 +32,11 @@ struct Whereabouts {
 };
 
 // CANCELLED when the command must stop first; otherwise what the server says about the query.
-absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context, const std::string& booth_iri);
+absl::StatusOr<BoothInfo> AskAboutBooth(ServerLink& server, OperationContext& context,
+                                        const std::string& booth_iri);
 // NOT_FOUND: nothing is told about where the person is.
-absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& context, const std::string& person_iri);
+absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& context,
+                                       const std::string& person_iri);
 
 // The IRI of a command's argument. INVALID_ARGUMENT if it is missing, no IRI, or would not fit into a query.
 absl::StatusOr<std::string> IriArgument(const OperationContext& context, std::string_view name);

@@ -14,7 +14,8 @@ using maps::Pose2;
 namespace {
 
 // Of three random sequences that must not be the same: scans, wheels, particles.
-constexpr uint64_t kWheelStream = 0x9E3779B97F4A7C15;     // the golden ratio, as in Knuth's multiplicative hashing
+constexpr uint64_t kWheelStream =
+    0x9E3779B97F4A7C15;  // the golden ratio, as in Knuth's multiplicative hashing
 constexpr uint64_t kLocaliserStream = 0xC2B2AE3D27D4EB4F;
 
 // Seen obstacles matter for a new plan within this distance.
@@ -41,7 +42,8 @@ absl::StatusOr<std::unique_ptr<GuideBody>> GuideBody::Create(std::shared_ptr<con
         absl::StrFormat("tick_s = %g is not within 0.01..0.2, or ticks_per_scan = %d not within 1..50",
                         settings.tick_s, settings.ticks_per_scan));
   }
-  auto body = std::unique_ptr<GuideBody>(new GuideBody(std::move(hall), layout, settings, start_in_hall, seed));
+  auto body =
+      std::unique_ptr<GuideBody>(new GuideBody(std::move(hall), layout, settings, start_in_hall, seed));
   if (body->scanner_.Collides(start_in_hall.position(), settings.planner.robot_radius_m)) {
     return absl::InvalidArgumentError(absl::StrFormat("the robot does not fit at its start (%.2f, %.2f)",
                                                       start_in_hall.x_m, start_in_hall.y_m));
@@ -85,7 +87,8 @@ void GuideBody::Sense(const std::vector<maps::Disc>& people) {
   }
   odometry_since_scan_ = {};
   estimate_at_scan_ = estimate_ = localiser_.estimate().pose();
-  const bool moving = std::abs(base_.speed_m_per_s()) > kMovingMPerS || std::abs(base_.turn_rad_per_s()) > kMovingRadPerS;
+  const bool moving =
+      std::abs(base_.speed_m_per_s()) > kMovingMPerS || std::abs(base_.turn_rad_per_s()) > kMovingRadPerS;
   if (moving && localised()) trace_.push_back({time_s(), base_.truth(), estimate_});
 }
 
@@ -107,8 +110,8 @@ void GuideBody::Steer() {
       standing_s_ += settings_.tick_s;
       drive_.message = "something stands in the way";
       if (standing_s_ > settings_.give_up_after_s) {
-        Fail(absl::StrFormat("something stood in the way at (%.1f, %.1f) for %.0f s", estimate_.x_m, estimate_.y_m,
-                             settings_.give_up_after_s));
+        Fail(absl::StrFormat("something stood in the way at (%.1f, %.1f) for %.0f s", estimate_.x_m,
+                             estimate_.y_m, settings_.give_up_after_s));
       } else if (follower_.blocked_s() > settings_.replan_after_s) {
         Replan();
       }
@@ -116,8 +119,8 @@ void GuideBody::Steer() {
     default:
       drive_.message = "driving";
       if (follower_.length_m() > 0) {
-        drive_.progress =
-            std::max(drive_.progress, std::clamp(1 - follower_.remaining_m() / follower_.length_m(), 0.0, 1.0));
+        drive_.progress = std::max(drive_.progress,
+                                   std::clamp(1 - follower_.remaining_m() / follower_.length_m(), 0.0, 1.0));
       }
   }
 }

@@ -1,9 +1,9 @@
 // The guide robot without its mind: the simulated world around it, its senses, and driving by what they say.
 //
-// The world (truth, walls, laser, wheels) is simulated; everything the robot decides rests on scans and odometry alone:
-// it localises with the particle filter in the OctoMap's distance field, plans with A* and drives on the *estimated*
-// pose. The laser is cast on the layout's analytic shapes, never on that map. No clock, no threads: the same seed and
-// calls give the same drive. One thread.
+// The world (truth, walls, laser, wheels) is simulated; everything the robot decides rests on scans and
+// odometry alone: it localises with the particle filter in the OctoMap's distance field, plans with A* and
+// drives on the *estimated* pose. The laser is cast on the layout's analytic shapes, never on that map. No
+// clock, no threads: the same seed and calls give the same drive. One thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_BODY_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_GUIDE_BODY_H_
 
@@ -24,11 +24,11 @@
 namespace docent::robot {
 
 struct GuideBodySettings {
-  double tick_s = 0.05;             // 0.01..0.2: one control step
-  int ticks_per_scan = 4;           // 1..50: the laser turns at 5 Hz
-  double replan_after_s = 2.0;      // 0.5..60: standing before something for so long looks for another way
-  double give_up_after_s = 40.0;    // 1..600
-  maps::ScannerSettings scanner;    // 180 beams, sigma 2 cm, 1 % lost
+  double tick_s = 0.05;           // 0.01..0.2: one control step
+  int ticks_per_scan = 4;         // 1..50: the laser turns at 5 Hz
+  double replan_after_s = 2.0;    // 0.5..60: standing before something for so long looks for another way
+  double give_up_after_s = 40.0;  // 1..600
+  maps::ScannerSettings scanner;  // 180 beams, sigma 2 cm, 1 % lost
   BaseSettings base;
   LocaliserSettings localiser;
   PlannerSettings planner;
@@ -53,7 +53,8 @@ class GuideBody {
   // One control step of settings.tick_s. People are discs that the laser sees and the map does not know.
   void Tick(const std::vector<maps::Disc>& people = {});
 
-  // Begins to drive; ends what it did before. Errors as PathPlanner::Plan, and FAILED_PRECONDITION while not localised.
+  // Begins to drive; ends what it did before. Errors as PathPlanner::Plan, and FAILED_PRECONDITION while not
+  // localised.
   absl::Status DriveTo(const maps::Pose2& goal_in_hall);
   void Halt();
   const DriveStatus& drive() const { return drive_; }
@@ -85,7 +86,7 @@ class GuideBody {
   std::mt19937_64 scan_random_;
 
   int64_t ticks_ = 0;
-  bool searched_ = false;          // the first scan has been searched with
+  bool searched_ = false;  // the first scan has been searched with
   maps::Pose2 odometry_since_scan_;
   maps::Pose2 estimate_at_scan_;
   maps::Pose2 estimate_;
@@ -93,7 +94,7 @@ class GuideBody {
   DriveCommand command_;
   DriveStatus drive_;
   maps::Pose2 goal_;
-  double standing_s_ = 0;          // blocked, over all plans for this goal
+  double standing_s_ = 0;  // blocked, over all plans for this goal
   int bumps_ = 0;
   std::vector<TracePoint> trace_;
 };

@@ -28,9 +28,9 @@ using maps::Pose2;
 
 namespace {
 
-constexpr double kSocialDistanceM = 1.0;   // how far from a visitor the robot stops
-constexpr double kSearchRadiusM = 3.0;     // around a place where it does not fit
-constexpr double kRegionMarginM = 0.15;    // leaving a region takes so much, see RegionIndex
+constexpr double kSocialDistanceM = 1.0;  // how far from a visitor the robot stops
+constexpr double kSearchRadiusM = 3.0;    // around a place where it does not fit
+constexpr double kRegionMarginM = 0.15;   // leaving a region takes so much, see RegionIndex
 // A pose is told again when it has moved by this much: the filter's noise of a standing robot is smaller.
 constexpr double kToldMoveM = 0.02;
 constexpr double kToldTurnRad = 0.02;
@@ -43,7 +43,8 @@ absl::Status CheckOptions(const GuideRobotOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
   if (error) {
-    return absl::InvalidArgumentError(absl::StrCat("cannot make the folder ", options.folder, ": ", error.message()));
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot make the folder ", options.folder, ": ", error.message()));
   }
   return absl::OkStatus();
 }
@@ -63,7 +64,8 @@ absl::StatusOr<Pose2> DockOf(const maps::HallLayout& layout) {
     }
   }
   if (found == nullptr) {
-    return absl::InvalidArgumentError("the hall has no service point where a robot could start; give --start");
+    return absl::InvalidArgumentError(
+        "the hall has no service point where a robot could start; give --start");
   }
   return *found->service_point;
 }
@@ -136,7 +138,12 @@ class GuideRobot::Impl {
     return {
         {"moveToUser", {"user"}, {}, true, "Drives to where the user is", bind(&Impl::MoveToUser)},
         {"moveToBooth", {"booth"}, {}, true, "Drives to the place before a booth", bind(&Impl::MoveToBooth)},
-        {"displayBoothInfo", {"booth"}, {"page"}, true, "Shows a page about the booth", bind(&Impl::DisplayBoothInfo)},
+        {"displayBoothInfo",
+         {"booth"},
+         {"page"},
+         true,
+         "Shows a page about the booth",
+         bind(&Impl::DisplayBoothInfo)},
         {"briefBoothInfo", {"booth"}, {"file"}, false, "Speaks about the booth", bind(&Impl::BriefBoothInfo)},
     };
   }
@@ -179,15 +186,17 @@ class GuideRobot::Impl {
     const Point2 person = *whereabouts.point, here = body_->pose().estimate.position();
     const double distance_m = std::max(1e-6, maps::Distance(person, here));
     const double share = std::min(1.0, kSocialDistanceM / distance_m);
-    auto place = body_->NearestFree({person.x_m + share * (here.x_m - person.x_m),
-                                     person.y_m + share * (here.y_m - person.y_m)}, kSearchRadiusM);
+    auto place = body_->NearestFree(
+        {person.x_m + share * (here.x_m - person.x_m), person.y_m + share * (here.y_m - person.y_m)},
+        kSearchRadiusM);
     if (!place.ok()) return place.status();
     return Pose2{place->x_m, place->y_m, std::atan2(person.y_m - place->y_m, person.x_m - place->x_m)};
   }
 
   absl::StatusOr<Pose2> GoalIn(const std::string& region_iri) {
     const maps::Region* region = layout_.FindRegion(region_iri);
-    if (region == nullptr) return absl::NotFoundError(absl::StrCat("the robot's hall has no region <", region_iri, ">"));
+    if (region == nullptr)
+      return absl::NotFoundError(absl::StrCat("the robot's hall has no region <", region_iri, ">"));
     if (region->service_point) return *region->service_point;
     const Point2 middle = maps::Centroid(region->outline);
     auto place = body_->NearestFree(middle, kSearchRadiusM);
@@ -205,7 +214,8 @@ class GuideRobot::Impl {
     const Term page = Term::Iri(screen_->Show(name, html));
     adapter_->SetState(DocentIri("screenPage"), page);
     context.ReportProgress(0.5, "the page is on the screen");
-    if (!context.SleepFor(Scaled(kScreenChange))) return absl::CancelledError("stopped while showing the page");
+    if (!context.SleepFor(Scaled(kScreenChange)))
+      return absl::CancelledError("stopped while showing the page");
     return NamedTerms{{"page", page}};
   }
 
@@ -213,7 +223,8 @@ class GuideRobot::Impl {
     auto booth = BoothOf(context);
     if (!booth.ok()) return booth.status();
     const std::string file =
-        std::filesystem::absolute(absl::StrCat(options_.folder, "/briefing_", FileNameOf(booth->iri), ".wav")).string();
+        std::filesystem::absolute(absl::StrCat(options_.folder, "/briefing_", FileNameOf(booth->iri), ".wav"))
+            .string();
     context.ReportProgress(0, "preparing to speak");
     auto length = SpeakToFile(SpokenText(*booth), file, [&context] { return !context.StopRequested(); });
     if (!length.ok()) return length.status();
@@ -238,7 +249,8 @@ class GuideRobot::Impl {
       if (info->exhibitor.empty()) info->exhibitor = region->exhibitor;
     }
     if (info->name.empty() && info->description.empty()) {
-      return absl::NotFoundError(absl::StrCat("neither the graph nor the robot's hall knows the booth <", *iri, ">"));
+      return absl::NotFoundError(
+          absl::StrCat("neither the graph nor the robot's hall knows the booth <", *iri, ">"));
     }
     return info;
   }
@@ -254,7 +266,8 @@ class GuideRobot::Impl {
         {DocentIri("localised"), Term::Boolean(pose.localised)}};
     if (pose.localised) {
       region_ = regions_.Innermost(pose.estimate.position(), region_, kRegionMarginM);
-      facts.emplace_back(DocentIri("isAt"), region_ != nullptr ? std::optional(Term::Iri(region_->iri)) : std::nullopt);
+      facts.emplace_back(DocentIri("isAt"),
+                         region_ != nullptr ? std::optional(Term::Iri(region_->iri)) : std::nullopt);
       const bool moved =
           !told_ || maps::Distance(told_->position(), pose.estimate.position()) > kToldMoveM ||
           std::abs(maps::WrapAngle(told_->heading_rad - pose.estimate.heading_rad)) > kToldTurnRad;

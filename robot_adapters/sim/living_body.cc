@@ -83,7 +83,8 @@ absl::Status LivingBody::WaitUntilLocalised(OperationContext& context) {
       if (body_->localised()) return absl::OkStatus();
     }
     context.ReportProgress(0, "looking around: not sure where it is");
-    if (!context.SleepFor(kLookPeriod)) return absl::CancelledError("stopped before the robot knew where it was");
+    if (!context.SleepFor(kLookPeriod))
+      return absl::CancelledError("stopped before the robot knew where it was");
   }
 }
 

@@ -23,13 +23,14 @@ class LivingBody {
     maps::Pose2 estimate;
     bool localised = false;
   };
-  // `on_pose` is called from the body's thread four times a real second. The world is kept in `world_path` once a
-  // simulated second.
+  // `on_pose` is called from the body's thread four times a real second. The world is kept in `world_path`
+  // once a simulated second.
   LivingBody(std::unique_ptr<GuideBody> body, double speed, std::string world_path,
              std::function<void(const Pose&)> on_pose);
   ~LivingBody();
 
-  // Drives to the goal; blocks until it is reached, failed, or the command must stop. ABORTED: it drives already.
+  // Drives to the goal; blocks until it is reached, failed, or the command must stop. ABORTED: it drives
+  // already.
   absl::Status Drive(const maps::Pose2& goal_in_hall, OperationContext& context);
 
   Pose pose() const;

@@ -10,10 +10,13 @@
 
 int main(int argc, char** argv) {
   docent::robot::BlockSignals();
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("docent-robot"));  // results on stdout, diagnostics on stderr
+  spdlog::set_default_logger(
+      spdlog::stderr_logger_mt("docent-robot"));  // results on stdout, diagnostics on stderr
   CLI::App app(
-      "A simulated guide robot: localises with a particle filter, plans, drives, shows pages and speaks, at the command of a "
-      "docent server.\nSIGTERM ends it and SIGUSR1 makes it write a report: report.json, path.csv, path.png in --out.",
+      "A simulated guide robot: localises with a particle filter, plans, drives, shows pages and speaks, at "
+      "the command of a "
+      "docent server.\nSIGTERM ends it and SIGUSR1 makes it write a report: report.json, path.csv, path.png "
+      "in --out.",
       "docent-robot");
   int exit_code = docent::robot::kExitOk;
   docent::robot::AddDriveCommand(&app, &exit_code);

@@ -6,7 +6,8 @@
 
 namespace docent::robot {
 
-// Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and all that it begins later. Call it before any thread begins.
+// Blocks SIGINT, SIGTERM and SIGUSR1 in this thread and all that it begins later. Call it before any thread
+// begins.
 void BlockSignals();
 
 enum class Signal { kNone, kEnd, kReport };

@@ -8,7 +8,11 @@ namespace docent::robot {
 using maps::Pose2;
 
 SimulatedBase::SimulatedBase(const Pose2& start_in_hall, const BaseSettings& settings, uint64_t seed)
-    : settings_(settings), random_(seed), truth_(start_in_hall), before_(start_in_hall), reported_at_(start_in_hall) {
+    : settings_(settings),
+      random_(seed),
+      truth_(start_in_hall),
+      before_(start_in_hall),
+      reported_at_(start_in_hall) {
   std::normal_distribution<double> normal(0, 1);
   scale_xy_ = 1 + settings_.scale_sigma * normal(random_);
   scale_heading_ = 1 + settings_.scale_sigma * normal(random_);
@@ -46,7 +50,8 @@ Pose2 SimulatedBase::TakeOdometry() {
   std::normal_distribution<double> normal(0, 1);
   Pose2 reported;
   reported.x_m = scale_xy_ * moved.x_m + settings_.xy_per_m * way_m * normal(random_);
-  reported.y_m = scale_xy_ * moved.y_m + settings_.xy_per_m / 2 * way_m * normal(random_);  // wheels slip less sideways
+  reported.y_m =
+      scale_xy_ * moved.y_m + settings_.xy_per_m / 2 * way_m * normal(random_);  // wheels slip less sideways
   reported.heading_rad =
       scale_heading_ * moved.heading_rad +
       (settings_.heading_per_rad * turn + settings_.heading_per_m * way_m) * normal(random_);

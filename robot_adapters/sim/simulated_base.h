@@ -1,5 +1,5 @@
-// The simulated wheels: a differential drive that follows its commands with a lag, and odometry that is wrong the way
-// real odometry is. Deterministic by seed. One thread.
+// The simulated wheels: a differential drive that follows its commands with a lag, and odometry that is wrong
+// the way real odometry is. Deterministic by seed. One thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_SIMULATED_BASE_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_SIMULATED_BASE_H_
 
@@ -12,7 +12,8 @@
 namespace docent::robot {
 
 struct BaseSettings {
-  double lag_s = 0.2;             // 0.01..2: time constant of the wheels' speed (measured on small research robots: 0.1 to 0.3)
+  double lag_s =
+      0.2;  // 0.01..2: time constant of the wheels' speed (measured on small research robots: 0.1 to 0.3)
   // Odometry: random errors of each increment, and a wheel's wear as an error of scale drawn once.
   double xy_per_m = 0.05;         // 0..1, standard deviation, m for each m driven
   double heading_per_rad = 0.05;  // 0..1, rad for each rad turned
@@ -29,7 +30,8 @@ class SimulatedBase {
   // The robot bumped into something: it stands where it was before the last Advance.
   void Undo();
 
-  // What the wheels report since the last call, in the robot's frame of then. Standing still reports no movement.
+  // What the wheels report since the last call, in the robot's frame of then. Standing still reports no
+  // movement.
   maps::Pose2 TakeOdometry();
 
   const maps::Pose2& truth() const { return truth_; }  // in the hall

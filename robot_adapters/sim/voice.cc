@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <thread>
@@ -68,7 +68,8 @@ absl::StatusOr<std::chrono::milliseconds> PlayingTime(const std::string& wav_pat
   const int64_t size = in ? static_cast<int64_t>(in.tellg()) : 0;
   in.seekg(0);
   char head[12];
-  if (!in.read(head, sizeof head) || std::memcmp(head, "RIFF", 4) != 0 || std::memcmp(head + 8, "WAVE", 4) != 0) {
+  if (!in.read(head, sizeof head) || std::memcmp(head, "RIFF", 4) != 0 ||
+      std::memcmp(head + 8, "WAVE", 4) != 0) {
     return absl::InvalidArgumentError(absl::StrCat(wav_path, " is not a WAV file"));
   }
   uint32_t bytes_per_s = 0;
@@ -96,7 +97,8 @@ absl::StatusOr<std::chrono::milliseconds> SpeakToFile(const std::string& text, c
   if (absl::Status status = WriteTextFile(text_path, text); !status.ok()) return status;
   const std::string part = wav_path + ".part";
   // -s 150: words a minute, slow enough for a busy hall; -p 45: a little below the default pitch.
-  auto code = RunChild({"espeak-ng", "-v", "en-gb", "-s", "150", "-p", "45", "-b", "1", "-w", part, "-f", text_path}, go_on);
+  auto code = RunChild(
+      {"espeak-ng", "-v", "en-gb", "-s", "150", "-p", "45", "-b", "1", "-w", part, "-f", text_path}, go_on);
   if (!code.ok()) return code.status();
   if (*code != 0) return absl::InternalError(absl::StrCat("espeak-ng ended with code ", *code));
   if (std::rename(part.c_str(), wav_path.c_str()) != 0) {

@@ -18,7 +18,8 @@ std::optional<maps::Pose2> LoadWorld(const std::string& path) {
   std::string word;
   maps::Pose2 pose;
   if (!(in >> word >> pose.x_m >> pose.y_m >> pose.heading_rad) || word != "pose") return std::nullopt;
-  if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) || !std::isfinite(pose.heading_rad)) return std::nullopt;
+  if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) || !std::isfinite(pose.heading_rad))
+    return std::nullopt;
   return pose;
 }
 

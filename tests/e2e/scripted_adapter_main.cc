@@ -1,7 +1,8 @@
-// An adapter for tests: every operation takes a given time and does nothing else. What it did stands in its journal
-// (robot_adapters/sdk/command_journal.h). Ends with SIGTERM.
+// An adapter for tests: every operation takes a given time and does nothing else. What it did stands in its
+// journal (robot_adapters/sdk/command_journal.h). Ends with SIGTERM.
 //
-//   docent-scripted-adapter --server HOST:PORT --robot IRI --operation NAME[:PART,PART…] … --journal FILE --take-ms 200
+//   docent-scripted-adapter --server HOST:PORT --robot IRI --operation NAME[:PART,PART…] … --journal FILE
+//   --take-ms 200
 #include <signal.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -32,8 +33,8 @@ Operation MakeOperation(const std::string& text, const Arguments& arguments) {
   if (name_and_parts.size() > 1) operation.inputs = absl::StrSplit(name_and_parts[1], ',', absl::SkipEmpty());
   operation.idempotent = arguments.idempotent;
   operation.description = "does nothing, slowly";
-  operation.run = [take = std::chrono::milliseconds(arguments.take_ms), fail = arguments.fail](
-                      OperationContext& context) -> absl::StatusOr<NamedTerms> {
+  operation.run = [take = std::chrono::milliseconds(arguments.take_ms),
+                   fail = arguments.fail](OperationContext& context) -> absl::StatusOr<NamedTerms> {
     constexpr int kParts = 4;
     for (int i = 0; i < kParts; ++i) {
       context.ReportProgress(static_cast<double>(i) / kParts, "working");
@@ -58,7 +59,8 @@ int Run(const Arguments& arguments) {
     if (property_and_value.size() != 2) continue;
     (*adapter)->SetState(DocentIri(property_and_value[0]), Term::Iri(property_and_value[1]));
   }
-  std::cout << "listening grpc=" << (*adapter)->address() << " incarnation=" << (*adapter)->incarnation() << std::endl;
+  std::cout << "listening grpc=" << (*adapter)->address() << " incarnation=" << (*adapter)->incarnation()
+            << std::endl;
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
@@ -83,10 +85,14 @@ int main(int argc, char** argv) {
   app.add_option("--server", arguments.options.server, "HOST:PORT of the docent server");
   app.add_option("--robot", arguments.options.robot, "IRI of the robot")->required();
   app.add_option("--listen", arguments.options.listen, "HOST:PORT to serve at; port 0 takes a free one");
-  app.add_option("--operation", arguments.operations, "NAME or NAME:PART,PART; may be given several times")->required();
-  app.add_option("--fact", arguments.facts, "LOCAL=IRI: a docent: property of the robot, told at the start; several times");
-  app.add_option("--journal", arguments.options.journal_path, "Journal of executed commands; none if not given");
-  app.add_option("--take-ms", arguments.take_ms, "How long each command takes")->check(CLI::Range(0, 3600000));
+  app.add_option("--operation", arguments.operations, "NAME or NAME:PART,PART; may be given several times")
+      ->required();
+  app.add_option("--fact", arguments.facts,
+                 "LOCAL=IRI: a docent: property of the robot, told at the start; several times");
+  app.add_option("--journal", arguments.options.journal_path,
+                 "Journal of executed commands; none if not given");
+  app.add_option("--take-ms", arguments.take_ms, "How long each command takes")
+      ->check(CLI::Range(0, 3600000));
   app.add_flag("--idempotent", arguments.idempotent, "Says that its operations may be done twice");
   app.add_flag("--fail", arguments.fail, "Each command fails after its time");
   try {

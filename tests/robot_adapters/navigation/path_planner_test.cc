@@ -10,7 +10,9 @@ namespace {
 
 using maps::Point2;
 
-PathPlanner Planner(const PlannerSettings& settings = {}) { return PathPlanner(SmallHallModel(), settings); }
+PathPlanner Planner(const PlannerSettings& settings = {}) {
+  return PathPlanner(SmallHallModel(), settings);
+}
 
 // The least clearance that a robot's centre has anywhere on the path.
 double LeastClearance(const std::vector<Point2>& path) {
@@ -18,8 +20,9 @@ double LeastClearance(const std::vector<Point2>& path) {
   for (size_t i = 1; i < path.size(); ++i) {
     for (int k = 0; k <= 50; ++k) {
       const double t = k / 50.0;
-      least_m = std::min(least_m, SmallHallModel()->DistanceAt(path[i - 1].x_m + t * (path[i].x_m - path[i - 1].x_m),
-                                                               path[i - 1].y_m + t * (path[i].y_m - path[i - 1].y_m)));
+      least_m = std::min(least_m,
+                         SmallHallModel()->DistanceAt(path[i - 1].x_m + t * (path[i].x_m - path[i - 1].x_m),
+                                                      path[i - 1].y_m + t * (path[i].y_m - path[i - 1].y_m)));
     }
   }
   return least_m;

@@ -1,4 +1,5 @@
-// A synthetic hall of 12 m × 8 m: a wall with a door in the middle, a pillar, and a closed cell that nobody gets into.
+// A synthetic hall of 12 m × 8 m: a wall with a door in the middle, a pillar, and a closed cell that nobody
+// gets into.
 #ifndef DOCENT_TESTS_ROBOT_ADAPTERS_NAVIGATION_SMALL_HALL_H_
 #define DOCENT_TESTS_ROBOT_ADAPTERS_NAVIGATION_SMALL_HALL_H_
 
@@ -26,8 +27,8 @@ inline maps::HallLayout SmallHall() {
   hall.height_m = 3;
   hall.obstacles = {
       Box(5.9, 0, 6.1, 3.4),  // a wall from the south, its door between y 3.4 and 4.6
-      Box(5.9, 4.6, 6.1, 8),
-      Box(9, 6, 9.2, 8), Box(9.2, 6, 12, 6.2),  // the closed cell in the north-east corner
+      Box(5.9, 4.6, 6.1, 8), Box(9, 6, 9.2, 8),
+      Box(9.2, 6, 12, 6.2),  // the closed cell in the north-east corner
   };
   maps::Obstacle pillar;
   pillar.iri = "urn:pillar";

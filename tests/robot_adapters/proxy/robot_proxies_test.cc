@@ -52,7 +52,8 @@ class Reports {
   }
 
  private:
-  CommandReport AwaitMatching(const std::string& command, const std::function<bool(const CommandReport&)>& matches) {
+  CommandReport AwaitMatching(const std::string& command,
+                              const std::function<bool(const CommandReport&)>& matches) {
     absl::MutexLock lock(&mutex_);
     CommandReport found;
     auto there = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -63,7 +64,8 @@ class Reports {
       }
       return false;
     };
-    EXPECT_TRUE(mutex_.AwaitWithTimeout(absl::Condition(&there), absl::Seconds(30))) << "no such report for " << command;
+    EXPECT_TRUE(mutex_.AwaitWithTimeout(absl::Condition(&there), absl::Seconds(30)))
+        << "no such report for " << command;
     return found;
   }
 
@@ -398,7 +400,8 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
     feedback.set_incarnation("1-script");
     feedback.set_state(v1::Feedback::ACCEPTED);
     if (behaviour != Behaviour::kHang) writer->Write(feedback);
-    if (behaviour == Behaviour::kAcceptAndDrop) return grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
+    if (behaviour == Behaviour::kAcceptAndDrop)
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "going down");
     if (behaviour == Behaviour::kEndWithoutFinal) return grpc::Status::OK;
     if (behaviour == Behaviour::kSucceed) {
       feedback.set_state(v1::Feedback::SUCCEEDED);
@@ -428,7 +431,8 @@ TEST_F(MisbehavingAdapterTest, HangingAdapterFailsAfterTheDeadlineAndIsToldToSto
   proxies_.Send(Command("c/1", "drive", 200));
   CommandReport report = reports_.AwaitFinal("c/1");
   EXPECT_EQ(report.outcome, Outcome::kFailed);
-  EXPECT_EQ(report.message, absl::StrCat("adapter at ", adapter_.address(), " did not take drive before its deadline"));
+  EXPECT_EQ(report.message,
+            absl::StrCat("adapter at ", adapter_.address(), " did not take drive before its deadline"));
   proxies_.Send(Command("c/2", "drive", 5000));
   while (adapter_.cancels == 0) absl::SleepFor(absl::Milliseconds(1));
   EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kFailed));
@@ -471,7 +475,8 @@ TEST_F(MisbehavingAdapterTest, DeathMidCommandAndOutcomeUnknownAfterwards) {
   EXPECT_EQ(report.outcome, Outcome::kUnknown);
   EXPECT_EQ(report.message, "died with incarnation 1");
   EXPECT_EQ(adapter_.invokes, 1);
-  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kAccepted, Outcome::kUnreachable, Outcome::kUnknown));
+  EXPECT_THAT(reports_.Outcomes("c/1"),
+              ElementsAre(Outcome::kAccepted, Outcome::kUnreachable, Outcome::kUnknown));
 }
 
 TEST_F(MisbehavingAdapterTest, DeathBeforeTheInvokeArrivedIsInvokedAgainWithoutOverlap) {

@@ -15,8 +15,7 @@ namespace {
 class CommandJournalTest : public testing::Test {
  protected:
   CommandJournalTest() {
-    folder_ = testing::TempDir() + "journal_" +
-              testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = testing::TempDir() + "journal_" + testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::remove_all(folder_);
     path_ = folder_ + "/commands.journal";
   }
@@ -70,8 +69,8 @@ TEST_F(CommandJournalTest, UnfinishedCommandIsLostAfterRestart) {
   EXPECT_EQ(entry->state, JournalEntry::State::kLost);
   EXPECT_EQ(entry->incarnation, first);
   EXPECT_TRUE(absl::IsAlreadyExists(journal->Begin(CommandId("run/1"), "drive")));
-  EXPECT_TRUE(absl::IsFailedPrecondition(
-      journal->Finish(CommandId("run/1"), CommandOutcome::kSucceeded, "", {})));
+  EXPECT_TRUE(
+      absl::IsFailedPrecondition(journal->Finish(CommandId("run/1"), CommandOutcome::kSucceeded, "", {})));
   EXPECT_NE(Text().find("lost\t1000\t"), std::string::npos);
 }
 

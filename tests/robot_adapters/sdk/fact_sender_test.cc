@@ -71,7 +71,8 @@ FactSenderOptions Options() {
 }
 
 TermQuad Event(const std::string& what) {
-  return {Term::Iri(kUser), Term::Iri(DocentIri("selected")), Term::Iri("http://example.org/" + what), Term::Iri("")};
+  return {Term::Iri(kUser), Term::Iri(DocentIri("selected")), Term::Iri("http://example.org/" + what),
+          Term::Iri("")};
 }
 
 class FactSenderTest : public testing::Test {
@@ -109,7 +110,8 @@ TEST_F(FactSenderTest, ClearRemovesTheValueThatTheServerHas) {
 }
 
 TEST_F(FactSenderTest, StatesSetTogetherTravelTogether) {
-  sender_.SetAll(kRobot, {{DocentIri("x"), Decimal(1, 3)}, {DocentIri("y"), Decimal(2, 3)}, {DocentIri("isAt"), {}}});
+  sender_.SetAll(kRobot,
+                 {{DocentIri("x"), Decimal(1, 3)}, {DocentIri("y"), Decimal(2, 3)}, {DocentIri("isAt"), {}}});
   ASSERT_TRUE(sender_.Flush(absl::Seconds(10)));
   ASSERT_EQ(server_.batches().size(), 1u);
   EXPECT_EQ(server_.batches()[0].add_size(), 2);

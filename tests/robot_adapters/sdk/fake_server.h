@@ -37,7 +37,8 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
   int port() const { return port_; }
   std::string address() const { return absl::StrCat("127.0.0.1:", port_); }
 
-  grpc::Status Assert(grpc::ServerContext*, const v1::AssertRequest* request, v1::AssertReply* reply) override {
+  grpc::Status Assert(grpc::ServerContext*, const v1::AssertRequest* request,
+                      v1::AssertReply* reply) override {
     absl::MutexLock lock(&mutex_);
     for (size_t i = 0; i < batches_.size(); ++i) {
       if (batches_[i].request_id() != request->request_id()) continue;
@@ -46,7 +47,8 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
       return grpc::Status::OK;
     }
     batches_.push_back(*request);
-    for (const v1::Quad& quad : request->remove()) values_.erase({quad.subject().iri(), quad.predicate().iri()});
+    for (const v1::Quad& quad : request->remove())
+      values_.erase({quad.subject().iri(), quad.predicate().iri()});
     for (const v1::Quad& quad : request->add()) {
       values_[{quad.subject().iri(), quad.predicate().iri()}] =
           quad.object().has_iri() ? quad.object().iri() : quad.object().literal().lexical();
@@ -104,7 +106,8 @@ class FakeServer final : public v1::Context::Service, public v1::Fleet::Service 
     absl::MutexLock lock(&mutex_);
     return queries_;
   }
-  // Queries that contain `words` get one row of these IRIs and strings; an empty value is unbound. Newest first.
+  // Queries that contain `words` get one row of these IRIs and strings; an empty value is unbound. Newest
+  // first.
   void AnswerRow(const std::string& words, const std::vector<std::string>& values) {
     v1::QueryReply row;
     std::vector<std::string> variables;

@@ -168,9 +168,7 @@ TEST_F(RobotAdapterTest, TwoInvokesOfARunningIdShareIt) {
   StartAdapter();
   Call second;
   Call first = Invoke(Request("c/1", "wait"), [&] {
-    std::thread other([&] {
-      second = Invoke(Request("c/1", "wait"), [&] { release_ = true; });
-    });
+    std::thread other([&] { second = Invoke(Request("c/1", "wait"), [&] { release_ = true; }); });
     other.join();
   });
   EXPECT_EQ(first.last(), v1::Feedback::SUCCEEDED);

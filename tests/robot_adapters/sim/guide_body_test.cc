@@ -49,14 +49,16 @@ void Localise(GuideBody& body) {
 }
 
 // Drives there; false, with the reason printed, if it does not arrive within `limit_s` simulated seconds.
-bool Drive(GuideBody& body, const Pose2& goal, double limit_s = 180,
-           const std::function<std::vector<maps::Disc>()>& people = [] { return std::vector<maps::Disc>(); }) {
+bool Drive(
+    GuideBody& body, const Pose2& goal, double limit_s = 180,
+    const std::function<std::vector<maps::Disc>()>& people = [] { return std::vector<maps::Disc>(); }) {
   absl::Status begun = body.DriveTo(goal);
   EXPECT_TRUE(begun.ok()) << begun;
   const double end_s = body.time_s() + limit_s;
   while (body.drive().state == DriveStatus::State::kDriving && body.time_s() < end_s) body.Tick(people());
   if (body.drive().state != DriveStatus::State::kArrived) {
-    std::cerr << "not arrived: " << body.drive().message << " at " << body.truth().x_m << " " << body.truth().y_m << "\n";
+    std::cerr << "not arrived: " << body.drive().message << " at " << body.truth().x_m << " "
+              << body.truth().y_m << "\n";
   }
   return body.drive().state == DriveStatus::State::kArrived;
 }
@@ -106,8 +108,9 @@ TEST(GuideBodyTest, ReachesEveryBooth) {
   EXPECT_EQ(booths, 12);
   const DriveReport report = body->Report();
   const PathError error = ErrorOf(report.trace);
-  std::cout << "12 booths: " << report.path_m << " m in " << report.simulated_s << " s, RMSE " << error.rmse_mm
-            << " mm " << error.rmse_deg << " deg, max " << error.max_error_mm << " mm, bumps " << report.bumps << "\n";
+  std::cout << "12 booths: " << report.path_m << " m in " << report.simulated_s << " s, RMSE "
+            << error.rmse_mm << " mm " << error.rmse_deg << " deg, max " << error.max_error_mm
+            << " mm, bumps " << report.bumps << "\n";
   EXPECT_EQ(report.bumps, 0);
   EXPECT_LE(error.rmse_mm, 25);
 }
@@ -128,7 +131,8 @@ TEST(GuideBodyTest, StopsBeforeAPersonAndGoesOnWhenTheWayIsFree) {
   Localise(*body);
   ASSERT_TRUE(body->DriveTo(Hall::Get().ServicePoint("Entrance")).ok());
   // Somebody steps right in front of the robot after two metres, as wide as the aisle lets nobody past.
-  while (maps::Distance(body->truth().position(), Hall::Get().ServicePoint("RobotDock").position()) < 1.5) body->Tick();
+  while (maps::Distance(body->truth().position(), Hall::Get().ServicePoint("RobotDock").position()) < 1.5)
+    body->Tick();
   const maps::Pose2 ahead = maps::Compose(body->truth(), {1.2, 0, 0});
   std::vector<maps::Disc> wall;
   for (int i = -12; i <= 12; ++i) wall.push_back({maps::Compose(ahead, {0, 0.3 * i, 0}).position(), 0.2});
@@ -136,7 +140,8 @@ TEST(GuideBodyTest, StopsBeforeAPersonAndGoesOnWhenTheWayIsFree) {
   for (int i = 0; i < 400; ++i) {
     body->Tick(wall);
     for (const maps::Disc& person : wall) {
-      nearest_m = std::min(nearest_m, maps::Distance(body->truth().position(), person.center) - person.radius_m);
+      nearest_m =
+          std::min(nearest_m, maps::Distance(body->truth().position(), person.center) - person.radius_m);
     }
   }
   EXPECT_EQ(body->drive().state, DriveStatus::State::kDriving);
@@ -153,7 +158,8 @@ TEST(GuideBodyTest, FailsWhenTheWayStaysBlocked) {
   std::vector<maps::Disc> ring;  // people all round the robot
   for (int i = 0; i < 24; ++i) {
     const double angle = i * 0.2618;
-    ring.push_back({{body->truth().x_m + 0.75 * std::cos(angle), body->truth().y_m + 0.75 * std::sin(angle)}, 0.1});
+    ring.push_back(
+        {{body->truth().x_m + 0.75 * std::cos(angle), body->truth().y_m + 0.75 * std::sin(angle)}, 0.1});
   }
   ASSERT_TRUE(body->DriveTo(Hall::Get().ServicePoint("Entrance")).ok());
   for (int i = 0; i < 1000 && body->drive().state == DriveStatus::State::kDriving; ++i) body->Tick(ring);
@@ -185,7 +191,8 @@ TEST(GuideBodyTest, HaltStandsStill) {
 
 TEST(GuideBodyTest, StartInsideAWallIsRefused) {
   const Hall& hall = Hall::Get();
-  EXPECT_TRUE(absl::IsInvalidArgument(GuideBody::Create(hall.model, hall.layout, {}, {0.9, 11, 0}, 1).status()));
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(GuideBody::Create(hall.model, hall.layout, {}, {0.9, 11, 0}, 1).status()));
   GuideBodySettings settings;
   settings.tick_s = 1;
   EXPECT_TRUE(

@@ -1,4 +1,5 @@
-// The whole guide robot, commanded over gRPC, with a fake server at its other end. Lives at 50 times real time.
+// The whole guide robot, commanded over gRPC, with a fake server at its other end. Lives at 50 times real
+// time.
 #include "robot_adapters/sim/guide_robot.h"
 
 #include <grpcpp/grpcpp.h>
@@ -54,7 +55,8 @@ class GuideRobotTest : public testing::Test {
     auto robot = GuideRobot::Start(Options(), *layout_, *model_);
     ASSERT_TRUE(robot.ok()) << robot.status();
     robot_ = *std::move(robot);
-    stub_ = v1::RobotAdapter::NewStub(grpc::CreateChannel(robot_->address(), grpc::InsecureChannelCredentials()));
+    stub_ =
+        v1::RobotAdapter::NewStub(grpc::CreateChannel(robot_->address(), grpc::InsecureChannelCredentials()));
   }
 
   v1::Feedback Command(const std::string& id, const std::string& operation, const std::string& part,
@@ -109,7 +111,8 @@ TEST_F(GuideRobotTest, GuidesThenShowsAndSpeaks) {
   if (spoken.message().find("not installed") == std::string::npos) {
     ASSERT_EQ(spoken.state(), v1::Feedback::SUCCEEDED) << spoken.message();
     EXPECT_GT(std::filesystem::file_size(folder_ + "/briefing_B03.wav"), 100'000u);
-    EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("spokenFile"), spoken.results(0).value().literal().lexical()));
+    EXPECT_TRUE(
+        server_.AwaitValue(kRobot, DocentIri("spokenFile"), spoken.results(0).value().literal().lexical()));
   }
   EXPECT_TRUE(server_.AwaitValue(kRobot, DocentIri("status"), DocentIri("Standby")));
 
@@ -127,8 +130,10 @@ TEST_F(GuideRobotTest, FailsWithReasonsThatSayWhatToDo) {
   EXPECT_EQ(unknown_place.state(), v1::Feedback::FAILED);
   EXPECT_THAT(unknown_place.message(), HasSubstr("no region <" + kExpo + "B99>"));
   server_.AnswerRow("Jane", {"", "", ""});
-  EXPECT_THAT(Command("c/2", "moveToUser", "user", kExpo + "Jane").message(), HasSubstr("does not say where"));
-  EXPECT_THAT(Command("c/3", "displayBoothInfo", "booth", kExpo + "B99").message(), HasSubstr("knows the booth"));
+  EXPECT_THAT(Command("c/2", "moveToUser", "user", kExpo + "Jane").message(),
+              HasSubstr("does not say where"));
+  EXPECT_THAT(Command("c/3", "displayBoothInfo", "booth", kExpo + "B99").message(),
+              HasSubstr("knows the booth"));
   EXPECT_THAT(Command("c/4", "moveToUser", "user", "no iri> } #").message(), HasSubstr("has to be an IRI"));
 }
 
@@ -153,7 +158,8 @@ TEST_F(GuideRobotTest, TwoDrivesAtOnceAreRefused) {
   auto robot = GuideRobot::Start(options, *layout_, *model_);
   ASSERT_TRUE(robot.ok()) << robot.status();
   robot_ = *std::move(robot);
-  stub_ = v1::RobotAdapter::NewStub(grpc::CreateChannel(robot_->address(), grpc::InsecureChannelCredentials()));
+  stub_ =
+      v1::RobotAdapter::NewStub(grpc::CreateChannel(robot_->address(), grpc::InsecureChannelCredentials()));
   ASSERT_TRUE(server_.AwaitValue(kRobot, DocentIri("localised"), "true"));
   std::thread first([this] {
     EXPECT_EQ(Command("c/1", "moveToBooth", "booth", kExpo + "B07").state(), v1::Feedback::CANCELLED);
@@ -163,7 +169,8 @@ TEST_F(GuideRobotTest, TwoDrivesAtOnceAreRefused) {
   for (std::string progress; progress.empty() || progress == "0.0"; absl::SleepFor(absl::Milliseconds(5))) {
     progress = server_.Value(kRobot, DocentIri("progress"));
   }
-  EXPECT_THAT(Command("c/3", "moveToUser", "user", kExpo + "John").message(), HasSubstr("driving for another command"));
+  EXPECT_THAT(Command("c/3", "moveToUser", "user", kExpo + "John").message(),
+              HasSubstr("driving for another command"));
   grpc::ClientContext context;
   v1::CancelRequest cancel;
   cancel.set_command_id("c/1");

@@ -1,7 +1,7 @@
 // What visitors see and hear: page, screen server, voice; and the files about the drive.
-#include <sys/socket.h>
-#include <netinet/in.h>
 #include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -63,14 +63,16 @@ std::string Http(int port, const std::string& request) {
   if (connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0 &&
       send(client, request.data(), request.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(request.size())) {
     char bytes[4096];
-    for (ssize_t n; (n = recv(client, bytes, sizeof bytes, 0)) > 0;) answer.append(bytes, static_cast<size_t>(n));
+    for (ssize_t n; (n = recv(client, bytes, sizeof bytes, 0)) > 0;)
+      answer.append(bytes, static_cast<size_t>(n));
   }
   close(client);
   return answer;
 }
 
 TEST(BoothPageTest, PresentsTheBoothAndEscapesWhatPeopleWrote) {
-  BoothInfo booth{"urn:b3", "B03", "Robots & <script>alert(1)</script>", "\"Stairlark\" Robotics", "Up we go", {"Carrier"}};
+  BoothInfo booth{"urn:b3",   "B03",      "Robots & <script>alert(1)</script>", "\"Stairlark\" Robotics",
+                  "Up we go", {"Carrier"}};
   const std::string page = BoothPage(booth, TinyHall(), {5, 2, 0}, "R01");
   EXPECT_THAT(page, HasSubstr("Booth B03"));
   EXPECT_THAT(page, HasSubstr("&quot;Stairlark&quot; Robotics"));
@@ -109,7 +111,8 @@ TEST(ScreenServerTest, ShowsPages) {
     EXPECT_THAT(answer, HasSubstr("text/html; charset=utf-8"));
   }
   EXPECT_THAT(Http((*screen)->port(), "GET /../etc/passwd HTTP/1.1\r\nHost: x\r\n\r\n"), HasSubstr("404"));
-  EXPECT_THAT(Http((*screen)->port(), "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"), HasSubstr("405"));
+  EXPECT_THAT(Http((*screen)->port(), "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"),
+              HasSubstr("405"));
   EXPECT_THAT(Http((*screen)->port(), "HEAD / HTTP/1.1\r\nHost: x\r\n\r\n"), Not(HasSubstr("<h1>")));
   EXPECT_EQ(Http((*screen)->port(), "rubbish\r\n\r\n"), "");
   EXPECT_TRUE(absl::IsUnavailable(ScreenServer::Start((*screen)->port()).status()));
