@@ -12,6 +12,9 @@
 namespace docent {
 namespace {
 
+// A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at once.
+constexpr TimeMicros kTickPauseUs = 1'000'000;
+
 RobotCommand ToCommand(const CommandEntry& entry) {
   return {entry.id, entry.robot, entry.operation, entry.arguments, entry.expected_incarnation,
           entry.guard_revision, entry.deadline_us, entry.idempotent};
@@ -79,6 +82,7 @@ void Writer::ResumeCommands() {
 absl::Status Writer::Run() {
   while (fatal_.ok()) {
     std::optional<TimeMicros> deadline = stages_->NextDeadline();
+    if (deadline) deadline = std::max(*deadline, next_tick_us_);
     std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, ports_.limits.turns_per_commit);
     if (batches.empty()) {
       if (ports_.inbox->closed()) return absl::OkStatus();
@@ -109,8 +113,11 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
       repeats_.emplace_back(id, std::move(pending.done));
       continue;
     }
+    bool tick = pending.batch.clock_tick;
+    TimeMicros time_us = pending.batch.time_us;
     auto result = RunTurn(stages_.get(), std::move(pending.batch), head_ + group.size() + 1);
     if (!result.ok()) {
+      if (tick) next_tick_us_ = time_us + kTickPauseUs;
       ++counters_.refused;
       pending.done(result.status());
       continue;
@@ -161,6 +168,7 @@ absl::Status Writer::Commit(std::vector<Decided> group) {
   }
   spdlog::error("the log refused {} turns: {}", group.size(), std::string(status.message()));
   counters_.refused += group.size();
+  next_tick_us_ = group.back().result.record.time_us + kTickPauseUs;
   for (Decided& decided : group) decided.done(status);
   if (status.code() == absl::StatusCode::kFailedPrecondition) return status;
   return Replay(nullptr);  // what the log does not have did not happen

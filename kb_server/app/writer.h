@@ -87,6 +87,7 @@ class Writer {
   uint64_t head_ = 0;   // offset of the newest durable record
   uint64_t epoch_ = 0;
   absl::Status fatal_;
+  TimeMicros next_tick_us_ = 0;  // no clock tick before this time
   // A repeat of a batch of the running group is answered after it.
   std::vector<std::pair<std::string, BatchCallback>> repeats_;
   WriterCounters counters_;

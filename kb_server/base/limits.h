@@ -48,6 +48,7 @@ struct Limits {
   int default_step_timeout_ms = 300000;  // a node without cawl-ext timeout
   size_t runs_live = 10000;
   int node_iterations = 10000;
+  int subflow_nesting = 32;               // runs inside each other
 };
 
 }  // namespace docent

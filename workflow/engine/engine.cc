@@ -96,6 +96,16 @@ void Engine::Core::Say(std::string subject, std::string_view from, std::string_v
   output->transitions.push_back({std::move(subject), std::string(from), std::string(to), std::move(cause)});
 }
 
+int Engine::Core::DepthOf(const Run& run) const {
+  int depth = 0;
+  for (const Run* at = &run; !at->parent.empty(); ++depth) {
+    auto it = runs.find(at->parent);
+    if (it == runs.end()) break;
+    at = &it->second;
+  }
+  return depth;
+}
+
 RunId Engine::Core::RootOf(const Run& run) const {
   const Run* root = &run;
   while (!root->parent.empty()) {

@@ -98,6 +98,8 @@ struct Engine::Core {
   // The plan of an invoke's operation: a registered process, or the robot's own operation with these variables.
   rsel::PlanPtr PlanOf(const std::string& operation, const TermBinding& variables) const;
 
+  // How many runs a run is nested in as a subflow.
+  int DepthOf(const Run& run) const;
   // The outermost run that a run belongs to.
   RunId RootOf(const Run& run) const;
   bool IsFree(const RobotId& robot, const RunId& root) const;

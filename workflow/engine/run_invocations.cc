@@ -82,6 +82,11 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
     InvocationFailed(node, index, absl::StrCat("there is no flow or deployed workflow \"", name, "\""));
     return true;
   }
+  if (core_.DepthOf(run_) >= core_.limits.subflow_nesting || core_.runs.size() >= core_.limits.runs_live) {
+    InvocationFailed(node, index, absl::StrCat("subflow ", name, " is nested too deep or too many runs are live; the limits are subflow_nesting ",
+                                               core_.limits.subflow_nesting, " and runs_live ", core_.limits.runs_live));
+    return true;
+  }
   TermBinding variables = run_.variables;
   for (const auto& [key, value] : invocation.binding) variables[key] = value;
   SetInvocation(node, index, WorkState::kRunning, absl::StrCat("subflow ", name));

@@ -450,6 +450,20 @@ TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
   EXPECT_THAT(Fact("urn:docent:run:G-3/B/0", "reason"), HasSubstr("serves another run"));
 }
 
+TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  std::string other = "<CAWL name=\"X\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>" +
+                      Node("B", "", "<invoke subflow=\"W\"/>") + "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") +
+                      "</flow></CAWL>";
+  cawl::ParsedCawl parsed = cawl::ParseCawl(other, "x.xml");
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, other);
+  engine_.Deploy(parsed.document);
+  Start();
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("subflow_nesting"));
+}
+
 TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
