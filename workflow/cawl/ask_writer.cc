@@ -57,7 +57,7 @@ absl::Status Refused(const std::string& why) { return absl::InvalidArgumentError
 AskWriter::AskWriter(const Document& document, const VariableValues& values) : values_(values) {
   std::set<std::string> taken;
   auto add = [&](std::string_view prefix, std::string_view iri) {
-    if (iri.empty() || !IsPlainPrefix(prefix) || !taken.insert(std::string(prefix)).second) return;
+    if (iri.find(':') == std::string_view::npos || !IsPlainPrefix(prefix) || !taken.insert(std::string(prefix)).second) return;
     if (iri.find_first_of("<>\"{}|^`\\ \n\t\r") != std::string_view::npos) return;
     prefixes_.emplace_back(iri, prefix);
   };

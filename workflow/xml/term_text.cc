@@ -29,6 +29,14 @@ std::optional<Term> Fail(TermError* error, size_t offset, size_t length, std::st
   return std::nullopt;
 }
 
+// RFC 3986 section 3.1: scheme = ALPHA *( ALPHA / DIGIT / "+" / "-" / "." ) ":"
+bool IsAbsolute(std::string_view iri) {
+  size_t colon = iri.find(':');
+  return colon != std::string_view::npos && colon > 0 && absl::ascii_isalpha(iri[0]) &&
+         std::all_of(iri.begin(), iri.begin() + colon,
+                     [](char c) { return absl::ascii_isalnum(c) || c == '+' || c == '-' || c == '.'; });
+}
+
 std::optional<Term> ParseIri(std::string_view text, TermError* error) {
   size_t close = text.find('>');
   if (close == std::string_view::npos) {
@@ -44,11 +52,7 @@ std::optional<Term> ParseIri(std::string_view text, TermError* error) {
   if (bad < iri.size()) {
     return Fail(error, bad + 1, 1, Concat("the character '", iri.substr(bad, 1), "' may not stand in an IRI"), "");
   }
-  // RFC 3986 section 3.1: scheme = ALPHA *( ALPHA / DIGIT / "+" / "-" / "." ) ":"
-  size_t colon = iri.find(':');
-  if (colon == std::string_view::npos || colon == 0 || !absl::ascii_isalpha(iri[0]) ||
-      !std::all_of(iri.begin(), iri.begin() + colon,
-                   [](char c) { return absl::ascii_isalnum(c) || c == '+' || c == '-' || c == '.'; })) {
+  if (!IsAbsolute(iri)) {
     return Fail(error, 0, text.size(), Concat("<", iri, "> is not an absolute IRI"), "write it whole, as <https://…>");
   }
   return Term::Iri(std::string(iri));
@@ -140,6 +144,10 @@ std::optional<Term> ParsePrefixed(std::string_view text, size_t colon, const Pre
   if (bad < local.size()) {
     return Fail(error, colon + 1 + bad, 1, Concat("unexpected '", local.substr(bad, 1), "' in ", text),
                 "one word stands here; write <iri> for an IRI with other characters");
+  }
+  if (!IsAbsolute(*iri) || !std::all_of(iri->begin(), iri->end(), IsIriByte)) {
+    return Fail(error, 0, prefix.size(), Concat("prefix ", prefix, ": is declared as \"", *iri, "\", which is not an absolute IRI"),
+                Concat("declare it as xmlns:", prefix, "=\"https://…\""));
   }
   return Term::Iri(*iri + std::string(local));
 }
