@@ -66,6 +66,9 @@ void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBa
 
 absl::Status Documents::ApplyOntology(const Document& document, const Dictionary& dictionary,
                                       const GraphVersion& version, WriteBatch* batch) {
+  if (document.action == Document::Action::kRemove && entries_.count({document.kind, document.name}) == 0) {
+    return absl::NotFoundError(absl::StrCat("there is no ontology \"", document.name, "\""));
+  }
   // what the graph has now goes, unless the new text has it too; the applier nets removals and additions out
   std::vector<QuadOperation> operations;
   std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name));

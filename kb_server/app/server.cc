@@ -78,7 +78,10 @@ bool SameGraph(const Dictionary& dictionary, const GraphVersion& version, const 
 }  // namespace
 
 Server::Server(const ServerSettings& settings)
-    : settings_(settings), inbox_(&clock_, settings.limits), leases_(&clock_) {}
+    : settings_(settings),
+      clock_(settings.clock != nullptr ? *settings.clock : system_clock_),
+      inbox_(&clock_, settings.limits),
+      leases_(&clock_) {}
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerSettings& settings,
                                                       const std::function<void(uint64_t, uint64_t)>& progress) {
@@ -87,7 +90,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerSettings& sett
   auto log = SqliteLog::Open(settings.data_folder);
   if (!log.ok()) return log.status();
   s.log_ = *std::move(log);
-  s.proxies_ = std::make_unique<RobotProxies>([inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); });
+  s.proxies_ = std::make_unique<RobotProxies>(
+      [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); }, ProxySettings{}, &s.clock_);
   Writer::Ports ports;
   ports.inbox = &s.inbox_;
   ports.log = s.log_.get();
@@ -116,13 +120,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerSettings& sett
   if (absl::Status status = s.StartGrpc(); !status.ok()) return status;
   if (absl::Status status = s.StartHttp(); !status.ok()) return status;
   s.ExpectRobots();
+  s.writer_->ResumeCommands();  // before the writer's thread has it
   s.writer_thread_ = std::thread([&s] {
     absl::Status status = s.writer_->Run();
     absl::MutexLock lock(&s.status_mutex_);
     s.writer_status_ = status;
     s.writer_ended_ = true;
   });
-  s.writer_->ResumeCommands();
   if (absl::Status status = s.LoadFiles(); !status.ok()) return status;
   return server;
 }
@@ -131,9 +135,9 @@ Server::~Server() {
   auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(2);
   http_server_.reset();
   if (grpc_server_) grpc_server_->Shutdown(deadline);
-  proxies_.reset();
   inbox_.Close();
   if (writer_thread_.joinable()) writer_thread_.join();
+  proxies_.reset();  // after the writer, which sends to the last
   workers_.reset();
   grpc_server_.reset();
 }

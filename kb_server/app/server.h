@@ -30,6 +30,7 @@ struct ServerSettings {
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise
   Limits limits;
+  const Clock* clock = nullptr;  // null: the system's; must outlive the server
 };
 
 class Server {
@@ -61,7 +62,8 @@ class Server {
   void RegisterMetrics();
 
   const ServerSettings settings_;
-  SystemClock clock_;
+  const SystemClock system_clock_;
+  const Clock& clock_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
   std::unique_ptr<ContextLog> log_;

@@ -61,7 +61,11 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     Pump();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    mutex_.Lock();  // the writer's thread may still be on its way out of the Answer that finished this
+    mutex_.Unlock();
+    delete this;
+  }
 
  private:
   static constexpr size_t kInFlight = 256;

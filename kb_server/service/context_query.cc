@@ -61,8 +61,18 @@ absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, con
   });
 }
 
-absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
-                    const Handle& out) {
+// The newest version once it is at least `revision`; looks now and then whether the caller still waits.
+absl::StatusOr<GraphVersionPtr> WaitForRevision(const QueryPort& queries, Revision revision, absl::Time deadline,
+                                                Cancellation* cancellation) {
+  while (true) {
+    auto version = queries.WaitForRevision(revision, std::min(deadline, absl::Now() + absl::Milliseconds(100)));
+    if (version.ok() || absl::Now() >= deadline) return version;
+    if (absl::Status status = cancellation->Check(); !status.ok()) return status;
+  }
+}
+
+absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, absl::Time deadline,
+                    Cancellation* cancellation, const Handle& out) {
   if (request.query().size() > ports.limits.query_text_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("the query has ", request.query().size(),
                                                      " bytes; the limit query_text_bytes is ",
@@ -73,8 +83,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   options.limits = ports.limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
-  absl::Time deadline = absl::Now() + absl::Milliseconds(ports.limits.query_timeout_ms);
-  auto version = ports.queries->WaitForRevision(Revision(request.min_revision()), deadline);
+  auto version = WaitForRevision(*ports.queries, Revision(request.min_revision()), deadline, cancellation);
   if (!version.ok()) return version.status();
   return Evaluate(ports, parsed.query, **version, cancellation, out);
 }
@@ -89,8 +98,9 @@ grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackSe
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   handle->OnGone([cancellation] { cancellation->Cancel(); });
-  bool accepted = ports_.workers->Submit([this, handle, cancellation, request = *request] {
-    handle->End(ToGrpc(Answer(ports_, request, cancellation.get(), handle)));
+  absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
+  bool accepted = ports_.workers->Submit([this, handle, cancellation, deadline, request = *request] {
+    handle->End(ToGrpc(Answer(ports_, request, deadline, cancellation.get(), handle)));
   });
   if (!accepted) {
     handle->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too many queries wait; try again"));

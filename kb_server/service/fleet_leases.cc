@@ -4,16 +4,21 @@ namespace docent {
 
 bool FleetLeases::Renew(const std::string& robot, const std::string& description) {
   absl::MutexLock lock(&mutex_);
-  auto [it, inserted] = leases_.try_emplace(robot);
-  bool news = inserted || it->second.description != description;
-  it->second.description = description;
-  it->second.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
-  return news;
+  Lease& lease = leases_[robot];
+  lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+  return lease.told != description;
+}
+
+void FleetLeases::Told(const std::string& robot, const std::string& description) {
+  absl::MutexLock lock(&mutex_);
+  Lease& lease = leases_[robot];  // if it ran out meanwhile, it is made anew to be found lost
+  lease.in_graph = true;
+  lease.told = description;
 }
 
 void FleetLeases::Expect(const std::string& robot) {
   absl::MutexLock lock(&mutex_);
-  leases_.try_emplace(robot, Lease{clock_.Now() + int64_t{kLeaseMs} * 1000, ""});
+  leases_.try_emplace(robot, Lease{clock_.Now() + int64_t{kLeaseMs} * 1000, true, ""});
 }
 
 std::vector<std::string> FleetLeases::TakeLost() {
@@ -24,7 +29,7 @@ std::vector<std::string> FleetLeases::TakeLost() {
       ++it;
       continue;
     }
-    lost.push_back(it->first);
+    if (it->second.in_graph) lost.push_back(it->first);
     it = leases_.erase(it);
   }
   return lost;

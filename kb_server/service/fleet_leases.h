@@ -22,17 +22,21 @@ class FleetLeases {
   // How long a lease lasts.
   static constexpr uint32_t kLeaseMs = 5000;
 
-  // True if the graph has to be told: the robot is new here, was lost, or `description` (any text) changed.
+  // True if the graph has to be told: the robot is new here, was lost, or `description` (not empty) is not the one that
+  // the graph was told.
   bool Renew(const std::string& robot, const std::string& description);
+  // The graph has it.
+  void Told(const std::string& robot, const std::string& description);
   // A robot that the graph has as online after a restart of the server: it gets one lease to show itself.
   void Expect(const std::string& robot);
-  // Robots whose lease ran out since the last call.
+  // Robots that the graph has and whose lease ran out since the last call.
   std::vector<std::string> TakeLost();
 
  private:
   struct Lease {
     TimeMicros until_us = 0;
-    std::string description;
+    bool in_graph = false;
+    std::string told;  // the description that the graph has, as far as known here
   };
   const Clock& clock_;
   absl::Mutex mutex_;

@@ -71,8 +71,11 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     return reactor;
   }
   ports_.inbox->Push(JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
-                     [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-                       if (outcome.ok()) reply->set_revision(outcome->offset);
+                     [this, reactor, reply, robot = description.robot(), text](const absl::StatusOr<BatchOutcome>& outcome) {
+                       if (outcome.ok()) {
+                         leases_.Told(robot, text);
+                         reply->set_revision(outcome->offset);
+                       }
                        reactor->Finish(ToGrpc(outcome.status()));
                      });
   return reactor;

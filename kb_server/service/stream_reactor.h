@@ -55,10 +55,16 @@ class StreamHandle {
     absl::MutexLock lock(&mutex_);
     return dead_;
   }
-  // Called once, from a gRPC thread, when the client goes away before the end.
+  // Called once when the client goes away before the end: from a gRPC thread, or at once if it has gone already.
   void OnGone(std::function<void()> callback) {
-    absl::MutexLock lock(&mutex_);
-    on_gone_ = std::move(callback);
+    {
+      absl::MutexLock lock(&mutex_);
+      if (!cancelled_) {
+        on_gone_ = std::move(callback);
+        return;
+      }
+    }
+    callback();
   }
 
  private:
@@ -87,6 +93,7 @@ class StreamHandle {
   bool ending_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   bool dead_ ABSL_GUARDED_BY(mutex_) = false;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   grpc::Status status_ ABSL_GUARDED_BY(mutex_);
   std::function<void()> on_gone_ ABSL_GUARDED_BY(mutex_);
 };
@@ -111,6 +118,7 @@ class StreamReactor final : public grpc::ServerWriteReactor<Message> {
     {
       absl::MutexLock lock(&handle_->mutex_);
       Kill();
+      handle_->cancelled_ = true;
       callback = std::move(handle_->on_gone_);
     }
     if (callback) callback();

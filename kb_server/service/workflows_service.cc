@@ -111,6 +111,7 @@ grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackSe
   auto* reactor = new StreamReactor<v1::RunEvent>();
   auto handle = reactor->handle();
   std::string run = request->run();
+  reactor->StartSendInitialMetadata();  // goes out when this returns: a client that has it misses nothing from then on
   uint64_t id = ports_.feed->Subscribe([handle, run](const RunEvent& event) {
     if (!run.empty() && event.run != run) return !handle->gone();
     v1::RunEvent out;
