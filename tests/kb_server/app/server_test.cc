@@ -1,0 +1,393 @@
+// Workflows, robot services and the fleet over gRPC with a real adapter; starting, refusing to start, and starting again.
+#include "kb_server/app/server.h"
+
+#include <fstream>
+#include <thread>
+
+#include "gmock/gmock.h"
+#include "tests/kb_server/app/scripted_adapter.h"
+#include "tests/kb_server/app/server_world.h"
+#include "tests/kb_server/app/test_world.h"
+
+namespace docent::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr char kStates[] = "docent:isAt a docent:StateProperty . docent:status a docent:StateProperty .";
+
+class ServerWorkflowTest : public ServerTest {
+ protected:
+  // Polls until the run is in the state; fails after a long time.
+  v1::Run WaitForRun(const std::string& id, const std::string& state) {
+    v1::Run run = GetRun(id);
+    for (int i = 0; i < 2000 && run.state() != state; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      run = GetRun(id);
+    }
+    EXPECT_EQ(run.state(), state) << run.DebugString();
+    return run;
+  }
+  static const v1::Node* FindNode(const v1::Run& run, const std::string& name) {
+    for (const v1::Node& node : run.nodes()) {
+      if (node.name() == name) return &node;
+    }
+    ADD_FAILURE() << "no node " << name;
+    static const v1::Node* none = new v1::Node;
+    return none;
+  }
+  void SetUpGreeting(const std::string& adapter = "127.0.0.1:1") {
+    MustTell(kStates);
+    ASSERT_TRUE(Join("urn:w:R1", adapter).ok());
+    ASSERT_TRUE(Load(v1::LoadRequest::RULES, "near.rules", kRules).ok());
+    grpc::Status status = Deploy("greeting.xml", kGreeting);
+    ASSERT_TRUE(status.ok()) << status.error_message();
+  }
+  grpc::Status Register(const std::string& rsel, v1::RegisterReply* reply = nullptr) {
+    v1::RegisterRequest request;
+    request.set_name("services.xml");
+    request.set_rsel(rsel);
+    v1::RegisterReply unused;
+    return Call(services_, &v1::RobotServices::Stub::Register, request, reply == nullptr ? &unused : reply);
+  }
+  std::vector<v1::InvokeServiceReply> Invoke(const std::string& name, grpc::Status* status) {
+    v1::InvokeServiceRequest request;
+    request.set_name(name);
+    grpc::ClientContext context;
+    Limit(&context);
+    auto reader = services_->Invoke(&context, request);
+    std::vector<v1::InvokeServiceReply> replies;
+    v1::InvokeServiceReply reply;
+    while (reader->Read(&reply)) replies.push_back(reply);
+    *status = reader->Finish();
+    return replies;
+  }
+};
+
+TEST_F(ServerWorkflowTest, CheckShowsMistakesAndConditions) {
+  StartServer();
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  v1::CheckRequest request;
+  v1::CheckReply reply;
+  request.set_name("greeting.xml");
+  request.set_cawl(kGreeting);
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Check, request, &reply).ok());
+  ASSERT_EQ(reply.conditions_size(), 2);
+  EXPECT_THAT(reply.conditions(0).ask(), HasSubstr("isNear"));
+  for (const v1::Diagnostic& diagnostic : reply.diagnostics()) EXPECT_TRUE(diagnostic.warning()) << diagnostic.message();
+
+  request.set_cawl("<?xml version=\"1.0\"?>\n<!DOCTYPE CAWL [<!ENTITY a \"b\">]>\n<CAWL name=\"&a;\"/>");
+  reply.Clear();
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Check, request, &reply).ok());
+  ASSERT_GE(reply.diagnostics_size(), 1);
+  EXPECT_EQ(reply.diagnostics(0).line(), 2);
+  EXPECT_FALSE(reply.diagnostics(0).warning());
+  EXPECT_THAT(reply.diagnostics(0).message(), HasSubstr("document type definition"));
+  EXPECT_THAT(reply.diagnostics(0).hint(), HasSubstr("remove it"));
+}
+
+TEST_F(ServerWorkflowTest, ABadWorkflowIsNotDeployed) {
+  StartServer();
+  grpc::Status status = Deploy("bad.xml", "<?xml version=\"1.0\"?>\n<!DOCTYPE CAWL>\n<CAWL/>");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("bad.xml:2:1: error: a document type definition"));
+  std::string text = kGreeting;
+  text.replace(text.find("to=\"Goodbye\""), 12, "to=\"Godbye\"");
+  status = Deploy("bad.xml", text);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("Godbye"));
+  EXPECT_THAT(status.error_message(), HasSubstr("bad.xml:20:"));
+  v1::StartReply start;
+  status = StartRun("Greeting", &start);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(status.error_message(), HasSubstr("Greeting"));
+  EXPECT_EQ(Revision(), 0u);
+}
+
+TEST_F(ServerWorkflowTest, ARunIsStartedWatchedAndDone) {
+  StartServer();
+  ScriptedAdapter adapter;
+  SetUpGreeting(adapter.address());
+  v1::ListWorkflowsReply list;
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::List, v1::ListWorkflowsRequest(), &list).ok());
+  ASSERT_EQ(list.workflows_size(), 1);
+  EXPECT_EQ(list.workflows(0).name(), "Greeting");
+  EXPECT_THAT(list.workflows(0).flows(), ElementsAre("Greet"));
+
+  grpc::ClientContext watch_context;
+  Limit(&watch_context);
+  auto watch = workflows_->Watch(&watch_context, v1::WatchRequest());
+  watch->WaitForInitialMetadata();  // from now on nothing is missed
+  v1::StartReply start;
+  ASSERT_TRUE(StartRun("Greeting", &start, "greet").ok());
+  EXPECT_EQ(start.run(), "Greet-1");
+  v1::Run run = GetRun("Greet-1");
+  EXPECT_EQ(run.state(), "running");
+  EXPECT_EQ(FindNode(run, "Hello")->state(), "waiting");
+  EXPECT_THAT(FindNode(run, "Hello")->waits_for(), HasSubstr("isNear"));
+  EXPECT_EQ(FindNode(run, "Goodbye")->state(), "inactive");
+
+  MustTell(":John docent:isAt :Hall ; docent:feels docent:Glad . :R1 docent:isAt :Hall .");
+  run = WaitForRun("Greet-1", "done");
+  EXPECT_THAT(FindNode(run, "Hello")->fired_because(), HasSubstr("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1> ."));
+  ASSERT_EQ(FindNode(run, "Hello")->invocations_size(), 1);
+  EXPECT_EQ(FindNode(run, "Hello")->invocations(0).robot(), "urn:w:R1");
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+
+  std::vector<std::string> events;
+  v1::RunEvent event;
+  uint64_t revision = 0;
+  while (watch->Read(&event)) {
+    EXPECT_EQ(event.run(), "Greet-1");
+    EXPECT_GE(event.revision(), revision);
+    revision = event.revision();
+    events.push_back(absl::StrCat(event.kind(), " ", event.node(), " ", event.to()));
+    if (event.kind() == "run" && event.to() == "done") break;
+  }
+  EXPECT_EQ(events.front(), "run  running");
+  EXPECT_THAT(events, Contains("node Hello waiting"));
+  EXPECT_THAT(events, Contains("command Hello sent"));
+  EXPECT_THAT(events, Contains("report Hello succeeded"));
+  EXPECT_EQ(events.back(), "run  done");
+  watch_context.TryCancel();
+
+  // the same request again starts nothing
+  v1::StartReply again;
+  ASSERT_TRUE(StartRun("Greeting", &again, "greet").ok());
+  EXPECT_EQ(again.run(), "Greet-1");
+  EXPECT_EQ(again.revision(), start.revision());
+}
+
+TEST_F(ServerWorkflowTest, ARunIsCancelled) {
+  StartServer();
+  SetUpGreeting();
+  v1::StartReply start;
+  ASSERT_TRUE(StartRun("Greeting", &start).ok());
+  v1::CancelRunRequest cancel;
+  cancel.set_run(start.run());
+  v1::Run run;
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).ok());
+  EXPECT_EQ(run.state(), "cancelled");
+  EXPECT_GT(run.ended_us(), 0);
+  EXPECT_EQ(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).error_code(), grpc::StatusCode::NOT_FOUND);
+  v1::ListRunsRequest list;
+  v1::ListRunsReply runs;
+  list.set_live_only(true);
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::ListRuns, list, &runs).ok());
+  EXPECT_EQ(runs.runs_size(), 0);
+  list.set_live_only(false);
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::ListRuns, list, &runs).ok());
+  EXPECT_EQ(runs.runs_size(), 1);
+  v1::GetRunRequest get;
+  get.set_run("Greet-77");
+  EXPECT_EQ(Call(workflows_, &v1::Workflows::Stub::Get, get, &run).error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(ServerWorkflowTest, ARobotServiceIsRegisteredDescribedAndInvoked) {
+  StartServer();
+  ScriptedAdapter adapter;
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  v1::RegisterReply reply;
+  grpc::Status status = Register(kServices, &reply);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_THAT(reply.processes(), ElementsAre("greetTwice"));
+  status = Register("<rsel name=\"x\"><process/></rsel>");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("services.xml:1:"));
+
+  v1::ListServicesReply list;
+  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::List, v1::ListServicesRequest(), &list).ok());
+  ASSERT_EQ(list.services_size(), 1);
+  v1::DescribeServiceRequest describe;
+  describe.set_name("greetTwice");
+  v1::RobotService service;
+  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).ok());
+  EXPECT_EQ(service.steps_size(), 2);
+  EXPECT_THAT(service.robots(), ElementsAre("urn:w:R1"));
+  describe.set_name("nothing");
+  EXPECT_EQ(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).error_code(), grpc::StatusCode::NOT_FOUND);
+
+  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_FALSE(replies.empty());
+  for (const auto& r : replies) EXPECT_EQ(r.final(), &r == &replies.back());
+  EXPECT_EQ(replies.back().state(), "done");
+  EXPECT_EQ(adapter.commands().size(), 2u);
+  EXPECT_NE(adapter.commands()[0], adapter.commands()[1]);
+
+  EXPECT_THAT(Invoke("nothing", &status), IsEmpty());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(ServerWorkflowTest, AServiceWhoseRobotFailsSaysWhy) {
+  StartServer();
+  ScriptedAdapter adapter([](const v1::InvokeRequest&) {
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::FAILED);
+    feedback.set_message("a wheel is stuck");
+    return feedback;
+  });
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  ASSERT_TRUE(Register(kServices).ok());
+  grpc::Status status;
+  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
+  ASSERT_TRUE(status.ok());
+  ASSERT_FALSE(replies.empty());
+  EXPECT_EQ(replies.back().state(), "failed");
+  EXPECT_TRUE(replies.back().final());
+  EXPECT_THAT(GetRun(replies.back().run()).reason(), HasSubstr("a wheel is stuck"));
+}
+
+TEST_F(ServerWorkflowTest, ARobotThatStopsRenewingItsLeaseIsOffline) {
+  settings_.clock = &clock_;
+  StartServer();
+  MustTell(kStates);
+  auto state = [this] {
+    std::vector<v1::RobotStatus> robots = Robots();
+    return robots.size() == 1 ? robots[0].state() : absl::StrCat(robots.size(), " robots");
+  };
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  ASSERT_EQ(Robots().size(), 1u);
+  EXPECT_EQ(Robots()[0].label(), "a robot");
+  EXPECT_THAT(Robots()[0].operations(), ElementsAre("greet"));
+  EXPECT_EQ(state(), "standby");
+  uint64_t revision = Revision();
+  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs - 1));
+  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_TRUE(server_->Tend());
+  EXPECT_EQ(Revision(), revision) << "a renewed lease is no news";
+
+  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs));
+  EXPECT_TRUE(server_->Tend());
+  ASSERT_TRUE(Query("ASK {}", revision + 1).status.ok());
+  EXPECT_EQ(state(), "offline");
+  EXPECT_TRUE(server_->Tend());
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_EQ(state(), "standby");
+  EXPECT_EQ(Revision(), revision + 2);
+}
+
+TEST_F(ServerWorkflowTest, AJoinThatTheGraphRefusesIsRefusedAgain) {
+  StartServer();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(Join("urn:w:R1", "127.0.0.1:1", "not an IRI").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  EXPECT_EQ(Join("R1", "127.0.0.1:1").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Join("urn:w:R1", "").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(Robots(), IsEmpty());
+  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_EQ(Robots().size(), 1u);
+}
+
+TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
+  StartServer();
+  SetUpGreeting();
+  MustTell(":John docent:isAt :Hall .");
+  v1::AssertReply told;
+  ASSERT_TRUE(Assert(Turtle(":R1 docent:isAt :Hall .", "R1 is here"), &told).ok());
+  ASSERT_TRUE(Register(kServices).ok());
+  v1::StartReply start;
+  ASSERT_TRUE(StartRun("Greeting", &start, "greet").ok());
+  EXPECT_EQ(GetRun("Greet-1").state(), "running");
+  std::string query = "SELECT ?s ?p ?o ?g { GRAPH ?g { ?s ?p ?o } FILTER(?g != <https://w3id.org/docent#runs>) } ORDER BY ?g ?s ?p ?o";
+  Rows before = Query(query);
+  StopServer();
+
+  ScriptedAdapter adapter;
+  StartServer();
+  Rows after = Query(query);
+  EXPECT_EQ(after.rows, before.rows);
+  v1::AssertReply repeat;
+  ASSERT_TRUE(Assert(Turtle(":R1 docent:isAt :Hall .", "R1 is here"), &repeat).ok());
+  EXPECT_TRUE(repeat.repeated());
+  EXPECT_EQ(repeat.offset(), told.offset());
+  v1::StartReply again;
+  ASSERT_TRUE(StartRun("Greeting", &again, "greet").ok());
+  EXPECT_EQ(again.run(), start.run());
+  v1::ListWorkflowsReply workflows;
+  ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::List, v1::ListWorkflowsRequest(), &workflows).ok());
+  EXPECT_EQ(workflows.workflows_size(), 1);
+  v1::ListServicesReply services;
+  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::List, v1::ListServicesRequest(), &services).ok());
+  EXPECT_EQ(services.services_size(), 1);
+
+  // the run goes on where it was: its command finds the adapter at its new address
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  MustTell(":John docent:feels docent:Glad .");
+  WaitForRun("Greet-1", "done");
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+}
+
+class ServerStartTest : public ServerTest {
+ protected:
+  absl::Status TryStart(const ServerSettings& settings) { return Server::Start(settings, nullptr).status(); }
+  std::string WriteFile(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+};
+
+TEST_F(ServerStartTest, APortInUseIsAClearError) {
+  StartServer();
+  ServerSettings second = settings_;
+  second.data_folder = folder_ / "second";
+  second.grpc_address = server_->grpc_address();
+  absl::Status status = TryStart(second);
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("cannot listen on " + server_->grpc_address()));
+  second.grpc_address = "127.0.0.1:0";
+  second.http_address = server_->http_address();
+  status = TryStart(second);
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--http"));
+  EXPECT_THAT(std::string(status.message()), ::testing::Not(HasSubstr("\n")));
+  EXPECT_TRUE(Assert(Turtle(":a :b :c .")).ok());
+}
+
+TEST_F(ServerStartTest, AFolderInUseOrUnusableIsAClearError) {
+  StartServer();
+  EXPECT_EQ(TryStart(settings_).code(), absl::StatusCode::kFailedPrecondition);
+  ServerSettings second = settings_;
+  second.data_folder = WriteFile("file", "no folder");
+  EXPECT_FALSE(TryStart(second).ok());
+}
+
+TEST_F(ServerStartTest, AnAddressThatOthersCanReachHasToBeMeant) {
+  settings_.grpc_address = "0.0.0.0:0";
+  absl::Status status = TryStart(settings_);
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--insecure"));
+  settings_.grpc_address = "127.0.0.1";
+  EXPECT_EQ(TryStart(settings_).code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(ServerStartTest, FilesAreLoadedOnceAndMistakesInThemShown) {
+  settings_.ontologies = {WriteFile("place.ttl", "@prefix : <urn:w:> . :Hall a :Place ; :has [ :a :b ] .")};
+  settings_.rules = {WriteFile("place.rules", "RULE { ?x a <urn:w:Thing> } WHERE { ?x a <urn:w:Place> }")};
+  StartServer();
+  EXPECT_TRUE(Ask(":Hall a :Thing"));
+  EXPECT_EQ(Revision(), 2u);
+  StopServer();
+  StartServer();
+  EXPECT_EQ(Revision(), 2u) << "nothing changed, nothing is loaded";
+  StopServer();
+  WriteFile("place.ttl", "@prefix : <urn:w:> . :Yard a :Place .");
+  StartServer();
+  EXPECT_EQ(Revision(), 3u);
+  EXPECT_FALSE(Ask(":Hall a :Thing"));
+  StopServer();
+  WriteFile("place.ttl", "@prefix : <urn:w:> .\n:Yard a .");
+  absl::Status status = TryStart(settings_);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("place.ttl:2:9"));
+  settings_.ontologies = {folder_ / "nothing.ttl"};
+  EXPECT_EQ(TryStart(settings_).code(), absl::StatusCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace docent::test

@@ -1,0 +1,469 @@
+#include "kb_server/app/writer.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <thread>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "kb_server/log/record_codec.h"
+#include "kb_server/log/sqlite_log.h"
+#include "tests/kb_server/app/scripted_adapter.h"
+#include "tests/kb_server/app/test_world.h"
+
+namespace docent {
+namespace {
+
+using test::Fact;
+using test::Put;
+using test::Tell;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// A log in memory that refuses appends when told to.
+class FakeLog final : public ContextLog {
+ public:
+  absl::StatusOr<AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch, uint64_t expected) override {
+    if (on_append) on_append(added.size());
+    absl::MutexLock lock(&mutex_);
+    if (!refusal.ok()) return refusal;
+    if (fenced) return AppendResult{AppendResult::Outcome::kFenced, {records_.size(), epoch + 1}};
+    EXPECT_EQ(expected, records_.size());
+    records_.insert(records_.end(), added.begin(), added.end());
+    return AppendResult{AppendResult::Outcome::kAppended, {records_.size(), epoch}};
+  }
+  absl::StatusOr<std::vector<LogEntry>> Read(uint64_t from, size_t max) override {
+    absl::MutexLock lock(&mutex_);
+    std::vector<LogEntry> entries;
+    for (uint64_t i = from; i <= records_.size() && entries.size() < max; ++i) entries.push_back({i, 1, records_[i - 1]});
+    return entries;
+  }
+  absl::StatusOr<uint64_t> Wait(uint64_t, std::chrono::milliseconds) override { return size(); }
+  absl::StatusOr<LogHead> Head() override { return LogHead{size(), 1}; }
+  absl::StatusOr<uint64_t> First() override { return 1; }
+  absl::Status SnapshotPut(uint64_t, std::string_view) override { return absl::OkStatus(); }
+  absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t) override { return std::nullopt; }
+  absl::Status Trim(uint64_t) override { return absl::OkStatus(); }
+
+  uint64_t size() const {
+    absl::MutexLock lock(&mutex_);
+    return records_.size();
+  }
+  std::string& record(uint64_t offset) { return records_[offset - 1]; }  // while no writer runs
+
+  // Set while the writer does not append.
+  std::function<void(size_t)> on_append;
+  absl::Status refusal;
+  bool fenced = false;
+
+ private:
+  mutable absl::Mutex mutex_;
+  std::vector<std::string> records_;
+};
+
+// A writer with all its ports.
+class Node {
+ public:
+  explicit Node(ContextLog* log, bool with_robots = false, const Limits& limits = {})
+      : inbox(&clock, limits) {
+    if (with_robots) {
+      proxies = std::make_unique<RobotProxies>([this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); },
+                                               ProxySettings{}, &clock);
+    }
+    feed.Subscribe([this](const RunEvent& event) {
+      absl::MutexLock lock(&mutex);
+      events.push_back(event.kind + " " + event.run + "/" + event.node + " " + event.to);
+      return true;
+    });
+    Writer::Ports ports;
+    ports.inbox = &inbox;
+    ports.log = log;
+    ports.queries = &queries;
+    ports.catalog = &catalog;
+    ports.feed = &feed;
+    ports.proxies = proxies.get();
+    ports.dictionary = &dictionary;
+    ports.functions = &functions;
+    ports.limits = limits;
+    writer = std::make_unique<Writer>(ports);
+    recovered = writer->Recover(nullptr);
+  }
+  ~Node() { End().IgnoreError(); }
+
+  std::future<absl::StatusOr<BatchOutcome>> Push(WriteBatch batch) {
+    auto answer = std::make_shared<std::promise<absl::StatusOr<BatchOutcome>>>();
+    inbox.Push(std::move(batch), [answer](const absl::StatusOr<BatchOutcome>& outcome) { answer->set_value(outcome); });
+    return answer->get_future();
+  }
+  void Begin() {
+    thread = std::thread([this] { ended = writer->Run(); });
+  }
+  absl::Status End() {
+    inbox.Close();
+    if (thread.joinable()) thread.join();
+    return ended;
+  }
+  absl::StatusOr<BatchOutcome> Ask(WriteBatch batch) { return Push(std::move(batch)).get(); }
+  // All of these in one group, by a writer that did not run before and ends afterwards.
+  std::vector<absl::StatusOr<BatchOutcome>> AskTogether(const std::vector<WriteBatch>& batches) {
+    std::vector<std::future<absl::StatusOr<BatchOutcome>>> answers;
+    for (const WriteBatch& batch : batches) answers.push_back(Push(batch));
+    inbox.Close();
+    ended = writer->Run();
+    std::vector<absl::StatusOr<BatchOutcome>> outcomes;
+    for (auto& answer : answers) outcomes.push_back(answer.get());
+    return outcomes;
+  }
+
+  std::vector<std::string> Quads() const {
+    GraphVersionPtr version = queries.Newest();
+    std::vector<std::string> lines;
+    version->ForEach({}, [&](const Quad& quad) {
+      lines.push_back(absl::StrCat(ToNTriples(dictionary.Decode(quad.subject)), " ",
+                                   ToNTriples(dictionary.Decode(quad.predicate)), " ",
+                                   ToNTriples(dictionary.Decode(quad.object)), " ",
+                                   ToNTriples(dictionary.Decode(quad.graph))));
+      return true;
+    });
+    std::sort(lines.begin(), lines.end());
+    return lines;
+  }
+  bool Knows(const std::string& text) const {
+    std::vector<std::string> quads = Quads();
+    return std::any_of(quads.begin(), quads.end(), [&](const std::string& quad) { return quad.find(text) != std::string::npos; });
+  }
+  std::vector<std::string> Events() const {
+    absl::MutexLock lock(&mutex);
+    return events;
+  }
+  uint64_t revision() const { return queries.Newest()->revision().value(); }
+
+  ManualClock clock{1'700'000'000'000'000};
+  Inbox inbox;
+  QueryPort queries;
+  CatalogPort catalog;
+  RunFeed feed;
+  Dictionary dictionary;
+  sparql::FunctionRegistry functions;
+  std::unique_ptr<RobotProxies> proxies;
+  std::unique_ptr<Writer> writer;
+  absl::Status recovered;
+  absl::Status ended;
+  std::thread thread;
+  mutable absl::Mutex mutex;
+  std::vector<std::string> events;
+};
+
+WriteBatch Named(const std::string& request_id, WriteBatch batch) {
+  batch.request_id = request_id;
+  return batch;
+}
+
+// World, rules, workflow, a run that waits, and what makes it go on.
+std::vector<WriteBatch> Story() {
+  return {test::WorldFacts(), Put(Document::Kind::kRules, "near.rules", test::kRules),
+          Put(Document::Kind::kCawl, "greeting.xml", test::kGreeting), Named("start", test::Start("Greeting")),
+          test::Reading("tag-17")};
+}
+
+TEST(WriterTest, NothingIsSeenOrAnsweredBeforeTheAppend) {
+  FakeLog log;
+  Node node(&log);
+  ASSERT_TRUE(node.recovered.ok());
+  std::vector<std::future<absl::StatusOr<BatchOutcome>>> answers;
+  bool looked = false;
+  log.on_append = [&](size_t records) {
+    looked = true;
+    EXPECT_EQ(records, 5u);
+    for (auto& answer : answers) EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+    EXPECT_EQ(node.revision(), 0u);
+    EXPECT_THAT(node.Events(), IsEmpty());
+    EXPECT_THAT(node.catalog.Get()->workflows, IsEmpty());
+  };
+  for (const WriteBatch& batch : Story()) answers.push_back(node.Push(batch));
+  node.inbox.Close();
+  EXPECT_TRUE(node.writer->Run().ok());
+  EXPECT_TRUE(looked);
+  for (uint64_t i = 0; i < answers.size(); ++i) {
+    absl::StatusOr<BatchOutcome> outcome = answers[i].get();
+    ASSERT_TRUE(outcome.ok()) << outcome.status();
+    EXPECT_EQ(outcome->offset, i + 1);
+  }
+  EXPECT_EQ(node.revision(), 5u);
+  EXPECT_EQ(node.catalog.Get()->workflows.size(), 1u);
+  EXPECT_THAT(node.Events(), ::testing::Contains("node Greet-1/Hello running"));
+  EXPECT_THAT(node.Events(), ::testing::Contains("command Greet-1/Hello sent"));
+  EXPECT_EQ(node.writer->counters().commits, 1u);
+  EXPECT_EQ(node.writer->counters().turns, 5u);
+}
+
+TEST(WriterTest, AnAnswerComesAfterItsVersionIsPublished) {
+  FakeLog log;
+  Node node(&log);
+  uint64_t seen = 0;
+  node.inbox.Push(test::WorldFacts(), [&](const absl::StatusOr<BatchOutcome>&) { seen = node.revision(); });
+  node.inbox.Close();
+  EXPECT_TRUE(node.writer->Run().ok());
+  EXPECT_EQ(seen, 1u);
+}
+
+TEST(WriterTest, ARefusedAppendRefusesTheWholeGroupAndNothingOfItHappened) {
+  FakeLog log;
+  Node node(&log);
+  node.Begin();
+  ASSERT_TRUE(node.Ask(test::WorldFacts()).ok());
+  ASSERT_TRUE(node.Ask(Put(Document::Kind::kCawl, "greeting.xml", test::kGreeting)).ok());
+  std::vector<std::string> before = node.Quads();
+  std::vector<std::string> events = node.Events();
+
+  // while the first append waits, the others gather: the next group
+  std::promise<void> go;
+  std::shared_future<void> gate = go.get_future().share();
+  std::vector<size_t> groups;
+  log.on_append = [&](size_t records) {
+    gate.wait();
+    groups.push_back(records);
+  };
+  log.refusal = absl::ResourceExhaustedError("the disk is full");
+  std::vector<std::future<absl::StatusOr<BatchOutcome>>> answers;
+  answers.push_back(node.Push(Named("a", Tell({Fact("John", "docent:isAt", "Hall")}))));
+  answers.push_back(node.Push(Named("b", Put(Document::Kind::kRules, "near.rules", test::kRules))));
+  answers.push_back(node.Push(Named("c", test::Start("Greeting"))));
+  go.set_value();
+  for (auto& answer : answers) {
+    absl::Status status = answer.get().status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("the disk is full"));
+  }
+  // an answered batch of the next group shows that the writer is past the last refused append
+  log.on_append = nullptr;
+  log.refusal = absl::OkStatus();
+  absl::StatusOr<BatchOutcome> start = node.Ask(Named("c", test::Start("Greeting")));
+  ASSERT_TRUE(start.ok()) << start.status();
+  EXPECT_FALSE(start->repeated);
+  EXPECT_EQ(start->offset, 3u);
+  EXPECT_THAT(start->started, ElementsAre(RunId("Greet-1")));
+  EXPECT_FALSE(node.Knows("<urn:w:John> <https://w3id.org/docent#isAt>"));
+  EXPECT_EQ(node.Ask(Named("a", Tell({Fact("John", "docent:isAt", "Hall")})))->inferred, 0u) << "the rules were refused";
+  EXPECT_TRUE(node.Ask(Named("b", Put(Document::Kind::kRules, "near.rules", test::kRules))).ok());
+  EXPECT_TRUE(node.Knows("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1>"));
+  EXPECT_TRUE(node.End().ok());
+  EXPECT_EQ(log.size(), 5u);
+
+  Node again(&log);
+  EXPECT_TRUE(again.recovered.ok()) << again.recovered;
+  EXPECT_EQ(again.Quads(), node.Quads());
+}
+
+TEST(WriterTest, AfterARefusedAppendTheVersionIsTheOldOne) {
+  FakeLog log;
+  Node node(&log);
+  log.refusal = absl::UnavailableError("input/output error");
+  auto outcomes = node.AskTogether(Story());
+  for (const auto& outcome : outcomes) EXPECT_EQ(outcome.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(node.ended.ok());
+  EXPECT_EQ(node.revision(), 0u);
+  EXPECT_THAT(node.Quads(), IsEmpty());
+  EXPECT_THAT(node.Events(), IsEmpty());
+  EXPECT_EQ(node.writer->counters().refused, 5u);
+  EXPECT_EQ(node.writer->counters().turns, 0u);
+}
+
+TEST(WriterTest, AWriterThatWasReplacedStops) {
+  FakeLog log;
+  log.fenced = true;
+  Limits limits;
+  limits.turns_per_commit = 1;
+  Node node(&log, false, limits);
+  auto outcomes = node.AskTogether({test::WorldFacts(), test::Reading("tag-17")});
+  EXPECT_EQ(node.ended.code(), absl::StatusCode::kFailedPrecondition);
+  for (const auto& outcome : outcomes) {
+    EXPECT_EQ(outcome.status().code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_THAT(std::string(outcome.status().message()), HasSubstr("taken over"));
+  }
+}
+
+TEST(WriterTest, ARepeatedRequestIdGetsTheFirstAnswer) {
+  FakeLog log;
+  std::vector<WriteBatch> story = Story();
+  WriteBatch fact = Named("one", Tell({Fact("John", "p", "q"), Fact("John", "p", "r")}));
+  {
+    Node node(&log);
+    auto outcomes = node.AskTogether({fact, fact, Named("bad", Tell({{Term::Literal("x"), test::Iri("p"), test::Iri("q"), Term()}})),
+                                      Named("bad", Tell({Fact("a", "b", "c")})), story[0]});
+    ASSERT_TRUE(outcomes[0].ok());
+    EXPECT_FALSE(outcomes[0]->repeated);
+    ASSERT_TRUE(outcomes[1].ok());
+    EXPECT_TRUE(outcomes[1]->repeated);
+    EXPECT_EQ(outcomes[1]->offset, 1u);
+    EXPECT_EQ(outcomes[1]->added, 2u);
+    EXPECT_EQ(outcomes[2].status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(outcomes[3].status().code(), absl::StatusCode::kAborted) << "its first was refused";
+    EXPECT_EQ(outcomes[4]->offset, 2u) << "a batch that was refused leaves no gap";
+    EXPECT_EQ(log.size(), 2u);
+  }
+  Node node(&log);
+  node.Begin();
+  absl::StatusOr<BatchOutcome> repeat = node.Ask(fact);
+  ASSERT_TRUE(repeat.ok());
+  EXPECT_TRUE(repeat->repeated);
+  EXPECT_EQ(repeat->offset, 1u);
+  EXPECT_EQ(repeat->added, 2u);
+  ASSERT_TRUE(node.Ask(story[2]).ok());
+  absl::StatusOr<BatchOutcome> started = node.Ask(story[3]);
+  ASSERT_TRUE(started.ok());
+  absl::StatusOr<BatchOutcome> again = node.Ask(story[3]);
+  ASSERT_TRUE(again.ok());
+  EXPECT_TRUE(again->repeated);
+  EXPECT_EQ(again->started, started->started);
+  EXPECT_EQ(log.size(), 4u);
+  // two batches without an id are two
+  EXPECT_FALSE(node.Ask(Tell({Fact("a", "b", "c")}))->repeated);
+  EXPECT_FALSE(node.Ask(Tell({Fact("a", "b", "c")}))->repeated);
+  EXPECT_EQ(log.size(), 6u);
+}
+
+TEST(WriterTest, RecoveryGivesTheStateBeforeAndGoesOn) {
+  std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / absl::StrCat("writer_test_", getpid());
+  std::filesystem::remove_all(folder);
+  std::vector<std::string> quads;
+  TimeMicros last_us = 0;
+  {
+    auto log = SqliteLog::Open(folder.string());
+    ASSERT_TRUE(log.ok()) << log.status();
+    Node node(log->get());
+    node.clock.Advance(std::chrono::hours(1));
+    last_us = node.clock.Now();
+    for (const auto& outcome : node.AskTogether(Story())) ASSERT_TRUE(outcome.ok()) << outcome.status();
+    quads = node.Quads();
+    EXPECT_EQ(node.writer->counters().live_runs, 1u);
+  }
+  auto log = SqliteLog::Open(folder.string());
+  ASSERT_TRUE(log.ok()) << log.status();
+  uint64_t done = 0, all = 0;
+  Node node(log->get());
+  ASSERT_TRUE(node.recovered.ok()) << node.recovered;
+  ASSERT_TRUE(node.writer->Recover([&](uint64_t d, uint64_t a) { done = d, all = a; }).ok());
+  EXPECT_EQ(done, 5u);
+  EXPECT_EQ(all, 5u);
+  EXPECT_EQ(node.Quads(), quads);
+  EXPECT_EQ(node.revision(), 5u);
+  EXPECT_EQ(node.catalog.Get()->workflows.size(), 1u);
+  EXPECT_EQ(node.catalog.Get()->modules.size(), 1u);
+  EXPECT_EQ(node.writer->counters().live_runs, 1u);
+  EXPECT_THAT(node.Events(), IsEmpty()) << "a replay is no news";
+
+  node.Begin();
+  absl::StatusOr<BatchOutcome> report =
+      node.Ask(test::Report(CommandId("Greet-1/Hello/0/0.1/1/1"), CommandReport::Outcome::kSucceeded));
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->offset, 6u);
+  EXPECT_THAT(node.Events(), ::testing::Contains("node Greet-1/Goodbye waiting"));
+  ASSERT_TRUE(node.End().ok());
+  auto entries = (*log)->Read(6, 1);
+  ASSERT_TRUE(entries.ok());
+  EXPECT_GE(DecodeTurnRecord(6, (*entries)[0].data)->time_us, last_us) << "time does not go back";
+  std::filesystem::remove_all(folder);
+}
+
+TEST(WriterTest, ALogThatWasDecidedOtherwiseIsRefusedWithItsOffset) {
+  FakeLog log;
+  {
+    Node node(&log);
+    for (const auto& outcome : node.AskTogether(Story())) ASSERT_TRUE(outcome.ok()) << outcome.status();
+  }
+  const std::string good = log.record(5);
+  auto record = DecodeTurnRecord(5, good);
+  ASSERT_TRUE(record.ok());
+  ASSERT_EQ(record->commands.size(), 1u);
+  record->commands[0].operation = "dance";
+  log.record(5) = *EncodeTurnRecord(*record);
+  {
+    Node node(&log);
+    EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
+    EXPECT_THAT(std::string(node.recovered.message()), HasSubstr("log offset 5"));
+    EXPECT_THAT(std::string(node.recovered.message()), HasSubstr("dance"));
+  }
+  log.record(5) = "\x01garbage";
+  {
+    Node node(&log);
+    EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
+    EXPECT_THAT(std::string(node.recovered.message()), HasSubstr("5"));
+  }
+  record = DecodeTurnRecord(5, good);
+  record->batch.run_requests.push_back({RunRequest::Kind::kStart, "Nobody", {}});
+  log.record(5) = *EncodeTurnRecord(*record);
+  {
+    Node node(&log);
+    EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
+    EXPECT_THAT(std::string(node.recovered.message()), HasSubstr("refused on replay"));
+  }
+}
+
+TEST(WriterTest, AClockTickIsMadeWhenADeadlineIsDue) {
+  FakeLog log;
+  Node node(&log);
+  node.Begin();
+  WriteBatch seen = Tell({Fact("John", "docent:isAt", "Hall")});
+  seen.lifetime_ms = 5;
+  ASSERT_TRUE(node.Ask(seen).ok());
+  node.clock.Advance(std::chrono::seconds(1));
+  ASSERT_TRUE(node.queries.WaitForRevision(Revision(2), absl::Now() + absl::Seconds(20)).ok());
+  EXPECT_FALSE(node.Knows("<urn:w:John>"));
+}
+
+TEST(WriterTest, CommandsGoOutAfterTheAppendOnly) {
+  FakeLog log;
+  std::atomic<bool> early = false;
+  test::ScriptedAdapter adapter([&](const v1::InvokeRequest& request) {
+    if (log.size() < request.guard_revision()) early = true;
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::SUCCEEDED);
+    return feedback;
+  });
+  Node node(&log, /*with_robots=*/true);
+  node.Begin();
+  std::vector<WriteBatch> story = Story();
+  story[0].operations.push_back(
+      {QuadOperation::Kind::kAdd, Fact("R1", "docent:adapterAddress", Term::Literal(adapter.address()))});
+  for (size_t i = 0; i < 4; ++i) ASSERT_TRUE(node.Ask(story[i]).ok());
+
+  // refused: never sent
+  log.refusal = absl::ResourceExhaustedError("the disk is full");
+  EXPECT_FALSE(node.Ask(story[4]).ok());
+  EXPECT_EQ(node.Ask(story[4]).status().code(), absl::StatusCode::kResourceExhausted);
+  log.refusal = absl::OkStatus();
+  // a slow disk: a command that did not wait would be there before it
+  log.on_append = [](size_t) { std::this_thread::sleep_for(std::chrono::milliseconds(50)); };
+  ASSERT_TRUE(node.Ask(story[4]).ok());
+  adapter.WaitForCommands(1);
+  ASSERT_TRUE(node.Ask(Tell({Fact("John", "docent:feels", "docent:Glad")})).ok());
+  adapter.WaitForCommands(2);
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+  EXPECT_FALSE(early);
+  EXPECT_TRUE(node.End().ok());
+}
+
+TEST(WriterTest, CommandsThatWereOpenAreAskedForAfterARestart) {
+  FakeLog log;
+  std::vector<WriteBatch> story = Story();
+  {
+    Node node(&log);
+    for (const auto& outcome : node.AskTogether(story)) ASSERT_TRUE(outcome.ok()) << outcome.status();
+  }
+  test::ScriptedAdapter adapter;  // began nothing: the command comes once more, with its id
+  Node node(&log, /*with_robots=*/true);
+  ASSERT_TRUE(node.recovered.ok());
+  node.writer->ResumeCommands();
+  node.Begin();
+  ASSERT_TRUE(node.Ask(Tell({Fact("R1", "docent:adapterAddress", Term::Literal(adapter.address()))})).ok());
+  adapter.WaitForCommands(1);
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1"));
+  EXPECT_TRUE(node.End().ok());
+}
+
+}  // namespace
+}  // namespace docent
