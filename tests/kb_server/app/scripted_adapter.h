@@ -48,14 +48,17 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
       commands_.push_back(request->command_id());
     }
     v1::Feedback feedback;
-    if (act_) feedback = act_(*request);
-    else feedback.set_state(v1::Feedback::SUCCEEDED);
+    if (act_)
+      feedback = act_(*request);
+    else
+      feedback.set_state(v1::Feedback::SUCCEEDED);
     feedback.set_command_id(request->command_id());
     feedback.set_incarnation("i1");
     writer->Write(feedback);
     return grpc::Status::OK;
   }
-  grpc::Status Attach(grpc::ServerContext*, const v1::AttachRequest*, grpc::ServerWriter<v1::Feedback>*) override {
+  grpc::Status Attach(grpc::ServerContext*, const v1::AttachRequest*,
+                      grpc::ServerWriter<v1::Feedback>*) override {
     return grpc::Status(grpc::StatusCode::NOT_FOUND, "never begun");
   }
 

@@ -143,7 +143,8 @@ TEST_F(ServerContextTest, BeyondALimitNothingIsAppliedAndTheLimitIsNamed) {
   request.mutable_add(0)->mutable_object()->mutable_literal()->set_lexical(std::string(100 << 10, 'x'));
   expect(Assert(request), "");  // gRPC's own words
   expect(Load(v1::LoadRequest::DATA, "big.ttl", std::string(20001, '#')), "document_bytes is 20000");
-  EXPECT_THAT(Deploy("big.xml", std::string(20001, ' ')).error_message(), HasSubstr("document_bytes = 20000"));
+  EXPECT_THAT(Deploy("big.xml", std::string(20001, ' ')).error_message(),
+              HasSubstr("document_bytes = 20000"));
   expect(Query("ASK {} #" + std::string(2000, 'x')).status, "query_text_bytes is 2000");
   EXPECT_EQ(Revision(), 0u);
   EXPECT_TRUE(Assert(Words(10)).ok()) << "at the limit";
@@ -186,7 +187,8 @@ TEST_F(ServerContextTest, AMistakeInAQueryIsShownWithItsPlace) {
   EXPECT_THAT(rows.status.error_message(), HasSubstr("WHERE { ?x ?y }\n"));
 }
 
-constexpr char kBomb[] = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?o ?p . ?q ?r ?s }";
+constexpr char kBomb[] =
+    "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?o ?p . ?q ?r ?s }";
 
 TEST_F(ServerContextTest, AQueryBombIsStoppedAndOthersGoOn) {
   StartServer();
@@ -227,14 +229,20 @@ TEST_F(ServerContextTest, AClientThatGoesAwayEndsItsQuery) {
 TEST_F(ServerContextTest, OntologiesAreLoadedReplacedListedAndRemoved) {
   StartServer();
   v1::LoadReply reply;
-  ASSERT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "place.ttl", "@prefix : <urn:w:> . :Hall a :Place . :Room a :Place .", &reply).ok());
+  ASSERT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "place.ttl",
+                   "@prefix : <urn:w:> . :Hall a :Place . :Room a :Place .", &reply)
+                  .ok());
   EXPECT_EQ(reply.added(), 2u);
   EXPECT_TRUE(Ask("GRAPH <https://w3id.org/docent/ontology/place.ttl> { :Room a :Place }"));
-  ASSERT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "place.ttl", "@prefix : <urn:w:> . :Hall a :Place . :Yard a :Place .", &reply).ok());
+  ASSERT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "place.ttl",
+                   "@prefix : <urn:w:> . :Hall a :Place . :Yard a :Place .", &reply)
+                  .ok());
   EXPECT_EQ(reply.added(), 1u);
   EXPECT_EQ(reply.removed(), 1u);
   EXPECT_FALSE(Ask(":Room a :Place"));
-  ASSERT_TRUE(Load(v1::LoadRequest::RULES, "place.rules", "RULE { ?x a <urn:w:Thing> } WHERE { ?x a <urn:w:Place> }", &reply).ok());
+  ASSERT_TRUE(Load(v1::LoadRequest::RULES, "place.rules",
+                   "RULE { ?x a <urn:w:Thing> } WHERE { ?x a <urn:w:Place> }", &reply)
+                  .ok());
   EXPECT_EQ(reply.inferred(), 2u);
   ASSERT_TRUE(Load(v1::LoadRequest::DATA, "", "@prefix : <urn:w:> . :John :at :Yard .", &reply).ok());
 
@@ -252,16 +260,19 @@ TEST_F(ServerContextTest, OntologiesAreLoadedReplacedListedAndRemoved) {
   EXPECT_FALSE(Ask(":Yard a :Place"));
   EXPECT_FALSE(Ask(":Yard a :Thing"));
   EXPECT_TRUE(Ask(":John :at :Yard"));
-  EXPECT_EQ(Call(ontologies_, &v1::Ontologies::Stub::Remove, remove, &reply).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Call(ontologies_, &v1::Ontologies::Stub::Remove, remove, &reply).error_code(),
+            grpc::StatusCode::NOT_FOUND);
   remove.set_name("place.rules");
-  EXPECT_EQ(Call(ontologies_, &v1::Ontologies::Stub::Remove, remove, &reply).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Call(ontologies_, &v1::Ontologies::Stub::Remove, remove, &reply).error_code(),
+            grpc::StatusCode::NOT_FOUND);
   remove.set_kind(v1::LoadRequest::RULES);
   EXPECT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Remove, remove, &reply).ok());
 }
 
 TEST_F(ServerContextTest, AModuleThatDoesNotParseIsRefusedWithItsPlace) {
   StartServer();
-  grpc::Status status = Load(v1::LoadRequest::ONTOLOGY, "bad.ttl", "@prefix : <urn:w:> .\n:a :b :c .\n:a b :c .\n");
+  grpc::Status status =
+      Load(v1::LoadRequest::ONTOLOGY, "bad.ttl", "@prefix : <urn:w:> .\n:a :b :c .\n:a b :c .\n");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), HasSubstr("bad.ttl:3:4: error:"));
   status = Load(v1::LoadRequest::RULES, "bad.rules", "RULE { ?x a <urn:w:T> } WHERE {\n ?y a <urn:w:T> }");
@@ -289,9 +300,10 @@ void SendRaw(const std::string& address, const std::string& bytes) {
 }
 
 grpc::Status CallRaw(grpc::ChannelInterface* channel, const grpc::internal::RpcMethod& method,
-                     grpc::ClientContext* context, const grpc::ByteBuffer& request, grpc::ByteBuffer* answer) {
-  return grpc::internal::BlockingUnaryCallImpl<grpc::ByteBuffer, grpc::ByteBuffer>(channel, method, context, request,
-                                                                                   answer)
+                     grpc::ClientContext* context, const grpc::ByteBuffer& request,
+                     grpc::ByteBuffer* answer) {
+  return grpc::internal::BlockingUnaryCallImpl<grpc::ByteBuffer, grpc::ByteBuffer>(channel, method, context,
+                                                                                   request, answer)
       .status();
 }
 
@@ -302,7 +314,8 @@ TEST_F(ServerContextTest, GarbageOnThePortDoesNotTouchOtherClients) {
   auto stream = context_->AssertStream(&context);
   std::string garbage;
   uint32_t state = 1;
-  for (int i = 0; i < 100000; ++i) garbage.push_back(static_cast<char>((state = state * 1664525 + 1013904223) >> 24));
+  for (int i = 0; i < 100000; ++i)
+    garbage.push_back(static_cast<char>((state = state * 1664525 + 1013904223) >> 24));
   v1::AssertStreamReply reply;
   for (const std::string& bytes : {garbage, std::string("GET / HTTP/1.1\r\nHost: x\r\n\r\n"),
                                    "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + garbage}) {
@@ -344,8 +357,8 @@ TEST_F(ServerContextTest, HealthAndReflectionAnswer) {
   grpc::ClientContext reflection_context;
   Limit(&reflection_context);
   std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> stream(
-      grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(channel_.get(), info,
-                                                                                            &reflection_context));
+      grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
+          channel_.get(), info, &reflection_context));
   grpc::Slice list_services(std::string("\x3a\x01*"));  // ServerReflectionRequest.list_services = "*"
   ASSERT_TRUE(stream->Write(grpc::ByteBuffer(&list_services, 1)));
   ASSERT_TRUE(stream->Read(&answer));
@@ -353,8 +366,8 @@ TEST_F(ServerContextTest, HealthAndReflectionAnswer) {
   EXPECT_TRUE(stream->Finish().ok());
   ASSERT_TRUE(answer.DumpToSingleSlice(&bytes).ok());
   std::string names(reinterpret_cast<const char*>(bytes.begin()), bytes.size());
-  for (const char* name : {"docent.v1.Context", "docent.v1.Fleet", "docent.v1.Ontologies", "docent.v1.RobotServices",
-                           "docent.v1.Workflows", "grpc.health.v1.Health"}) {
+  for (const char* name : {"docent.v1.Context", "docent.v1.Fleet", "docent.v1.Ontologies",
+                           "docent.v1.RobotServices", "docent.v1.Workflows", "grpc.health.v1.Health"}) {
     EXPECT_THAT(names, HasSubstr(name));
   }
 }

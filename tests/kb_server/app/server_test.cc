@@ -1,4 +1,5 @@
-// Workflows, robot services and the fleet over gRPC with a real adapter; starting, refusing to start, and starting again.
+// Workflows, robot services and the fleet over gRPC with a real adapter; starting, refusing to start, and
+// starting again.
 #include "kb_server/app/server.h"
 
 #include <fstream>
@@ -77,7 +78,8 @@ TEST_F(ServerWorkflowTest, CheckShowsMistakesAndConditions) {
   ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Check, request, &reply).ok());
   ASSERT_EQ(reply.conditions_size(), 2);
   EXPECT_THAT(reply.conditions(0).ask(), HasSubstr("isNear"));
-  for (const v1::Diagnostic& diagnostic : reply.diagnostics()) EXPECT_TRUE(diagnostic.warning()) << diagnostic.message();
+  for (const v1::Diagnostic& diagnostic : reply.diagnostics())
+    EXPECT_TRUE(diagnostic.warning()) << diagnostic.message();
 
   request.set_cawl("<?xml version=\"1.0\"?>\n<!DOCTYPE CAWL [<!ENTITY a \"b\">]>\n<CAWL name=\"&a;\"/>");
   reply.Clear();
@@ -132,7 +134,8 @@ TEST_F(ServerWorkflowTest, ARunIsStartedWatchedAndDone) {
 
   MustTell(":John docent:isAt :Hall ; docent:feels docent:Glad . :R1 docent:isAt :Hall .");
   run = WaitForRun("Greet-1", "done");
-  EXPECT_THAT(FindNode(run, "Hello")->fired_because(), HasSubstr("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1> ."));
+  EXPECT_THAT(FindNode(run, "Hello")->fired_because(),
+              HasSubstr("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1> ."));
   ASSERT_EQ(FindNode(run, "Hello")->invocations_size(), 1);
   EXPECT_EQ(FindNode(run, "Hello")->invocations(0).robot(), "urn:w:R1");
   EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
@@ -172,7 +175,8 @@ TEST_F(ServerWorkflowTest, ARunIsCancelled) {
   ASSERT_TRUE(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).ok());
   EXPECT_EQ(run.state(), "cancelled");
   EXPECT_GT(run.ended_us(), 0);
-  EXPECT_EQ(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Call(workflows_, &v1::Workflows::Stub::Cancel, cancel, &run).error_code(),
+            grpc::StatusCode::NOT_FOUND);
   v1::ListRunsRequest list;
   v1::ListRunsReply runs;
   list.set_live_only(true);
@@ -209,7 +213,8 @@ TEST_F(ServerWorkflowTest, ARobotServiceIsRegisteredDescribedAndInvoked) {
   EXPECT_EQ(service.steps_size(), 2);
   EXPECT_THAT(service.robots(), ElementsAre("urn:w:R1"));
   describe.set_name("nothing");
-  EXPECT_EQ(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).error_code(),
+            grpc::StatusCode::NOT_FOUND);
 
   std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
   ASSERT_TRUE(status.ok()) << status.error_message();
@@ -294,7 +299,9 @@ TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
   v1::StartReply start;
   ASSERT_TRUE(StartRun("Greeting", &start, "greet").ok());
   EXPECT_EQ(GetRun("Greet-1").state(), "running");
-  std::string query = "SELECT ?s ?p ?o ?g { GRAPH ?g { ?s ?p ?o } FILTER(?g != <https://w3id.org/docent#runs>) } ORDER BY ?g ?s ?p ?o";
+  std::string query =
+      "SELECT ?s ?p ?o ?g { GRAPH ?g { ?s ?p ?o } FILTER(?g != <https://w3id.org/docent#runs>) } ORDER BY ?g "
+      "?s ?p ?o";
   Rows before = Query(query);
   StopServer();
 

@@ -21,7 +21,8 @@ class TestFolder {
  public:
   TestFolder() {
     static int count = 0;
-    path_ = std::filesystem::path(::testing::TempDir()) / absl::StrCat("docent_server_test_", getpid(), "_", count++);
+    path_ = std::filesystem::path(::testing::TempDir()) /
+            absl::StrCat("docent_server_test_", getpid(), "_", count++);
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -42,7 +43,8 @@ inline v1::AssertRequest Turtle(const std::string& text, const std::string& requ
 struct Rows {
   grpc::Status status;
   v1::QueryHeader header;
-  std::vector<std::string> rows;  // of SELECT: values as N-Triples or "-", with blanks between; of CONSTRUCT: triples
+  std::vector<std::string>
+      rows;  // of SELECT: values as N-Triples or "-", with blanks between; of CONSTRUCT: triples
 };
 
 class ServerTest : public ::testing::Test {
@@ -60,7 +62,8 @@ class ServerTest : public ::testing::Test {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(64 << 20);
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    channel_ = grpc::CreateCustomChannel(server_->grpc_address(), grpc::InsecureChannelCredentials(), arguments);
+    channel_ =
+        grpc::CreateCustomChannel(server_->grpc_address(), grpc::InsecureChannelCredentials(), arguments);
     context_ = v1::Context::NewStub(channel_);
     ontologies_ = v1::Ontologies::NewStub(channel_);
     workflows_ = v1::Workflows::NewStub(channel_);
@@ -76,8 +79,8 @@ class ServerTest : public ::testing::Test {
 
   template <typename Stub, typename Request, typename Reply>
   grpc::Status Call(const std::unique_ptr<Stub>& stub,
-                    grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Reply*), const Request& request,
-                    Reply* reply) {
+                    grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
+                    const Request& request, Reply* reply) {
     grpc::ClientContext context;
     Limit(&context);
     return ((*stub).*method)(&context, request, reply);
@@ -104,8 +107,8 @@ class ServerTest : public ::testing::Test {
       if (reply.has_header()) rows.header = reply.header();
       if (reply.has_row()) rows.rows.push_back(Show(reply.row()));
       if (reply.has_quad()) {
-        rows.rows.push_back(absl::StrCat(Show(reply.quad().subject()), " ", Show(reply.quad().predicate()), " ",
-                                         Show(reply.quad().object())));
+        rows.rows.push_back(absl::StrCat(Show(reply.quad().subject()), " ", Show(reply.quad().predicate()),
+                                         " ", Show(reply.quad().object())));
       }
     }
     rows.status = reader->Finish();
@@ -134,7 +137,8 @@ class ServerTest : public ::testing::Test {
     v1::DeployReply unused;
     return Call(workflows_, &v1::Workflows::Stub::Deploy, request, reply == nullptr ? &unused : reply);
   }
-  grpc::Status StartRun(const std::string& workflow, v1::StartReply* reply, const std::string& request_id = "") {
+  grpc::Status StartRun(const std::string& workflow, v1::StartReply* reply,
+                        const std::string& request_id = "") {
     v1::StartRequest request;
     request.set_workflow(workflow);
     request.set_request_id(request_id);

@@ -1,5 +1,5 @@
-// A small world for the tests of kb_server/app: one place with a door sensor, a rule, a robot service and a workflow
-// that greets visitors. Terms are of the namespace urn:w: unless they are docent's.
+// A small world for the tests of kb_server/app: one place with a door sensor, a rule, a robot service and a
+// workflow that greets visitors. Terms are of the namespace urn:w: unless they are docent's.
 #ifndef DOCENT_TESTS_KB_SERVER_APP_TEST_WORLD_H_
 #define DOCENT_TESTS_KB_SERVER_APP_TEST_WORLD_H_
 
@@ -21,7 +21,9 @@ inline std::string Name(const std::string& word) {
   if (word.rfind("urn:", 0) == 0 || word.rfind("http", 0) == 0) return word;
   return "urn:w:" + word;
 }
-inline Term Iri(const std::string& word) { return Term::Iri(Name(word)); }
+inline Term Iri(const std::string& word) {
+  return Term::Iri(Name(word));
+}
 
 inline TermQuad Fact(const std::string& subject, const std::string& predicate, Term object) {
   return {Iri(subject), Iri(predicate), std::move(object), Term()};
@@ -43,7 +45,8 @@ inline WriteBatch Put(Document::Kind kind, const std::string& name, const std::s
   return batch;
 }
 
-inline WriteBatch Start(const std::string& workflow, std::vector<std::pair<std::string, Term>> arguments = {}) {
+inline WriteBatch Start(const std::string& workflow,
+                        std::vector<std::pair<std::string, Term>> arguments = {}) {
   WriteBatch batch;
   batch.run_requests.push_back({RunRequest::Kind::kStart, workflow, std::move(arguments)});
   return batch;

@@ -37,7 +37,8 @@ struct World {
     return result.ok() ? *std::move(result) : TurnResult();
   }
   bool Has(const TermQuad& triple) const {
-    auto s = dictionary.Find(triple.subject), p = dictionary.Find(triple.predicate), o = dictionary.Find(triple.object);
+    auto s = dictionary.Find(triple.subject), p = dictionary.Find(triple.predicate),
+         o = dictionary.Find(triple.object);
     return s && p && o && stages.writer.current().Count({*s, *p, *o, {}}) > 0;
   }
   std::string Value(const std::string& subject, const std::string& predicate) const {
@@ -57,8 +58,9 @@ std::string Dump(const World& world) {
   std::vector<std::string> lines;
   world.stages.writer.current().ForEach({}, [&](const Quad& quad) {
     const Dictionary& d = world.dictionary;
-    lines.push_back(absl::StrCat(ToNTriples(d.Decode(quad.subject)), " ", ToNTriples(d.Decode(quad.predicate)), " ",
-                                 ToNTriples(d.Decode(quad.object)), " ", ToNTriples(d.Decode(quad.graph))));
+    lines.push_back(absl::StrCat(ToNTriples(d.Decode(quad.subject)), " ",
+                                 ToNTriples(d.Decode(quad.predicate)), " ", ToNTriples(d.Decode(quad.object)),
+                                 " ", ToNTriples(d.Decode(quad.graph))));
     return true;
   });
   std::sort(lines.begin(), lines.end());
@@ -66,9 +68,11 @@ std::string Dump(const World& world) {
   lines.push_back(absl::StrCat("rule count ", world.stages.rules.rule_count()));
   lines.push_back(absl::StrCat("constraints ", world.stages.constraints.size()));
   lines.push_back(absl::StrCat("live runs ", world.stages.engine.live_runs()));
-  for (const auto& document : world.stages.engine.workflows()) lines.push_back("workflow " + document->name.value);
+  for (const auto& document : world.stages.engine.workflows())
+    lines.push_back("workflow " + document->name.value);
   for (const auto& plan : world.stages.engine.services().Plans()) lines.push_back("service " + plan->process);
-  for (const RobotCommand& command : world.stages.engine.OpenCommands()) lines.push_back("open " + command.id.value());
+  for (const RobotCommand& command : world.stages.engine.OpenCommands())
+    lines.push_back("open " + command.id.value());
   std::shared_ptr<const Catalog> catalog = world.stages.documents.MakeCatalog(world.stages.engine);
   for (const ModuleEntry& m : catalog->modules) {
     lines.push_back(absl::StrCat("module ", m.name, " ", m.size, " ", m.revision.value()));
@@ -81,7 +85,8 @@ std::string Dump(const World& world) {
 
 std::vector<std::string> Steps(const TurnResult& result) {
   std::vector<std::string> steps;
-  for (const Transition& t : result.record.transitions) steps.push_back(t.subject + " " + t.from + ">" + t.to);
+  for (const Transition& t : result.record.transitions)
+    steps.push_back(t.subject + " " + t.from + ">" + t.to);
   return steps;
 }
 
@@ -158,7 +163,8 @@ TEST(TurnTest, ARunGoesToItsEnd) {
   EXPECT_THAT(world.Value("urn:docent:run:Greet-1/Goodbye", "docent:waitsFor"), HasSubstr("urn:w:John"));
   TurnResult goodbye = world.Must(Tell({Fact("John", "docent:feels", "docent:Glad")}));
   ASSERT_EQ(goodbye.record.commands.size(), 1u);
-  TurnResult end = world.Must(test::Report(goodbye.record.commands[0].id, CommandReport::Outcome::kSucceeded));
+  TurnResult end =
+      world.Must(test::Report(goodbye.record.commands[0].id, CommandReport::Outcome::kSucceeded));
   EXPECT_THAT(Steps(end), Contains("Greet-1 running>done"));
   EXPECT_EQ(world.stages.engine.live_runs(), 0u);
   EXPECT_EQ(world.stages.constraints.size(), 0u);
@@ -180,8 +186,8 @@ TEST(TurnTest, AFactWithALifetimeIsWithdrawnByTheClock) {
   EXPECT_FALSE(world.stages.NextDeadline().has_value());
 }
 
-// A turn that fails must be as if it had never been: what it leaves is compared with before, and what comes after it
-// with a twin that never saw it.
+// A turn that fails must be as if it had never been: what it leaves is compared with before, and what comes
+// after it with a twin that never saw it.
 class FailingTurnTest : public ::testing::Test {
  protected:
   static Limits SmallLimits() {
@@ -217,7 +223,8 @@ class FailingTurnTest : public ::testing::Test {
   void GoOn() {
     std::vector<WriteBatch> batches;
     batches.push_back(test::Reading("tag-17"));
-    batches.push_back(Tell({Fact("John", "docent:calls", "R1"), Fact("John", "docent:feels", "docent:Glad")}));
+    batches.push_back(
+        Tell({Fact("John", "docent:calls", "R1"), Fact("John", "docent:feels", "docent:Glad")}));
     batches.push_back(test::Report(CommandId("Greet-1/Hello/0/0.1/1/1"), CommandReport::Outcome::kSucceeded));
     batches.push_back(Put(Document::Kind::kRules, "near.rules", test::kRules));
     batches.push_back(test::Start("Greeting"));
@@ -239,13 +246,14 @@ class FailingTurnTest : public ::testing::Test {
 TEST_F(FailingTurnTest, ABadTerm) {
   Fail(Tell({Fact("John", "docent:isAt", "Hall"), {Term::Literal("x"), Iri("p"), Iri("o"), Term()}}),
        absl::StatusCode::kInvalidArgument, "operations[1]: subject");
-  Fail(Tell({{Iri("s"), Iri("p"), Iri("o"), Term::Iri(std::string(kRunsGraph))}}), absl::StatusCode::kInvalidArgument,
-       "graph");
+  Fail(Tell({{Iri("s"), Iri("p"), Iri("o"), Term::Iri(std::string(kRunsGraph))}}),
+       absl::StatusCode::kInvalidArgument, "graph");
   GoOn();
 }
 
 TEST_F(FailingTurnTest, ARuleThatInfersBeyondTheLimit) {
-  WriteBatch batch = Put(Document::Kind::kRules, "pairs.rules", "RULE { ?a <urn:w:pair> ?b } WHERE { ?a <urn:w:in> ?x . ?b <urn:w:in> ?x }");
+  WriteBatch batch = Put(Document::Kind::kRules, "pairs.rules",
+                         "RULE { ?a <urn:w:pair> ?b } WHERE { ?a <urn:w:in> ?x . ?b <urn:w:in> ?x }");
   for (int i = 0; i < 20; ++i) {
     batch.operations.push_back({QuadOperation::Kind::kAdd, Fact(absl::StrCat("n", i), "in", "Set")});
   }
@@ -263,7 +271,8 @@ TEST_F(FailingTurnTest, ARequestForAnUnknownWorkflow) {
 }
 
 TEST_F(FailingTurnTest, AGoodDocumentBesideABadOne) {
-  WriteBatch batch = Put(Document::Kind::kRules, "new.rules", "RULE { ?a <urn:w:p> ?b } WHERE { ?b <urn:w:in> ?a }");
+  WriteBatch batch =
+      Put(Document::Kind::kRules, "new.rules", "RULE { ?a <urn:w:p> ?b } WHERE { ?b <urn:w:in> ?a }");
   batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Called", ""});
   batch.documents.push_back({Document::Kind::kRsel, Document::Action::kRemove, "Services", ""});
   batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, "bad.xml", "<CAWL name='x'>"});
@@ -272,7 +281,8 @@ TEST_F(FailingTurnTest, AGoodDocumentBesideABadOne) {
 }
 
 TEST_F(FailingTurnTest, DocumentsBesideABadTerm) {
-  WriteBatch batch = Put(Document::Kind::kRules, "near.rules", "RULE { ?a <urn:w:p> ?b } WHERE { ?b <urn:w:in> ?a }");
+  WriteBatch batch =
+      Put(Document::Kind::kRules, "near.rules", "RULE { ?a <urn:w:p> ?b } WHERE { ?b <urn:w:in> ?a }");
   batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Greeting", ""});
   batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "docent:isAt", Term::Iri("no IRI"))});
   Fail(batch, absl::StatusCode::kInvalidArgument, "operations[");
@@ -285,14 +295,18 @@ TEST_F(FailingTurnTest, RunsThatNeverComeToRest) {
   std::string from = "start";
   for (int i = 0; i < 8; ++i) {
     std::string name = absl::StrCat("N", i);
-    absl::StrAppend(&nodes, "<node name=\"", name, "\"><condition><context name=\"c\"><rule name=\"r\"><constraint name=\"k\"><subject>?person",
-                    "</subject><verb>docent:isNear</verb><object>?near</object></constraint></rule></context></condition></node>");
+    absl::StrAppend(
+        &nodes, "<node name=\"", name,
+        "\"><condition><context name=\"c\"><rule name=\"r\"><constraint name=\"k\"><subject>?person",
+        "</subject><verb>docent:isNear</verb><object>?near</object></constraint></rule></context></"
+        "condition></node>");
     absl::StrAppend(&links, "<link from=\"", from, "\" to=\"", name, "\"/>");
     from = name;
   }
-  std::string chain = absl::StrCat("<CAWL name=\"Chain\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
-                                   "<flow name=\"Long\"><source name=\"start\"/>", nodes, "<sink name=\"end\"/>", links, "<link from=\"", from,
-                                   "\" to=\"end\"/></flow></CAWL>");
+  std::string chain = absl::StrCat(
+      "<CAWL name=\"Chain\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
+      "<flow name=\"Long\"><source name=\"start\"/>",
+      nodes, "<sink name=\"end\"/>", links, "<link from=\"", from, "\" to=\"end\"/></flow></CAWL>");
   for (World* world : {&world_, &twin_}) world->Must(Put(Document::Kind::kCawl, "chain.xml", chain));
   WriteBatch batch = test::Start("Chain");
   batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "docent:isAt", "Hall")});
@@ -300,8 +314,8 @@ TEST_F(FailingTurnTest, RunsThatNeverComeToRest) {
   GoOn();
 }
 
-// Ids of terms differ between a server that refused batches (their terms were interned) and the replay of its log.
-// Nothing that is decided may depend on them.
+// Ids of terms differ between a server that refused batches (their terms were interned) and the replay of its
+// log. Nothing that is decided may depend on them.
 TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
   std::vector<WriteBatch> batches;
   batches.push_back(test::WorldFacts());
@@ -311,9 +325,10 @@ TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
   std::vector<std::string> people = {"Zoe", "Adam", "Mary", "John", "Bert"};
   for (const std::string& person : people) batches.push_back(Tell({Fact(person, "docent:isAt", "Hall")}));
   for (const char* robot : {"R9", "R3", "R5"}) {
-    batches.push_back(Tell({Fact(robot, "a", "docent:Robot"), Fact(robot, "docent:incarnation", Term::Literal("i1")),
-                            Fact(robot, "docent:status", "docent:Standby"), Fact(robot, "docent:isAt", "Hall"),
-                            Fact(robot, "docent:offers", "urn:docent:operation:greet")}));
+    batches.push_back(
+        Tell({Fact(robot, "a", "docent:Robot"), Fact(robot, "docent:incarnation", Term::Literal("i1")),
+              Fact(robot, "docent:status", "docent:Standby"), Fact(robot, "docent:isAt", "Hall"),
+              Fact(robot, "docent:offers", "urn:docent:operation:greet")}));
   }
   for (int i = 0; i < 3; ++i) batches.push_back(test::Start("Greeting"));
   WriteBatch calls;

@@ -26,7 +26,8 @@ using ::testing::IsEmpty;
 // A log in memory that refuses appends when told to.
 class FakeLog final : public ContextLog {
  public:
-  absl::StatusOr<AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch, uint64_t expected) override {
+  absl::StatusOr<AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch,
+                                      uint64_t expected) override {
     if (on_append) on_append(added.size());
     absl::MutexLock lock(&mutex_);
     if (!refusal.ok()) return refusal;
@@ -38,7 +39,8 @@ class FakeLog final : public ContextLog {
   absl::StatusOr<std::vector<LogEntry>> Read(uint64_t from, size_t max) override {
     absl::MutexLock lock(&mutex_);
     std::vector<LogEntry> entries;
-    for (uint64_t i = from; i <= records_.size() && entries.size() < max; ++i) entries.push_back({i, 1, records_[i - 1]});
+    for (uint64_t i = from; i <= records_.size() && entries.size() < max; ++i)
+      entries.push_back({i, 1, records_[i - 1]});
     return entries;
   }
   absl::StatusOr<uint64_t> Wait(uint64_t, std::chrono::milliseconds) override { return size(); }
@@ -70,8 +72,8 @@ class Node {
   explicit Node(ContextLog* log, bool with_robots = false, const Limits& limits = {})
       : inbox(&clock, limits) {
     if (with_robots) {
-      proxies = std::make_unique<RobotProxies>([this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); },
-                                               ProxySettings{}, &clock);
+      proxies = std::make_unique<RobotProxies>(
+          [this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); }, ProxySettings{}, &clock);
     }
     feed.Subscribe([this](const RunEvent& event) {
       absl::MutexLock lock(&mutex);
@@ -95,7 +97,8 @@ class Node {
 
   std::future<absl::StatusOr<BatchOutcome>> Push(WriteBatch batch) {
     auto answer = std::make_shared<std::promise<absl::StatusOr<BatchOutcome>>>();
-    inbox.Push(std::move(batch), [answer](const absl::StatusOr<BatchOutcome>& outcome) { answer->set_value(outcome); });
+    inbox.Push(std::move(batch),
+               [answer](const absl::StatusOr<BatchOutcome>& outcome) { answer->set_value(outcome); });
     return answer->get_future();
   }
   void Begin() {
@@ -122,10 +125,9 @@ class Node {
     GraphVersionPtr version = queries.Newest();
     std::vector<std::string> lines;
     version->ForEach({}, [&](const Quad& quad) {
-      lines.push_back(absl::StrCat(ToNTriples(dictionary.Decode(quad.subject)), " ",
-                                   ToNTriples(dictionary.Decode(quad.predicate)), " ",
-                                   ToNTriples(dictionary.Decode(quad.object)), " ",
-                                   ToNTriples(dictionary.Decode(quad.graph))));
+      lines.push_back(absl::StrCat(
+          ToNTriples(dictionary.Decode(quad.subject)), " ", ToNTriples(dictionary.Decode(quad.predicate)),
+          " ", ToNTriples(dictionary.Decode(quad.object)), " ", ToNTriples(dictionary.Decode(quad.graph))));
       return true;
     });
     std::sort(lines.begin(), lines.end());
@@ -133,7 +135,8 @@ class Node {
   }
   bool Knows(const std::string& text) const {
     std::vector<std::string> quads = Quads();
-    return std::any_of(quads.begin(), quads.end(), [&](const std::string& quad) { return quad.find(text) != std::string::npos; });
+    return std::any_of(quads.begin(), quads.end(),
+                       [&](const std::string& quad) { return quad.find(text) != std::string::npos; });
   }
   std::vector<std::string> Events() const {
     absl::MutexLock lock(&mutex);
@@ -165,8 +168,8 @@ WriteBatch Named(const std::string& request_id, WriteBatch batch) {
 // World, rules, workflow, a run that waits, and what makes it go on.
 std::vector<WriteBatch> Story() {
   return {test::WorldFacts(), Put(Document::Kind::kRules, "near.rules", test::kRules),
-          Put(Document::Kind::kCawl, "greeting.xml", test::kGreeting), Named("start", test::Start("Greeting")),
-          test::Reading("tag-17")};
+          Put(Document::Kind::kCawl, "greeting.xml", test::kGreeting),
+          Named("start", test::Start("Greeting")), test::Reading("tag-17")};
 }
 
 TEST(WriterTest, NothingIsSeenOrAnsweredBeforeTheAppend) {
@@ -178,7 +181,8 @@ TEST(WriterTest, NothingIsSeenOrAnsweredBeforeTheAppend) {
   log.on_append = [&](size_t records) {
     looked = true;
     EXPECT_EQ(records, 5u);
-    for (auto& answer : answers) EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+    for (auto& answer : answers)
+      EXPECT_EQ(answer.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
     EXPECT_EQ(node.revision(), 0u);
     EXPECT_THAT(node.Events(), IsEmpty());
     EXPECT_THAT(node.catalog.Get()->workflows, IsEmpty());
@@ -247,7 +251,8 @@ TEST(WriterTest, ARefusedAppendRefusesTheWholeGroupAndNothingOfItHappened) {
   EXPECT_EQ(start->offset, 3u);
   EXPECT_THAT(start->started, ElementsAre(RunId("Greet-1")));
   EXPECT_FALSE(node.Knows("<urn:w:John> <https://w3id.org/docent#isAt>"));
-  EXPECT_EQ(node.Ask(Named("a", Tell({Fact("John", "docent:isAt", "Hall")})))->inferred, 0u) << "the rules were refused";
+  EXPECT_EQ(node.Ask(Named("a", Tell({Fact("John", "docent:isAt", "Hall")})))->inferred, 0u)
+      << "the rules were refused";
   EXPECT_TRUE(node.Ask(Named("b", Put(Document::Kind::kRules, "near.rules", test::kRules))).ok());
   EXPECT_TRUE(node.Knows("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1>"));
   EXPECT_TRUE(node.End().ok());
@@ -292,8 +297,9 @@ TEST(WriterTest, ARepeatedRequestIdGetsTheFirstAnswer) {
   WriteBatch fact = Named("one", Tell({Fact("John", "p", "q"), Fact("John", "p", "r")}));
   {
     Node node(&log);
-    auto outcomes = node.AskTogether({fact, fact, Named("bad", Tell({{Term::Literal("x"), test::Iri("p"), test::Iri("q"), Term()}})),
-                                      Named("bad", Tell({Fact("a", "b", "c")})), story[0]});
+    auto outcomes = node.AskTogether(
+        {fact, fact, Named("bad", Tell({{Term::Literal("x"), test::Iri("p"), test::Iri("q"), Term()}})),
+         Named("bad", Tell({Fact("a", "b", "c")})), story[0]});
     ASSERT_TRUE(outcomes[0].ok());
     EXPECT_FALSE(outcomes[0]->repeated);
     ASSERT_TRUE(outcomes[1].ok());
@@ -327,7 +333,8 @@ TEST(WriterTest, ARepeatedRequestIdGetsTheFirstAnswer) {
 }
 
 TEST(WriterTest, RecoveryGivesTheStateBeforeAndGoesOn) {
-  std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / absl::StrCat("writer_test_", getpid());
+  std::filesystem::path folder =
+      std::filesystem::path(::testing::TempDir()) / absl::StrCat("writer_test_", getpid());
   std::filesystem::remove_all(folder);
   std::vector<std::string> quads;
   TimeMicros last_us = 0;
