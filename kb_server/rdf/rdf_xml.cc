@@ -10,6 +10,7 @@
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/quad_collector.h"
 #include "kb_server/rdf/raptor_world.h"
+#include "kb_server/rdf/term_check.h"
 
 namespace docent {
 namespace {
@@ -160,6 +161,11 @@ class RdfXmlReader {
     TermQuad quad;
     if (!Convert(statement.subject, &quad.subject) || !Convert(statement.predicate, &quad.predicate) ||
         !Convert(statement.object, &quad.object)) {
+      return;
+    }
+    // what Raptor lets pass and the store would refuse, a language tag "%n" say
+    if (absl::Status status = CheckQuad(quad, options_.limits.term_bytes); !status.ok()) {
+      Report(raptor_parser_get_locator(parser_), std::string(status.message()), "");
       return;
     }
     collector_.Add(std::move(quad));
