@@ -163,8 +163,9 @@ class RdfXmlReader {
         !Convert(statement.object, &quad.object)) {
       return;
     }
-    // what Raptor lets pass and the store would refuse, a language tag "%n" say
-    if (absl::Status status = CheckQuad(quad, options_.limits.term_bytes); !status.ok()) {
+    // Raptor lets any language tag pass, "%n" say, which the store would refuse
+    absl::Status status = quad.object.language.empty() ? absl::OkStatus() : CheckTerm(quad.object, options_.limits.term_bytes);
+    if (!status.ok()) {
       Report(raptor_parser_get_locator(parser_), std::string(status.message()), "");
       return;
     }
