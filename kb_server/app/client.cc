@@ -73,7 +73,8 @@ absl::StatusOr<std::string> ReadText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
   text << file.rdbuf();
-  if (file.bad()) return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
+  if (file.bad())
+    return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
   return text.str();
 }
 
@@ -107,8 +108,12 @@ absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& te
   return std::make_pair(name, Term::Literal(value));
 }
 
-std::string ToNTriples(const v1::Term& term) { return ToNTriples(FromProtoTrusted(term)); }
-std::string ToDisplay(const v1::Term& term) { return ToDisplay(FromProtoTrusted(term)); }
+std::string ToNTriples(const v1::Term& term) {
+  return ToNTriples(FromProtoTrusted(term));
+}
+std::string ToDisplay(const v1::Term& term) {
+  return ToDisplay(FromProtoTrusted(term));
+}
 
 std::string OneLine(std::string_view text, size_t width) {
   std::string out;

@@ -17,8 +17,9 @@ namespace docent {
 
 // Exit codes of every command.
 inline constexpr int kExitOk = 0;
-inline constexpr int kExitNegative = 1;  // a negative answer: ASK is false, a run failed, a check found errors
-inline constexpr int kExitBad = 2;       // bad usage or input, or no server
+inline constexpr int kExitNegative =
+    1;                              // a negative answer: ASK is false, a run failed, a check found errors
+inline constexpr int kExitBad = 2;  // bad usage or input, or no server
 
 struct ClientOptions {
   std::string server = "127.0.0.1:7400";  // also from the environment variable DOCENT_SERVER
@@ -37,8 +38,8 @@ int Fail(const absl::Status& status);
 // The whole file, or standard input for "-". NOT_FOUND and the like name the file.
 absl::StatusOr<std::string> ReadText(const std::string& path);
 
-// "name=value" where value is N-Triples (<iri>, "text"@en, "1"^^<…>), a prefixed name with a well-known prefix, a
-// number, true/false, or anything else as a plain string.
+// "name=value" where value is N-Triples (<iri>, "text"@en, "1"^^<…>), a prefixed name with a well-known
+// prefix, a number, true/false, or anything else as a plain string.
 absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text);
 
 // A term of the API as N-Triples, or shortened for people.

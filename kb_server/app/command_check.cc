@@ -10,8 +10,8 @@
 #include "kb_server/sparql/parser.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/rules/rule_engine.h"
-#include "workflow/engine/engine.h"
 #include "workflow/cawl/check.h"
+#include "workflow/engine/engine.h"
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
 
@@ -39,7 +39,8 @@ class Checker {
  public:
   explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
 
-  // Ontologies and RSEL processes first, so that workflows are checked against them whatever the order of the files.
+  // Ontologies and RSEL processes first, so that workflows are checked against them whatever the order of the
+  // files.
   absl::Status Prepare() {
     for (const std::string& file : arguments_.ontologies) {
       auto text = ReadText(file);
@@ -98,8 +99,9 @@ class Checker {
         if (!HasErrors(diagnostics)) diagnostics = services_[file];
         break;
       case Kind::kUnknown:
-        return absl::InvalidArgumentError(absl::StrCat(
-            file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
+        return absl::InvalidArgumentError(absl::StrCat(file,
+                                                       ": I do not know this ending; use .ttl .trig .nt .nq "
+                                                       ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
     }
     Print(file, *text, diagnostics);
     return absl::OkStatus();
@@ -131,12 +133,13 @@ class Checker {
     failed_ = failed_ || HasErrors(diagnostics);
     if (arguments_.json) {
       for (const Diagnostic& d : diagnostics) {
-        nlohmann::json object = {{"file", d.file.empty() ? file : d.file},
-                                 {"line", d.span.line},
-                                 {"column", d.span.column},
-                                 {"severity", d.severity == Diagnostic::Severity::kError ? "error" : "warning"},
-                                 {"message", d.message},
-                                 {"hint", d.hint}};
+        nlohmann::json object = {
+            {"file", d.file.empty() ? file : d.file},
+            {"line", d.span.line},
+            {"column", d.span.column},
+            {"severity", d.severity == Diagnostic::Severity::kError ? "error" : "warning"},
+            {"message", d.message},
+            {"hint", d.hint}};
         std::cout << object.dump() << "\n";
       }
       return;
@@ -158,7 +161,8 @@ class Checker {
 void AddCheckCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = app->add_subcommand(
-      "check", "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors)");
+      "check",
+      "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors)");
   command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
   command->add_option("--ontology", arguments->ontologies, "Ontology files whose words workflows may use");
   command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");

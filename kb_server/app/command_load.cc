@@ -33,19 +33,24 @@ std::string KindOf(const std::string& file) {
 
 std::string MediaTypeOfFile(const std::string& file) {
   switch (FormatOfFile(file).value_or(RdfFormat::kTurtle)) {
-    case RdfFormat::kTurtle: return "text/turtle";
-    case RdfFormat::kTriG: return "application/trig";
-    case RdfFormat::kNTriples: return "application/n-triples";
-    case RdfFormat::kNQuads: return "application/n-quads";
-    case RdfFormat::kRdfXml: return "application/rdf+xml";
+    case RdfFormat::kTurtle:
+      return "text/turtle";
+    case RdfFormat::kTriG:
+      return "application/trig";
+    case RdfFormat::kNTriples:
+      return "application/n-triples";
+    case RdfFormat::kNQuads:
+      return "application/n-quads";
+    case RdfFormat::kRdfXml:
+      return "application/rdf+xml";
   }
   return "text/turtle";
 }
 
 void PrintWarnings(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {
   for (const v1::Diagnostic& d : diagnostics) {
-    std::cerr << d.file() << ":" << d.line() << ":" << d.column() << ": " << (d.warning() ? "warning: " : "error: ")
-              << d.message() << "\n";
+    std::cerr << d.file() << ":" << d.line() << ":" << d.column() << ": "
+              << (d.warning() ? "warning: " : "error: ") << d.message() << "\n";
     if (!d.hint().empty()) std::cerr << "  hint: " << d.hint() << "\n";
   }
 }
@@ -75,7 +80,8 @@ class Loader {
     grpc::Status status = v1::Workflows::NewStub(channel_)->Deploy(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     PrintWarnings(reply.diagnostics());
-    std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision() << "\n";
+    std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision()
+              << "\n";
     return kExitOk;
   }
 
@@ -104,8 +110,8 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    std::cout << file << ": " << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
-              << " inferred, revision " << reply.offset() << "\n";
+    std::cout << file << ": " << reply.added() << " added, " << reply.removed() << " removed, "
+              << reply.inferred() << " inferred, revision " << reply.offset() << "\n";
     return kExitOk;
   }
 
@@ -123,8 +129,8 @@ class Loader {
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     PrintWarnings(reply.diagnostics());
-    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed() << " removed, "
-              << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
+    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
+              << " removed, " << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
     return kExitOk;
   }
 
@@ -136,13 +142,16 @@ class Loader {
 
 void AddLoadCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<LoadArguments>();
-  CLI::App* command = app->add_subcommand(
-      "load", "Load files into a running server: RDF data, ontologies, .rules, .cawl.xml workflows, .rsel.xml services");
+  CLI::App* command = app->add_subcommand("load",
+                                          "Load files into a running server: RDF data, ontologies, .rules, "
+                                          ".cawl.xml workflows, .rsel.xml services");
   AddClientOptions(command, &arguments->client);
   command->add_option("files", arguments->files, "Files, in this order; - is standard input")->required();
-  command->add_option("--as", arguments->as,
-                      "What the files are, where the ending does not tell. facts: as a robot or sensor would tell them, "
-                      "a new value of a state property replaces the old one")
+  command
+      ->add_option(
+          "--as", arguments->as,
+          "What the files are, where the ending does not tell. facts: as a robot or sensor would tell them, "
+          "a new value of a state property replaces the old one")
       ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
   command->add_option("--graph", arguments->graph, "Data: the named graph to load into");
   command->add_option("--source", arguments->source, "Facts: IRI of who says it");

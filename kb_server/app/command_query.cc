@@ -52,7 +52,8 @@ class Table {
 
  private:
   static size_t Width(const std::string& text) {
-    return std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+    return std::count_if(text.begin(), text.end(),
+                         [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
   }
   std::vector<std::vector<std::string>> rows_;
 };
@@ -104,14 +105,17 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
     }
   }
   if (header.is_boolean()) {
-    std::cout << (format ? sparql::WriteBoolean(header.boolean(), *format) : header.boolean() ? "yes\n" : "no\n");
+    std::cout << (format             ? sparql::WriteBoolean(header.boolean(), *format)
+                  : header.boolean() ? "yes\n"
+                                     : "no\n");
     return header.boolean() ? kExitOk : kExitNegative;
   }
   if (writer && header.variables_size() > 0) {
     writer->End();
     std::cout << text;
   } else if (!quads.empty()) {
-    std::vector<std::pair<std::string, std::string>> prefixes(kWellKnownPrefixes.begin(), kWellKnownPrefixes.end());
+    std::vector<std::pair<std::string, std::string>> prefixes(kWellKnownPrefixes.begin(),
+                                                              kWellKnownPrefixes.end());
     auto turtle = SerializeRdf(quads, RdfFormat::kTurtle, prefixes);
     if (!turtle.ok()) return Fail(turtle.status());
     std::cout << *turtle;
@@ -129,7 +133,8 @@ int RunQuery(const QueryArguments& arguments) {
     if (!text.ok()) return Fail(text.status());
     query = *text;
   }
-  if (query.empty()) return Fail(absl::InvalidArgumentError("no query given; pass it as an argument or with --file"));
+  if (query.empty())
+    return Fail(absl::InvalidArgumentError("no query given; pass it as an argument or with --file"));
   auto stub = v1::Context::NewStub(Connect(arguments.client));
   grpc::ClientContext context;
   v1::QueryRequest request;
@@ -145,13 +150,16 @@ int RunQuery(const QueryArguments& arguments) {
 
 void AddQueryCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<QueryArguments>();
-  CLI::App* command = app->add_subcommand("query", "Ask the live graph in SPARQL (exit code 1: ASK is false)");
+  CLI::App* command =
+      app->add_subcommand("query", "Ask the live graph in SPARQL (exit code 1: ASK is false)");
   AddClientOptions(command, &arguments->client);
-  command->add_option("query", arguments->query, "SPARQL SELECT, ASK or CONSTRUCT; well-known prefixes need no PREFIX");
+  command->add_option("query", arguments->query,
+                      "SPARQL SELECT, ASK or CONSTRUCT; well-known prefixes need no PREFIX");
   command->add_option("--file,-f", arguments->file, "Read the query from a file, - for standard input");
   command->add_option("--format", arguments->format, "json, csv, tsv or xml instead of a table")
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
-  command->add_option("--timeout-ms", arguments->timeout_ms, "Give up after this time (default: the server's limit)");
+  command->add_option("--timeout-ms", arguments->timeout_ms,
+                      "Give up after this time (default: the server's limit)");
   command->callback([arguments, exit_code] {
     if (arguments->client.json && arguments->format.empty()) arguments->format = "json";
     *exit_code = RunQuery(*arguments);

@@ -1,6 +1,6 @@
 // docent run WORKFLOW: starts a run and follows it. docent runs: lists runs, shows one, watches.
-#include <CLI/CLI.hpp>
 #include <google/protobuf/util/json_util.h>
+#include <CLI/CLI.hpp>
 
 #include <iostream>
 
@@ -76,7 +76,8 @@ void PrintNode(const v1::Node& node) {
     std::cout << "    " << invocation.operation() << "  " << invocation.state();
     if (!invocation.robot().empty()) std::cout << "  on " << ToDisplay(Term::Iri(invocation.robot()));
     if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
-    if (invocation.state() == "running") std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
+    if (invocation.state() == "running")
+      std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
     if (!invocation.reason().empty()) std::cout << "  (" << invocation.reason() << ")";
     std::cout << "\n";
   }
@@ -114,15 +115,19 @@ int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, grpc::ClientR
   grpc::Status status = get();
   while (status.ok() && run.state() == "running" && reader->Read(&event)) {
     if (event.run() != run_id) continue;
-    if (client.json) PrintJson(event);
-    else PrintEvent(event);
+    if (client.json)
+      PrintJson(event);
+    else
+      PrintEvent(event);
     if (event.kind() == "run" && event.to() != "running") break;
   }
   watch_context->TryCancel();
   if (status.ok()) status = get();
   if (!status.ok()) return Fail(status, client);
-  if (client.json) PrintJson(run);
-  else PrintRun(run, true);
+  if (client.json)
+    PrintJson(run);
+  else
+    PrintRun(run, true);
   return ExitCodeOf(run);
 }
 
@@ -152,8 +157,10 @@ int StartRun(const RunArguments& arguments) {
     return Fail(status, arguments.client);
   }
   if (arguments.detach) {
-    if (arguments.client.json) PrintJson(reply);
-    else std::cout << reply.run() << "\n";
+    if (arguments.client.json)
+      PrintJson(reply);
+    else
+      std::cout << reply.run() << "\n";
     return kExitOk;
   }
   return Follow(arguments.client, stub.get(), reader.get(), &watch_context, reply.run());
@@ -170,8 +177,10 @@ int WatchAll(const ClientOptions& client, v1::Workflows::Stub* stub, const std::
   }
   v1::RunEvent event;
   while (reader->Read(&event)) {
-    if (client.json) PrintJson(event);
-    else PrintEvent(event);
+    if (client.json)
+      PrintJson(event);
+    else
+      PrintEvent(event);
   }
   grpc::Status status = reader->Finish();
   return status.ok() ? kExitOk : Fail(status, client);
@@ -198,8 +207,10 @@ int ShowRuns(const RunsArguments& arguments) {
     v1::Run run;
     grpc::Status status = stub->Get(&context, request, &run);
     if (!status.ok()) return Fail(status, arguments.client);
-    if (arguments.client.json) PrintJson(run);
-    else PrintRun(run, true);
+    if (arguments.client.json)
+      PrintJson(run);
+    else
+      PrintRun(run, true);
     return ExitCodeOf(run);
   }
   v1::ListRunsRequest request;
@@ -208,8 +219,10 @@ int ShowRuns(const RunsArguments& arguments) {
   grpc::Status status = stub->ListRuns(&context, request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   for (const v1::Run& run : reply.runs()) {
-    if (arguments.client.json) PrintJson(run);
-    else PrintRun(run, false);
+    if (arguments.client.json)
+      PrintJson(run);
+    else
+      PrintRun(run, false);
   }
   if (reply.runs().empty() && !arguments.client.json) std::cerr << "no runs\n";
   return kExitOk;
@@ -219,10 +232,12 @@ int ShowRuns(const RunsArguments& arguments) {
 
 void AddRunCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* command = app->add_subcommand("run", "Start a run of a deployed workflow and follow it (exit code 1: it failed)");
+  CLI::App* command =
+      app->add_subcommand("run", "Start a run of a deployed workflow and follow it (exit code 1: it failed)");
   AddClientOptions(command, &arguments->client);
   command->add_option("workflow", arguments->workflow, "Name of the workflow (CAWL/@name)")->required();
-  command->add_option("--flow", arguments->flow, "Flow within it (default: the one that its activator starts)");
+  command->add_option("--flow", arguments->flow,
+                      "Flow within it (default: the one that its activator starts)");
   command->add_option("--var", arguments->variables, "NAME=VALUE, a variable of the run; may be repeated")
       ->allow_extra_args(false);
   command->add_flag("--detach", arguments->detach, "Print the run's id and do not wait");
@@ -231,11 +246,13 @@ void AddRunCommand(CLI::App* app, int* exit_code) {
 
 void AddRunsCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RunsArguments>();
-  CLI::App* command = app->add_subcommand("runs", "List runs; show one: what it waits for and why its steps fired; watch");
+  CLI::App* command =
+      app->add_subcommand("runs", "List runs; show one: what it waits for and why its steps fired; watch");
   AddClientOptions(command, &arguments->client);
   command->add_option("run", arguments->run, "Id of the run to show");
   command->add_flag("--live", arguments->live, "Only runs that have not ended");
-  command->add_flag("--watch", arguments->watch, "Print what happens, as it happens (one run: until it ends)");
+  command->add_flag("--watch", arguments->watch,
+                    "Print what happens, as it happens (one run: until it ends)");
   command->add_flag("--cancel", arguments->cancel, "End the run");
   command->callback([arguments, exit_code] { *exit_code = ShowRuns(*arguments); });
 }

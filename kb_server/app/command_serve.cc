@@ -1,7 +1,7 @@
 // docent serve: the server.
-#include <CLI/CLI.hpp>
 #include <signal.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <iostream>
 
@@ -42,7 +42,8 @@ int Serve(const ServerSettings& settings) {
 
   auto server = Server::Start(settings, ShowProgress);
   if (!server.ok()) return Fail(server.status());
-  std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address() << std::endl;
+  std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address()
+            << std::endl;
   timespec second{0, 500'000'000};
   while (true) {
     int received = sigtimedwait(&signals, nullptr, &second);
@@ -60,19 +61,24 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   settings->data_folder = DefaultDataFolder();
   auto default_graph = std::make_shared<std::string>("union");
   CLI::App* command = app->add_subcommand("serve", "Run the server; the first line tells the addresses");
-  command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")->capture_default_str();
+  command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")
+      ->capture_default_str();
   command->add_option("--grpc", settings->grpc_address, "HOST:PORT of the gRPC API; port 0 takes a free one")
       ->capture_default_str();
   command->add_option("--http", settings->http_address, "HOST:PORT of SPARQL, metrics and health over HTTP")
       ->capture_default_str();
-  command->add_option("--default-graph", *default_graph, "union: queries without GRAPH see all graphs; strict: only docent:default")
+  command
+      ->add_option("--default-graph", *default_graph,
+                   "union: queries without GRAPH see all graphs; strict: only docent:default")
       ->check(CLI::IsMember({"union", "strict"}))
       ->capture_default_str();
   command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
   command->add_option("--rules", settings->rules, "Rule files to have loaded");
-  command->add_flag("--insecure", settings->insecure, "Allow addresses other than loopback although nothing authenticates clients");
+  command->add_flag("--insecure", settings->insecure,
+                    "Allow addresses other than loopback although nothing authenticates clients");
   command->callback([settings, default_graph, exit_code] {
-    settings->default_graph = *default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
+    settings->default_graph =
+        *default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
     *exit_code = Serve(*settings);
   });
 }

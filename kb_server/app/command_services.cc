@@ -33,7 +33,8 @@ int ListServices(const ClientOptions& options) {
     std::cout << service.name() << "(";
     for (int i = 0; i < service.inputs_size(); ++i) std::cout << (i > 0 ? ", " : "") << service.inputs(i);
     std::cout << ")  from " << service.document() << " " << service.version() << "\n ";
-    for (int i = 0; i < service.steps_size(); ++i) std::cout << (i > 0 ? " → " : " ") << service.steps(i).operation();
+    for (int i = 0; i < service.steps_size(); ++i)
+      std::cout << (i > 0 ? " → " : " ") << service.steps(i).operation();
     std::cout << "\n  robots:";
     for (const std::string& robot : service.robots()) std::cout << " " << ToDisplay(Term::Iri(robot));
     std::cout << (service.robots().empty() ? " none offers all of it now\n" : "\n");
@@ -73,9 +74,12 @@ void AddServicesCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<ServicesArguments>();
   CLI::App* command = app->add_subcommand("services", "List composite robot services, or invoke one");
   AddClientOptions(command, &arguments->client);
-  command->add_option("--invoke", arguments->invoke, "Run this service and follow it (exit code 1: it failed)");
-  command->add_option("--arg", arguments->arguments, "NAME=VALUE, an argument of the service; may be repeated");
-  command->add_option("--robot", arguments->robot, "IRI of the robot that shall do it (default: any that can)");
+  command->add_option("--invoke", arguments->invoke,
+                      "Run this service and follow it (exit code 1: it failed)");
+  command->add_option("--arg", arguments->arguments,
+                      "NAME=VALUE, an argument of the service; may be repeated");
+  command->add_option("--robot", arguments->robot,
+                      "IRI of the robot that shall do it (default: any that can)");
   command->callback([arguments, exit_code] {
     *exit_code = arguments->invoke.empty() ? ListServices(arguments->client) : InvokeService(*arguments);
   });

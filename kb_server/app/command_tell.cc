@@ -27,8 +27,8 @@ struct TellArguments {
   uint64_t lifetime_ms = 0;
 };
 
-// "@prefix …" lines for the well-known prefixes and those that the user gave, all in one line so that the columns of
-// diagnostics stay right from the second line on.
+// "@prefix …" lines for the well-known prefixes and those that the user gave, all in one line so that the
+// columns of diagnostics stay right from the second line on.
 absl::StatusOr<std::string> Prologue(const std::vector<std::string>& prefixes) {
   std::string text;
   for (const auto& [prefix, iri] : kWellKnownPrefixes) {
@@ -45,7 +45,8 @@ absl::StatusOr<std::string> Prologue(const std::vector<std::string>& prefixes) {
 }
 
 // Turtle → quads. A missing last full stop is added: people forget it on a command line.
-absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text, const std::string& name) {
+absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
+                                                 const std::string& name) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
   if (text.empty()) return std::vector<TermQuad>();
   if (text.back() != '.') text += " .";
@@ -116,12 +117,13 @@ int RunTell(const TellArguments& arguments) {
   grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Assert(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   if (arguments.client.json) {
-    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added() << ",\"removed\":"
-              << reply.removed() << ",\"inferred\":" << reply.inferred()
+    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added()
+              << ",\"removed\":" << reply.removed() << ",\"inferred\":" << reply.inferred()
               << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
   } else {
     std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
-              << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
+              << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "")
+              << "\n";
   }
   return kExitOk;
 }
@@ -135,9 +137,12 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
   AddClientOptions(command, &arguments->client);
   command->add_option("facts", arguments->facts, "Turtle, e.g. 'expo:John docent:selected expo:B03'");
   command->add_option("--withdraw", arguments->withdraw, "Turtle: facts that no longer hold");
-  command->add_option("--reading", arguments->readings, "SENSOR=VALUE; the graph's reading mappings make it a fact")
+  command
+      ->add_option("--reading", arguments->readings,
+                   "SENSOR=VALUE; the graph's reading mappings make it a fact")
       ->allow_extra_args(false);
-  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")->allow_extra_args(false);
+  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
+      ->allow_extra_args(false);
   command->add_option("--source", arguments->source, "IRI of who says it");
   command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
   command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time");

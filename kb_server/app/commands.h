@@ -1,5 +1,5 @@
-// The commands of `docent`, one file each. Every function adds its command to the command line; when it is given, it
-// runs and stores the exit code (client.h).
+// The commands of `docent`, one file each. Every function adds its command to the command line; when it is
+// given, it runs and stores the exit code (client.h).
 #ifndef DOCENT_KB_SERVER_APP_COMMANDS_H_
 #define DOCENT_KB_SERVER_APP_COMMANDS_H_
 

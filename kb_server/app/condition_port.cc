@@ -32,7 +32,8 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
     options.now_us = now_us;
     auto id = constraints_->Register(*query, version, options);
     if (!id.ok()) {
-      return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", request.ask));
+      return absl::Status(id.status().code(),
+                          absl::StrCat(id.status().message(), "\nin the condition\n", request.ask));
     }
     conditions_[request.handle] = {*id, std::move(query)};
     handles_[*id] = request.handle;
@@ -86,11 +87,13 @@ bool ConditionPort::Holds(ConditionHandle handle) const {
   return it != conditions_.end() && constraints_->Holds(it->second.id);
 }
 
-absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle, const TermBinding& fixed,
+absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle,
+                                                                  const TermBinding& fixed,
                                                                   size_t limit) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
-  auto solutions = constraints_->Solutions(it->second.id, *version_, fixed.empty() ? limit : SIZE_MAX, now_us_);
+  auto solutions =
+      constraints_->Solutions(it->second.id, *version_, fixed.empty() ? limit : SIZE_MAX, now_us_);
   if (!solutions.ok()) return solutions.status();
   std::vector<TermBinding> bindings;
   for (const Binding& solution : *solutions) {
@@ -105,7 +108,8 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
   return bindings;
 }
 
-// The condition's own positive triple patterns as a CONSTRUCT template over its WHERE, for the first solution.
+// The condition's own positive triple patterns as a CONSTRUCT template over its WHERE, for the first
+// solution.
 std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return "";
@@ -125,7 +129,8 @@ std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& b
   std::vector<TermId> values;
   for (const auto& [name, term] : binding) {
     std::optional<TermId> id = dictionary_->Find(term);
-    if (!id || std::find(in_scope.begin(), in_scope.end(), sparql::Variable{name}) == in_scope.end()) continue;
+    if (!id || std::find(in_scope.begin(), in_scope.end(), sparql::Variable{name}) == in_scope.end())
+      continue;
     options.bound.push_back(name);
     values.push_back(*id);
   }

@@ -1,5 +1,5 @@
-// The engine's conditions, kept by the constraint set: handles ↔ constraints, text ↔ queries, ids ↔ terms, and the
-// facts that made a condition hold.
+// The engine's conditions, kept by the constraint set: handles ↔ constraints, text ↔ queries, ids ↔ terms,
+// and the facts that made a condition hold.
 //
 // Journaled like the stages it stands between: Commit or Rollback at the end of a turn. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_CONDITION_PORT_H_
@@ -22,11 +22,13 @@ namespace docent {
 class ConditionPort final : public ConditionView {
  public:
   // All must outlive the port.
-  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints, const sparql::FunctionRegistry* functions);
+  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints,
+                const sparql::FunctionRegistry* functions);
 
-  // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once and
-  // the key bindings that are there already count as edges of the next round.
-  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version, TimeMicros now_us);
+  // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
+  // and the key bindings that are there already count as edges of the next round.
+  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
+                   TimeMicros now_us);
   void Disarm(const std::vector<ConditionHandle>& handles);
   // Adds the edges of these changes to the next round's.
   void Take(const std::vector<ConstraintChange>& changes);

@@ -21,7 +21,8 @@ const std::string& DocumentsGraph() {
 
 using Fact = std::tuple<std::string, std::string, Term>;
 
-// What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not there.
+// What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not
+// there.
 std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::string& name) {
   std::set<Fact> facts;
   const std::string type(kRdfType);
@@ -42,7 +43,8 @@ std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::strin
       std::string iri = absl::StrCat("urn:docent:workflow:", name);
       facts.insert({iri, type, Term::Iri(DocentIri("Workflow"))});
       facts.insert({iri, label, Term::Literal(name)});
-      for (const cawl::Flow& flow : document->flows) facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
+      for (const cawl::Flow& flow : document->flows)
+        facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
     }
   }
   return facts;
@@ -52,7 +54,8 @@ std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::strin
 void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBatch* batch) {
   auto change = [&](const Fact& fact, QuadOperation::Kind kind) {
     const auto& [subject, predicate, object] = fact;
-    batch->operations.push_back({kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
+    batch->operations.push_back(
+        {kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
   };
   for (const Fact& fact : before) {
     if (after.count(fact) == 0) change(fact, QuadOperation::Kind::kRemove);
@@ -94,8 +97,8 @@ absl::Status Documents::ApplyRules(const Document& document, RuleEngine* rules) 
   return ToStatus(rules->PutRules(document.name, document.text), document.text);
 }
 
-absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
-                                  std::string* name) {
+absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits,
+                                  WriteBatch* batch, std::string* name) {
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     if (!engine->Undeploy(document.name)) {
@@ -115,8 +118,8 @@ absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, cons
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
-                                  std::string* name) {
+absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits,
+                                  WriteBatch* batch, std::string* name) {
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     absl::Status status = engine->RemoveServices(document.name);
@@ -133,7 +136,8 @@ absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, cons
 }
 
 absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
-                              const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits) {
+                              const GraphVersion& version, RuleEngine* rules, Engine* engine,
+                              const Limits& limits) {
   if (batch->documents.empty()) return absl::OkStatus();
   if (!undo_) undo_ = entries_;
   for (const Document& document : batch->documents) {
@@ -156,8 +160,10 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         break;
     }
     if (!status.ok()) return status;
-    if (document.action == Document::Action::kPut) entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision};
-    else entries_.erase({document.kind, name});
+    if (document.action == Document::Action::kPut)
+      entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision};
+    else
+      entries_.erase({document.kind, name});
   }
   return absl::OkStatus();
 }

@@ -1,5 +1,5 @@
-// Documents that a batch brings (ontologies, rules, workflows, robot services): checked, given to the stage that
-// they are for, and described as facts, so that a query sees what is deployed. Writer thread only.
+// Documents that a batch brings (ontologies, rules, workflows, robot services): checked, given to the stage
+// that they are for, and described as facts, so that a query sees what is deployed. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_DOCUMENTS_H_
 #define DOCENT_KB_SERVER_APP_DOCUMENTS_H_
 
@@ -21,11 +21,11 @@ namespace docent {
 
 class Documents {
  public:
-  // Gives each document of `batch` to its stage, and extends batch->operations by what that means for the graph:
-  // an ontology's graph is replaced; workflows and services are described in the graph docent:documents. On an
-  // error the caller rolls the stages back.
-  absl::Status Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary, const GraphVersion& version,
-                     RuleEngine* rules, Engine* engine, const Limits& limits);
+  // Gives each document of `batch` to its stage, and extends batch->operations by what that means for the
+  // graph: an ontology's graph is replaced; workflows and services are described in the graph
+  // docent:documents. On an error the caller rolls the stages back.
+  absl::Status Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
+                     const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits);
 
   void Commit() { undo_.reset(); }
   void Rollback();
@@ -41,8 +41,8 @@ class Documents {
     Revision revision;
   };
 
-  absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary, const GraphVersion& version,
-                             WriteBatch* batch);
+  absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary,
+                             const GraphVersion& version, WriteBatch* batch);
   absl::Status ApplyRules(const Document& document, RuleEngine* rules);
   absl::Status ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
                          std::string* name);

@@ -1,6 +1,6 @@
 // docent: the server and its command line.
-#include <CLI/CLI.hpp>
 #include <stdlib.h>
+#include <CLI/CLI.hpp>
 
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"

@@ -7,7 +7,9 @@
 
 namespace docent {
 
-std::string OperationIri(std::string_view name) { return Concat("urn:docent:operation:", name); }
+std::string OperationIri(std::string_view name) {
+  return Concat("urn:docent:operation:", name);
+}
 
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate) {
@@ -25,7 +27,8 @@ std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, 
 GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
     : dictionary_(*dictionary),
       properties_{dictionary->InternIri(DocentIri("offers")), dictionary->InternIri(DocentIri("incarnation")),
-                  dictionary->InternIri(DocentIri("status")), dictionary->InternIri(DocentIri("idempotent"))} {}
+                  dictionary->InternIri(DocentIri("status")),
+                  dictionary->InternIri(DocentIri("idempotent"))} {}
 
 void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delta) {
   auto concerns = [this](const Quad& quad) {
@@ -57,11 +60,13 @@ std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) 
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
     offer.incarnation = OneValue(dictionary_, *version_, quad.subject, DocentIri("incarnation"));
     offer.idempotent = idempotent;
-    offer.offline = OneValue(dictionary_, *version_, quad.subject, DocentIri("status")) == DocentIri("Offline");
+    offer.offline =
+        OneValue(dictionary_, *version_, quad.subject, DocentIri("status")) == DocentIri("Offline");
     offers.push_back(std::move(offer));
     return true;
   });
-  std::sort(offers.begin(), offers.end(), [](const RobotOffer& a, const RobotOffer& b) { return a.robot < b.robot; });
+  std::sort(offers.begin(), offers.end(),
+            [](const RobotOffer& a, const RobotOffer& b) { return a.robot < b.robot; });
   return offers;
 }
 

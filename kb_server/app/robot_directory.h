@@ -1,5 +1,5 @@
-// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status, docent:idempotent.
-// Answers are kept until a change of one of these properties. Writer thread only.
+// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status,
+// docent:idempotent. Answers are kept until a change of one of these properties. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_APP_ROBOT_DIRECTORY_H_
 

@@ -34,15 +34,17 @@ struct Address {
 absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
   size_t colon = text.rfind(':');
   Address address;
-  if (colon == std::string::npos || !absl::SimpleAtoi(text.substr(colon + 1), &address.port) || address.port < 0 ||
-      address.port > 65535) {
+  if (colon == std::string::npos || !absl::SimpleAtoi(text.substr(colon + 1), &address.port) ||
+      address.port < 0 || address.port > 65535) {
     return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not HOST:PORT"));
   }
   address.host = text.substr(0, colon);
-  bool loopback = address.host == "localhost" || address.host == "[::1]" || absl::StartsWith(address.host, "127.");
+  bool loopback =
+      address.host == "localhost" || address.host == "[::1]" || absl::StartsWith(address.host, "127.");
   if (!loopback && !insecure) {
     return absl::FailedPreconditionError(absl::StrCat(
-        address.host, " is not a loopback address and nothing authenticates clients; add --insecure if that is meant"));
+        address.host,
+        " is not a loopback address and nothing authenticates clients; add --insecure if that is meant"));
   }
   return address;
 }
@@ -83,15 +85,16 @@ Server::Server(const ServerSettings& settings)
       inbox_(&clock_, settings.limits),
       leases_(&clock_) {}
 
-absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerSettings& settings,
-                                                      const std::function<void(uint64_t, uint64_t)>& progress) {
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(
+    const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress) {
   std::unique_ptr<Server> server(new Server(settings));
   Server& s = *server;
   auto log = SqliteLog::Open(settings.data_folder);
   if (!log.ok()) return log.status();
   s.log_ = *std::move(log);
   s.proxies_ = std::make_unique<RobotProxies>(
-      [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); }, ProxySettings{}, &s.clock_);
+      [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); }, ProxySettings{},
+      &s.clock_);
   Writer::Ports ports;
   ports.inbox = &s.inbox_;
   ports.log = s.log_.get();
@@ -164,8 +167,9 @@ absl::Status Server::StartGrpc() {
   builder.RegisterService(fleet_service_.get());
   grpc_server_ = builder.BuildAndStart();
   if (grpc_server_ == nullptr || port == 0) {
-    return absl::UnavailableError(absl::StrCat("cannot listen on ", settings_.grpc_address,
-                                               " for gRPC: the port is in use or not allowed; choose another with --grpc"));
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", settings_.grpc_address,
+                     " for gRPC: the port is in use or not allowed; choose another with --grpc"));
   }
   grpc_address_ = absl::StrCat(address->host, ":", port);
   return absl::OkStatus();
@@ -185,7 +189,8 @@ absl::Status Server::StartHttp() {
   options.body_bytes = settings_.limits.http_body_bytes;
   auto server = HttpServer::Start(options, std::move(routes));
   if (!server.ok()) {
-    return absl::Status(server.status().code(), absl::StrCat(server.status().message(), "; choose another with --http"));
+    return absl::Status(server.status().code(),
+                        absl::StrCat(server.status().message(), "; choose another with --http"));
   }
   http_server_ = *std::move(server);
   http_address_ = http_server_->address();
@@ -198,27 +203,37 @@ void Server::RegisterMetrics() {
     metrics_.AddCounterFunction(name, help, [value] { return static_cast<double>(value->load()); });
   };
   add("docent_turns_total", "Batches applied and durable", &counters->turns);
-  add("docent_commits_total", "Commits of the log; each is one fdatasync for all turns in it", &counters->commits);
+  add("docent_commits_total", "Commits of the log; each is one fdatasync for all turns in it",
+      &counters->commits);
   add("docent_batches_refused_total", "Batches refused: bad input, limits, the log", &counters->refused);
   add("docent_commands_total", "Commands sent to robots", &counters->commands);
   add("docent_inferred_total", "Facts that rules added or withdrew", &counters->inferred);
-  add("docent_constraint_candidates_total", "Pairs of a standing constraint and a changed quad that can match it",
+  add("docent_constraint_candidates_total",
+      "Pairs of a standing constraint and a changed quad that can match it",
       &counters->constraint_candidates);
-  add("docent_constraint_evaluations_total", "Standing constraints evaluated because a change could match them",
-      &counters->constraint_evaluations);
-  metrics_.AddGaugeFunction("docent_constraints", "Standing constraints", [counters] { return static_cast<double>(counters->constraints.load()); });
-  metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended", [counters] { return static_cast<double>(counters->live_runs.load()); });
-  metrics_.AddGaugeFunction("docent_inbox_batches", "Batches that wait at the door", [this] { return static_cast<double>(inbox_.size()); });
-  metrics_.AddGaugeFunction("docent_quads", "Quads in the newest version", [this] { return static_cast<double>(queries_.Newest()->size()); });
-  metrics_.AddGaugeFunction("docent_revision", "Revision of the newest version", [this] { return static_cast<double>(queries_.Newest()->revision().value()); });
-  metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary", [this] { return static_cast<double>(dictionary_.bytes()); });
+  add("docent_constraint_evaluations_total",
+      "Standing constraints evaluated because a change could match them", &counters->constraint_evaluations);
+  metrics_.AddGaugeFunction("docent_constraints", "Standing constraints",
+                            [counters] { return static_cast<double>(counters->constraints.load()); });
+  metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
+                            [counters] { return static_cast<double>(counters->live_runs.load()); });
+  metrics_.AddGaugeFunction("docent_inbox_batches", "Batches that wait at the door",
+                            [this] { return static_cast<double>(inbox_.size()); });
+  metrics_.AddGaugeFunction("docent_quads", "Quads in the newest version",
+                            [this] { return static_cast<double>(queries_.Newest()->size()); });
+  metrics_.AddGaugeFunction("docent_revision", "Revision of the newest version",
+                            [this] { return static_cast<double>(queries_.Newest()->revision().value()); });
+  metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary",
+                            [this] { return static_cast<double>(dictionary_.bytes()); });
 }
 
 // The ontologies and rules named on the command line, unless the graph has them as they are.
 absl::Status Server::LoadFiles() {
   auto push = [this](WriteBatch batch, const std::string& file) {
     std::promise<absl::Status> answer;
-    inbox_.Push(std::move(batch), [&answer](const absl::StatusOr<BatchOutcome>& outcome) { answer.set_value(outcome.status()); });
+    inbox_.Push(std::move(batch), [&answer](const absl::StatusOr<BatchOutcome>& outcome) {
+      answer.set_value(outcome.status());
+    });
     absl::Status status = answer.get_future().get();
     return status.ok() ? status : absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
   };
@@ -249,7 +264,8 @@ absl::Status Server::LoadFiles() {
     auto catalog = catalog_.Get();
     size_t fingerprint = std::hash<std::string>()(*text);
     bool same = std::any_of(catalog->modules.begin(), catalog->modules.end(), [&](const ModuleEntry& module) {
-      return module.kind == Document::Kind::kRules && module.name == name && module.fingerprint == fingerprint;
+      return module.kind == Document::Kind::kRules && module.name == name &&
+             module.fingerprint == fingerprint;
     });
     if (same) continue;
     WriteBatch batch;
@@ -274,8 +290,9 @@ bool Server::Tend() {
     spdlog::warn("{} has not renewed its lease: offline", robot);
     WriteBatch batch;
     batch.source = robot;
-    batch.operations.push_back({QuadOperation::Kind::kAdd,
-                                {Term::Iri(robot), Term::Iri(DocentIri("status")), Term::Iri(DocentIri("Offline")), Term()}});
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd,
+         {Term::Iri(robot), Term::Iri(DocentIri("status")), Term::Iri(DocentIri("Offline")), Term()}});
     inbox_.Push(std::move(batch), nullptr);
   }
   absl::MutexLock lock(&status_mutex_);

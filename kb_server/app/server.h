@@ -22,7 +22,7 @@
 namespace docent {
 
 struct ServerSettings {
-  std::string data_folder;                     // made if absent
+  std::string data_folder;                      // made if absent
   std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
   std::string http_address = "127.0.0.1:7480";
   bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
@@ -35,10 +35,11 @@ struct ServerSettings {
 
 class Server {
  public:
-  // Opens the log, replays it, listens, loads the files. Errors are one clear line: a port in use, an unreadable
-  // folder, a log of a newer format, damage with its offset. `progress(done, all)` tells of the replay.
-  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerSettings& settings,
-                                                       const std::function<void(uint64_t, uint64_t)>& progress);
+  // Opens the log, replays it, listens, loads the files. Errors are one clear line: a port in use, an
+  // unreadable folder, a log of a newer format, damage with its offset. `progress(done, all)` tells of the
+  // replay.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(
+      const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress);
   // Stops: no new requests, batches that wait are answered, what is written is durable.
   ~Server();
   Server(const Server&) = delete;
@@ -47,8 +48,8 @@ class Server {
   const std::string& grpc_address() const { return grpc_address_; }
   const std::string& http_address() const { return http_address_; }
 
-  // To be called now and then (about once a second): tells the graph of robots that were lost. False: the writer had to
-  // stop, see status().
+  // To be called now and then (about once a second): tells the graph of robots that were lost. False: the
+  // writer had to stop, see status().
   bool Tend();
   absl::Status status() const;
 

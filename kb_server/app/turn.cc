@@ -13,7 +13,8 @@ namespace {
 Delta WriteRunFacts(Stages* stages, const EngineOutput& output) {
   auto intern = [stages](const TermQuad& quad) {
     Dictionary& d = stages->dictionary;
-    return Quad{d.Intern(quad.subject), d.Intern(quad.predicate), d.Intern(quad.object), d.Intern(quad.graph)};
+    return Quad{d.Intern(quad.subject), d.Intern(quad.predicate), d.Intern(quad.object),
+                d.Intern(quad.graph)};
   };
   std::vector<Quad> add, remove;
   for (const TermQuad& quad : output.add) add.push_back(intern(quad));
@@ -39,8 +40,9 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
   }
 
   WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
-  absl::Status documents = stages->documents.Apply(&input, Revision(offset), stages->dictionary,
-                                                   stages->writer.current(), &stages->rules, &stages->engine, stages->limits);
+  absl::Status documents =
+      stages->documents.Apply(&input, Revision(offset), stages->dictionary, stages->writer.current(),
+                              &stages->rules, &stages->engine, stages->limits);
   if (!documents.ok()) return documents;
 
   absl::StatusOr<Delta> delta = stages->applier.Apply(input, stages->writer);  // store
@@ -49,9 +51,9 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
   DeltaSum sum;
   for (int round = 0;; ++round) {
     if (round == stages->limits.engine_rounds_per_turn) {
-      return absl::ResourceExhaustedError(
-          absl::StrCat("workflows went on for ", round, " rounds in one turn; the limit engine_rounds_per_turn is ",
-                       stages->limits.engine_rounds_per_turn, "; look for a loop without a wait"));
+      return absl::ResourceExhaustedError(absl::StrCat(
+          "workflows went on for ", round, " rounds in one turn; the limit engine_rounds_per_turn is ",
+          stages->limits.engine_rounds_per_turn, "; look for a loop without a wait"));
     }
     size_t told = delta->size();
     delta = stages->rules.Update(stages->writer, *delta);  // rules, to a fixpoint
@@ -76,7 +78,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     EngineOutput output = stages->engine.Step(view);  // workflow engine
     Record(output, result);
     stages->conditions.Disarm(output.disarm);
-    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us); !armed.ok()) return armed;
+    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us); !armed.ok())
+      return armed;
     if (output.quiet()) break;
     delta = WriteRunFacts(stages, output);  // seen by rules and constraints in this same turn
   }

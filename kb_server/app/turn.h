@@ -2,9 +2,9 @@
 //
 //   store → rules → constraints → engine, again until the engine is quiet
 //
-// A turn decides; it makes nothing durable, visible or heard. The caller (kb_server/app/writer.h) appends the record to
-// the log, and only then publishes the version, answers the client and sends the commands. Replay calls the same function
-// with the batches of the log. Writer thread only.
+// A turn decides; it makes nothing durable, visible or heard. The caller (kb_server/app/writer.h) appends the
+// record to the log, and only then publishes the version, answers the client and sends the commands. Replay
+// calls the same function with the batches of the log. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_TURN_H_
 #define DOCENT_KB_SERVER_APP_TURN_H_
 
@@ -64,10 +64,10 @@ struct Stages {
 struct TurnResult {
   TurnRecord record;
   GraphVersionPtr version;
-  Delta delta;                      // everything that changed in the graph, net
-  size_t inferred = 0;              // facts that rules added or withdrew
-  std::vector<CommandId> cancels;   // commands to be ended
-  std::vector<RunId> started;       // by the batch's run requests
+  Delta delta;                     // everything that changed in the graph, net
+  size_t inferred = 0;             // facts that rules added or withdrew
+  std::vector<CommandId> cancels;  // commands to be ended
+  std::vector<RunId> started;      // by the batch's run requests
   bool documents_changed = false;
 };
 

@@ -12,12 +12,19 @@
 namespace docent {
 namespace {
 
-// A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at once.
+// A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at
+// once.
 constexpr TimeMicros kTickPauseUs = 1'000'000;
 
 RobotCommand ToCommand(const CommandEntry& entry) {
-  return {entry.id, entry.robot, entry.operation, entry.arguments, entry.expected_incarnation,
-          entry.guard_revision, entry.deadline_us, entry.idempotent};
+  return {entry.id,
+          entry.robot,
+          entry.operation,
+          entry.arguments,
+          entry.expected_incarnation,
+          entry.guard_revision,
+          entry.deadline_us,
+          entry.idempotent};
 }
 
 // "RUN/NODE/…" → its parts.
@@ -55,16 +62,22 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
       if (!recorded.ok()) return recorded.status();
       auto derived = RunTurn(stages_.get(), recorded->batch, entry.offset);
       if (!derived.ok()) {
-        return absl::DataLossError(absl::StrCat("log offset ", entry.offset, ": the recorded batch is refused on replay: ",
-                                                derived.status().message()));
+        return absl::DataLossError(
+            absl::StrCat("log offset ", entry.offset,
+                         ": the recorded batch is refused on replay: ", derived.status().message()));
       }
       if (auto difference = DecisionDifference(*recorded, derived->record)) {
-        return absl::DataLossError(absl::StrCat("log offset ", entry.offset, ": replay decides otherwise (recorded by engine version ",
-                                                recorded->engine_version, ", this is ", kEngineVersion, ")\n", *difference));
+        return absl::DataLossError(absl::StrCat(
+            "log offset ", entry.offset, ": replay decides otherwise (recorded by engine version ",
+            recorded->engine_version, ", this is ", kEngineVersion, ")\n", *difference));
       }
       UpdateAddresses(derived->delta);
-      BatchOutcome outcome{entry.offset, derived->delta.added.size(), derived->delta.removed.size(), derived->inferred,
-                           true, derived->started};
+      BatchOutcome outcome{entry.offset,
+                           derived->delta.added.size(),
+                           derived->delta.removed.size(),
+                           derived->inferred,
+                           true,
+                           derived->started};
       requests_.Remember(recorded->batch.request_id, std::move(outcome));
       ports_.inbox->StartAfter(recorded->time_us);
       head_ = entry.offset;
@@ -122,8 +135,12 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
       pending.done(result.status());
       continue;
     }
-    BatchOutcome outcome{result->record.offset, result->delta.added.size(), result->delta.removed.size(),
-                         result->inferred, false, result->started};
+    BatchOutcome outcome{result->record.offset,
+                         result->delta.added.size(),
+                         result->delta.removed.size(),
+                         result->inferred,
+                         false,
+                         result->started};
     group.push_back({*std::move(result), std::move(pending.done), std::move(outcome)});
   }
   if (!group.empty()) fatal_ = Commit(std::move(group));
@@ -200,7 +217,13 @@ void Writer::Send(const TurnResult& result) {
 void Writer::Tell(const TurnResult& result) {
   std::vector<RunEvent> events;
   for (const Transition& transition : result.record.transitions) {
-    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", transition.from, transition.to,
+    RunEvent event{Revision(result.record.offset),
+                   result.record.time_us,
+                   "",
+                   "",
+                   "",
+                   transition.from,
+                   transition.to,
                    transition.cause};
     SplitSubject(transition.subject, &event);
     if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
@@ -215,9 +238,16 @@ void Writer::Tell(const TurnResult& result) {
   }
   for (const CommandReport& report : result.record.batch.reports) {
     if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted", "progress", "succeeded", "failed", "cancelled", "unknown", "unreachable"};
-    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", "",
-                   kOutcomes[static_cast<int>(report.outcome)], ""};
+    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
+                                                "cancelled", "unknown",  "unreachable"};
+    RunEvent event{Revision(result.record.offset),
+                   result.record.time_us,
+                   "",
+                   "",
+                   "",
+                   "",
+                   kOutcomes[static_cast<int>(report.outcome)],
+                   ""};
     SplitSubject(report.command.value(), &event);
     event.kind = "report";
     event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);

@@ -1,9 +1,9 @@
-// The writer thread: takes batches from the door, runs a turn for each, makes the records durable in one commit, and
-// only then lets anybody see, hear or be answered.
+// The writer thread: takes batches from the door, runs a turn for each, makes the records durable in one
+// commit, and only then lets anybody see, hear or be answered.
 //
-// Group commit: all batches that wait are turned and appended together, with one fdatasync. Recovery is the same turns fed from the
-// log. Where the log refuses an append (disk full), all of that group is refused, and the state is made anew from
-// the log: what the log does not have did not happen.
+// Group commit: all batches that wait are turned and appended together, with one fdatasync. Recovery is the
+// same turns fed from the log. Where the log refuses an append (disk full), all of that group is refused, and
+// the state is made anew from the log: what the log does not have did not happen.
 #ifndef DOCENT_KB_SERVER_APP_WRITER_H_
 #define DOCENT_KB_SERVER_APP_WRITER_H_
 
@@ -55,12 +55,14 @@ class Writer {
   };
   explicit Writer(const Ports& ports);
 
-  // Replays the log and publishes the newest version. DATA_LOSS naming the offset when the log is damaged, or when this
-  // engine decides otherwise than the one that wrote it. `progress(done, all)` is called now and then.
+  // Replays the log and publishes the newest version. DATA_LOSS naming the offset when the log is damaged, or
+  // when this engine decides otherwise than the one that wrote it. `progress(done, all)` is called now and
+  // then.
   absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
   // Tells the adapters of commands that were open when the server ended. After Recover.
   void ResumeCommands();
-  // Serves until the inbox is closed and empty. OK, or why it cannot go on. The thread that calls it is the writer.
+  // Serves until the inbox is closed and empty. OK, or why it cannot go on. The thread that calls it is the
+  // writer.
   absl::Status Run();
 
   const WriterCounters& counters() const { return counters_; }
@@ -84,7 +86,7 @@ class Writer {
   const Ports ports_;
   std::unique_ptr<Stages> stages_;
   RequestMemory requests_;
-  uint64_t head_ = 0;   // offset of the newest durable record
+  uint64_t head_ = 0;  // offset of the newest durable record
   uint64_t epoch_ = 0;
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;  // no clock tick before this time

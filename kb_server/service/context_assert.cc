@@ -16,8 +16,8 @@ void ToProto(const BatchOutcome& outcome, v1::AssertReply* reply) {
 }
 
 // One AssertStream. Requests are read one after the other and pushed through the door without waiting for the
-// answer of the one before; answers are written in the order of the requests. At most kInFlight are open, then reading
-// pauses: a fast client is slowed, memory stays bounded.
+// answer of the one before; answers are written in the order of the requests. At most kInFlight are open,
+// then reading pauses: a fast client is slowed, memory stays bounded.
 class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
  public:
   explicit AssertStreamReactor(const ServicePorts& ports) : ports_(ports) { StartRead(&request_); }
@@ -38,14 +38,17 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     }
     absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits);
     if (batch.ok()) {
-      ports_.inbox->Push(*std::move(batch),
-                         [this, slot](const absl::StatusOr<BatchOutcome>& outcome) { Answer(slot, outcome); });
+      ports_.inbox->Push(*std::move(batch), [this, slot](const absl::StatusOr<BatchOutcome>& outcome) {
+        Answer(slot, outcome);
+      });
     } else {
       Answer(slot, batch.status());
     }
     absl::MutexLock lock(&mutex_);
-    if (slots_.size() < kInFlight) StartRead(&request_);
-    else paused_ = true;
+    if (slots_.size() < kInFlight)
+      StartRead(&request_);
+    else
+      paused_ = true;
   }
 
   void OnWriteDone(bool ok) override {

@@ -62,10 +62,11 @@ absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, con
 }
 
 // The newest version once it is at least `revision`; looks now and then whether the caller still waits.
-absl::StatusOr<GraphVersionPtr> WaitForRevision(const QueryPort& queries, Revision revision, absl::Time deadline,
-                                                Cancellation* cancellation) {
+absl::StatusOr<GraphVersionPtr> WaitForRevision(const QueryPort& queries, Revision revision,
+                                                absl::Time deadline, Cancellation* cancellation) {
   while (true) {
-    auto version = queries.WaitForRevision(revision, std::min(deadline, absl::Now() + absl::Milliseconds(100)));
+    auto version =
+        queries.WaitForRevision(revision, std::min(deadline, absl::Now() + absl::Milliseconds(100)));
     if (version.ok() || absl::Now() >= deadline) return version;
     if (absl::Status status = cancellation->Check(); !status.ok()) return status;
   }

@@ -11,7 +11,8 @@ bool IsAbsoluteIri(std::string_view iri) {
   size_t colon = iri.find(':');
   if (colon == std::string_view::npos || colon == 0) return false;
   for (char c : iri) {
-    if (static_cast<unsigned char>(c) <= 0x20 || std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
+    if (static_cast<unsigned char>(c) <= 0x20 ||
+        std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
       return false;
     }
   }
@@ -55,7 +56,8 @@ absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
   switch (term.kind_case()) {
     case v1::Term::kIri:
       if (!IsAbsoluteIri(term.iri())) {
-        return absl::InvalidArgumentError(absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
+        return absl::InvalidArgumentError(
+            absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
       }
       return Term::Iri(term.iri());
     case v1::Term::kBlank:
@@ -95,12 +97,14 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     return absl::InvalidArgumentError("request_id is longer than 256 bytes");
   }
   if (!request.source().empty() && !IsAbsoluteIri(request.source())) {
-    return absl::InvalidArgumentError(absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
   }
   WriteBatch batch;
   batch.request_id = request.request_id();
   batch.source = request.source();
-  batch.mode = request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
+  batch.mode =
+      request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
   batch.lifetime_ms = request.lifetime_ms();
   batch.operations.reserve(request.remove_size() + request.add_size());
   auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
@@ -113,7 +117,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     return absl::OkStatus();
   };
   for (int i = 0; i < request.remove_size(); ++i) {
-    absl::Status status = append(request.remove(i), QuadOperation::Kind::kRemove, absl::StrCat("remove[", i, "]"));
+    absl::Status status =
+        append(request.remove(i), QuadOperation::Kind::kRemove, absl::StrCat("remove[", i, "]"));
     if (!status.ok()) return status;
   }
   for (int i = 0; i < request.add_size(); ++i) {
@@ -124,21 +129,25 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     std::string media_type = request.rdf_media_type().empty() ? "text/turtle" : request.rdf_media_type();
     auto format = FormatOfMediaType(media_type);
     if (!format) {
-      return absl::InvalidArgumentError(absl::StrCat("rdf_media_type \"", media_type, "\" is not known; use text/turtle, "
-                                                     "application/trig, application/n-triples, application/n-quads or "
-                                                     "application/rdf+xml"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("rdf_media_type \"", media_type,
+                       "\" is not known; use text/turtle, "
+                       "application/trig, application/n-triples, application/n-quads or "
+                       "application/rdf+xml"));
     }
     ParseRdfOptions options;
     options.file = "rdf";
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
-    for (TermQuad& quad : parsed.quads) batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    for (TermQuad& quad : parsed.quads)
+      batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
   }
   for (int i = 0; i < request.readings_size(); ++i) {
     const v1::SensorReading& in = request.readings(i);
     std::string what = absl::StrCat("readings[", i, "]");
     if (!IsAbsoluteIri(in.sensor())) {
-      return absl::InvalidArgumentError(absl::StrCat(what, ".sensor: \"", in.sensor(), "\" is not an absolute IRI"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(what, ".sensor: \"", in.sensor(), "\" is not an absolute IRI"));
     }
     auto value = FromProto(in.value(), what + ".value");
     if (!value.ok()) return value.status();
@@ -149,8 +158,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
 
 namespace {
 
-// A status message travels in HTTP/2 headers, of which clients accept 8 KiB by default, and bytes outside of printable
-// ASCII take three there (gRPC over HTTP/2, "Status-Message").
+// A status message travels in HTTP/2 headers, of which clients accept 8 KiB by default, and bytes outside of
+// printable ASCII take three there (gRPC over HTTP/2, "Status-Message").
 std::string CutToHeaders(absl::string_view message) {
   constexpr size_t kHeaderBytes = 6000;
   size_t encoded = 0, line_end = 0;
@@ -158,7 +167,8 @@ std::string CutToHeaders(absl::string_view message) {
     encoded += message[i] < ' ' || message[i] > '~' || message[i] == '%' ? 3 : 1;
     if (encoded > kHeaderBytes) {
       size_t cut = line_end > 0 ? line_end : i;
-      while (cut > 0 && (static_cast<unsigned char>(message[cut]) & 0xC0) == 0x80) --cut;  // whole code points
+      while (cut > 0 && (static_cast<unsigned char>(message[cut]) & 0xC0) == 0x80)
+        --cut;  // whole code points
       return absl::StrCat(message.substr(0, cut), "… (", message.size() - cut, " more bytes)");
     }
     if (message[i] == '\n') line_end = i + 1;

@@ -24,8 +24,8 @@ void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out);
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
 // As above; an unset graph gives a term with an empty IRI.
 absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
-// The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for `rdf`,
-// line and column; RESOURCE_EXHAUSTED names the limit.
+// The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for
+// `rdf`, line and column; RESOURCE_EXHAUSTED names the limit.
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits);
 
 // The same code and message (absl codes are gRPC's).

@@ -1,5 +1,5 @@
-// Which robots have shown themselves lately. Heartbeats stay here and are not logged; what is told to the graph is that a
-// robot joined, changed its description, or was lost (docent:status docent:Offline).
+// Which robots have shown themselves lately. Heartbeats stay here and are not logged; what is told to the
+// graph is that a robot joined, changed its description, or was lost (docent:status docent:Offline).
 //
 // Thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_FLEET_LEASES_H_
@@ -22,8 +22,8 @@ class FleetLeases {
   // How long a lease lasts.
   static constexpr uint32_t kLeaseMs = 5000;
 
-  // True if the graph has to be told: the robot is new here, was lost, or `description` (not empty) is not the one that
-  // the graph was told.
+  // True if the graph has to be told: the robot is new here, was lost, or `description` (not empty) is not
+  // the one that the graph was told.
   bool Renew(const std::string& robot, const std::string& description);
   // The graph has it.
   void Told(const std::string& robot, const std::string& description);

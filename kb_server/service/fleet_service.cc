@@ -20,7 +20,8 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
   batch.source = description.robot();
   auto say = [&batch](const std::string& subject, std::string_view predicate, Term object,
                       QuadOperation::Kind kind = QuadOperation::Kind::kAdd) {
-    batch.operations.push_back({kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
+    batch.operations.push_back(
+        {kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
   };
   const std::string& robot = description.robot();
   say(robot, kRdfType, Term::Iri(DocentIri("Robot")));
@@ -29,7 +30,8 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
   say(robot, DocentIri("incarnation"), Term::Literal(description.incarnation()));
   say(robot, DocentIri("adapterAddress"), Term::Literal(request.address()));
   std::string status = graph.Object(robot, DocentIri("status"));
-  if (status.empty() || status == DocentIri("Offline")) say(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
+  if (status.empty() || status == DocentIri("Offline"))
+    say(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
   for (const Term& offered : graph.Objects(robot, DocentIri("offers"))) {
     say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
   }
@@ -49,8 +51,8 @@ bool Number(const GraphReader& graph, const std::string& robot, std::string_view
 
 }  // namespace
 
-grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context, const v1::JoinRequest* request,
-                                             v1::JoinReply* reply) {
+grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context,
+                                             const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   auto refuse = [reactor](const std::string& why) {
     reactor->Finish(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, why));
@@ -59,9 +61,12 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   const v1::RobotDescription& description = request->description();
   v1::Term robot;
   robot.set_iri(description.robot());
-  if (auto term = FromProto(robot, "description.robot"); !term.ok()) return refuse(std::string(term.status().message()));
-  if (request->address().empty()) return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
-  if (description.incarnation().empty()) return refuse("description.incarnation is empty; it must change at every start");
+  if (auto term = FromProto(robot, "description.robot"); !term.ok())
+    return refuse(std::string(term.status().message()));
+  if (request->address().empty())
+    return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
+  if (description.incarnation().empty())
+    return refuse("description.incarnation is empty; it must change at every start");
   reply->set_lease_ms(FleetLeases::kLeaseMs);
   GraphVersionPtr version = ports_.queries->Newest();
   reply->set_revision(version->revision().value());
@@ -70,19 +75,20 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
     reactor->Finish(grpc::Status::OK);
     return reactor;
   }
-  ports_.inbox->Push(JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
-                     [this, reactor, reply, robot = description.robot(), text](const absl::StatusOr<BatchOutcome>& outcome) {
-                       if (outcome.ok()) {
-                         leases_.Told(robot, text);
-                         reply->set_revision(outcome->offset);
-                       }
-                       reactor->Finish(ToGrpc(outcome.status()));
-                     });
+  ports_.inbox->Push(
+      JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
+      [this, reactor, reply, robot = description.robot(), text](const absl::StatusOr<BatchOutcome>& outcome) {
+        if (outcome.ok()) {
+          leases_.Told(robot, text);
+          reply->set_revision(outcome->offset);
+        }
+        reactor->Finish(ToGrpc(outcome.status()));
+      });
   return reactor;
 }
 
-grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context, const v1::ListRobotsRequest*,
-                                             v1::ListRobotsReply* reply) {
+grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
+                                             const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
   GraphVersionPtr version = ports_.queries->Newest();
   GraphReader graph(*ports_.dictionary, *version);
   for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
@@ -92,7 +98,9 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
     out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
     out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
     std::string status = graph.Object(robot, DocentIri("status"));
-    out->set_state(status == DocentIri("Standby") ? "standby" : status == DocentIri("Busy") ? "busy" : "offline");
+    out->set_state(status == DocentIri("Standby") ? "standby"
+                   : status == DocentIri("Busy")  ? "busy"
+                                                  : "offline");
     for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
       out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
     }

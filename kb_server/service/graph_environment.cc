@@ -15,17 +15,20 @@ constexpr std::string_view kOperationPrefix = "urn:docent:operation:";
 
 class LiveEnvironment final : public cawl::Environment {
  public:
-  LiveEnvironment(const Dictionary& dictionary, GraphVersionPtr version, std::shared_ptr<const Catalog> catalog)
+  LiveEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
+                  std::shared_ptr<const Catalog> catalog)
       : dictionary_(dictionary),
         version_(std::move(version)),
         catalog_(std::move(catalog)),
         class_types_({Concat(kRdfsNs, "Class"), Concat(kOwlNs, "Class")}),
-        property_types_({Concat(kRdfNs, "Property"), Concat(kOwlNs, "ObjectProperty"), Concat(kOwlNs, "DatatypeProperty"),
-                         Concat(kOwlNs, "AnnotationProperty")}) {}
+        property_types_({Concat(kRdfNs, "Property"), Concat(kOwlNs, "ObjectProperty"),
+                         Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
 
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
-    if (rsel::PlanPtr plan = catalog_->services.Find(name)) return cawl::OperationSignature{plan->process, plan->inputs, true};
-    if (Has({}, DocentIri("offers"), Concat(kOperationPrefix, name))) return cawl::OperationSignature{std::string(name), {}, false};
+    if (rsel::PlanPtr plan = catalog_->services.Find(name))
+      return cawl::OperationSignature{plan->process, plan->inputs, true};
+    if (Has({}, DocentIri("offers"), Concat(kOperationPrefix, name)))
+      return cawl::OperationSignature{std::string(name), {}, false};
     return std::nullopt;
   }
   std::vector<std::string> OperationNames() const override {
@@ -50,7 +53,9 @@ class LiveEnvironment final : public cawl::Environment {
   bool IsProperty(const std::string& iri) const override {
     return HasType(iri, property_types_) || Has(iri, Concat(kRdfsNs, "subPropertyOf"), {});
   }
-  bool IsKnown(const std::string& iri) const override { return Has(iri, std::string(kRdfType), {}) || IsClass(iri) || IsProperty(iri); }
+  bool IsKnown(const std::string& iri) const override {
+    return Has(iri, std::string(kRdfType), {}) || IsClass(iri) || IsProperty(iri);
+  }
   std::vector<std::string> Classes(std::string_view namespace_iri) const override {
     return OfTypes(class_types_, namespace_iri);
   }
@@ -60,7 +65,9 @@ class LiveEnvironment final : public cawl::Environment {
   std::vector<std::string> Words(std::string_view namespace_iri) const override {
     std::vector<std::string> words;
     auto type = dictionary_.FindIri(kRdfType);
-    if (type) version_->ForEach({{}, *type, {}, {}}, [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
+    if (type)
+      version_->ForEach({{}, *type, {}, {}},
+                        [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
     return words;
   }
 
@@ -68,7 +75,9 @@ class LiveEnvironment final : public cawl::Environment {
   // Empty text is a wildcard.
   bool Has(const std::string& subject, const std::string& predicate, const std::string& object) const {
     QuadPattern pattern;
-    for (auto [text, place] : {std::pair{&subject, &pattern.subject}, {&predicate, &pattern.predicate}, {&object, &pattern.object}}) {
+    for (auto [text, place] : {std::pair{&subject, &pattern.subject},
+                               {&predicate, &pattern.predicate},
+                               {&object, &pattern.object}}) {
       if (text->empty()) continue;
       auto id = dictionary_.FindIri(*text);
       if (!id) return false;
@@ -77,7 +86,8 @@ class LiveEnvironment final : public cawl::Environment {
     return version_->Scan(pattern).Valid();
   }
   bool HasType(const std::string& iri, const std::vector<std::string>& types) const {
-    return std::any_of(types.begin(), types.end(), [&](const std::string& type) { return Has(iri, std::string(kRdfType), type); });
+    return std::any_of(types.begin(), types.end(),
+                       [&](const std::string& type) { return Has(iri, std::string(kRdfType), type); });
   }
   bool Take(TermId id, std::string_view namespace_iri, std::vector<std::string>* words) const {
     if (!id.IsIri()) return true;
@@ -85,13 +95,15 @@ class LiveEnvironment final : public cawl::Environment {
     if (iri.substr(0, namespace_iri.size()) == namespace_iri) words->emplace_back(iri);
     return true;
   }
-  std::vector<std::string> OfTypes(const std::vector<std::string>& types, std::string_view namespace_iri) const {
+  std::vector<std::string> OfTypes(const std::vector<std::string>& types,
+                                   std::string_view namespace_iri) const {
     std::vector<std::string> words;
     auto type = dictionary_.FindIri(kRdfType);
     for (const std::string& name : types) {
       auto id = dictionary_.FindIri(name);
       if (!type || !id) continue;
-      version_->ForEach({{}, *type, *id, {}}, [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
+      version_->ForEach({{}, *type, *id, {}},
+                        [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
     }
     std::sort(words.begin(), words.end());
     words.erase(std::unique(words.begin(), words.end()), words.end());

@@ -1,5 +1,5 @@
-// What a CAWL document is checked against on the server: the words of the live graph's ontologies, the operations
-// that robots offer, the registered robot services and workflows.
+// What a CAWL document is checked against on the server: the words of the live graph's ontologies, the
+// operations that robots offer, the registered robot services and workflows.
 #ifndef DOCENT_KB_SERVER_SERVICE_GRAPH_ENVIRONMENT_H_
 #define DOCENT_KB_SERVER_SERVICE_GRAPH_ENVIRONMENT_H_
 
@@ -12,7 +12,8 @@
 
 namespace docent {
 
-// Looks things up in `version` when they are asked for, and keeps it. `dictionary` must outlive it. One thread.
+// Looks things up in `version` when they are asked for, and keeps it. `dictionary` must outlive it. One
+// thread.
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
                                                     std::shared_ptr<const Catalog> catalog);
 

@@ -16,7 +16,8 @@ namespace docent {
 class GraphReader {
  public:
   // Both must outlive the reader.
-  GraphReader(const Dictionary& dictionary, const GraphVersion& version) : dictionary_(dictionary), version_(version) {}
+  GraphReader(const Dictionary& dictionary, const GraphVersion& version)
+      : dictionary_(dictionary), version_(version) {}
 
   // Objects of (subject, predicate, ?), distinct, in term order.
   std::vector<Term> Objects(std::string_view subject, std::string_view predicate) const;

@@ -1,6 +1,7 @@
-// The gRPC services of proto/docent/v1 as handlers: each turns a message into a batch for the door or into a read of
-// the newest version, and the answer into a message. gRPC callback API: handlers return at once; a batch is answered from the writer
-// thread when it is durable, a query from a worker. One file an RPC group (context_*.cc, ontologies_service.cc, …).
+// The gRPC services of proto/docent/v1 as handlers: each turns a message into a batch for the door or into a
+// read of the newest version, and the answer into a message. gRPC callback API: handlers return at once; a
+// batch is answered from the writer thread when it is durable, a query from a worker. One file an RPC group
+// (context_*.cc, ontologies_service.cc, …).
 #ifndef DOCENT_KB_SERVER_SERVICE_GRPC_SERVICES_H_
 #define DOCENT_KB_SERVER_SERVICE_GRPC_SERVICES_H_
 
@@ -39,10 +40,11 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
   explicit OntologiesService(const ServicePorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Load(grpc::CallbackServerContext* context, const v1::LoadRequest* request,
                                  v1::LoadReply* reply) override;
-  grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListOntologiesRequest* request,
+  grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context,
+                                 const v1::ListOntologiesRequest* request,
                                  v1::ListOntologiesReply* reply) override;
-  grpc::ServerUnaryReactor* Remove(grpc::CallbackServerContext* context, const v1::RemoveOntologyRequest* request,
-                                   v1::LoadReply* reply) override;
+  grpc::ServerUnaryReactor* Remove(grpc::CallbackServerContext* context,
+                                   const v1::RemoveOntologyRequest* request, v1::LoadReply* reply) override;
 
  private:
   const ServicePorts& ports_;
@@ -55,7 +57,8 @@ class WorkflowsService final : public v1::Workflows::CallbackService {
                                   v1::CheckReply* reply) override;
   grpc::ServerUnaryReactor* Deploy(grpc::CallbackServerContext* context, const v1::DeployRequest* request,
                                    v1::DeployReply* reply) override;
-  grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListWorkflowsRequest* request,
+  grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context,
+                                 const v1::ListWorkflowsRequest* request,
                                  v1::ListWorkflowsReply* reply) override;
   grpc::ServerUnaryReactor* Start(grpc::CallbackServerContext* context, const v1::StartRequest* request,
                                   v1::StartReply* reply) override;
@@ -79,7 +82,8 @@ class RobotServicesService final : public v1::RobotServices::CallbackService {
                                      v1::RegisterReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context, const v1::ListServicesRequest* request,
                                  v1::ListServicesReply* reply) override;
-  grpc::ServerUnaryReactor* Describe(grpc::CallbackServerContext* context, const v1::DescribeServiceRequest* request,
+  grpc::ServerUnaryReactor* Describe(grpc::CallbackServerContext* context,
+                                     const v1::DescribeServiceRequest* request,
                                      v1::RobotService* reply) override;
   grpc::ServerWriteReactor<v1::InvokeServiceReply>* Invoke(grpc::CallbackServerContext* context,
                                                            const v1::InvokeServiceRequest* request) override;

@@ -24,7 +24,8 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
 absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, WriteBatch* batch) {
   std::string media_type = request.media_type().empty() ? "text/turtle" : request.media_type();
   auto format = FormatOfMediaType(media_type);
-  if (!format) return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+  if (!format)
+    return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
   ParseRdfOptions options;
   options.file = request.name();
   options.blank_node_scope = absl::StrCat(request.name(), "_");
@@ -40,17 +41,20 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
 absl::StatusOr<WriteBatch> ToBatch(const v1::LoadRequest& request, const Limits& limits) {
   if (request.text().size() > limits.document_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(request.name(), " has ", request.text().size(),
-                                                     " bytes; the limit document_bytes is ", limits.document_bytes));
+                                                     " bytes; the limit document_bytes is ",
+                                                     limits.document_bytes));
   }
   if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
-    return absl::InvalidArgumentError("name is empty; an ontology or rule set is replaced and removed by its name");
+    return absl::InvalidArgumentError(
+        "name is empty; an ontology or rule set is replaced and removed by its name");
   }
   WriteBatch batch;
   batch.mode = WriteBatch::Mode::kLoad;
   absl::Status status;
   switch (request.kind()) {
     case v1::LoadRequest::RULES:
-      batch.documents.push_back({Document::Kind::kRules, Document::Action::kPut, request.name(), request.text()});
+      batch.documents.push_back(
+          {Document::Kind::kRules, Document::Action::kPut, request.name(), request.text()});
       break;
     case v1::LoadRequest::ONTOLOGY:
       batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
@@ -66,7 +70,9 @@ absl::StatusOr<WriteBatch> ToBatch(const v1::LoadRequest& request, const Limits&
 
 }  // namespace
 
-std::string OntologyGraph(const std::string& name) { return absl::StrCat("https://w3id.org/docent/ontology/", name); }
+std::string OntologyGraph(const std::string& name) {
+  return absl::StrCat("https://w3id.org/docent/ontology/", name);
+}
 
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
@@ -79,12 +85,14 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
       reactor->Finish(ToGrpc(outcome.status()));
     });
   });
-  if (!accepted) reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
+  if (!accepted)
+    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
   return reactor;
 }
 
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
-                                                  const v1::ListOntologiesRequest*, v1::ListOntologiesReply* reply) {
+                                                  const v1::ListOntologiesRequest*,
+                                                  v1::ListOntologiesReply* reply) {
   for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
     auto* out = reply->add_modules();
     out->set_name(module.name);
@@ -96,11 +104,13 @@ grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* c
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
-                                                    const v1::RemoveOntologyRequest* request, v1::LoadReply* reply) {
+                                                    const v1::RemoveOntologyRequest* request,
+                                                    v1::LoadReply* reply) {
   Document::Kind kind =
       request->kind() == v1::LoadRequest::RULES ? Document::Kind::kRules : Document::Kind::kOntology;
   if (request->kind() == v1::LoadRequest::DATA) {
-    return Finish(context, grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
+    return Finish(context,
+                  grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
   }
   WriteBatch batch;
   batch.mode = WriteBatch::Mode::kLoad;

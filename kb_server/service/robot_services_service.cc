@@ -31,7 +31,8 @@ std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) 
       continue;
     }
     std::vector<std::string> both;
-    std::set_intersection(able->begin(), able->end(), offering.begin(), offering.end(), std::back_inserter(both));
+    std::set_intersection(able->begin(), able->end(), offering.begin(), offering.end(),
+                          std::back_inserter(both));
     able = std::move(both);
   }
   return able.value_or(std::vector<std::string>());
@@ -53,14 +54,15 @@ void Fill(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* ou
 // Follows one run for one client. Events may come before the run's id is known; they are kept until then.
 class InvokeFollower {
  public:
-  explicit InvokeFollower(std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out)
-      : out_(std::move(out)) {}
+  explicit InvokeFollower(std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out) : out_(std::move(out)) {}
 
   bool OnEvent(const RunEvent& event) {
     absl::MutexLock lock(&mutex_);
     if (ended_) return false;
-    if (!run_) early_.push_back(event);
-    else if (event.run == *run_) Forward(event);
+    if (!run_)
+      early_.push_back(event);
+    else if (event.run == *run_)
+      Forward(event);
     return !ended_;
   }
   void Started(const std::string& run) {
@@ -109,7 +111,8 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
   for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
   WriteBatch batch;
-  batch.documents.push_back({Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
+  batch.documents.push_back(
+      {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
     if (outcome.ok()) reply->set_revision(outcome->offset);
@@ -119,7 +122,8 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
-                                                     const v1::ListServicesRequest*, v1::ListServicesReply* reply) {
+                                                     const v1::ListServicesRequest*,
+                                                     v1::ListServicesReply* reply) {
   GraphVersionPtr version = ports_.queries->Newest();
   GraphReader graph(*ports_.dictionary, *version);
   for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
@@ -133,7 +137,9 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
                                                          v1::RobotService* reply) {
   rsel::PlanPtr plan = ports_.catalog->Get()->services.Find(request->name());
   if (plan == nullptr) {
-    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND, absl::StrCat("no robot service \"", request->name(), "\" is registered")));
+    return Finish(context,
+                  grpc::Status(grpc::StatusCode::NOT_FOUND,
+                               absl::StrCat("no robot service \"", request->name(), "\" is registered")));
   }
   GraphVersionPtr version = ports_.queries->Newest();
   Fill(GraphReader(*ports_.dictionary, *version), *plan, reply);
@@ -160,12 +166,17 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   if (!request->robot().empty()) invoke.arguments.emplace_back("robot", Term::Iri(request->robot()));
   batch.run_requests.push_back(std::move(invoke));
   auto follower = std::make_shared<InvokeFollower>(handle);
-  uint64_t id = ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
+  uint64_t id =
+      ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
   handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
   ports_.inbox->Push(std::move(batch), [follower](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (!outcome.ok()) follower->Refused(ToGrpc(outcome.status()));
-    else if (!outcome->started.empty()) follower->Started(outcome->started.front().value());
-    else follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS, "this request_id was served before; see docent runs"));
+    if (!outcome.ok())
+      follower->Refused(ToGrpc(outcome.status()));
+    else if (!outcome->started.empty())
+      follower->Started(outcome->started.front().value());
+    else
+      follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
+                                     "this request_id was served before; see docent runs"));
   });
   return reactor;
 }

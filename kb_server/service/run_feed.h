@@ -1,7 +1,8 @@
-// What happens in runs, handed to everyone who watches. Events are published only after their turn is durable.
+// What happens in runs, handed to everyone who watches. Events are published only after their turn is
+// durable.
 //
-// Publish from the writer thread; Subscribe and Unsubscribe from any. A subscriber that cannot keep up (its callback
-// returns false) is dropped.
+// Publish from the writer thread; Subscribe and Unsubscribe from any. A subscriber that cannot keep up (its
+// callback returns false) is dropped.
 #ifndef DOCENT_KB_SERVER_SERVICE_RUN_FEED_H_
 #define DOCENT_KB_SERVER_SERVICE_RUN_FEED_H_
 

@@ -50,7 +50,8 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   run->set_reason(graph.Object(iri, DocentIri("reason")));
   run->set_started_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "startedAtTime"))));
   run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
-  run->set_parent(std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), ToAbsl(kRunPrefix))));
+  run->set_parent(
+      std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), ToAbsl(kRunPrefix))));
   for (const Term& variable : graph.Objects(iri, DocentIri("hasVariable"))) {
     std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
     if (values.empty()) continue;

@@ -1,8 +1,9 @@
 // A server stream of gRPC's callback API that other threads feed through a bounded queue.
 //
-// `Push` may be called from any thread; it waits while the queue is full (a slow client slows its own producer,
-// nobody else's) and returns false when the client has gone. `End` closes the stream after what is queued. The object
-// deletes itself when gRPC is done with it, so a producer holds a StreamHandle, which outlives it.
+// `Push` may be called from any thread; it waits while the queue is full (a slow client slows its own
+// producer, nobody else's) and returns false when the client has gone. `End` closes the stream after what is
+// queued. The object deletes itself when gRPC is done with it, so a producer holds a StreamHandle, which
+// outlives it.
 #ifndef DOCENT_KB_SERVER_SERVICE_STREAM_REACTOR_H_
 #define DOCENT_KB_SERVER_SERVICE_STREAM_REACTOR_H_
 
@@ -55,7 +56,8 @@ class StreamHandle {
     absl::MutexLock lock(&mutex_);
     return dead_;
   }
-  // Called once when the client goes away before the end: from a gRPC thread, or at once if it has gone already.
+  // Called once when the client goes away before the end: from a gRPC thread, or at once if it has gone
+  // already.
   void OnGone(std::function<void()> callback) {
     {
       absl::MutexLock lock(&mutex_);
@@ -142,7 +144,8 @@ class StreamReactor final : public grpc::ServerWriteReactor<Message> {
     }
     handle_->dead_ = handle_->finished_;
     handle_->ending_ = true;
-    if (handle_->status_.ok()) handle_->status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client went away");
+    if (handle_->status_.ok())
+      handle_->status_ = grpc::Status(grpc::StatusCode::CANCELLED, "the client went away");
   }
 
   std::shared_ptr<StreamHandle<Message>> handle_;

@@ -1,6 +1,7 @@
 // A few threads for work that may take long (queries, parsing), so that network threads never wait for it.
 //
-// The queue is bounded: Submit refuses instead of growing. The destructor finishes what is queued. Thread-safe.
+// The queue is bounded: Submit refuses instead of growing. The destructor finishes what is queued.
+// Thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_WORKER_POOL_H_
 #define DOCENT_KB_SERVER_SERVICE_WORKER_POOL_H_
 

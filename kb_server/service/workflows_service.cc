@@ -42,7 +42,8 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
   for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   reply->set_workflow(report.document->name.value);
   WriteBatch batch;
-  batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+  batch.documents.push_back(
+      {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
     if (outcome.ok()) reply->set_revision(outcome->offset);
@@ -52,7 +53,8 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
-                                                 const v1::ListWorkflowsRequest*, v1::ListWorkflowsReply* reply) {
+                                                 const v1::ListWorkflowsRequest*,
+                                                 v1::ListWorkflowsReply* reply) {
   for (const auto& [document, revision] : ports_.catalog->Get()->workflows) {
     v1::Workflow* out = reply->add_workflows();
     out->set_name(document->name.value);
@@ -89,17 +91,19 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
   return reactor;
 }
 
-grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* context, const v1::GetRunRequest* request,
-                                                v1::Run* reply) {
+grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* context,
+                                                const v1::GetRunRequest* request, v1::Run* reply) {
   GraphVersionPtr version = ports_.queries->Newest();
   if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
-    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND, absl::StrCat("there is no run \"", request->run(), "\"")));
+    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
+                                        absl::StrCat("there is no run \"", request->run(), "\"")));
   }
   return Finish(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
-                                                     const v1::ListRunsRequest* request, v1::ListRunsReply* reply) {
+                                                     const v1::ListRunsRequest* request,
+                                                     v1::ListRunsReply* reply) {
   GraphVersionPtr version = ports_.queries->Newest();
   GraphReader graph(*ports_.dictionary, *version);
   for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
@@ -111,7 +115,8 @@ grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackSe
   auto* reactor = new StreamReactor<v1::RunEvent>();
   auto handle = reactor->handle();
   std::string run = request->run();
-  reactor->StartSendInitialMetadata();  // goes out when this returns: a client that has it misses nothing from then on
+  reactor->StartSendInitialMetadata();  // goes out when this returns: a client that has it misses nothing
+                                        // from then on
   uint64_t id = ports_.feed->Subscribe([handle, run](const RunEvent& event) {
     if (!run.empty() && event.run != run) return !handle->gone();
     v1::RunEvent out;
@@ -124,7 +129,8 @@ grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackSe
     out.set_to(event.to);
     out.set_detail(event.detail);
     if (handle->TryPush(std::move(out))) return true;
-    handle->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too slow: events were dropped; watch again"));
+    handle->End(
+        grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too slow: events were dropped; watch again"));
     return false;
   });
   handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
@@ -136,7 +142,8 @@ grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* 
   WriteBatch batch;
   batch.run_requests.push_back({RunRequest::Kind::kCancel, request->run(), {}});
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [this, reactor, reply, run = request->run()](const absl::StatusOr<BatchOutcome>& outcome) {
+  ports_.inbox->Push(std::move(batch), [this, reactor, reply,
+                                        run = request->run()](const absl::StatusOr<BatchOutcome>& outcome) {
     if (outcome.ok()) {
       GraphVersionPtr version = ports_.queries->Newest();
       ReadRun(GraphReader(*ports_.dictionary, *version), run, reply);

@@ -14,7 +14,8 @@ TEST(ToGrpcTest, KeepsCodeAndMessage) {
   EXPECT_TRUE(ToGrpc(absl::OkStatus()).ok());
 }
 
-// A message that does not fit into the headers would reach the client as "received initial metadata size exceeds limit".
+// A message that does not fit into the headers would reach the client as "received initial metadata size
+// exceeds limit".
 TEST(ToGrpcTest, CutsWhatDoesNotFitIntoHeadersAtALineAndSaysSo) {
   std::string message;
   for (int i = 0; i < 1000; ++i) absl::StrAppend(&message, "line ", i, " is wrong\n");
