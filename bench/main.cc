@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/kb_bench.h"
 #include "bench/localisation_bench.h"
 #include "bench/reaction_bench.h"
 
@@ -16,6 +17,8 @@ struct Benchmark {
 
 constexpr Benchmark kBenchmarks[] = {
     {"reaction", "from Assert to Invoke, and standing constraints beside re-running them", docent::bench::RunReactionBench},
+    {"kb", "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
+     docent::bench::RunKbBench},
     {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
 };
 

@@ -1,0 +1,43 @@
+// The measured systems of `docent-bench kb` as processes, and what they answer. One thread.
+#ifndef DOCENT_BENCH_KB_SYSTEMS_H_
+#define DOCENT_BENCH_KB_SYSTEMS_H_
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace docent::bench {
+
+struct KbSystem {
+  std::string name;     // as in the results
+  std::string command;  // shell words; the job file's name is put behind it
+  std::string missing;  // why it cannot run; empty: it can
+};
+
+// Docent and the peers. `programs`: folder of docent_kb_*; `scripts`: of the peers' scripts; `npm`: holds node_modules.
+std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& scripts, const std::string& npm);
+
+struct KbAnswer {
+  std::vector<int64_t> answers;          // rows (count, 0 or 1) of each instance
+  std::vector<std::vector<double>> us;   // latency of each instance, a pass each
+  std::string reason;                    // why there is none
+
+  // The mean latency of the first `instances`, a figure for each pass.
+  std::vector<double> Means(size_t instances) const;
+};
+
+struct KbRun {
+  double load_s = 0;
+  double bytes = 0;             // growth of resident memory by loading
+  double index_bytes = 0, dictionary_bytes = 0;  // docent
+  std::string reason;           // why nothing was measured
+  std::map<std::pair<size_t, std::string>, KbAnswer> answers;  // by case and mode
+};
+
+KbRun RunKbSystem(const KbSystem& system, const std::string& job_file, int timeout_s);
+
+}  // namespace docent::bench
+
+#endif  // DOCENT_BENCH_KB_SYSTEMS_H_
