@@ -1,6 +1,7 @@
 #include "kb_server/app/condition_port.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -38,14 +39,14 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
     conditions_[request.handle] = {*id, std::move(query)};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
-    if (!constraints_->Holds(*id)) continue;
+    if (request.only_new || !constraints_->Holds(*id)) continue;
     ConditionEdge edge;
     edge.handle = request.handle;
     edge.rose = true;
     if (!request.key_variables.empty()) {
       for (const Binding& key : constraints_->Keys(*id)) edge.appeared.push_back(Decode(key));
     }
-    gathered_.push_back(std::move(edge));
+    Gather(std::move(edge));
   }
   return absl::OkStatus();
 }
@@ -71,13 +72,41 @@ void ConditionPort::Take(const std::vector<ConstraintChange>& changes) {
     edge.fell = change.edge == ConstraintChange::Edge::kFell;
     for (const Binding& key : change.appeared) edge.appeared.push_back(Decode(key));
     for (const Binding& key : change.disappeared) edge.disappeared.push_back(Decode(key));
-    gathered_.push_back(std::move(edge));
+    Gather(std::move(edge));
   }
+}
+
+void ConditionPort::Gather(ConditionEdge edge) {
+  auto [it, inserted] = gathered_at_.try_emplace(edge.handle, gathered_.size());
+  if (inserted) {
+    gathered_.push_back(std::move(edge));
+    return;
+  }
+  // what appeared and went again before anybody looked was never there
+  ConditionEdge& before = gathered_[it->second];
+  ConditionEdge net;
+  net.handle = edge.handle;
+  net.rose = edge.rose || (before.rose && !edge.fell);
+  net.fell = edge.fell ? !before.rose : before.fell && !edge.rose;
+  auto without = [](const std::vector<TermBinding>& all, const std::vector<TermBinding>& gone,
+                    std::vector<TermBinding>* out) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const TermBinding& key) {
+      return std::find(gone.begin(), gone.end(), key) == gone.end();
+    });
+  };
+  without(before.appeared, edge.disappeared, &net.appeared);
+  without(edge.appeared, before.disappeared, &net.appeared);
+  without(edge.disappeared, before.appeared, &net.disappeared);
+  without(before.disappeared, edge.appeared, &net.disappeared);
+  std::sort(net.appeared.begin(), net.appeared.end());
+  std::sort(net.disappeared.begin(), net.disappeared.end());
+  before = std::move(net);
 }
 
 void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us) {
   edges_ = std::move(gathered_);
   gathered_.clear();
+  gathered_at_.clear();
   version_ = &version;
   now_us_ = now_us;
 }
@@ -167,6 +196,7 @@ void ConditionPort::Rollback() {
     conditions_[handle] = std::move(condition);
   }
   gathered_.clear();
+  gathered_at_.clear();
   edges_.clear();
   Commit();
 }

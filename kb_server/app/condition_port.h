@@ -51,6 +51,8 @@ class ConditionPort final : public ConditionView {
   };
 
   TermBinding Decode(const Binding& binding) const;
+  // One edge a condition and round, however often it changed.
+  void Gather(ConditionEdge edge);
 
   Dictionary* dictionary_;
   ConstraintSet* constraints_;
@@ -58,6 +60,7 @@ class ConditionPort final : public ConditionView {
   absl::flat_hash_map<ConditionHandle, Condition> conditions_;
   absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
   std::vector<ConditionEdge> gathered_;
+  absl::flat_hash_map<ConditionHandle, size_t> gathered_at_;  // index in gathered_
   std::vector<ConditionEdge> edges_;
   const GraphVersion* version_ = nullptr;
   TimeMicros now_us_ = 0;

@@ -47,6 +47,7 @@ struct Limits {
   // workflow
   int default_step_timeout_ms = 300000;  // a node without cawl-ext timeout
   size_t runs_live = 10000;
+  size_t runs_kept = 1000;  // ended runs whose facts stay in the graph; older ones are found in the log
   int node_iterations = 10000;
   int subflow_nesting = 32;               // runs inside each other
 };

@@ -1,5 +1,6 @@
 #include "kb_server/store/reading_mapper.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,7 @@ class Mapper {
   Mapper(const Dictionary& dictionary, const GraphVersion& version)
       : dictionary_(dictionary), version_(version) {}
 
+  // In term order: ids are given in another order after a restart.
   std::vector<TermId> MappingsOf(const std::string& sensor) const {
     std::vector<TermId> mappings;
     auto predicate = dictionary_.FindIri(DocentIri("forSensor"));
@@ -24,6 +26,7 @@ class Mapper {
       if (mappings.empty() || mappings.back() != quad.subject) mappings.push_back(quad.subject);
       return true;
     });
+    SortByTerm(&mappings);
     return mappings;
   }
 
@@ -35,7 +38,14 @@ class Mapper {
       objects.push_back(quad.object);
       return true;
     });
+    SortByTerm(&objects);
     return objects;
+  }
+
+  void SortByTerm(std::vector<TermId>* ids) const {
+    if (ids->size() < 2) return;
+    std::sort(ids->begin(), ids->end(),
+              [this](TermId a, TermId b) { return dictionary_.Decode(a) < dictionary_.Decode(b); });
   }
 
   // Equal as RDF terms, or of equal text: a sensor may say "17" where the mapping has 17.

@@ -47,8 +47,9 @@ cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
 void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* values) {
   for (const cawl::Variable& variable : variables) {
     for (const cawl::Initialize& initialize : variable.initializers) {
-      std::string name = initialize.part.value.empty() ? variable.name.value
-                                                       : absl::StrCat(variable.name.value, ".", initialize.part.value);
+      std::string name = initialize.part.value.empty()
+                             ? variable.name.value
+                             : absl::StrCat(variable.name.value, ".", initialize.part.value);
       if (initialize.value) {
         values->try_emplace(name, *initialize.value);
       } else if (auto from = values->find(initialize.copy_of); from != values->end()) {
@@ -71,7 +72,8 @@ Run* Engine::Core::Mutable(const RunId& id) {
 
 Deployment& Engine::Core::MutableDeployment(const std::string& workflow) {
   auto it = deployments.find(workflow);
-  undo_deployments.try_emplace(workflow, it == deployments.end() ? std::nullopt : std::make_optional(it->second));
+  undo_deployments.try_emplace(workflow,
+                               it == deployments.end() ? std::nullopt : std::make_optional(it->second));
   return deployments[workflow];
 }
 
@@ -79,8 +81,17 @@ ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std:
                                   ConditionOwner owner) {
   ConditionHandle handle = next_handle++;
   owners.emplace(handle, std::move(owner));
-  output->arm.push_back({handle, ask.ask, std::move(key_variables)});
+  output->arm.push_back({handle, ask.ask, std::move(key_variables), ask.by_event()});
   return handle;
+}
+
+void Engine::Core::Keep(FactsPtr facts) {
+  kept.push_back(std::move(facts));
+  ++kept_new;
+  if (kept.size() <= limits.runs_kept) return;
+  output->remove.insert(output->remove.end(), kept.front()->begin(), kept.front()->end());
+  undo_kept.push_back(std::move(kept.front()));
+  kept.pop_front();
 }
 
 void Engine::Core::Disarm(ConditionHandle handle) {
@@ -88,8 +99,10 @@ void Engine::Core::Disarm(ConditionHandle handle) {
   // armed and disarmed within one Step: nobody needs to hear of it
   auto it = std::find_if(output->arm.begin(), output->arm.end(),
                          [&](const ConditionRequest& request) { return request.handle == handle; });
-  if (it != output->arm.end()) output->arm.erase(it);
-  else output->disarm.push_back(handle);
+  if (it != output->arm.end())
+    output->arm.erase(it);
+  else
+    output->disarm.push_back(handle);
 }
 
 void Engine::Core::Say(std::string subject, std::string_view from, std::string_view to, std::string cause) {
@@ -121,6 +134,25 @@ bool Engine::Core::IsFree(const RobotId& robot, const RunId& root) const {
   return holder == holders.end() || holder->second == root;
 }
 
+RobotWish Engine::Core::WishOf(const Run& run, const CommandOwner& owner) const {
+  const InvocationState& invocation = run.nodes[owner.node].invocations[owner.invocation];
+  RobotWish wish;
+  wish.operation = run.Flow().nodes[owner.node].invokes[invocation.invoke].operation.value;
+  for (const TermBinding* binding : {&invocation.binding, &run.variables}) {
+    auto robot = binding->find("robot");
+    if (robot == binding->end()) continue;
+    wish.robot = RobotId(robot->second.lexical);
+    break;
+  }
+  return wish;
+}
+
+void Engine::Core::Reblock(const Run& run) {
+  std::set<RobotId> robots;
+  for (const NodeState& node : run.nodes) robots.insert(node.busy_robots.begin(), node.busy_robots.end());
+  waiting.Block(run.number, run.id, robots);
+}
+
 std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
                                                                            const std::string& name) const {
   for (size_t i = 0; from != nullptr && i < from->flows.size(); ++i) {
@@ -130,7 +162,7 @@ std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const
   auto it = deployments.find(parts.first);
   if (it == deployments.end()) return std::nullopt;
   const cawl::DocumentPtr& document = it->second.document;
-  std::string flow = !parts.second.empty()      ? parts.second
+  std::string flow = !parts.second.empty() ? parts.second
                      : document->activator ? document->activator->flow.value
                                            : "";
   for (size_t i = 0; i < document->flows.size(); ++i) {
@@ -188,13 +220,16 @@ std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::
     }
     able = std::move(offering);
     if (!able.empty()) continue;
-    if (wanted) *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
-    else if (i == 0) *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
-    else *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
+    if (wanted)
+      *why_not = absl::StrCat(ToDisplay(*wanted), " is offline or does not offer ", plan.steps[i].operation);
+    else if (i == 0)
+      *why_not = absl::StrCat("no robot that is online offers ", plan.steps[i].operation);
+    else
+      *why_not = absl::StrCat("no single robot that is online offers all of ", plan.process);
     return able;
   }
   std::erase_if(able, [&](const RobotId& robot) { return !IsFree(robot, root); });
-  if (able.empty()) *why_not = "every robot that offers it serves another run";
+  if (able.empty()) *why_not = std::string(kAllServeOthers);
   return able;
 }
 
@@ -207,13 +242,12 @@ void Engine::Core::RebuildDerived() {
   commands.clear();
   timers.clear();
   holders.clear();
-  pending.clear();
-  blocked.clear();
+  waiting.Clear();
   for (const auto& [name, deployment] : deployments) {
     for (const ArmedCondition& armed : deployment.armed) owners[armed.handle] = {RunId(), 0, name};
   }
   for (const auto& [id, run] : runs) {
-    blocked.insert(id);  // looked at once, and taken out if it is not
+    Reblock(run);
     if (run.timer_us) timers.insert({*run.timer_us, id});
     for (const RobotId& robot : run.robots) holders.emplace(robot, RootOf(run));
     for (size_t n = 0; n < run.nodes.size(); ++n) {
@@ -221,7 +255,8 @@ void Engine::Core::RebuildDerived() {
       for (const PendingLink& link : run.nodes[n].pending_links) owners[link.handle] = {id, n, ""};
       for (size_t i = 0; i < run.nodes[n].invocations.size(); ++i) {
         const InvocationState& invocation = run.nodes[n].invocations[i];
-        if (invocation.state == WorkState::kPending) pending.insert({id, n, i});
+        if (invocation.state == WorkState::kPending)
+          waiting.Wait(run.number, {id, n, i}, WishOf(run, {id, n, i}));
         for (const OpenCommand& open : invocation.commands) commands[open.command.id.value()] = {id, n, i};
       }
     }
@@ -236,9 +271,10 @@ Diagnostics Engine::CheckSupported(const cawl::Document& document) {
   for (const cawl::Flow& flow : document.flows) {
     for (const cawl::Node& node : flow.nodes) {
       if (node.compensate.value.empty()) continue;
-      diagnostics.push_back({document.file, node.compensate.span,
-                             absl::StrCat("node ", node.name.value, " has ext:compensate, which this server cannot do yet"),
-                             "leave it out, or handle the failure with a link that has ext:onFailure=\"true\""});
+      diagnostics.push_back(
+          {document.file, node.compensate.span,
+           absl::StrCat("node ", node.name.value, " has ext:compensate, which this server cannot do yet"),
+           "leave it out, or handle the failure with a link that has ext:onFailure=\"true\""});
     }
   }
   return diagnostics;
@@ -260,7 +296,8 @@ void Engine::Deploy(cawl::DocumentPtr document) {
       for (cawl::CompiledAsk& ask : *asks) {
         ConditionHandle handle = core_->next_handle++;
         core_->owners[handle] = {RunId(), 0, document->name.value};
-        core_->deploy_arm.push_back({handle, ask.ask, cawl::KeyVariables(*document->activator, ask)});
+        core_->deploy_arm.push_back(
+            {handle, ask.ask, cawl::KeyVariables(*document->activator, ask), ask.by_event()});
         fresh.armed.push_back({handle, std::move(ask)});
       }
     }
@@ -280,18 +317,20 @@ bool Engine::Undeploy(const std::string& workflow) {
 
 Diagnostics Engine::PutServices(rsel::DocumentPtr document) {
   if (!core_->undo_services) core_->undo_services = core_->services;
+  core_->services_changed = true;
   return core_->services.Put(std::move(document));
 }
 
 absl::Status Engine::RemoveServices(const std::string& document) {
   if (!core_->undo_services) core_->undo_services = core_->services;
+  core_->services_changed = true;
   return core_->services.Remove(document);
 }
 
 absl::Status Engine::CheckRequest(const RunRequest& request) const {
   if (request.kind != RunRequest::Kind::kCancel && core_->runs.size() >= core_->limits.runs_live) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("there are ", core_->runs.size(), " live runs; the limit runs_live is ", core_->limits.runs_live));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "there are ", core_->runs.size(), " live runs; the limit runs_live is ", core_->limits.runs_live));
   }
   switch (request.kind) {
     case RunRequest::Kind::kStart:
@@ -302,8 +341,11 @@ absl::Status Engine::CheckRequest(const RunRequest& request) const {
       return absl::NotFoundError(absl::StrCat("no live run \"", request.target, "\""));
     case RunRequest::Kind::kInvokeService: {
       rsel::PlanPtr plan = core_->services.Find(request.target);
-      if (plan == nullptr) return absl::NotFoundError(absl::StrCat("no robot service \"", request.target, "\" is registered"));
-      return rsel::InstructionHandler::Start(plan, rsel::Arguments(request.arguments.begin(), request.arguments.end())).status();
+      if (plan == nullptr)
+        return absl::NotFoundError(absl::StrCat("no robot service \"", request.target, "\" is registered"));
+      return rsel::InstructionHandler::Start(
+                 plan, rsel::Arguments(request.arguments.begin(), request.arguments.end()))
+          .status();
     }
   }
   return absl::InvalidArgumentError("unknown kind of request");
@@ -318,7 +360,8 @@ void TakeRequests(Engine::Core* core) {
     switch (request.kind) {
       case RunRequest::Kind::kStart:
         if (auto flow = core->FindFlow(nullptr, request.target)) {
-          core->output->started.push_back(core->Start(flow->first, flow->second, std::move(arguments), "asked for", nullptr));
+          core->output->started.push_back(
+              core->Start(flow->first, flow->second, std::move(arguments), "asked for", nullptr));
         }
         break;
       case RunRequest::Kind::kCancel:
@@ -359,18 +402,22 @@ void Activate(Engine::Core* core, const std::string& workflow, const ConditionEd
     std::string text = KeyOf(key);
     if (deployment.active[text]++ > 0 || deployment.carried.erase(text) > 0) continue;
     if (core->runs.size() >= core->limits.runs_live) {
-      core->Say(workflow, "", "failed", absl::StrCat("no run was started for ", text, ": the limit runs_live is ", core->limits.runs_live));
+      core->Say(
+          workflow, "", "failed",
+          absl::StrCat("no run was started for ", text, ": the limit runs_live is ", core->limits.runs_live));
       continue;
     }
     TermBinding variables = key;
     auto solutions = core->input->conditions->Solutions(edge.handle, key, 1);
-    if (solutions.ok() && !solutions->empty()) variables.insert(solutions->front().begin(), solutions->front().end());
+    if (solutions.ok() && !solutions->empty())
+      variables.insert(solutions->front().begin(), solutions->front().end());
     auto flow = core->FindFlow(deployment.document, deployment.document->activator->flow.value);
     if (!flow) continue;
     std::string evidence = core->input->conditions->Evidence(edge.handle, variables);
     std::replace(evidence.begin(), evidence.end(), '\n', ' ');
     core->Start(flow->first, flow->second, std::move(variables),
-                absl::StrCat("activator ", deployment.document->activator->name.value, ": ", evidence), nullptr);
+                absl::StrCat("activator ", deployment.document->activator->name.value, ": ", evidence),
+                nullptr);
   }
 }
 
@@ -388,39 +435,74 @@ void TakeEdges(Engine::Core* core) {
   }
 }
 
-// Runs that wait for a robot and could have one now.
-void TouchWaiting(Engine::Core* core) {
-  core->touched.insert(core->blocked.begin(), core->blocked.end());
-  core->blocked.clear();
-  for (auto it = core->pending.begin(); it != core->pending.end();) {
-    auto run = core->runs.find(it->run);
-    const InvocationState* invocation = nullptr;
-    if (run != core->runs.end() && run->second.state == WorkState::kRunning &&
-        it->invocation < run->second.nodes[it->node].invocations.size()) {
-      invocation = &run->second.nodes[it->node].invocations[it->invocation];
-    }
-    if (invocation == nullptr || invocation->state != WorkState::kPending) {
-      it = core->pending.erase(it);
+// Robots came, went or changed, or robot services did: wakes as many of each queue as can be served, and
+// everybody whose reason to wait is another one now.
+void Reconsider(Engine::Core* core) {
+  core->waiting.ForEachWish([core](const RobotWish& wish) {
+    std::optional<Term> wanted;
+    if (!wish.robot.empty()) wanted = Term::Iri(wish.robot.value());
+    std::string why_not;
+    size_t able = core->RobotsFor(*core->PlanOf(wish.operation, {}), wanted, RunId(), &why_not).size();
+    if (able > 0) why_not = std::string(kAllServeOthers);
+    std::vector<CommandOwner> oldest = core->waiting.Oldest(wish, 1);
+    const Run& first = core->runs.at(oldest[0].run);
+    bool news = first.nodes[oldest[0].node].invocations[oldest[0].invocation].reason != why_not;
+    for (const CommandOwner& owner : core->waiting.Oldest(wish, news ? SIZE_MAX : able))
+      core->touched.insert(owner.run);
+  });
+}
+
+// A run ended: its robots are free, and its parent goes on. Adds the robots to `freed`.
+void Settle(Engine::Core* core, const Run& ended, std::map<RobotId, uint64_t>* freed) {
+  // the outermost run goes on holding them: what `holders` says must follow from the runs alone
+  // (RebuildDerived)
+  if (RunId root = core->RootOf(ended); root != ended.id) {
+    if (Run* holder = core->Mutable(root)) holder->robots.insert(ended.robots.begin(), ended.robots.end());
+  }
+  for (const RobotId& robot : ended.robots) {
+    auto holder = core->holders.find(robot);
+    if (holder == core->holders.end() || holder->second != ended.id) continue;
+    core->holders.erase(holder);
+    freed->emplace(robot, 0);
+  }
+  core->waiting.Block(ended.number, ended.id, {});
+  if (ended.parent.empty()) return;
+  if (Run* parent = core->Mutable(ended.parent)) {
+    RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
+    core->touched.insert(ended.parent);
+  }
+}
+
+// Offers each robot that was freed to the oldest run that could use it and was not asked yet. `freed`: robot
+// → number of the run that was asked last.
+void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
+  for (auto it = freed->begin(); it != freed->end();) {
+    const RobotId& robot = it->first;
+    auto offers = [core, &robot](const std::string& operation) {
+      std::string why_not;
+      rsel::PlanPtr plan = core->PlanOf(operation, {});
+      return !core->RobotsFor(*plan, Term::Iri(robot.value()), RunId(), &why_not).empty();
+    };
+    std::optional<std::pair<uint64_t, RunId>> next;
+    if (core->holders.count(robot) == 0) next = core->waiting.Next(robot, it->second, offers);
+    if (!next) {
+      it = freed->erase(it);
       continue;
     }
-    const std::string& operation = run->second.Flow().nodes[it->node].invokes[invocation->invoke].operation.value;
-    auto robot = invocation->binding.find("robot");
-    std::optional<Term> wanted;
-    if (robot != invocation->binding.end()) wanted = robot->second;
-    else if (auto own = run->second.variables.find("robot"); own != run->second.variables.end()) wanted = own->second;
-    std::string why_not;
-    rsel::PlanPtr plan = core->PlanOf(operation, run->second.variables);
-    bool news = core->RobotsFor(*plan, wanted, core->RootOf(run->second), &why_not).empty() && why_not != invocation->reason;
-    if (news || why_not.empty()) core->touched.insert(it->run);
+    it->second = next->first;
+    core->touched.insert(next->second);
     ++it;
   }
 }
 
-// Takes runs as far as they go, parents after their children, and frees robots of runs that ended.
+// Takes runs as far as they go, parents after their children, and gives the robots of runs that ended to
+// those that wait.
 void AdvanceAll(Engine::Core* core) {
   std::set<RunId> settled;
+  std::map<RobotId, uint64_t> freed;
   while (true) {
-    std::map<uint64_t, RunId> work;  // the oldest run first: nobody waits for a robot behind those that came later
+    std::map<uint64_t, RunId>
+        work;  // the oldest run first: nobody waits for a robot behind those that came later
     for (const RunId& id : core->touched) {
       if (auto it = core->runs.find(id); it != core->runs.end()) work.emplace(it->second.number, id);
     }
@@ -428,26 +510,13 @@ void AdvanceAll(Engine::Core* core) {
     for (const auto& [number, id] : work) {
       if (Run* run = core->Mutable(id)) RunStepper(core, run).Advance();
     }
-    bool freed = false;
     for (const RunId& id : std::set<RunId>(core->changed)) {
       auto it = core->runs.find(id);
-      if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second) continue;
-      const Run& ended = it->second;
-      // the outermost run goes on holding them: what `holders` says must follow from the runs alone (RebuildDerived)
-      if (RunId root = core->RootOf(ended); root != id) {
-        if (Run* holder = core->Mutable(root)) holder->robots.insert(ended.robots.begin(), ended.robots.end());
-      }
-      std::erase_if(core->holders, [&](const auto& pair) { return pair.second == id; });
-      freed = true;
-      core->blocked.erase(id);
-      if (!ended.parent.empty()) {
-        if (Run* parent = core->Mutable(ended.parent)) {
-          RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
-          core->touched.insert(ended.parent);
-        }
-      }
+      if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second)
+        continue;
+      Settle(core, it->second, &freed);
     }
-    if (freed) TouchWaiting(core);  // somebody may have waited for the robot
+    if (core->touched.empty()) Offer(core, &freed);
     if (core->touched.empty()) return;
   }
 }
@@ -465,7 +534,10 @@ void TellChanges(Engine::Core* core) {
     if (run.timer_us) core->timers.erase({*run.timer_us, id});
     run.timer_us = run.state == WorkState::kRunning ? RunStepper(core, &run).NextDeadline() : std::nullopt;
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
-    if (run.state != WorkState::kRunning) core->runs.erase(it);
+    ++core->rounds[id];
+    if (run.state == WorkState::kRunning) continue;
+    core->Keep(run.facts);
+    core->runs.erase(it);
   }
 }
 
@@ -488,7 +560,8 @@ EngineOutput Engine::Step(const EngineInput& input) {
     core_->touched.insert(run);
   }
   TakeEdges(core_.get());
-  if (input.robots->changed()) TouchWaiting(core_.get());
+  if (input.robots->changed() || core_->services_changed) Reconsider(core_.get());
+  core_->services_changed = false;
   AdvanceAll(core_.get());
   TellChanges(core_.get());
   core_->edges.clear();
@@ -505,18 +578,27 @@ void Engine::Commit() {
   core_->undo_runs.clear();
   core_->undo_deployments.clear();
   core_->undo_services.reset();
+  core_->undo_kept.clear();
+  core_->kept_new = 0;
+  core_->rounds.clear();
   core_->committed_handle = core_->next_handle;
   core_->committed_run = core_->next_run;
 }
 
 void Engine::Rollback() {
+  bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() && !core_->undo_services;
+  if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
-    if (before) core_->runs.insert_or_assign(id, *std::move(before));
-    else core_->runs.erase(id);
+    if (before)
+      core_->runs.insert_or_assign(id, *std::move(before));
+    else
+      core_->runs.erase(id);
   }
   for (auto& [name, before] : core_->undo_deployments) {
-    if (before) core_->deployments.insert_or_assign(name, *std::move(before));
-    else core_->deployments.erase(name);
+    if (before)
+      core_->deployments.insert_or_assign(name, *std::move(before));
+    else
+      core_->deployments.erase(name);
   }
   if (core_->undo_services) core_->services = *std::move(core_->undo_services);
   core_->next_handle = core_->committed_handle;
@@ -524,6 +606,8 @@ void Engine::Rollback() {
   core_->deploy_arm.clear();
   core_->deploy_disarm.clear();
   core_->awaiting.clear();
+  core_->kept.erase(core_->kept.end() - core_->kept_new, core_->kept.end());
+  core_->kept.insert(core_->kept.begin(), core_->undo_kept.begin(), core_->undo_kept.end());
   core_->RebuildDerived();
   Commit();
 }
@@ -547,7 +631,9 @@ std::vector<RobotCommand> Engine::OpenCommands() const {
   return commands;
 }
 
-const rsel::ServiceRegistry& Engine::services() const { return core_->services; }
+const rsel::ServiceRegistry& Engine::services() const {
+  return core_->services;
+}
 
 std::vector<cawl::DocumentPtr> Engine::workflows() const {
   std::vector<cawl::DocumentPtr> documents;
@@ -560,6 +646,8 @@ cawl::DocumentPtr Engine::FindWorkflow(const std::string& name) const {
   return it == core_->deployments.end() ? nullptr : it->second.document;
 }
 
-size_t Engine::live_runs() const { return core_->runs.size(); }
+size_t Engine::live_runs() const {
+  return core_->runs.size();
+}
 
 }  // namespace docent

@@ -1,11 +1,13 @@
-// The workflow engine: runs of CAWL flows, driven by conditions that rise, reports of robots, requests and time.
+// The workflow engine: runs of CAWL flows, driven by conditions that rise, reports of robots, requests and
+// time.
 //
-// It is a deterministic state machine: the same documents, Steps and answers of the two ports give the same outputs,
-// so a replay of the log comes to the same decisions. It reads no clock, touches no graph and sends nothing; it
-// returns what is to be done. Semantics: design of CAWL in ARCHITECTURE.md; Choi et al. (IJDSN 2014), section 4.
+// It is a deterministic state machine: the same documents, Steps and answers of the two ports give the same
+// outputs, so a replay of the log comes to the same decisions. It reads no clock, touches no graph and sends
+// nothing; it returns what is to be done. Semantics: design of CAWL in ARCHITECTURE.md; Choi et al. (IJDSN
+// 2014), section 4.
 //
-// A turn: Deploy/PutServices (if it brings documents), then Step until the output is quiet, then Commit, or Rollback
-// at any point, which puts everything back as it was at the last Commit. Writer thread only.
+// A turn: Deploy/PutServices (if it brings documents), then Step until the output is quiet, then Commit, or
+// Rollback at any point, which puts everything back as it was at the last Commit. Writer thread only.
 #ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_H_
 #define DOCENT_WORKFLOW_ENGINE_ENGINE_H_
 
@@ -47,8 +49,9 @@ class Engine {
   // What Deploy refuses though the language has it: none of the words in it is ignored silently. Pure.
   static Diagnostics CheckSupported(const cawl::Document& document);
 
-  // Arms the document's activator; replaces the document of the same name, whose live runs go on unchanged and whose
-  // bindings that already started a run do not start another. `document` is correct (cawl::ParseCawl).
+  // Arms the document's activator; replaces the document of the same name, whose live runs go on unchanged
+  // and whose bindings that already started a run do not start another. `document` is correct
+  // (cawl::ParseCawl).
   void Deploy(cawl::DocumentPtr document);
   // False: no such workflow. Live runs go on.
   bool Undeploy(const std::string& workflow);
@@ -56,7 +59,8 @@ class Engine {
   Diagnostics PutServices(rsel::DocumentPtr document);
   absl::Status RemoveServices(const std::string& document);
 
-  // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT, RESOURCE_EXHAUSTED.
+  // Checks a request before it becomes part of a turn's input: NOT_FOUND, INVALID_ARGUMENT,
+  // RESOURCE_EXHAUSTED.
   absl::Status CheckRequest(const RunRequest& request) const;
 
   // One round. Deterministic.
@@ -71,7 +75,7 @@ class Engine {
   std::vector<RobotCommand> OpenCommands() const;
 
   const rsel::ServiceRegistry& services() const;
-  std::vector<cawl::DocumentPtr> workflows() const;  // by name
+  std::vector<cawl::DocumentPtr> workflows() const;               // by name
   cawl::DocumentPtr FindWorkflow(const std::string& name) const;  // null: none
   size_t live_runs() const;
 

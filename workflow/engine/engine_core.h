@@ -1,8 +1,9 @@
-// The engine's inside, shared by engine.cc (documents, requests, reports, journal) and the run stepper (one run's
-// way through its flow). Not for other folders.
+// The engine's inside, shared by engine.cc (documents, requests, reports, journal) and the run stepper (one
+// run's way through its flow). Not for other folders.
 #ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
 #define DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
 
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "workflow/engine/engine.h"
 #include "workflow/engine/run_state.h"
+#include "workflow/engine/waiting_room.h"
 
 namespace docent {
 
@@ -23,26 +25,23 @@ struct ConditionOwner {
   std::string workflow;
 };
 
-// One invocation of a run.
-struct CommandOwner {
-  RunId run;
-  size_t node = 0;
-  size_t invocation = 0;
-  friend auto operator<=>(const CommandOwner&, const CommandOwner&) = default;
-};
-
 struct Deployment {
   cawl::DocumentPtr document;
-  std::vector<ArmedCondition> armed;   // the activator's alternatives
-  std::map<std::string, int> active;   // key binding → number of alternatives that give it
-  std::set<std::string> carried;       // of the version before: start no second run
+  std::vector<ArmedCondition> armed;  // the activator's alternatives
+  std::map<std::string, int> active;  // key binding → number of alternatives that give it
+  std::set<std::string> carried;      // of the version before: start no second run
 };
+
+// Why an invocation is pending: all robots that could do it are held by other runs.
+inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 
 struct Engine::Core {
   explicit Core(const Limits& limits_in) : limits(limits_in) {}
 
   const Limits limits;
   std::map<RunId, Run> runs;  // live ones
+  // Ended ones whose facts are still in the graph, the one that ended first in front.
+  std::deque<FactsPtr> kept;
   std::map<std::string, Deployment> deployments;
   rsel::ServiceRegistry services;
   ConditionHandle next_handle = 1;
@@ -53,13 +52,14 @@ struct Engine::Core {
   absl::flat_hash_map<std::string, CommandOwner> commands;  // by command id
   std::set<std::pair<TimeMicros, RunId>> timers;
   std::map<RobotId, RunId> holders;  // robot → the outermost run that uses it
-  std::set<CommandOwner> pending;    // invocations that wait for a robot
-  std::set<RunId> blocked;           // runs with a condition that holds, but only with robots that serve other runs
+  WaitingRoom waiting;
 
   // The journal: what Rollback puts back. Empty after Commit.
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
   std::map<std::string, std::optional<Deployment>> undo_deployments;
   std::optional<rsel::ServiceRegistry> undo_services;
+  std::vector<FactsPtr> undo_kept;  // let go of in this turn, in their order
+  size_t kept_new = 0;              // at the end of `kept`
   ConditionHandle committed_handle = 1;
   uint64_t committed_run = 1;
 
@@ -67,9 +67,11 @@ struct Engine::Core {
   const EngineInput* input = nullptr;
   EngineOutput* output = nullptr;
   std::map<ConditionHandle, const ConditionEdge*> edges;
-  std::set<RunId> touched;  // runs to be advanced
-  std::set<RunId> changed;  // runs whose facts and timers are to be told at the end of the Step
-  std::set<RunId> awaiting;  // runs that armed a `while` condition in the round before
+  std::set<RunId> touched;        // runs to be advanced
+  std::set<RunId> changed;        // runs whose facts and timers are to be told at the end of the Step
+  std::set<RunId> awaiting;       // runs that armed a `while` condition in the round before
+  std::map<RunId, int> rounds;    // of this turn in which a run changed
+  bool services_changed = false;  // since the last Step
   // Output of Deploy and Undeploy, told with the next Step.
   std::vector<ConditionRequest> deploy_arm;
   std::vector<ConditionHandle> deploy_disarm;
@@ -83,19 +85,24 @@ struct Engine::Core {
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,
               const CommandOwner* parent);
   void Cancel(const RunId& id, const std::string& reason);
-  // The flow that `subflow` names, seen from `from`: a flow of that document, or a deployed document's first flow.
+  // The flow that `subflow` names, seen from `from`: a flow of that document, or a deployed document's first
+  // flow.
   std::optional<std::pair<cawl::DocumentPtr, size_t>> FindFlow(const cawl::DocumentPtr& from,
                                                                const std::string& name) const;
 
-  ConditionHandle Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables, ConditionOwner owner);
+  ConditionHandle Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
+                      ConditionOwner owner);
+  // What the graph is told of a run that ended stays there until limits.runs_kept others have ended.
+  void Keep(FactsPtr facts);
   void Disarm(ConditionHandle handle);
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
 
-  // Robots that could take this plan now, in term order: online, offering all of its operations, free for `root`.
-  // `wanted`: only this one. None: `*why_not` says why.
+  // Robots that could take this plan now, in term order: online, offering all of its operations, free for
+  // `root`. `wanted`: only this one. None: `*why_not` says why.
   std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
                                  std::string* why_not) const;
-  // The plan of an invoke's operation: a registered process, or the robot's own operation with these variables.
+  // The plan of an invoke's operation: a registered process, or the robot's own operation with these
+  // variables.
   rsel::PlanPtr PlanOf(const std::string& operation, const TermBinding& variables) const;
 
   // How many runs a run is nested in as a subflow.
@@ -103,6 +110,10 @@ struct Engine::Core {
   // The outermost run that a run belongs to.
   RunId RootOf(const Run& run) const;
   bool IsFree(const RobotId& robot, const RunId& root) const;
+  // What a pending invocation waits for.
+  RobotWish WishOf(const Run& run, const CommandOwner& owner) const;
+  // Tells the waiting room of the run's busy robots.
+  void Reblock(const Run& run);
 
   void RebuildDerived();
 };

@@ -41,7 +41,8 @@ bool ClosesCycle(const cawl::Flow& flow, const cawl::Link& link) {
 std::set<std::string> Predecessors(const cawl::Flow& flow, size_t node) {
   std::set<std::string> names;
   for (const cawl::Link& link : flow.links) {
-    if (link.to.value == flow.nodes[node].name.value && !ClosesCycle(flow, link)) names.insert(link.from.value);
+    if (link.to.value == flow.nodes[node].name.value && !ClosesCycle(flow, link))
+      names.insert(link.from.value);
   }
   return names;
 }

@@ -17,7 +17,8 @@ size_t NodeIndex(const cawl::Flow& flow, std::string_view name);
 // Indexes of links out of a node (or the source), in document order.
 std::vector<size_t> LinksFrom(const cawl::Flow& flow, std::string_view name);
 
-// Names whose links lead to the node, without those that close a cycle (ext:while): the ones that a join waits for.
+// Names whose links lead to the node, without those that close a cycle (ext:while): the ones that a join
+// waits for.
 std::set<std::string> Predecessors(const cawl::Flow& flow, size_t node);
 
 // True if the link leads back to a node from which its own start can be reached.

@@ -1,7 +1,8 @@
-// What the engine reads and what it says, as plain values: it never touches the graph, the constraints or a robot.
+// What the engine reads and what it says, as plain values: it never touches the graph, the constraints or a
+// robot.
 //
-// One Step per round of a turn: the turn gives a ConditionView (levels and edges of the conditions that the engine
-// armed) and a RobotDirectory, and carries out the EngineOutput. Writer thread only.
+// One Step per round of a turn: the turn gives a ConditionView (levels and edges of the conditions that the
+// engine armed) and a RobotDirectory, and carries out the EngineOutput. Writer thread only.
 #ifndef DOCENT_WORKFLOW_ENGINE_PORTS_H_
 #define DOCENT_WORKFLOW_ENGINE_PORTS_H_
 
@@ -28,16 +29,19 @@ using TermBinding = std::map<std::string, Term>;
 struct ConditionRequest {
   ConditionHandle handle = 0;
   std::string ask;  // SPARQL ASK
-  // Not empty: also tell which bindings of these variables appear and disappear (activators).
+  // Not empty: also tell which bindings of these variables appear and disappear.
   std::vector<std::string> key_variables;
+  // Bindings that are there already when it is armed do not count as appeared (events).
+  bool only_new = false;
 };
 
-// An edge since the last Step. A condition that was armed since then and holds already counts as risen.
+// An edge since the last Step, at most one a condition. A condition that was armed since then and holds
+// already counts as risen, unless it was armed with only_new.
 struct ConditionEdge {
   ConditionHandle handle = 0;
   bool rose = false;
   bool fell = false;
-  std::vector<TermBinding> appeared;     // of the key variables, in term order
+  std::vector<TermBinding> appeared;  // of the key variables, in term order
   std::vector<TermBinding> disappeared;
 };
 
@@ -82,7 +86,7 @@ struct EngineTransition {
 };
 
 struct EngineOutput {
-  std::vector<TermQuad> add;     // run facts, in graph docent:runs
+  std::vector<TermQuad> add;  // run facts, in graph docent:runs
   std::vector<TermQuad> remove;
   std::vector<ConditionRequest> arm;
   std::vector<ConditionHandle> disarm;
@@ -92,7 +96,8 @@ struct EngineOutput {
   std::vector<RunId> started;  // by this turn's RunRequests, in their order
 
   bool quiet() const {
-    return add.empty() && remove.empty() && arm.empty() && transitions.empty() && commands.empty() && cancels.empty();
+    return add.empty() && remove.empty() && arm.empty() && transitions.empty() && commands.empty() &&
+           cancels.empty();
   }
 };
 

@@ -18,7 +18,8 @@ bool Before(const TermQuad& a, const TermQuad& b) {
 }
 
 Term DateTime(TimeMicros time_us) {
-  std::string text = absl::FormatTime("%Y-%m-%dT%H:%M:%E3S", absl::FromUnixMicros(time_us), absl::UTCTimeZone());
+  std::string text =
+      absl::FormatTime("%Y-%m-%dT%H:%M:%E3S", absl::FromUnixMicros(time_us), absl::UTCTimeZone());
   // the canonical form has no trailing zeros in the fraction
   while (text.back() == '0' && text.find('.') != std::string::npos) text.pop_back();
   if (text.back() == '.') text.pop_back();
@@ -92,19 +93,29 @@ void WriteNode(const Run& run, size_t index, Writer* out) {
 
 std::string_view ToString(WorkState state) {
   switch (state) {
-    case WorkState::kInactive: return "inactive";
-    case WorkState::kWaiting: return "waiting";
-    case WorkState::kPending: return "pending";
-    case WorkState::kRunning: return "running";
-    case WorkState::kDone: return "done";
-    case WorkState::kFailed: return "failed";
-    case WorkState::kSkipped: return "skipped";
-    case WorkState::kCancelled: return "cancelled";
+    case WorkState::kInactive:
+      return "inactive";
+    case WorkState::kWaiting:
+      return "waiting";
+    case WorkState::kPending:
+      return "pending";
+    case WorkState::kRunning:
+      return "running";
+    case WorkState::kDone:
+      return "done";
+    case WorkState::kFailed:
+      return "failed";
+    case WorkState::kSkipped:
+      return "skipped";
+    case WorkState::kCancelled:
+      return "cancelled";
   }
   return "";
 }
 
-std::string RunIri(const RunId& run) { return absl::StrCat("urn:docent:run:", run.value()); }
+std::string RunIri(const RunId& run) {
+  return absl::StrCat("urn:docent:run:", run.value());
+}
 
 std::vector<TermQuad> RunFacts(const Run& run) {
   Writer out;
@@ -130,10 +141,12 @@ std::vector<TermQuad> RunFacts(const Run& run) {
   return out.Take();
 }
 
-void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after, std::vector<TermQuad>* add,
-               std::vector<TermQuad>* remove) {
-  std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(*add), Before);
-  std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(*remove), Before);
+void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after,
+               std::vector<TermQuad>* add, std::vector<TermQuad>* remove) {
+  std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(*add),
+                      Before);
+  std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(*remove),
+                      Before);
 }
 
 }  // namespace docent

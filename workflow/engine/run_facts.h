@@ -1,5 +1,5 @@
-// A run as facts of the graph docent:runs (ontology/run.ttl), so that SPARQL, rules and other workflows' conditions
-// see which run waits for what and why a step fired. Pure functions.
+// A run as facts of the graph docent:runs (ontology/run.ttl), so that SPARQL, rules and other workflows'
+// conditions see which run waits for what and why a step fired. Pure functions.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 
@@ -17,8 +17,8 @@ std::string RunIri(const RunId& run);
 std::vector<TermQuad> RunFacts(const Run& run);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.
-void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after, std::vector<TermQuad>* add,
-               std::vector<TermQuad>* remove);
+void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after,
+               std::vector<TermQuad>* add, std::vector<TermQuad>* remove);
 
 }  // namespace docent
 

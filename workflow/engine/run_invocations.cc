@@ -32,6 +32,7 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
   core_.Say(Subject(node, index), ToString(invocation.state), ToString(state), cause);
   invocation.state = state;
   if (state == WorkState::kFailed || state == WorkState::kCancelled) invocation.reason = cause;
+  if (state != WorkState::kPending) core_.waiting.Leave({run_.id, node, index});
   if (IsFinal(state)) invocation.deadline_us.reset();
   if (state == WorkState::kDone) invocation.reason.clear();
 }
@@ -46,11 +47,12 @@ bool RunStepper::TryDispatch(size_t node, size_t index) {
 
   rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value, run_.variables);
   std::string why_not;
-  std::vector<RobotId> robots = core_.RobotsFor(*plan, Value(std::string(kRobotVariable), &invocation.binding),
-                                                core_.RootOf(run_), &why_not);
+  std::vector<RobotId> robots = core_.RobotsFor(
+      *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), &why_not);
   if (robots.empty()) {
     invocation.reason = why_not;
-    core_.pending.insert({run_.id, node, index});
+    CommandOwner owner{run_.id, node, index};
+    core_.waiting.Wait(run_.number, owner, core_.WishOf(run_, owner));
     return false;
   }
   invocation.robot = robots.front();
@@ -83,8 +85,11 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
     return true;
   }
   if (core_.DepthOf(run_) >= core_.limits.subflow_nesting || core_.runs.size() >= core_.limits.runs_live) {
-    InvocationFailed(node, index, absl::StrCat("subflow ", name, " is nested too deep or too many runs are live; the limits are subflow_nesting ",
-                                               core_.limits.subflow_nesting, " and runs_live ", core_.limits.runs_live));
+    InvocationFailed(
+        node, index,
+        absl::StrCat("subflow ", name,
+                     " is nested too deep or too many runs are live; the limits are subflow_nesting ",
+                     core_.limits.subflow_nesting, " and runs_live ", core_.limits.runs_live));
     return true;
   }
   TermBinding variables = run_.variables;
@@ -92,7 +97,8 @@ bool RunStepper::StartSubflow(size_t node, size_t index) {
   SetInvocation(node, index, WorkState::kRunning, absl::StrCat("subflow ", name));
   CommandOwner owner{run_.id, node, index};
   // The child is a run of its own and does not touch this one until it ends.
-  RunId child = core_.Start(flow->first, flow->second, std::move(variables), absl::StrCat("subflow of ", Subject(node, index)), &owner);
+  RunId child = core_.Start(flow->first, flow->second, std::move(variables),
+                            absl::StrCat("subflow of ", Subject(node, index)), &owner);
   run_.nodes[node].invocations[index].child = child;
   return true;
 }
@@ -151,8 +157,9 @@ void RunStepper::SettleHandler(size_t node, size_t index) {
     case rsel::InstructionHandler::State::kRunning:
       return;
     case rsel::InstructionHandler::State::kDone: {
-      for (const auto& [name, value] : invocation.handler->Results()) run_.variables[name] = value;
+      const rsel::Arguments results = invocation.handler->Results();
       SetInvocation(node, index, WorkState::kDone, "");
+      SetVariables(TermBinding(results.begin(), results.end()));  // last: it may end the run
       return;
     }
     case rsel::InstructionHandler::State::kFailed:
@@ -169,14 +176,15 @@ void RunStepper::InvocationFailed(size_t node, size_t index, const std::string& 
   const cawl::Invoke& invoke = flow_.nodes[node].invokes[invocation.invoke];
   CancelCommands(&invocation);
   if (!invocation.child.empty()) core_.Cancel(invocation.child, reason);
-  if (invocation.attempt <= invoke.retry) {
+  if (invocation.retries < invoke.retry) {
     InvocationState fresh;
     fresh.invoke = invocation.invoke;
     fresh.binding = invocation.binding;
     fresh.attempt = invocation.attempt + 1;
+    fresh.retries = invocation.retries + 1;
     invocation = std::move(fresh);
-    core_.Say(Subject(node, index), "running", "pending", absl::StrCat("attempt ", invocation.attempt, " after: ", reason));
-    core_.pending.insert({run_.id, node, index});
+    core_.Say(Subject(node, index), "running", "pending",
+              absl::StrCat("attempt ", invocation.attempt, " after: ", reason));
     return;
   }
   SetInvocation(node, index, WorkState::kFailed, reason);
@@ -223,8 +231,8 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
   core_.commands.erase(report.command.value());
   if (report.outcome == Outcome::kSucceeded) {
     rsel::Arguments results(report.results.begin(), report.results.end());
-    core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)), "running",
-              "done", "");
+    core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
+              "running", "done", "");
     invocation.handler->Succeeded(done.step, done.attempt, results);
   } else if (report.outcome == Outcome::kUnknown && done.command.idempotent &&
              invocation.resends < kResendLimit) {
@@ -232,11 +240,11 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
     return;
   } else {
     bool may_retry = report.outcome == Outcome::kFailed || done.command.idempotent;
-    std::string reason = !report.message.empty()                       ? report.message
+    std::string reason = !report.message.empty()                 ? report.message
                          : report.outcome == Outcome::kCancelled ? "cancelled at the robot"
                                                                  : "the robot gave no reason";
-    core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)), "running",
-              "failed", reason);
+    core_.Say(absl::StrCat(Subject(owner.node, owner.invocation), " ", invocation.handler->Label(done.step)),
+              "running", "failed", reason);
     invocation.handler->Failed(done.step, done.attempt, reason, may_retry);
   }
   SendReady(owner.node, owner.invocation);
@@ -248,11 +256,16 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
   if (invocation.child != child.id || IsFinal(invocation.state)) return;
   if (child.state != WorkState::kDone) {
     invocation.child = RunId();
-    InvocationFailed(owner.node, owner.invocation, absl::StrCat("subflow ", child.id.value(), ": ", child.reason));
+    InvocationFailed(owner.node, owner.invocation,
+                     absl::StrCat("subflow ", child.id.value(), ": ", child.reason));
     return;
   }
-  for (const auto& [name, value] : child.variables) run_.variables.try_emplace(name, value);
+  TermBinding results;
+  for (const auto& [name, value] : child.variables) {
+    if (run_.variables.count(name) == 0) results.emplace(name, value);
+  }
   SetInvocation(owner.node, owner.invocation, WorkState::kDone, "");
+  SetVariables(results);  // last: it may end the run
 }
 
 }  // namespace docent

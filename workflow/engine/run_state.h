@@ -1,5 +1,6 @@
-// The state of one workflow run: a plain value. The engine copies a run before it first changes it in a turn, so a
-// turn that fails puts the copy back. Everything here also stands in the graph (run_facts.h). Writer thread only.
+// The state of one workflow run: a plain value. The engine copies a run before it first changes it in a turn,
+// so a turn that fails puts the copy back. Everything here also stands in the graph (run_facts.h). Writer
+// thread only.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_
 
@@ -24,9 +25,20 @@ namespace docent {
 //   run:        running → done | failed | cancelled
 //   node:       inactive → waiting → running → done | failed | skipped | cancelled
 //   invocation: pending (no robot free yet) → running → done | failed | cancelled
-enum class WorkState : uint8_t { kInactive, kWaiting, kPending, kRunning, kDone, kFailed, kSkipped, kCancelled };
+enum class WorkState : uint8_t {
+  kInactive,
+  kWaiting,
+  kPending,
+  kRunning,
+  kDone,
+  kFailed,
+  kSkipped,
+  kCancelled
+};
 std::string_view ToString(WorkState state);
-inline bool IsFinal(WorkState state) { return state >= WorkState::kDone; }
+inline bool IsFinal(WorkState state) {
+  return state >= WorkState::kDone;
+}
 
 // A command that went out (or goes out with this turn) and has no final report.
 struct OpenCommand {
@@ -37,16 +49,17 @@ struct OpenCommand {
 
 // One invoke of a node, for one binding of forEach.
 struct InvocationState {
-  size_t invoke = 0;  // index in cawl::Node::invokes
+  size_t invoke = 0;    // index in cawl::Node::invokes
   TermBinding binding;  // forEach: the variables of this invocation, in front of the run's
   WorkState state = WorkState::kPending;
-  int attempt = 1;    // of the whole invoke (ext:retry)
-  int resends = 0;    // commands sent again after an unknown outcome; part of their ids
+  int attempt = 1;  // of the whole invoke, counted over all attempts of the node; part of its commands' ids
+  int retries = 0;  // of those, by the invoke's own ext:retry in this attempt of the node
+  int resends = 0;  // commands sent again after an unknown outcome; part of their ids
   std::optional<rsel::InstructionHandler> handler;
   RobotId robot;
   std::vector<OpenCommand> commands;
-  RunId child;        // subflow
-  std::string step;   // "2/4 moveToBooth", the latest given
+  RunId child;       // subflow
+  std::string step;  // "2/4 moveToBooth", the latest given
   double progress = 0;
   std::string reason;
   std::optional<TimeMicros> deadline_us;  // of this attempt
@@ -72,13 +85,16 @@ struct NodeState {
   std::set<std::string> dead;     // predecessors from which nothing can come any more
   std::vector<ArmedCondition> armed;
   std::vector<PendingLink> pending_links;
+  std::set<RobotId> busy_robots;  // waiting: its condition holds, but only with these, which serve other runs
   std::optional<TimeMicros> deadline_us;  // of waiting, then of running
   std::vector<InvocationState> invocations;
   std::string waits_for;      // the ASK, while waiting
   std::string fired_because;  // N-Triples, since it opened
   TimeMicros fired_us = 0;
-  std::string reason;         // failed, skipped, cancelled: why
+  std::string reason;  // failed, skipped, cancelled: why
 };
+
+using FactsPtr = std::shared_ptr<const std::vector<TermQuad>>;
 
 struct Run {
   RunId id;
@@ -99,8 +115,8 @@ struct Run {
   size_t parent_node = 0;
   size_t parent_invocation = 0;
 
-  std::shared_ptr<const std::vector<TermQuad>> facts;  // as last told to the graph, sorted; null: nothing yet
-  std::optional<TimeMicros> timer_us;     // as in the engine's timer queue
+  FactsPtr facts;                      // as last told to the graph, sorted; null: nothing yet
+  std::optional<TimeMicros> timer_us;  // as in the engine's timer queue
 
   const cawl::Flow& Flow() const { return document->flows[flow]; }
 };

@@ -30,12 +30,16 @@ bool HasNot(const cawl::Expression& expression) {
 
 void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause) {
   NodeState& node = run_.nodes[index];
-  core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[index].name.value), ToString(node.state), ToString(state),
-            cause);
+  core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[index].name.value), ToString(node.state),
+            ToString(state), cause);
   node.state = state;
   node.since_us = core_.input->now_us;
   node.deadline_us.reset();
   if (state != WorkState::kWaiting) node.waits_for.clear();
+  if (!node.busy_robots.empty()) {
+    node.busy_robots.clear();
+    core_.Reblock(run_);
+  }
   if (state == WorkState::kFailed || state == WorkState::kCancelled || state == WorkState::kSkipped) {
     node.reason = cause;
   }
@@ -46,22 +50,23 @@ void RunStepper::SetVariables(const TermBinding& binding) {
   for (const auto& [name, value] : binding) {
     if (name.empty() || name[0] == '_') continue;
     auto [it, inserted] = run_.variables.try_emplace(name, value);
-    if (!inserted && it->second != value) it->second = value;
-    else if (!inserted) continue;
+    if (!inserted && it->second != value)
+      it->second = value;
+    else if (!inserted)
+      continue;
     changed = true;
   }
   if (!changed) return;
   // what the other nodes wait for was written with the old values
   for (size_t i = 0; i < run_.nodes.size(); ++i) {
-    if (run_.nodes[i].state != WorkState::kWaiting) continue;
-    DisarmNode(i);
-    ArmNode(i);
+    if (run_.nodes[i].state == WorkState::kWaiting) ArmNode(i);
   }
 }
 
 void RunStepper::Begin(const std::string& cause) {
   core_.Say(run_.id.value(), "", ToString(WorkState::kRunning), cause);
-  for (size_t link : LinksFrom(flow_, flow_.source.value)) Arrive(flow_.source.value, flow_.links[link].to.value, false);
+  for (size_t link : LinksFrom(flow_, flow_.source.value))
+    Arrive(flow_.source.value, flow_.links[link].to.value, false);
   Advance();
 }
 
@@ -93,13 +98,16 @@ void RunStepper::Resolve(size_t index) {
     return node.arrived.count(name) > 0 || node.dead.count(name) > 0;
   });
   const std::optional<cawl::Expression>& join = flow_.nodes[index].join;
-  bool open = join ? cawl::Evaluate(*join, [&](const std::string& name) { return node.arrived.count(name) > 0; })
-                   : all_known && !node.arrived.empty();
+  bool open =
+      join ? cawl::Evaluate(*join, [&](const std::string& name) { return node.arrived.count(name) > 0; })
+           : all_known && !node.arrived.empty();
   if (open && (all_known || !join || !HasNot(*join))) return Activate(index);
   if (!all_known) return;
-  SetNode(index, WorkState::kSkipped, join ? "its joinCondition cannot become true" : "nothing leads to it any more");
+  SetNode(index, WorkState::kSkipped,
+          join ? "its joinCondition cannot become true" : "nothing leads to it any more");
   for (size_t link : LinksFrom(flow_, flow_.nodes[index].name.value)) {
-    if (!ClosesCycle(flow_, flow_.links[link])) DeadEnd(flow_.nodes[index].name.value, flow_.links[link].to.value);
+    if (!ClosesCycle(flow_, flow_.links[link]))
+      DeadEnd(flow_.nodes[index].name.value, flow_.links[link].to.value);
   }
 }
 
@@ -107,8 +115,8 @@ void RunStepper::Resolve(size_t index) {
 void RunStepper::Reenter(size_t index) {
   int iteration = run_.nodes[index].iteration + 1;
   if (iteration >= core_.limits.node_iterations) {
-    return End(WorkState::kFailed, absl::StrCat("node ", flow_.nodes[index].name.value, " was entered ", iteration,
-                                                " times; the limit is node_iterations"));
+    return End(WorkState::kFailed, absl::StrCat("node ", flow_.nodes[index].name.value, " was entered ",
+                                                iteration, " times; the limit is node_iterations"));
   }
   std::set<size_t> again = Reachable(flow_, index);
   for (size_t i : again) {
@@ -118,13 +126,16 @@ void RunStepper::Reenter(size_t index) {
     NodeState& node = run_.nodes[i];
     std::string from(ToString(node.state));
     NodeState fresh;
-    fresh.iteration = node.iteration + 1;  // its own count: a loop around this one must not give its ids again
+    fresh.iteration =
+        node.iteration + 1;  // its own count: a loop around this one must not give its ids again
     // what is known of predecessors outside of the loop stays
     auto outside = [&](const std::string& name) { return again.count(NodeIndex(flow_, name)) == 0; };
-    std::copy_if(node.arrived.begin(), node.arrived.end(), std::inserter(fresh.arrived, fresh.arrived.end()), outside);
+    std::copy_if(node.arrived.begin(), node.arrived.end(), std::inserter(fresh.arrived, fresh.arrived.end()),
+                 outside);
     std::copy_if(node.dead.begin(), node.dead.end(), std::inserter(fresh.dead, fresh.dead.end()), outside);
     node = std::move(fresh);
-    core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[i].name.value), from, "inactive", "the loop begins again");
+    core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[i].name.value), from, "inactive",
+              "the loop begins again");
   }
   run_.sink_reached = false;
   Activate(index);
@@ -146,11 +157,20 @@ void RunStepper::ArmNode(size_t index) {
   auto asks = cawl::CompileCondition(*run_.document, *flow_.nodes[index].condition,
                                      [this](const std::string& name) { return Value(name, nullptr); });
   if (!asks.ok()) return NodeFailed(index, std::string(asks.status().message()));
+  bool same = std::equal(
+      asks->begin(), asks->end(), node.armed.begin(), node.armed.end(),
+      [](const cawl::CompiledAsk& ask, const ArmedCondition& armed) { return ask.ask == armed.ask.ask; });
+  if (same) return;  // other variables changed
+  DisarmNode(index);
   node.waits_for.clear();
   for (cawl::CompiledAsk& ask : *asks) {
     if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
     node.waits_for += ask.ask;
-    ConditionHandle handle = core_.Arm(ask, ask.event_variables, {run_.id, index, ""});
+    std::vector<std::string> keys = ask.event_variables;
+    // a condition that holds with busy robots only is looked at again when it holds with another robot
+    bool any_robot = std::count(ask.free_variables.begin(), ask.free_variables.end(), "robot") > 0;
+    if (keys.empty() && any_robot) keys.push_back("robot");
+    ConditionHandle handle = core_.Arm(ask, std::move(keys), {run_.id, index, ""});
     node.armed.push_back({handle, std::move(ask)});
   }
 }
@@ -161,41 +181,55 @@ void RunStepper::DisarmNode(size_t index) {
 }
 
 bool RunStepper::TryOpen(size_t index) {
+  std::set<RobotId> busy;
   for (const ArmedCondition& armed : run_.nodes[index].armed) {
-    if (TryOpenWith(index, armed)) return true;
+    if (TryOpenWith(index, armed, &busy)) return true;
+  }
+  if (busy != run_.nodes[index].busy_robots) {
+    run_.nodes[index].busy_robots = std::move(busy);
+    core_.Reblock(run_);
   }
   return false;
 }
 
-bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed) {
-  TermBinding fixed;
-  if (armed.ask.by_event()) {
-    auto edge = core_.edges.find(armed.handle);
-    if (edge == core_.edges.end() || edge->second->appeared.empty()) return false;
-    fixed = edge->second->appeared.front();
-  } else if (!core_.input->conditions->Holds(armed.handle)) {
-    return false;
+// The solutions with which a condition can open its node now.
+std::vector<TermBinding> RunStepper::Solutions(const ArmedCondition& armed) const {
+  std::vector<TermBinding> all;
+  std::vector<TermBinding> fixed;
+  if (!armed.ask.by_event()) {
+    if (core_.input->conditions->Holds(armed.handle)) fixed.emplace_back();
+  } else if (auto edge = core_.edges.find(armed.handle); edge != core_.edges.end()) {
+    fixed = edge->second->appeared;
   }
-  auto solutions = core_.input->conditions->Solutions(armed.handle, fixed, kSolutionLimit);
-  if (!solutions.ok() || solutions->empty()) return false;
+  for (const TermBinding& binding : fixed) {
+    auto solutions = core_.input->conditions->Solutions(armed.handle, binding, kSolutionLimit);
+    if (solutions.ok()) std::move(solutions->begin(), solutions->end(), std::back_inserter(all));
+  }
+  return all;
+}
 
+// Robots of solutions that cannot be used, because they serve other runs, are added to `busy`.
+bool RunStepper::TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy) {
   const std::vector<std::string>& for_each = flow_.nodes[index].for_each;
   RunId root = core_.RootOf(run_);
   std::vector<TermBinding> chosen;
   std::set<std::string> seen;
-  for (TermBinding& solution : *solutions) {
+  for (TermBinding& solution : Solutions(armed)) {
     auto robot = solution.find("robot");
-    if (robot != solution.end() && !core_.IsFree(RobotId(robot->second.lexical), root)) continue;
+    if (robot != solution.end() && !core_.IsFree(RobotId(robot->second.lexical), root)) {
+      busy->insert(RobotId(robot->second.lexical));
+      continue;
+    }
     std::string key;
-    for (const std::string& name : for_each) absl::StrAppend(&key, ToNTriples(solution[name]), " ");
+    for (const std::string& name : for_each) {
+      auto value = solution.find(name);
+      absl::StrAppend(&key, value == solution.end() ? "UNDEF" : ToNTriples(value->second), " ");
+    }
     if (!seen.insert(key).second) continue;
     chosen.push_back(std::move(solution));
     if (for_each.empty()) break;
   }
-  if (chosen.empty()) {
-    core_.blocked.insert(run_.id);  // every robot that would do serves another run
-    return false;
-  }
+  if (chosen.empty()) return false;
   std::string evidence = core_.input->conditions->Evidence(armed.handle, chosen.front());
   std::string cause = absl::StrCat("condition ", armed.ask.name, " holds");
   if (!chosen.front().empty()) absl::StrAppend(&cause, " with ", ShowBinding(chosen.front()));
@@ -212,11 +246,15 @@ void RunStepper::Open(size_t index, const std::vector<TermBinding>& bindings, st
   node.fired_because = std::move(evidence);
   node.fired_us = core_.input->now_us;
   if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
-  if (!bindings.empty()) SetVariables(bindings.front());
   node.invocations.clear();
+  if (!bindings.empty()) SetVariables(bindings.front());
+  // new values can make another node's condition impossible, and that may end the run or begin a loop again
+  if (run_.state != WorkState::kRunning || node.state != WorkState::kRunning) return;
   std::vector<TermBinding> overlays;
-  if (syntax.for_each.empty()) overlays.emplace_back();
-  else overlays = bindings;
+  if (syntax.for_each.empty())
+    overlays.emplace_back();
+  else
+    overlays = bindings;
   for (const TermBinding& overlay : overlays) {
     for (size_t i = 0; i < syntax.invokes.size(); ++i) {
       InvocationState invocation;
@@ -235,7 +273,8 @@ bool RunStepper::CheckNode(size_t index) {
   const InvocationState* failed = nullptr;
   bool all_done = true;
   for (const InvocationState& invocation : node.invocations) {
-    if (invocation.state == WorkState::kFailed || invocation.state == WorkState::kCancelled) failed = &invocation;
+    if (invocation.state == WorkState::kFailed || invocation.state == WorkState::kCancelled)
+      failed = &invocation;
     all_done = all_done && invocation.state == WorkState::kDone;
   }
   if (failed != nullptr) {
@@ -266,7 +305,8 @@ void RunStepper::NodeDone(size_t index) {
     core_.awaiting.insert(run_.id);  // their levels come with the next round
     return;
   }
-  SetNode(index, WorkState::kDone, node.invocations.empty() ? "nothing to do" : "all its invocations are done");
+  SetNode(index, WorkState::kDone,
+          node.invocations.empty() ? "nothing to do" : "all its invocations are done");
   FollowLinks(index, plain);
 }
 
@@ -295,13 +335,16 @@ bool RunStepper::ResolvePendingLinks(size_t index) {
 void RunStepper::FollowLinks(size_t index, const std::vector<size_t>& taken) {
   const std::string& from = flow_.nodes[index].name.value;
   // Where the loop begins again, this node will choose once more: nothing is dead yet.
-  bool loops = std::any_of(taken.begin(), taken.end(), [&](size_t i) { return ClosesCycle(flow_, flow_.links[i]); });
+  bool loops =
+      std::any_of(taken.begin(), taken.end(), [&](size_t i) { return ClosesCycle(flow_, flow_.links[i]); });
   for (size_t i : LinksFrom(flow_, from)) {
     const cawl::Link& link = flow_.links[i];
     bool follow = std::find(taken.begin(), taken.end(), i) != taken.end();
     bool closes = ClosesCycle(flow_, link);
-    if (follow) Arrive(from, link.to.value, closes);
-    else if (!closes && !loops) DeadEnd(from, link.to.value);
+    if (follow)
+      Arrive(from, link.to.value, closes);
+    else if (!closes && !loops)
+      DeadEnd(from, link.to.value);
     if (run_.state != WorkState::kRunning) return;
   }
 }
@@ -310,7 +353,8 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
   const cawl::Node& syntax = flow_.nodes[index];
   NodeState& node = run_.nodes[index];
   DisarmNode(index);
-  for (size_t i = 0; i < node.invocations.size(); ++i) CancelInvocation(index, i, "another invocation of the node failed");
+  for (size_t i = 0; i < node.invocations.size(); ++i)
+    CancelInvocation(index, i, "another invocation of the node failed");
   if (node.state == WorkState::kRunning && node.attempt <= syntax.retry) {
     ++node.attempt;
     core_.Say(absl::StrCat(run_.id.value(), "/", syntax.name.value), "running", "running",
@@ -320,7 +364,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
       InvocationState fresh;
       fresh.invoke = old.invoke;
       fresh.binding = old.binding;
-      fresh.attempt = old.attempt + 1;
+      fresh.attempt = old.attempt + 1;  // its own retries begin anew
       old = std::move(fresh);
     }
     for (size_t i = 0; i < node.invocations.size(); ++i) TryDispatch(index, i);
@@ -358,14 +402,25 @@ bool RunStepper::CheckDeadlines(size_t index) {
   for (size_t i = 0; i < node.invocations.size(); ++i) {
     InvocationState& invocation = node.invocations[i];
     if (IsFinal(invocation.state) || !invocation.deadline_us || *invocation.deadline_us > now) continue;
-    std::string what = invocation.state == WorkState::kPending ? "no robot became free for it" : invocation.step;
-    InvocationFailed(index, i, absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));
+    std::string what =
+        invocation.state == WorkState::kPending ? "no robot became free for it" : invocation.step;
+    InvocationFailed(
+        index, i,
+        absl::StrCat("timed out: ", what, invocation.reason.empty() ? "" : "; ", invocation.reason));
     return true;
   }
   return false;
 }
 
 void RunStepper::Advance() {
+  auto rounds = core_.rounds.find(run_.id);
+  int most = core_.limits.engine_rounds_per_turn * 3 / 4;  // others still have time to see that it failed
+  if (rounds != core_.rounds.end() && rounds->second >= most) {
+    End(WorkState::kFailed, absl::StrCat("it went on for ", most,
+                                         " rounds of one turn; look for a loop that does not wait "
+                                         "for anything (the limit engine_rounds_per_turn is ",
+                                         core_.limits.engine_rounds_per_turn, ")"));
+  }
   bool changed = true;
   while (changed && run_.state == WorkState::kRunning) {
     changed = false;
@@ -378,13 +433,15 @@ void RunStepper::Advance() {
           if (!run_.nodes[i].pending_links.empty()) {
             // armed in an earlier round: the level is known; armed in this one: it is not yet
             ConditionHandle first = run_.nodes[i].pending_links[0].handle;
-            bool known = std::none_of(core_.output->arm.begin(), core_.output->arm.end(),
-                                      [first](const ConditionRequest& request) { return request.handle == first; });
+            bool known =
+                std::none_of(core_.output->arm.begin(), core_.output->arm.end(),
+                             [first](const ConditionRequest& request) { return request.handle == first; });
             if (known) changed = ResolvePendingLinks(i) || changed;
             break;
           }
           for (size_t k = 0; k < run_.nodes[i].invocations.size(); ++k) {
-            if (run_.nodes[i].invocations[k].state == WorkState::kPending) changed = TryDispatch(i, k) || changed;
+            if (run_.nodes[i].invocations[k].state == WorkState::kPending)
+              changed = TryDispatch(i, k) || changed;
           }
           changed = CheckNode(i) || CheckDeadlines(i) || changed;
           break;
@@ -400,8 +457,10 @@ bool RunStepper::CheckEnd() {
   for (const NodeState& node : run_.nodes) {
     if (node.state == WorkState::kWaiting || node.state == WorkState::kRunning) return false;
   }
-  if (run_.sink_reached) End(WorkState::kDone, "");
-  else End(WorkState::kFailed, "no path reached the sink");
+  if (run_.sink_reached)
+    End(WorkState::kDone, "");
+  else
+    End(WorkState::kFailed, "no path reached the sink");
   return true;
 }
 

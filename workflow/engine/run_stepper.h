@@ -1,9 +1,10 @@
-// Takes one run as far as it can go now: opens nodes whose conditions hold, gives invocations to robots, follows
-// links, ends the run. Not for other folders.
+// Takes one run as far as it can go now: opens nodes whose conditions hold, gives invocations to robots,
+// follows links, ends the run. Not for other folders.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_STEPPER_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_STEPPER_H_
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,10 @@ class RunStepper {
   void ArmNode(size_t index);
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
-  bool TryOpenWith(size_t index, const ArmedCondition& armed);
-  void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence, const std::string& cause);
+  std::vector<TermBinding> Solutions(const ArmedCondition& armed) const;
+  bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
+  void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,
+            const std::string& cause);
   bool CheckNode(size_t index);
   void NodeDone(size_t index);
   void NodeFailed(size_t index, const std::string& reason);

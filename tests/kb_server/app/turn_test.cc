@@ -289,26 +289,17 @@ TEST_F(FailingTurnTest, DocumentsBesideABadTerm) {
   GoOn();
 }
 
-TEST_F(FailingTurnTest, RunsThatNeverComeToRest) {
-  std::string text = test::kGreeting;
-  std::string nodes, links;
-  std::string from = "start";
-  for (int i = 0; i < 8; ++i) {
-    std::string name = absl::StrCat("N", i);
-    absl::StrAppend(
-        &nodes, "<node name=\"", name,
-        "\"><condition><context name=\"c\"><rule name=\"r\"><constraint name=\"k\"><subject>?person",
-        "</subject><verb>docent:isNear</verb><object>?near</object></constraint></rule></context></"
-        "condition></node>");
-    absl::StrAppend(&links, "<link from=\"", from, "\" to=\"", name, "\"/>");
-    from = name;
-  }
-  std::string chain = absl::StrCat(
-      "<CAWL name=\"Chain\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
-      "<flow name=\"Long\"><source name=\"start\"/>",
-      nodes, "<sink name=\"end\"/>", links, "<link from=\"", from, "\" to=\"end\"/></flow></CAWL>");
-  for (World* world : {&world_, &twin_}) world->Must(Put(Document::Kind::kCawl, "chain.xml", chain));
-  WriteBatch batch = test::Start("Chain");
+TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherWithoutEnd) {
+  // each run is a new binding of the activator that started it
+  std::string again =
+      "<CAWL name=\"Again\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
+      "<activator name=\"OnItself\"><activate flow=\"Again\"/><condition><context name=\"c\"><rule name=\"r\">"
+      "<constraint name=\"k\"><subject>?run</subject><verb>docent:workflow</verb><object>\"Again\"</object></constraint>"
+      "</rule></context></condition></activator><flow name=\"Again\"><source name=\"start\"/><node name=\"N\">"
+      "<invoke operation=\"nothing\"/></node><sink name=\"end\"/><link from=\"start\" to=\"N\"/><link from=\"N\" to=\"end\"/>"
+      "</flow></CAWL>";
+  for (World* world : {&world_, &twin_}) world->Must(Put(Document::Kind::kCawl, "again.xml", again));
+  WriteBatch batch = test::Start("Again");
   batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "docent:isAt", "Hall")});
   Fail(batch, absl::StatusCode::kResourceExhausted, "engine_rounds_per_turn");
   GoOn();

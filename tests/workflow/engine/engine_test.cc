@@ -20,23 +20,25 @@ using ::testing::IsEmpty;
 // Drives an engine the way a turn does: Step until quiet, then Commit.
 class EngineTest : public ::testing::Test {
  protected:
-  EngineTest() : engine_(Limits{}) {
-    robots_.offers = {{RobotId("urn:r1"), "i1", false, false}};
-  }
+  EngineTest() : engine_(Limits{}) { robots_.offers = {{RobotId("urn:r1"), "i1", false, false}}; }
 
   void Deploy(const std::string& body) {
-    std::string text = "<CAWL name=\"W\" namespace=\"urn:w\" version=\"1\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">" +
-                       body + "</CAWL>";
+    std::string text =
+        "<CAWL name=\"W\" namespace=\"urn:w\" version=\"1\" "
+        "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">" +
+        body + "</CAWL>";
     cawl::ParsedCawl parsed = cawl::ParseCawl(text, "w.xml");
     ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
     engine_.Deploy(parsed.document);
   }
   static std::string Condition(const std::string& word) {
-    return "<condition><context name=\"" + word + "\"><rule name=\"r\"><constraint name=\"c\"><subject>?s</subject><verb>&lt;urn:" +
-           word + "&gt;</verb><object>?o</object></constraint></rule></context></condition>";
+    return "<condition><context name=\"" + word +
+           "\"><rule name=\"r\"><constraint name=\"c\"><subject>?s</subject><verb>&lt;urn:" + word +
+           "&gt;</verb><object>?o</object></constraint></rule></context></condition>";
   }
   static std::string Node(const std::string& name, const std::string& condition, const std::string& rest) {
-    return "<node name=\"" + name + "\">" + (condition.empty() ? "" : Condition(condition)) + rest + "</node>";
+    return "<node name=\"" + name + "\">" + (condition.empty() ? "" : Condition(condition)) + rest +
+           "</node>";
   }
   static std::string Link(const std::string& from, const std::string& to, const std::string& more = "") {
     return "<link from=\"" + from + "\" to=\"" + to + "\" " + more + "/>";
@@ -47,10 +49,11 @@ class EngineTest : public ::testing::Test {
 
   // One turn. What it decided is in transitions_ ("subject from>to"), commands_ and cancels_.
   void Turn(std::vector<CommandReport> reports = {}, std::vector<RunRequest> requests = {}) {
+    robots_.asked = 0;
     transitions_.clear();
     commands_.clear();
     cancels_.clear();
-    for (int round = 0; round < 50; ++round) {
+    for (int round = 0; round < Limits{}.engine_rounds_per_turn; ++round) {
       EngineInput input;
       input.now_us = now_us_;
       input.revision = Revision(++revision_);
@@ -73,7 +76,9 @@ class EngineTest : public ::testing::Test {
     FAIL() << "the engine is never quiet";
   }
   void Start() { Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}}); }
-  static CommandReport Done(const CommandId& id) { return {id, CommandReport::Outcome::kSucceeded, "", 1, "i1", {}}; }
+  static CommandReport Done(const CommandId& id) {
+    return {id, CommandReport::Outcome::kSucceeded, "", 1, "i1", {}};
+  }
   static CommandReport Failed(const CommandId& id, const std::string& why) {
     return {id, CommandReport::Outcome::kFailed, why, 0, "i1", {}};
   }
@@ -82,7 +87,8 @@ class EngineTest : public ::testing::Test {
   }
   std::string Fact(const std::string& subject, const std::string& predicate) const {
     for (const TermQuad& quad : facts_) {
-      if (quad.subject.lexical == subject && quad.predicate.lexical == "https://w3id.org/docent#" + predicate) {
+      if (quad.subject.lexical == subject &&
+          quad.predicate.lexical == "https://w3id.org/docent#" + predicate) {
         return quad.object.lexical;
       }
     }
@@ -101,8 +107,9 @@ class EngineTest : public ::testing::Test {
 };
 
 TEST_F(EngineTest, ASequenceWaitsForItsConditionsAndEnds) {
-  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") + Node("B", "two", "<invoke operation=\"show\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "B") + Link("B", "t")));
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") +
+              Node("B", "two", "<invoke operation=\"show\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "B") + Link("B", "t")));
   Start();
   EXPECT_TRUE(Says("F-1/A inactive>waiting"));
   EXPECT_THAT(Fact("urn:docent:run:F-1/A", "waitsFor"), HasSubstr("urn:one"));
@@ -132,7 +139,8 @@ TEST_F(EngineTest, ASequenceWaitsForItsConditionsAndEnds) {
 }
 
 TEST_F(EngineTest, AConditionThatHoldsAlreadyFiresInTheSameTurn) {
-  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
   Start();
   EXPECT_EQ(commands_.size(), 1u);
@@ -140,8 +148,8 @@ TEST_F(EngineTest, AConditionThatHoldsAlreadyFiresInTheSameTurn) {
 
 TEST_F(EngineTest, ParallelLinksJoinWhenAllHaveCome) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
-              Node("C", "", "<invoke operation=\"c\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("s", "B") +
-              Link("A", "C") + Link("B", "C") + Link("C", "t")));
+              Node("C", "", "<invoke operation=\"c\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("s", "B") + Link("A", "C") + Link("B", "C") + Link("C", "t")));
   Start();
   ASSERT_EQ(commands_.size(), 2u);
   CommandId a = commands_[0].id, b = commands_[1].id;
@@ -154,8 +162,9 @@ TEST_F(EngineTest, ParallelLinksJoinWhenAllHaveCome) {
 
 TEST_F(EngineTest, AJoinConditionOpensEarly) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("B", "", "<invoke operation=\"b\"/>") +
-              Node("C", "", "<wait joinCondition=\"A or B\"/><invoke operation=\"c\"/>") + "<sink name=\"t\"/>" +
-              Link("s", "A") + Link("s", "B") + Link("A", "C") + Link("B", "C") + Link("C", "t")));
+              Node("C", "", "<wait joinCondition=\"A or B\"/><invoke operation=\"c\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("s", "B") + Link("A", "C") + Link("B", "C") +
+              Link("C", "t")));
   Start();
   Turn({Done(commands_[1].id)});
   ASSERT_EQ(commands_.size(), 1u);
@@ -163,8 +172,8 @@ TEST_F(EngineTest, AJoinConditionOpensEarly) {
 }
 
 TEST_F(EngineTest, InvokesOfANodeRunTogetherAndAllMustEnd) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"show\"/><invoke operation=\"say\"/>") + "<sink name=\"t\"/>" +
-              Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"show\"/><invoke operation=\"say\"/>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
   ASSERT_EQ(commands_.size(), 2u);
   CommandId show = commands_[0].id, say = commands_[1].id;
@@ -177,8 +186,8 @@ TEST_F(EngineTest, InvokesOfANodeRunTogetherAndAllMustEnd) {
 
 TEST_F(EngineTest, AFailureFollowsTheFailureLinkOrEndsTheRun) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t") + Link("A", "Repair", "ext:onFailure=\"true\"") +
-              Link("Repair", "t")));
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t") +
+              Link("A", "Repair", "ext:onFailure=\"true\"") + Link("Repair", "t")));
   Start();
   Turn({Failed(commands_[0].id, "wheel lost")});
   ASSERT_EQ(commands_.size(), 1u);
@@ -189,8 +198,8 @@ TEST_F(EngineTest, AFailureFollowsTheFailureLinkOrEndsTheRun) {
 }
 
 TEST_F(EngineTest, AStepThatHangsTimesOutAndIsCancelled) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:timeout=\"2s\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:timeout=\"2s\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
   Start();
   CommandId id = commands_[0].id;
   ASSERT_TRUE(engine_.NextDeadline().has_value());
@@ -206,7 +215,8 @@ TEST_F(EngineTest, AStepThatHangsTimesOutAndIsCancelled) {
 TEST_F(EngineTest, AConditionThatNeverHoldsTimesOut) {
   std::string condition = Condition("one");
   condition.replace(condition.find("<condition>"), 11, "<condition ext:timeout=\"5s\">");
-  Deploy(Flow("<node name=\"A\">" + condition + "</node><sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(
+      Flow("<node name=\"A\">" + condition + "</node><sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   Start();
   now_us_ += 5000000;
   Turn();
@@ -215,8 +225,8 @@ TEST_F(EngineTest, AConditionThatNeverHoldsTimesOut) {
 }
 
 TEST_F(EngineTest, RetryTriesAgainUnderANewId) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:retry=\"1\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\" ext:retry=\"1\"/>") + "<sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")));
   Start();
   CommandId first = commands_[0].id;
   Turn({Failed(first, "slipped")});
@@ -227,7 +237,8 @@ TEST_F(EngineTest, RetryTriesAgainUnderANewId) {
 }
 
 TEST_F(EngineTest, AnUnknownOutcomeIsSentAgainOnlyIfIdempotent) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "the adapter restarted", 0, "i2", {}}});
   EXPECT_TRUE(Says("F-1 running>failed"));
@@ -242,7 +253,8 @@ TEST_F(EngineTest, AnUnknownOutcomeIsSentAgainOnlyIfIdempotent) {
 
 TEST_F(EngineTest, AnIdempotentCommandIsNotMeantForTheIncarnationThatIsGone) {
   robots_.offers[0].idempotent = true;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   ASSERT_EQ(commands_[0].expected_incarnation, "i1");
   Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "meant for incarnation i1", 0, "i1", {}}});
@@ -252,7 +264,8 @@ TEST_F(EngineTest, AnIdempotentCommandIsNotMeantForTheIncarnationThatIsGone) {
 
 TEST_F(EngineTest, ACommandWhoseOutcomeIsAlwaysUnknownIsNotSentForEver) {
   robots_.offers[0].idempotent = true;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   for (int i = 0; i < 3; ++i) {
     Turn({{commands_[0].id, CommandReport::Outcome::kUnknown, "not ready", 0, "i1", {}}});
@@ -265,7 +278,8 @@ TEST_F(EngineTest, ACommandWhoseOutcomeIsAlwaysUnknownIsNotSentForEver) {
 
 TEST_F(EngineTest, AnActivatorStartsOneRunForEachBindingAndAgainWhenItComesBack) {
   Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition("arrived") + "</activator>" +
-         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Turn();
   EXPECT_EQ(engine_.live_runs(), 0u);
   TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
@@ -286,10 +300,14 @@ TEST_F(EngineTest, AnActivatorStartsOneRunForEachBindingAndAgainWhenItComesBack)
 }
 
 TEST_F(EngineTest, AnActivatorWithoutFreeVariablesStartsARunWheneverItsConditionRises) {
-  Deploy("<activator name=\"act\"><activate flow=\"F\"/><condition><context name=\"c\"><rule name=\"r\"><constraint name=\"c\">"
-         "<subject>&lt;urn:door&gt;</subject><verb>&lt;urn:is&gt;</verb><object>&lt;urn:open&gt;</object></constraint></rule>"
-         "</context></condition></activator>" +
-         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(
+      "<activator name=\"act\"><activate flow=\"F\"/><condition><context name=\"c\"><rule "
+      "name=\"r\"><constraint name=\"c\">"
+      "<subject>&lt;urn:door&gt;</subject><verb>&lt;urn:is&gt;</verb><object>&lt;urn:open&gt;</object></"
+      "constraint></rule>"
+      "</context></condition></activator>" +
+      Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+           Link("A", "t")));
   Turn();
   EXPECT_EQ(engine_.live_runs(), 0u);
   conditions_.Set("urn:door", {{}});
@@ -305,7 +323,8 @@ TEST_F(EngineTest, AnActivatorWithoutFreeVariablesStartsARunWheneverItsCondition
 TEST_F(EngineTest, AReplacedActivatorStartsARunForABindingThatItMeetsLater) {
   auto deploy = [this](const std::string& word) {
     Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition(word) + "</activator>" +
-           Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+           Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+                Link("A", "t")));
   };
   TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
   conditions_.Set("urn:arrived", {john});
@@ -324,7 +343,8 @@ TEST_F(EngineTest, AReplacedActivatorStartsARunForABindingThatItMeetsLater) {
 }
 
 TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   CommandId first = commands_[0].id;
   Start();
@@ -336,7 +356,8 @@ TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
 }
 
 TEST_F(EngineTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   for (int i = 1; i <= 11; ++i) Start();
   for (int i = 2; i <= 11; ++i) {
     std::vector<RobotCommand> open = engine_.OpenCommands();
@@ -347,9 +368,154 @@ TEST_F(EngineTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
   }
 }
 
+TEST_F(EngineTest, AFreedRobotWakesOneRunNotAll) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  robots_.news = false;
+  Start();
+  CommandId first = commands_[0].id;
+  for (int i = 0; i < 50; ++i) Start();
+  Turn({Done(first)});
+  EXPECT_EQ(commands_.size(), 1u);
+  // 1: the run that ended; 2: the one that got the robot. The other 49 were not looked at.
+  EXPECT_LE(robots_.asked, 10);
+}
+
+TEST_F(EngineTest, ARobotThatTheOldestCannotUseGoesToTheNext) {
+  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
+  robots_.news = false;
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  auto start_with = [this](const std::string& robot) {
+    Turn({}, {{RunRequest::Kind::kStart, "W/F", {{"robot", Term::Iri(robot)}}}});
+  };
+  start_with("urn:r1");
+  CommandId first = commands_[0].id;
+  start_with("urn:r2");
+  CommandId second = commands_[0].id;
+  start_with("urn:r1");  // waits for r1
+  start_with("urn:r2");  // waits for r2
+  Turn({Done(second)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-4/"));
+  Turn({Done(first)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-3/"));
+}
+
+TEST_F(EngineTest, ANodeWhoseRobotsAreBusyOpensWhenOneIsFreedOrAnotherOneAppears) {
+  std::string near = Condition("near");
+  near.replace(near.find("?s"), 2, "?robot");
+  Deploy(Flow("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node><sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  robots_.news = false;
+  Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
+  CommandId busy = commands_[0].id;
+  TermBinding r1 = {{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:y")}};
+  TermBinding r2 = {{"robot", Term::Iri("urn:r2")}, {"o", Term::Iri("urn:y")}};
+  conditions_.Set("urn:near", {r1});
+  Start();
+  Start();
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({Done(busy)});
+  ASSERT_EQ(commands_.size(), 1u);  // F-2 has r1 now, F-3 waits on
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
+  robots_.offers.push_back({RobotId("urn:r2"), "i1", false, false});
+  conditions_.Set("urn:near", {r1, r2});
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].robot.value(), "urn:r2");
+}
+
+TEST_F(EngineTest, AServiceThatIsRegisteredLaterIsUsedByTheInvocationThatWaits) {
+  robots_.offers.clear();
+  robots_.only = "go";
+  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}};
+  robots_.news = false;
+  Deploy(Flow(Node("A", "", "<invoke operation=\"Tour\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  EXPECT_THAT(commands_, IsEmpty());
+  std::string text =
+      "<rsel name=\"S\" namespace=\"urn:s\" version=\"1\"><process name=\"Tour\"><invoke operation=\"go\"/>"
+      "</process></rsel>";
+  rsel::ParsedRsel parsed = rsel::ParseRsel(text, "s.xml");
+  ASSERT_TRUE(parsed.ok());
+  EXPECT_THAT(engine_.PutServices(parsed.document), IsEmpty());
+  Turn();
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_EQ(commands_[0].operation, "go");
+}
+
+TEST_F(EngineTest, ANodesRetryGivesItsInvokesTheirOwnRetriesAgain) {
+  Deploy(Flow(
+      "<node name=\"A\" ext:retry=\"1\"><invoke operation=\"a\" ext:retry=\"1\"/></node><sink name=\"t\"/>" +
+      Link("s", "A") + Link("A", "t")));
+  Start();
+  std::set<CommandId> ids;
+  for (int attempt = 1; attempt <= 4; ++attempt) {  // two of the invoke, twice
+    ASSERT_EQ(commands_.size(), 1u) << attempt;
+    EXPECT_TRUE(ids.insert(commands_[0].id).second);
+    Turn({Failed(commands_[0].id, "slipped")});
+  }
+  EXPECT_TRUE(Says("F-1 running>failed"));
+}
+
+TEST_F(EngineTest, ALoopThatWaitsForNothingFailsItsRunAndNothingElse) {
+  Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "A", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("A", "t")) +
+         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
+  Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}, {RunRequest::Kind::kStart, "W/H", {}}});
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("engine_rounds_per_turn"));
+  EXPECT_EQ(commands_.size(), 1u);  // the other run does what it should
+  EXPECT_EQ(engine_.live_runs(), 1u);
+}
+
+TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
+  Limits limits;
+  limits.runs_kept = 2;
+  Engine small(limits);
+  Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  small.Deploy(engine_.FindWorkflow("W"));
+  std::vector<TermQuad> facts;
+  std::vector<CommandReport> reports;
+  std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
+  auto step = [&] {
+    EngineInput input{now_us_, Revision(++revision_), &reports, &requests, &conditions_, &robots_};
+    EngineOutput output = small.Step(input);
+    std::vector<TermQuad> after = facts;
+    for (const TermQuad& quad : output.remove) std::erase(after, quad);
+    after.insert(after.end(), output.add.begin(), output.add.end());
+    return after;
+  };
+  auto has = [](const std::vector<TermQuad>& all, const std::string& run) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const TermQuad& quad) { return quad.subject.lexical == "urn:docent:run:" + run; });
+  };
+  for (int i = 0; i < 3; ++i) {
+    facts = step();
+    small.Commit();
+  }
+  EXPECT_FALSE(has(facts, "F-1"));
+  EXPECT_TRUE(has(facts, "F-2"));
+  EXPECT_TRUE(has(facts, "F-3"));
+  std::vector<TermQuad> once = step();
+  small.Rollback();
+  std::vector<TermQuad> twice = step();
+  EXPECT_EQ(once, twice);
+  EXPECT_FALSE(has(twice, "F-2"));
+  EXPECT_TRUE(has(twice, "F-4"));
+}
+
 TEST_F(EngineTest, NoRobotOnlineIsSaidAndWaitedFor) {
   robots_.offers[0].offline = true;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("no robot that is online offers a"));
   robots_.offers[0].offline = false;
@@ -397,23 +563,24 @@ TEST_F(EngineTest, ALoopAroundALoopDoesNotGiveTheSameCommandIdTwice) {
     EXPECT_TRUE(ids.insert(commands_[0].id.value()).second) << commands_[0].id.value();
     Turn({Done(commands_[0].id)});
   };
-  finish();                                                    // A
+  finish();  // A
   conditions_.Set("urn:inner", {{{"x", Term::Iri("urn:x")}}});
-  finish();                                                    // B, then B again
+  finish();  // B, then B again
   conditions_.Set("urn:inner", {});
   conditions_.Set("urn:outer", {{{"x", Term::Iri("urn:x")}}});
-  finish();                                                    // B, then A again
-  finish();                                                    // A
+  finish();  // B, then A again
+  finish();  // A
   conditions_.Set("urn:outer", {});
-  finish();                                                    // B
+  finish();  // B
   EXPECT_TRUE(Says("F-1 running>done"));
 }
 
 TEST_F(EngineTest, AJoinInALoopRemembersThatABranchOutsideIsDead) {
   Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + Node("Repair", "", "<invoke operation=\"r\"/>") +
               Node("B", "", "<invoke operation=\"b\"/>") + Node("C", "", "<invoke operation=\"c\"/>") +
-              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "Repair", "ext:onFailure=\"true\"") + Link("Repair", "C") +
-              Link("A", "B") + Link("B", "C") + Link("C", "B", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("C", "t")));
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "Repair", "ext:onFailure=\"true\"") +
+              Link("Repair", "C") + Link("A", "B") + Link("B", "C") +
+              Link("C", "B", "ext:while=\"?x &lt;urn:more&gt; ?y\"") + Link("C", "t")));
   conditions_.Set("urn:more", {{{"x", Term::Iri("urn:x")}}});
   Start();
   for (const char* operation : {"a", "b", "c", "b", "c"}) {
@@ -424,9 +591,10 @@ TEST_F(EngineTest, AJoinInALoopRemembersThatABranchOutsideIsDead) {
 }
 
 TEST_F(EngineTest, ASubflowEndsItsInvocation) {
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")) +
-         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") + "<sink name=\"t\"/>" +
-         Link("s", "B") + Link("B", "t") + "</flow>");
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")) +
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
   Start();
   ASSERT_EQ(commands_.size(), 1u);
   EXPECT_THAT(commands_[0].id.value(), HasSubstr("G-2/B/"));
@@ -439,8 +607,8 @@ TEST_F(EngineTest, ASubflowEndsItsInvocation) {
 TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
   Deploy(Flow(Node("A", "", "<invoke subflow=\"G\"/>") + Node("C", "later", "<invoke operation=\"c\"/>") +
               "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "C") + Link("C", "t")) +
-         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") + "<sink name=\"t\"/>" +
-         Link("s", "B") + Link("B", "t") + "</flow>");
+         "<flow name=\"G\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
   Start();
   Turn({Done(commands_[0].id)});
   EXPECT_TRUE(Says("G-2 running>done"));
@@ -451,10 +619,12 @@ TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
 }
 
 TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
-  Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
-  std::string other = "<CAWL name=\"X\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>" +
-                      Node("B", "", "<invoke subflow=\"W\"/>") + "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") +
-                      "</flow></CAWL>";
+  Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  std::string other =
+      "<CAWL name=\"X\" namespace=\"urn:x\" version=\"1\"><flow name=\"G\"><source name=\"s\"/>" +
+      Node("B", "", "<invoke subflow=\"W\"/>") + "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") +
+      "</flow></CAWL>";
   cawl::ParsedCawl parsed = cawl::ParseCawl(other, "x.xml");
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, other);
   engine_.Deploy(parsed.document);
@@ -465,7 +635,8 @@ TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
 }
 
 TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   CommandId id = commands_[0].id;
   Turn({}, {{RunRequest::Kind::kCancel, "F-1", {}}});
@@ -477,7 +648,8 @@ TEST_F(EngineTest, CancelEndsTheRunAndItsCommands) {
 }
 
 TEST_F(EngineTest, RollbackPutsEverythingBack) {
-  Deploy(Flow(Node("A", "one", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Deploy(Flow(Node("A", "one", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
   Start();
   conditions_.Set("urn:one", {{{"s", Term::Iri("urn:x")}}});
   std::vector<CommandReport> reports;

@@ -28,7 +28,7 @@ class FakeConditions final : public ConditionView {
     for (ConditionHandle handle : output.disarm) armed_.erase(handle);
     for (const ConditionRequest& request : output.arm) {
       armed_[request.handle] = request;
-      AddEdge(request, {}, Find(request.ask));
+      if (!request.only_new) AddEdge(request, {}, Find(request.ask));
     }
   }
   size_t armed() const { return armed_.size(); }
@@ -88,12 +88,19 @@ class FakeConditions final : public ConditionView {
   std::vector<ConditionEdge> edges_;
 };
 
-// Robots that offer everything.
+// Robots that offer everything, or one operation.
 class FakeRobots final : public RobotDirectory {
  public:
   std::vector<RobotOffer> offers;
-  const std::vector<RobotOffer>& Offers(const std::string&) const override { return offers; }
-  bool changed() const override { return true; }
+  std::string only;        // empty: everything
+  bool news = true;        // what changed() says
+  mutable int asked = 0;   // how often Offers was called
+  const std::vector<RobotOffer>& Offers(const std::string& operation) const override {
+    static const std::vector<RobotOffer> kNone;
+    ++asked;
+    return only.empty() || only == operation ? offers : kNone;
+  }
+  bool changed() const override { return news; }
 };
 
 }  // namespace docent
