@@ -5,13 +5,6 @@
 namespace docent {
 namespace {
 
-bool RisesOnAdd(const Trigger& trigger) {
-  return trigger.polarity != Polarity::kNegative;
-}
-bool RisesOnRemove(const Trigger& trigger) {
-  return trigger.polarity != Polarity::kPositive;
-}
-
 int ConstantCount(const QuadPattern& pattern) {
   return !pattern.subject.IsNone() + !pattern.predicate.IsNone() + !pattern.object.IsNone();
 }
@@ -21,6 +14,11 @@ int ConstantCount(const QuadPattern& pattern) {
 Condition::Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys,
                      WatchIndexes& indexes)
     : number_(number), body_(std::move(body)), keys_(std::move(keys)), indexes_(indexes) {}
+
+void Condition::SetShape(Shape* shape, Shape::Constants constants) {
+  shape_ = shape;
+  constants_ = std::move(constants);
+}
 
 Condition::~Condition() {
   Disarm();
@@ -71,9 +69,10 @@ void Condition::Watch(uint32_t slot) {
   Witness& witness = witnesses_[slot];
   for (const Trigger& trigger : body_->triggers()) {
     const MatchPattern match = body_->Instantiate(trigger, witness.row);
-    if (RisesOnAdd(trigger))
+    if (RisesOnAdd(trigger.polarity))
       witness.on_remove.push_back(indexes_.break_on_remove.Add(match, {number_, slot}));
-    if (RisesOnRemove(trigger)) witness.on_add.push_back(indexes_.break_on_add.Add(match, {number_, slot}));
+    if (RisesOnRemove(trigger.polarity))
+      witness.on_add.push_back(indexes_.break_on_add.Add(match, {number_, slot}));
   }
 }
 
@@ -179,9 +178,9 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 
 void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
-  if (RisesOnAdd(watched))
+  if (RisesOnAdd(watched.polarity))
     armed_on_add_.push_back(indexes_.rise_on_add.Add(watched.match, {number_, trigger}));
-  if (RisesOnRemove(watched))
+  if (RisesOnRemove(watched.polarity))
     armed_on_remove_.push_back(indexes_.rise_on_remove.Add(watched.match, {number_, trigger}));
 }
 
@@ -190,6 +189,8 @@ void Condition::Disarm() {
   for (const PatternIndex::Handle handle : armed_on_remove_) indexes_.rise_on_remove.Remove(handle);
   armed_on_add_.clear();
   armed_on_remove_.clear();
+  if (joined_) shape_->Leave(number_, constants_);
+  joined_ = false;
   armed_ = Armed::kNothing;
 }
 
@@ -198,7 +199,8 @@ bool Condition::Arm(const GraphVersion* version) {
   int one = -1;
   if (holds()) {
     if (!has_keys()) wanted = Armed::kNothing;
-  } else if (version != nullptr && body_->triggers().size() > 1 && (one = BlockingTrigger(*version)) >= 0) {
+  } else if (version != nullptr && body_->triggers().size() > 1 && (one = BlockingTrigger(*version)) >= 0 &&
+             (shape_ == nullptr || !shape_->Shares(static_cast<size_t>(one)))) {
     wanted = Armed::kOne;
   }
   if (wanted == armed_ && (wanted != Armed::kOne || one == armed_trigger_)) return false;
@@ -207,7 +209,11 @@ bool Condition::Arm(const GraphVersion* version) {
   armed_trigger_ = static_cast<int16_t>(one);
   if (wanted == Armed::kOne) WatchTrigger(static_cast<uint32_t>(one));
   if (wanted == Armed::kAll) {
-    for (uint32_t i = 0; i < body_->triggers().size(); ++i) WatchTrigger(i);
+    for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
+      if (shape_ == nullptr || !shape_->Shares(i)) WatchTrigger(i);
+    }
+    if (shape_ != nullptr) shape_->Join(number_, constants_);
+    joined_ = shape_ != nullptr;
   }
   return true;
 }

@@ -19,19 +19,12 @@
 #include "absl/status/status.h"
 #include "absl/types/span.h"
 #include "kb_server/store/graph_version.h"
+#include "reasoner/constraints/shape.h"
+#include "reasoner/constraints/watch_indexes.h"
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
 
 namespace docent {
-
-// The indexes that all conditions share. Their references name a condition and, for rises, one of its
-// triggers, for breaks, one of its witnesses.
-struct WatchIndexes {
-  PatternIndex rise_on_add;
-  PatternIndex rise_on_remove;
-  PatternIndex break_on_add;
-  PatternIndex break_on_remove;
-};
 
 class Condition {
  public:
@@ -41,6 +34,9 @@ class Condition {
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
   Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys, WatchIndexes& indexes);
   ~Condition();
+  // From now on what is watched alike by all conditions of `shape` is watched there. Before the first Arm.
+  // `shape` must outlive the condition.
+  void SetShape(Shape* shape, Shape::Constants constants);
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
@@ -67,6 +63,10 @@ class Condition {
   // when nothing could be bound and one is made here.
   absl::Status Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done,
                      Edits& edits);
+  // Takes a solution that was found elsewhere, if its key is new.
+  void Offer(absl::Span<const TermId> row, Edits& edits) {
+    if (has_keys() || !holds()) Take(row, edits);
+  }
   // Takes all new keys that there are, by a whole evaluation.
   absl::Status ProbeAll(const sparql::RunOptions& run, Edits& edits);
   // Whole evaluation, in both directions.
@@ -107,6 +107,9 @@ class Condition {
   const std::unique_ptr<Body> body_;
   const std::vector<int16_t> keys_;
   WatchIndexes& indexes_;
+  Shape* shape_ = nullptr;
+  Shape::Constants constants_;                 // what tells this condition from others of the shape
+  bool joined_ = false;                        // it waits there
   absl::flat_hash_map<Key, uint32_t> by_key_;  // → place in witnesses_
   std::vector<Witness> witnesses_;
   std::vector<uint32_t> free_;

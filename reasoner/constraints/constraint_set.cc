@@ -51,7 +51,6 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   Condition::Edits first;
   const sparql::RunOptions run{.version = &now, .now_us = options.now_us};
   if (absl::Status status = condition->Refresh(run, first); !status.ok()) return status;
-  condition->Arm(&now);
   if (reused) {
     free_numbers.pop_back();
   } else {
@@ -61,7 +60,39 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   by_fingerprint.emplace(fingerprint, number);
   conditions[number].condition = std::move(condition);
   conditions[number].fingerprint = std::move(fingerprint);
+  JoinShape(number, query);
+  conditions[number].condition->Arm(&now);
   return number;
+}
+
+void ConstraintSet::Impl::JoinShape(uint32_t number, const sparql::Query& query) {
+  const std::optional<ShapeForm> form = SplitConstants(query);
+  if (!form) return;
+  Shared& shared = conditions[number];
+  shared.shape = Fingerprint(form->shared, {});
+  Alike& like = alike[shared.shape];
+  if (++like.count <= kShapesAlone || like.hopeless) return;
+  if (!like.shape) {
+    const auto free = std::find(shapes.begin(), shapes.end(), nullptr);
+    const auto place = static_cast<uint32_t>(free - shapes.begin());
+    auto shape = Shape::Make(place, *form, shared.condition->body(), indexes, dictionary, functions);
+    like.hopeless = !shape.ok() || *shape == nullptr;
+    if (like.hopeless) return;
+    if (free == shapes.end()) shapes.emplace_back();
+    shapes[place] = *std::move(shape);
+    like.shape = place;
+  }
+  Shape::Constants constants;
+  for (const Term& constant : form->constants) constants.push_back(dictionary.Intern(constant));
+  shared.condition->SetShape(shapes[*like.shape].get(), std::move(constants));
+}
+
+// After its condition is gone.
+void ConstraintSet::Impl::LeaveShape(const std::string& shape) {
+  const auto found = alike.find(shape);
+  if (found == alike.end() || --found->second.count > 0) return;
+  if (found->second.shape) shapes[*found->second.shape].reset();
+  alike.erase(found);
 }
 
 absl::StatusOr<uint32_t> ConstraintSet::Impl::FindOrMake(const sparql::Query& query, const GraphVersion& now,
@@ -168,7 +199,9 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   if (shared.IsFollowed()) return;
   std::erase(volatile_conditions, follower.condition);
   by_fingerprint.erase(shared.fingerprint);
+  const std::string shape = std::move(shared.shape);
   shared = Shared{};
+  LeaveShape(shape);
   free_numbers.push_back(follower.condition);
 }
 

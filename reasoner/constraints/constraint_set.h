@@ -8,6 +8,8 @@
 //   bound into the
 //     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that
 //     one alone is watched.
+//   - Constraints that differ only in constants share the patterns without them: one delta join for all, whose
+//   solutions say which of them rise.
 //   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very
 //   solution.
 //

@@ -12,6 +12,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "reasoner/constraints/condition.h"
 #include "reasoner/constraints/constraint_set.h"
+#include "reasoner/constraints/shape.h"
 #include "reasoner/constraints/threshold_group.h"
 
 namespace docent {
@@ -23,6 +24,7 @@ struct ConstraintSet::Impl {
     std::string fingerprint;
     std::vector<ConstraintId> followers;
     std::array<std::unique_ptr<ThresholdGroup>, 2> groups;  // below, above
+    std::string shape;                                      // key in shapes; empty: none is like it
 
     bool IsFollowed() const;
   };
@@ -50,9 +52,15 @@ struct ConstraintSet::Impl {
     bool probed = false;
   };
   struct Rise {
-    uint32_t condition;
+    uint32_t owner;  // condition, or shape with WatchIndexes::kIsShape
     uint32_t trigger;
     const Quad* quad;
+  };
+  // Conditions that differ only in constants. The first ones have no shape made for them.
+  struct Alike {
+    int64_t count = 0;
+    bool hopeless = false;  // nothing would be shared
+    std::optional<uint32_t> shape;
   };
 
   Impl(Dictionary& d, const sparql::FunctionRegistry* f) : dictionary(d), functions(f), comparer(d) {}
@@ -68,6 +76,9 @@ struct ConstraintSet::Impl {
                                                     const GraphVersion& now, const RegisterOptions& options);
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
+  // Gives the condition its shape, if there are enough like it.
+  void JoinShape(uint32_t number, const sparql::Query& query);
+  void LeaveShape(const std::string& shape);
   ThresholdGroup& GroupOf(const Follower& follower) const;
   bool Holds(ConstraintId id, const Follower& follower) const;
   void Unfollow(ConstraintId id);
@@ -77,6 +88,7 @@ struct ConstraintSet::Impl {
   void GatherRises(const Delta& delta);
   absl::Status RecheckBroken(const sparql::RunOptions& run, const Delta& delta);
   absl::Status ProbeRises(const sparql::RunOptions& run);
+  absl::Status ProbeShape(const Rise& rise, const sparql::RunOptions& run);
   absl::Status RefreshVolatile(const sparql::RunOptions& run);
   void Settle(const GraphVersion& version);
   absl::Status CollectChanges(std::vector<ConstraintChange>& changes);
@@ -89,17 +101,21 @@ struct ConstraintSet::Impl {
   static constexpr int kMaxProbes = 256;
   // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.
   static constexpr int64_t kThresholdsAlone = 8;
+  // Conditions that differ only in constants are watched one by one up to here, by their shape beyond.
+  static constexpr int64_t kShapesAlone = 4;
   // A group is not made where its variable has more solutions than this: each value is remembered.
   static constexpr int64_t kMaxGroupSolutions = 20000;
 
   Dictionary& dictionary;
   const sparql::FunctionRegistry* functions;
   NumberComparer comparer;
-  const GraphVersion no_graph;     // comparisons of numbers read none
-  WatchIndexes indexes;            // before conditions: they unregister themselves
-  std::vector<Shared> conditions;  // by number
+  const GraphVersion no_graph;                 // comparisons of numbers read none
+  WatchIndexes indexes;                        // before conditions: they unregister themselves
+  std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
+  std::vector<Shared> conditions;              // by number; after shapes: they leave theirs
   std::vector<uint32_t> free_numbers;
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;
+  absl::flat_hash_map<std::string, Alike> alike;               // by fingerprint of the shape
   absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
   absl::flat_hash_map<ConstraintId, Follower> followers;
   std::vector<uint32_t> volatile_conditions;
@@ -110,6 +126,7 @@ struct ConstraintSet::Impl {
   // of the running Update
   absl::flat_hash_map<uint32_t, Touched> touched;
   std::vector<Rise> rises;
+  absl::flat_hash_map<uint32_t, int> shape_rises;  // shape → changes that its watches matched
 };
 
 }  // namespace docent

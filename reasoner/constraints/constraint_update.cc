@@ -33,10 +33,13 @@ absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run, c
 
 void ConstraintSet::Impl::GatherRises(const Delta& delta) {
   rises.clear();
+  shape_rises.clear();
   const auto gather = [&](const Quad& quad) {
     return [this, &quad](PatternIndex::Reference reference) {
       ++counters.candidates;
-      if (++Touch(reference.owner).rises > kMaxProbes) return;
+      const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
+      int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
+      if (++count > kMaxProbes) return;
       rises.push_back({reference.owner, reference.pattern, &quad});
     };
   };
@@ -46,8 +49,12 @@ void ConstraintSet::Impl::GatherRises(const Delta& delta) {
 
 absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
   for (const Rise& rise : rises) {
-    Condition& condition = *conditions[rise.condition].condition;
-    Touched& touch = Touch(rise.condition);
+    if ((rise.owner & WatchIndexes::kIsShape) != 0) {
+      if (absl::Status status = ProbeShape(rise, run); !status.ok()) return status;
+      continue;
+    }
+    Condition& condition = *conditions[rise.owner].condition;
+    Touched& touch = Touch(rise.owner);
     touch.probed = true;
     if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
     ++counters.evaluations;
@@ -58,6 +65,31 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
     } else {
       status = condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
     }
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::RunOptions& run) {
+  int& count = shape_rises[rise.owner];
+  if (count < 0) return absl::OkStatus();  // evaluated whole
+  const bool whole = count > kMaxProbes;
+  if (whole) count = -1;
+  Shape& shape = *shapes[rise.owner & ~WatchIndexes::kIsShape];
+  ++counters.evaluations;
+  absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, run,
+                                           [this](uint32_t number, absl::Span<const TermId> row) {
+                                             conditions[number].condition->Offer(row, Touch(number).edits);
+                                           });
+  if (!found.ok() || *found) return found.status();
+  for (const uint32_t number : shape.Waiting()) {
+    Condition& condition = *conditions[number].condition;
+    Touched& touch = Touch(number);
+    if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
+    ++counters.evaluations;
+    absl::Status status = whole
+                              ? condition.ProbeAll(run, touch.edits)
+                              : condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();

@@ -293,6 +293,37 @@ std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
   return asked;
 }
 
+// Many constraints of one shape that differ in constants, so that they are watched together.
+std::vector<Asked> RandomShapes(RandomWorld& random, int count) {
+  const std::vector<std::string> shapes = {"?x :p0 ?y . ?y :p1 @1",
+                                           "?x :p0 ?y . ?y :p1 @1 . ?x :p2 @2",
+                                           "?x :p0 @1 FILTER NOT EXISTS { ?x :p1 ?z }",
+                                           "?x :p0 ?y . ?y ?p @1",
+                                           "?x :p0 @1 MINUS { ?x :p1 ?z . ?z :p2 ?w }",
+                                           "?x :p0 @1 OPTIONAL { ?x :p1 ?z } FILTER(!BOUND(?z))",
+                                           "?x :p0 ?y . ?y :p1 @1 FILTER(?x != @2)",
+                                           "?x :p0 ?v . ?x :p1 @1 FILTER(?v > 2)",
+                                           "GRAPH ?g { ?x :p0 ?y . ?y :p1 @1 }",
+                                           "@1 :p0 ?y . ?y :p1 ?z . ?z :p2 @2",
+                                           "{ ?x :p0 ?y . ?y :p1 @1 } { ?x :p1 ?z }",
+                                           "?x :p0 ?y . ?y :p1 ?x . ?x :p2 @1"};
+  std::string shape = shapes[static_cast<size_t>(random.Pick(static_cast<int>(shapes.size())))];
+  std::vector<Asked> asked;
+  for (int i = 0; i < count; ++i) {
+    std::string text = shape;
+    for (const char* place : {"@1", "@2"}) {
+      const size_t at = text.find(place);
+      if (at != std::string::npos)
+        text.replace(at, 2,
+                     at == 0 || random.Chance(80) ? ":" + random.Node() : std::to_string(random.Pick(4)));
+    }
+    Asked one{"ASK { " + text + " }", {}};
+    if (random.Chance(30) && text.find("?x") != std::string::npos) one.keys.push_back("x");
+    asked.push_back(std::move(one));
+  }
+  return asked;
+}
+
 void CheckSequences(int count, int percent_numbers,
                     const std::function<std::vector<Asked>(RandomWorld&)>& ask) {
   const size_t register_late = 4;
@@ -328,6 +359,10 @@ TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
     for (int i = 0; i < 8; ++i) asked.push_back(RandomConstraint(random, scratch));
     return asked;
   });
+}
+
+TEST(ReasonerConstraintsProperty, ShapesThatDifferInConstants) {
+  CheckSequences(SequenceCount(300), 25, [](RandomWorld& random) { return RandomShapes(random, 40); });
 }
 
 TEST(ReasonerConstraintsProperty, ThresholdsInGroups) {

@@ -261,5 +261,30 @@ TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
   EXPECT_EQ(set_.size(), 0u);
 }
 
+TEST_F(ConstraintSetTest, AChangeThatConcernsAllOfAShapeIsJoinedOnce) {
+  Turn({"item7 ownedBy owner7", "item8 ownedBy owner8"});
+  Commit();
+  for (int i = 0; i < 100; ++i) {
+    Register("ASK { ?v :carries ?i . ?i :ownedBy :owner" + std::to_string(i) + " }");
+  }
+  const uint64_t before = set_.evaluations();
+  EXPECT_THAT(Turn({"zoe carries item7"}), ElementsAre("8 rose"));
+  EXPECT_LE(set_.evaluations() - before, 8u);  // the few that came before there was a shape, and the shape
+  EXPECT_THAT(Turn({"zoe carries nothing"}), IsEmpty());
+  EXPECT_THAT(Turn({"zoe carries item8"}, {"zoe carries item7"}), ElementsAre("8 fell", "9 rose"));
+  Rollback();
+  EXPECT_THAT(Turn({"zoe carries item8", "item8 ownedBy owner50"}), ElementsAre("9 rose", "51 rose"));
+}
+
+TEST_F(ConstraintSetTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOneByOne) {
+  std::vector<std::string> quads;
+  for (int i = 0; i < 500; ++i) quads.push_back("hub links leaf" + std::to_string(i));
+  Turn(quads);
+  Commit();
+  for (int i = 0; i < 20; ++i) Register("ASK { ?v :at ?h . ?h :links :leaf" + std::to_string(25 * i) + " }");
+  EXPECT_EQ(Turn({"zoe at hub"}).size(), 20u);
+  EXPECT_EQ(Turn({}, {"zoe at hub"}).size(), 20u);
+}
+
 }  // namespace
 }  // namespace docent

@@ -1,0 +1,166 @@
+#include "reasoner/constraints/shape.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+using sparql::Algebra;
+using sparql::PatternTerm;
+
+// A probe gives up where it finds this many solutions more than twice the members.
+constexpr size_t kSpareSolutions = 64;
+
+void OpenTerm(PatternTerm& term, ShapeForm& form) {
+  if (term.IsVariable()) return;
+  // no query has a variable with a space in its name
+  std::string name = absl::StrCat("constant ", form.parameters.size());
+  form.constants.push_back(term.term);
+  term = PatternTerm::Of(sparql::Variable{name});
+  form.parameters.push_back(std::move(name));
+}
+
+bool SameConstants(const QuadPattern& a, const QuadPattern& b) {
+  return a.subject == b.subject && a.predicate == b.predicate && a.object == b.object && a.graph == b.graph;
+}
+
+// The patterns that every solution matches: those of the outermost conjunction.
+void OpenConstants(Algebra& node, ShapeForm& form) {
+  switch (node.kind) {
+    case Algebra::Kind::kBgp:
+      for (sparql::TriplePattern& triple : node.triples) {
+        OpenTerm(triple.subject, form);
+        const bool type = !triple.predicate.IsVariable() && triple.predicate.term.lexical == kRdfType;
+        if (!type) OpenTerm(triple.object, form);
+      }
+      return;
+    case Algebra::Kind::kJoin:
+      for (const auto& child : node.children) OpenConstants(*child, form);
+      return;
+    case Algebra::Kind::kFilter:
+    case Algebra::Kind::kMinus:
+    case Algebra::Kind::kLeftJoin:
+    case Algebra::Kind::kGraph:
+      return OpenConstants(*node.children[0], form);
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+std::optional<ShapeForm> SplitConstants(const sparql::Query& query) {
+  ShapeForm form;
+  form.shared.form = sparql::Query::Form::kAsk;
+  form.shared.from = query.from;
+  form.shared.from_named = query.from_named;
+  form.shared.algebra = WithoutModifiers(*query.algebra).Clone();
+  OpenConstants(*form.shared.algebra, form);
+  if (form.parameters.empty()) return std::nullopt;
+  return form;
+}
+
+Shape::Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes)
+    : number_(number), body_(std::move(body)), indexes_(indexes) {}
+
+Shape::~Shape() {
+  Unwatch();
+}
+
+absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeForm& form, const Body& member,
+                                                   WatchIndexes& indexes, Dictionary& dictionary,
+                                                   const sparql::FunctionRegistry* functions) {
+  auto body = Body::Compile(form.shared, dictionary, functions);
+  if (!body.ok()) return body.status();
+  std::unique_ptr<Shape> shape(new Shape(number, *std::move(body), indexes));
+  for (const std::string& name : form.parameters) {
+    const int column = shape->body_->ColumnOf(name);
+    if (column < 0 || !shape->body_->columns()[column].certain) return nullptr;
+    shape->parameters_.push_back(static_cast<int16_t>(column));
+  }
+  for (const Body::Column& column : member.columns()) {
+    const int found = shape->body_->ColumnOf(column.name);
+    if (found < 0) return nullptr;
+    shape->columns_.push_back(static_cast<int16_t>(found));
+  }
+  const std::vector<Trigger>& open = shape->body_->triggers();
+  if (open.size() != member.triggers().size() || member.is_volatile()) return nullptr;
+  bool any = false;
+  for (size_t i = 0; i < open.size(); ++i) {
+    // without one of the constants both look at the same quads
+    const bool shares = SameConstants(open[i].match.constants, member.triggers()[i].match.constants);
+    shape->shared_.push_back(shares);
+    any = any || shares;
+  }
+  if (!any) return nullptr;
+  return shape;
+}
+
+void Shape::Watch() {
+  for (size_t i = 0; i < shared_.size(); ++i) {
+    if (!shared_[i]) continue;
+    const Trigger& trigger = body_->triggers()[i];
+    const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
+    if (RisesOnAdd(trigger.polarity)) on_add_.push_back(indexes_.rise_on_add.Add(trigger.match, reference));
+    if (RisesOnRemove(trigger.polarity))
+      on_remove_.push_back(indexes_.rise_on_remove.Add(trigger.match, reference));
+  }
+}
+
+void Shape::Unwatch() {
+  for (const PatternIndex::Handle handle : on_add_) indexes_.rise_on_add.Remove(handle);
+  for (const PatternIndex::Handle handle : on_remove_) indexes_.rise_on_remove.Remove(handle);
+  on_add_.clear();
+  on_remove_.clear();
+}
+
+void Shape::Join(uint32_t condition, const Constants& constants) {
+  if (waiting_++ == 0) Watch();
+  members_[constants].push_back(condition);
+}
+
+void Shape::Leave(uint32_t condition, const Constants& constants) {
+  const auto found = members_.find(constants);
+  auto& conditions = found->second;
+  conditions.erase(std::find(conditions.begin(), conditions.end(), condition));
+  if (conditions.empty()) members_.erase(found);
+  if (--waiting_ == 0) Unwatch();
+}
+
+std::vector<uint32_t> Shape::Waiting() const {
+  std::vector<uint32_t> all;
+  for (const auto& [constants, conditions] : members_)
+    all.insert(all.end(), conditions.begin(), conditions.end());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, const sparql::RunOptions& run,
+                                  Visitor visit) {
+  seed_.assign(body_->columns().size(), TermId());
+  if (quad != nullptr) body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
+  for (size_t i = 0; i < seed_.size(); ++i) {
+    if (!body_->columns()[i].certain) seed_[i] = TermId();
+  }
+  size_t solutions = 0;
+  const size_t most = 2 * waiting_ + kSpareSolutions;
+  const absl::Status status = body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
+    if (++solutions > most) return false;
+    found_.clear();
+    for (const int16_t column : parameters_) found_.push_back(row[column]);
+    const auto members = members_.find(found_);
+    if (members == members_.end()) return true;
+    row_.clear();
+    for (const int16_t column : columns_) row_.push_back(row[column]);
+    for (const uint32_t condition : members->second) visit(condition, row_);
+    return true;
+  });
+  if (!status.ok()) return status;
+  return solutions <= most;
+}
+
+}  // namespace docent
