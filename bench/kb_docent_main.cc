@@ -19,6 +19,7 @@
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluator.h"
 #include "kb_server/sparql/parser.h"
+#include "kb_server/store/bulk_loader.h"
 #include "kb_server/store/graph_writer.h"
 
 namespace docent::bench {
@@ -46,15 +47,10 @@ class Engine {
       text << std::ifstream(file).rdbuf();
       ParseRdfOptions options;
       options.limits.document_bytes = ~size_t{0};
-      const ParsedRdf parsed = ParseRdf(text.str(), RdfFormat::kNTriples, options);
-      const TermId graph = dictionary_.InternIri(kDefaultGraph);
-      std::vector<Quad> quads;
-      quads.reserve(parsed.quads.size());
-      for (const TermQuad& q : parsed.quads) {
-        quads.push_back({dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate), dictionary_.Intern(q.object), graph});
-      }
+      BulkLoader loader(dictionary_);
+      loader.Add(std::move(text).str(), RdfFormat::kNTriples, options);
       GraphWriter writer(nullptr);
-      writer.BulkLoad(std::move(quads));
+      loader.Build(writer);
       version_ = writer.Freeze(Revision(1));
     }
     const double load_s = Seconds(start);
@@ -67,9 +63,9 @@ class Engine {
 
   // One instance from its text; the rows, or -1 with `reason`.
   int64_t Cold(const std::string& text, bool ask, std::string* reason) {
-    const sparql::ParsedQuery parsed = sparql::ParseQuery(text);
+    sparql::ParsedQuery parsed = sparql::ParseQuery(text);
     if (!parsed.ok()) return Failed(Render(parsed.diagnostics, text), reason);
-    auto query = sparql::PreparedQuery::Prepare(parsed.query, dictionary_);
+    auto query = sparql::PreparedQuery::Prepare(std::move(parsed.query), dictionary_);
     if (!query.ok()) return Failed(query.status().ToString(), reason);
     return Run(**query, {}, ask, reason);
   }

@@ -36,11 +36,13 @@ void Take(const nlohmann::json& line, KbRun* run) {
 
 std::vector<double> KbAnswer::Means(size_t instances) const {
   std::vector<double> means;
-  for (const std::vector<double>& pass : us) {
-    if (pass.size() < instances || instances == 0) continue;
-    double sum = 0;
-    for (size_t i = 0; i < instances; ++i) sum += pass[i];
-    means.push_back(sum / static_cast<double>(instances));
+  if (us.empty() || instances == 0 || us[0].size() < instances) return means;
+  means.assign(us.size(), 0);
+  for (size_t i = 0; i < instances; ++i) {
+    std::vector<double> latencies;
+    for (const std::vector<double>& pass : us) latencies.push_back(pass[i]);
+    std::sort(latencies.begin(), latencies.end());
+    for (size_t k = 0; k < means.size(); ++k) means[k] += latencies[k] / static_cast<double>(instances);
   }
   return means;
 }

@@ -24,7 +24,8 @@ struct KbAnswer {
   std::vector<std::vector<double>> us;   // latency of each instance, a pass each
   std::string reason;                    // why there is none
 
-  // The mean latency of the first `instances`, a figure for each pass.
+  // Mean latencies of the first `instances`, ascending: of each instance's quickest pass, of its second quickest, and so on.
+  // On a machine that others use, too, the middle one leaves out the passes that were interrupted.
   std::vector<double> Means(size_t instances) const;
 };
 

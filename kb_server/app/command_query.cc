@@ -21,6 +21,7 @@ struct QueryArguments {
   std::string file;
   std::string format;
   uint32_t timeout_ms = 0;
+  bool explain = false;
 };
 
 // Rows as an aligned table, printed when all are known.
@@ -78,6 +79,11 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
   while (reader->Read(&reply)) {
     if (reply.has_header()) {
       header = reply.header();
+      if (arguments.explain) {
+        std::cout << header.plan();
+        std::cerr << "revision " << header.revision() << "\n";
+        continue;
+      }
       std::vector<std::string> names(header.variables().begin(), header.variables().end());
       if (header.is_boolean()) continue;
       if (format) {
@@ -140,6 +146,7 @@ int RunQuery(const QueryArguments& arguments) {
   v1::QueryRequest request;
   request.set_query(query);
   request.set_timeout_ms(arguments.timeout_ms);
+  request.set_explain(arguments.explain);
   auto reader = stub->Query(&context, request);
   int code = PrintAnswer(reader.get(), arguments);
   grpc::Status status = reader->Finish();
@@ -160,6 +167,8 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
   command->add_option("--timeout-ms", arguments->timeout_ms,
                       "Give up after this time (default: the server's limit)");
+  command->add_flag("--explain", arguments->explain,
+                    "Run it and print its plan instead: estimated and real rows and the time of each operator");
   command->callback([arguments, exit_code] {
     if (arguments->client.json && arguments->format.empty()) arguments->format = "json";
     *exit_code = RunQuery(*arguments);

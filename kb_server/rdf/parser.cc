@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/line_parser.h"
 #include "kb_server/rdf/rdf_xml.h"
 #include "kb_server/rdf/turtle_parser.h"
 #include "kb_server/rdf/utf8.h"
@@ -44,6 +45,27 @@ ParsedRdf Mistake(std::string_view text, const ParseRdfOptions& options, size_t 
   return parsed;
 }
 
+// What must hold before a parser may look at the text; takes a byte order mark away, which is not part of it.
+std::optional<ParsedRdf> Refused(std::string_view* text, RdfFormat format, const ParseRdfOptions& options) {
+  if (text->size() > options.limits.document_bytes) {
+    return Mistake({}, options, 0,
+                   absl::StrCat("the document has ", text->size(), " bytes, the limit document_bytes is ",
+                                options.limits.document_bytes),
+                   "load it in parts");
+  }
+  if (text->starts_with("\xEF\xBB\xBF")) text->remove_prefix(3);
+  if (std::optional<size_t> at = FindInvalidUtf8(*text)) {
+    return Mistake(
+        *text, options, *at,
+        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>((*text)[*at])),
+        "save the document as UTF-8");
+  }
+  if (size_t at = text->find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
+    return Mistake(*text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<RdfFormat> FormatOfFile(std::string_view file_name) {
@@ -64,24 +86,15 @@ std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type) {
 }
 
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
-  if (text.size() > options.limits.document_bytes) {
-    return Mistake({}, options, 0,
-                   absl::StrCat("the document has ", text.size(), " bytes, the limit document_bytes is ",
-                                options.limits.document_bytes),
-                   "load it in parts");
-  }
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark is not part of the text
-  if (std::optional<size_t> at = FindInvalidUtf8(text)) {
-    return Mistake(
-        text, options, *at,
-        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*at])),
-        "save the document as UTF-8");
-  }
-  if (size_t at = text.find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
-    return Mistake(text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");
-  }
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return *std::move(refused);
   if (format == RdfFormat::kRdfXml) return ParseRdfXml(text, options);
   return ParseTurtleFamily(text, format, options);
+}
+
+Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                       const std::function<bool(const TermQuad& quad)>& visit) {
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return refused->diagnostics;
+  return ParseTurtleLines(text, format, options, visit);
 }
 
 }  // namespace docent

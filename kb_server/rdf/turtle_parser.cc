@@ -45,10 +45,17 @@ class TurtleParser {
     return parsed;
   }
 
+  // The statements of a line-based format, one after the other.
+  Diagnostics RunLines(const std::function<bool(const TermQuad&)>& visit) {
+    visit_ = &visit;
+    return Run().diagnostics;
+  }
+
  private:
   // N-Triples [2] triple, N-Quads [2] statement: subject predicate object graph? '.' end of line
   bool LineStatement() {
-    TermQuad quad;
+    TermQuad& quad = line_;
+    quad.graph.lexical.clear();
     if (!ReadSubjectTerm(&quad.subject, "a subject (an IRI or a blank node)")) return false;
     scan_.SkipSpace();
     if (scan_.Peek() != '<') return scan_.Fail("expected the IRI of the predicate", "", true);
@@ -67,7 +74,12 @@ class TurtleParser {
       return scan_.Fail("expected the end of the line after '.'", "each statement stands on its own line",
                         true);
     }
-    collector_.Add(std::move(quad));
+    if (visit_ == nullptr) {
+      collector_.Add(std::move(quad));
+      quad = TermQuad();
+    } else if (!(*visit_)(quad)) {
+      scan_.SkipAll();
+    }
     return true;
   }
 
@@ -352,7 +364,9 @@ class TurtleParser {
 
   // An IRI in <> or, but for lines, a prefixed name.
   bool ReadIriTerm(Term* term) {
-    *term = Term::Iri("");
+    term->kind = TermKind::kIri;
+    term->datatype.clear();
+    term->language.clear();
     if (scan_.Peek() == '<') return ReadResolvedIri(&term->lexical);
     if (line_based_) return scan_.Fail("expected an IRI in <>", "", true);
     size_t at = scan_.position();
@@ -381,12 +395,9 @@ class TurtleParser {
   bool ReadResolvedIri(std::string* iri) {
     if (scan_.Peek() != '<') return scan_.Fail("expected an IRI in <>", "", true);
     size_t at = scan_.position();
-    std::string reference;
-    if (!scan_.ReadIri(&reference)) return false;
-    if (IsAbsoluteIri(reference)) {
-      *iri = std::move(reference);
-      return true;
-    }
+    if (!scan_.ReadIri(iri)) return false;
+    if (IsAbsoluteIri(*iri)) return true;
+    const std::string reference = *iri;
     if (line_based_) {
       return scan_.FailAt(at, 1, Concat("<", reference, "> is not an absolute IRI"),
                           "this format has no relative IRIs");
@@ -406,6 +417,8 @@ class TurtleParser {
   TurtleScanner scan_;
   QuadCollector collector_;
   std::string base_;
+  const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
+  TermQuad line_;
   Term graph_;  // of the block that we are in; empty outside
   absl::flat_hash_map<std::string, std::string> prefixes_;
   std::vector<std::pair<std::string, std::string>> declared_;  // in order of declaration
@@ -416,6 +429,11 @@ class TurtleParser {
 
 ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
   return TurtleParser(text, format, options).Run();
+}
+
+Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                             const std::function<bool(const TermQuad&)>& visit) {
+  return TurtleParser(text, format, options).RunLines(visit);
 }
 
 }  // namespace docent

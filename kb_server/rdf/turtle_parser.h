@@ -7,6 +7,7 @@
 #ifndef DOCENT_KB_SERVER_RDF_TURTLE_PARSER_H_
 #define DOCENT_KB_SERVER_RDF_TURTLE_PARSER_H_
 
+#include <functional>
 #include <string_view>
 
 #include "kb_server/rdf/parser.h"
@@ -16,6 +17,9 @@ namespace docent {
 // `text` must be well-formed UTF-8. After a mistake parsing goes on at the next statement, to find them all
 // (up to Limits::document_diagnostics).
 ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options);
+// As ParseLines (line_parser.h).
+Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                             const std::function<bool(const TermQuad& quad)>& visit);
 
 }  // namespace docent
 

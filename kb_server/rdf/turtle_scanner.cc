@@ -121,6 +121,13 @@ bool TurtleScanner::ReadIri(std::string* iri) {
   size_t start = position_++;
   iri->clear();
   while (!AtEnd()) {
+    const size_t run = position_;  // of characters that stand for themselves
+    while (!AtEnd() && text_[position_] != '>' && text_[position_] != '\\' &&
+           !IsForbiddenInIri(static_cast<unsigned char>(text_[position_]))) {
+      ++position_;
+    }
+    iri->append(text_.substr(run, position_ - run));
+    if (AtEnd()) break;
     char c = text_[position_];
     if (c == '>') {
       ++position_;
@@ -267,6 +274,13 @@ bool TurtleScanner::ReadString(std::string* value) {
   position_ += is_long ? 3 : 1;
   value->clear();
   while (!AtEnd()) {
+    const size_t run = position_;
+    while (!AtEnd() && text_[position_] != quote && text_[position_] != '\\' && text_[position_] != '\n' &&
+           text_[position_] != '\r') {
+      ++position_;
+    }
+    value->append(text_.substr(run, position_ - run));
+    if (AtEnd()) break;
     char c = text_[position_];
     if (c == quote && (!is_long || (Peek(1) == quote && Peek(2) == quote))) {
       position_ += is_long ? 3 : 1;

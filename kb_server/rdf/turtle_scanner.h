@@ -44,6 +44,7 @@ class TurtleScanner {
   // Moves to where another statement may begin after a mistake: past the next "." before white space, or the
   // line.
   void SkipToNextStatement();
+  void SkipAll() { position_ = text_.size(); }
 
   // <…> with its escapes decoded, not resolved.
   bool ReadIri(std::string* iri);

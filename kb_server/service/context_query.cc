@@ -11,13 +11,14 @@ namespace {
 using Handle = std::shared_ptr<StreamHandle<v1::QueryReply>>;
 
 // The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, const GraphVersion& version,
+absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool explain, const GraphVersion& version,
                       Cancellation* cancellation, const Handle& out) {
+  const sparql::Query::Form form = parsed.form;
   sparql::PrepareOptions options;
   options.default_graph = ports.default_graph;
   options.functions = ports.functions;
   options.memory_bytes = ports.limits.query_memory_bytes;
-  auto prepared = sparql::PreparedQuery::Prepare(query, *ports.dictionary, options);
+  auto prepared = sparql::PreparedQuery::Prepare(std::move(parsed), *ports.dictionary, options);
   if (!prepared.ok()) return prepared.status();
   sparql::PreparedQuery& run = **prepared;
   sparql::RunOptions run_options;
@@ -28,7 +29,14 @@ absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, con
 
   v1::QueryReply header;
   header.mutable_header()->set_revision(version.revision().value());
-  if (query.form == sparql::Query::Form::kAsk) {
+  if (explain) {
+    auto plan = run.ExplainRun(run_options);
+    if (!plan.ok()) return plan.status();
+    header.mutable_header()->set_plan(*std::move(plan));
+    out->Push(std::move(header));
+    return absl::OkStatus();
+  }
+  if (form == sparql::Query::Form::kAsk) {
     auto answer = run.Ask(run_options);
     if (!answer.ok()) return answer.status();
     header.mutable_header()->set_is_boolean(true);
@@ -36,7 +44,7 @@ absl::Status Evaluate(const ServicePorts& ports, const sparql::Query& query, con
     out->Push(std::move(header));
     return absl::OkStatus();
   }
-  if (query.form == sparql::Query::Form::kConstruct) {
+  if (form == sparql::Query::Form::kConstruct) {
     auto triples = run.Construct(run_options);
     if (!triples.ok()) return triples.status();
     out->Push(std::move(header));
@@ -86,7 +94,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
   auto version = WaitForRevision(*ports.queries, Revision(request.min_revision()), deadline, cancellation);
   if (!version.ok()) return version.status();
-  return Evaluate(ports, parsed.query, **version, cancellation, out);
+  return Evaluate(ports, std::move(parsed.query), request.explain(), **version, cancellation, out);
 }
 
 }  // namespace

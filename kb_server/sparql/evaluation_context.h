@@ -72,6 +72,11 @@ class EvaluationContext {
     return false;
   }
 
+  // Memory that was charged and is free again.
+  void Release(size_t bytes) { memory_ -= bytes; }
+  // True if so much more would leave half of the memory free: for what is kept only to be quicker.
+  bool MayKeep(size_t bytes) const { return bytes < memory_limit_ / 2 && memory_ + bytes < memory_limit_ / 2; }
+
   // The id of a term: the dictionary's, inline, or a local one of this run.
   TermId Encode(const Term& term);
   TermId Encode(const Value& value) { return value.id().IsNone() ? Encode(value.ToTerm()) : value.id(); }

@@ -85,10 +85,11 @@ class Program {
 }  // namespace
 
 struct PreparedQuery::Impl {
-  Impl(const Query& q, const Dictionary& d, const PrepareOptions& o)
-      : query(q.Clone()), dictionary(d), options(o), program(d, o) {}
+  Impl(Query&& q, const Dictionary& d, const PrepareOptions& o)
+      : query(std::move(q)), dictionary(d), options(o), program(d, o) {}
 
   absl::Status Lower();
+  void Unplan();
   void Plan(const GraphVersion& version);
   absl::Status Begin(const RunOptions& run);
 
@@ -108,6 +109,7 @@ struct PreparedQuery::Impl {
   std::unique_ptr<Operator> root;
   std::vector<TermId> base, out, row;
   bool running = false;
+  bool measure = false;  // the next plan counts rows and time
 };
 
 // Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done
@@ -134,18 +136,22 @@ absl::Status PreparedQuery::Impl::Lower() {
   return lowering.status();
 }
 
+// Back to the lowered form, from which arranging starts.
+void PreparedQuery::Impl::Unplan() {
+  if (!root) return;
+  root = nullptr;
+  Lower().IgnoreError();  // it was fine before
+}
+
 void PreparedQuery::Impl::Plan(const GraphVersion& version) {
-  if (root) {  // arranging starts from the lowered form
-    root = nullptr;
-    Lower().IgnoreError();  // it was fine before
-  }
+  Unplan();
   program.planned_size = version.size();
   program.context.version = &version;
   ArrangePlan(plan, bound, program.context, {options.reorder_joins});
   base.assign(slots, TermId());
   out.assign(slots, TermId());
   row.assign(columns.size(), TermId());
-  root = BuildOperator(*plan, {&program.context, slots, base.data()});
+  root = BuildOperator(*plan, {&program.context, slots, base.data(), measure});
 }
 
 absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
@@ -168,19 +174,25 @@ PreparedQuery::~PreparedQuery() = default;
 absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Query& query,
                                                                       const Dictionary& dictionary,
                                                                       const PrepareOptions& options) {
+  return Prepare(query.Clone(), dictionary, options);
+}
+
+absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(Query&& query,
+                                                                      const Dictionary& dictionary,
+                                                                      const PrepareOptions& options) {
   if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
   if (query.form == Query::Form::kDescribe) {
     return absl::UnimplementedError("DESCRIBE is not supported; use CONSTRUCT WHERE { <iri> ?p ?o }");
   }
-  auto impl = std::make_unique<Impl>(query, dictionary, options);
-  if (query.form == Query::Form::kSelect) {
-    for (const Variable& v : query.projection) impl->names.push_back(v.name);
+  auto impl = std::make_unique<Impl>(std::move(query), dictionary, options);
+  if (impl->query.form == Query::Form::kSelect) {
+    for (const Variable& v : impl->query.projection) impl->names.push_back(v.name);
   } else {
-    for (const Variable& v : InScopeVariables(*query.algebra)) {
+    for (const Variable& v : InScopeVariables(*impl->query.algebra)) {
       if (!v.IsHidden()) impl->names.push_back(v.name);
     }
   }
-  impl->program.context.base_iri = query.base_iri;
+  impl->program.context.base_iri = impl->query.base_iri;
   if (absl::Status status = impl->Lower(); !status.ok()) return status;
   return std::unique_ptr<PreparedQuery>(new PreparedQuery(std::move(impl)));
 }
@@ -298,7 +310,24 @@ std::string PreparedQuery::Explain(const GraphVersion& version) {
   RunOptions run;
   run.version = &version;
   if (absl::Status status = p.Begin(run); !status.ok()) return std::string(status.message());
-  return ExplainPlan(*p.plan);
+  return ExplainPlan(*p.plan, false);
+}
+
+absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  p.measure = true;
+  p.Unplan();
+  absl::Status status = Start(run, bound);
+  while (status.ok() && Next()) {
+    if (p.query.form == Query::Form::kAsk) break;
+  }
+  p.running = false;
+  p.measure = false;
+  if (status.ok()) status = this->status();
+  std::string text = status.ok() ? ExplainPlan(*p.plan, true) : "";
+  p.Unplan();
+  if (!status.ok()) return status;
+  return text;
 }
 
 struct PreparedExpression::Impl {
@@ -308,6 +337,7 @@ struct PreparedExpression::Impl {
 
   Program program;
   PrepareOptions options;
+  ExpressionPtr source;  // plans point into it
   PlanExpressionPtr expression;
   std::vector<Term> constants;
   int default_graph = 0;
@@ -326,7 +356,8 @@ absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
   Lowering lowering(dictionary, options.functions);
   for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
   impl->default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
-  impl->expression = lowering.LowerExpression(expression);
+  impl->source = expression.Clone();
+  impl->expression = lowering.LowerExpression(*impl->source);
   if (!lowering.status().ok()) return lowering.status();
   impl->constants = lowering.constants();
   impl->base.assign(lowering.slots(), TermId());

@@ -64,6 +64,9 @@ class PreparedQuery {
   static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(const Query& query,
                                                                 const Dictionary& dictionary,
                                                                 const PrepareOptions& options = {});
+  // The same without a copy of the query.
+  static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(Query&& query, const Dictionary& dictionary,
+                                                                const PrepareOptions& options = {});
   ~PreparedQuery();
   PreparedQuery(const PreparedQuery&) = delete;
   PreparedQuery& operator=(const PreparedQuery&) = delete;
@@ -99,9 +102,11 @@ class PreparedQuery {
   // labels "c<solution>_<label>".
   absl::StatusOr<std::vector<TermQuad>> Construct(const RunOptions& run, absl::Span<const TermId> bound = {});
 
-  // The plan as an indented tree with the estimated rows of each pattern, for people (`docent query
-  // --explain`). Planned on `version`.
+  // The plan as an indented tree with the estimated rows of each operator and pattern, for people. Planned on `version`.
   std::string Explain(const GraphVersion& version);
+  // Runs the query to its end, and gives the plan with estimated and real rows and the time of each operator (beneath it
+  // included): `docent query --explain`.
+  absl::StatusOr<std::string> ExplainRun(const RunOptions& run, absl::Span<const TermId> bound = {});
 
  private:
   struct Impl;

@@ -18,22 +18,23 @@ Grammar::Grammar(std::string_view text, const ParseOptions& options)
   for (const auto& [prefix, iri] : options.prefixes) known_[prefix] = iri;
 }
 
-const Token& Grammar::Peek(size_t ahead) {
-  while (ahead_.size() <= ahead) {
+const Token& Grammar::ReadAhead(size_t ahead) {
+  while (ahead_count_ <= ahead) {
     Token token = lexer_.Next();
     if (token.kind == TokenKind::kError) {
       Error(token.span, token.text, token.prefix);
       continue;
     }
-    ahead_.push_back(std::move(token));
+    ahead_[(first_ahead_ + ahead_count_++) % 2] = std::move(token);
   }
-  return ahead_[ahead];
+  return ahead_[(first_ahead_ + ahead) % 2];
 }
 
 Token Grammar::Take() {
   Peek();
-  Token token = std::move(ahead_.front());
-  ahead_.pop_front();
+  Token token = std::move(ahead_[first_ahead_]);
+  first_ahead_ = (first_ahead_ + 1) % 2;
+  --ahead_count_;
   return token;
 }
 

@@ -7,7 +7,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
 #define DOCENT_KB_SERVER_SPARQL_GRAMMAR_H_
 
-#include <deque>
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -43,7 +43,9 @@ class Grammar {
   std::optional<std::string> String();
 
   // tokens
-  const Token& Peek(size_t ahead = 0);
+  const Token& Peek(size_t ahead = 0) {  // ahead: 0 or 1
+    return ahead < ahead_count_ ? ahead_[(first_ahead_ + ahead) % 2] : ReadAhead(ahead);
+  }
   Token Take();
   bool At(std::string_view punctuation) { return Peek().Is(punctuation); }
   bool AtWord(std::string_view keyword, size_t ahead = 0);
@@ -188,6 +190,7 @@ class Grammar {
   ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
   friend class ProductionParser;
 
+  const Token& ReadAhead(size_t ahead);
   std::optional<Term> LiteralTail(const Token& string);
   std::optional<Term> NumericLiteral();
   std::optional<std::string> Resolve(const Token& iri);
@@ -196,7 +199,8 @@ class Grammar {
 
   ParseOptions options_;
   Lexer lexer_;
-  std::deque<Token> ahead_;
+  std::array<Token, 2> ahead_;  // a ring: tokens read but not taken
+  size_t first_ahead_ = 0, ahead_count_ = 0;
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
   std::map<std::string, std::string, std::less<>> known_;      // all known

@@ -127,6 +127,11 @@ size_t FindInvalidUtf8(std::string_view text) {
 }
 
 void Lexer::Advance(size_t bytes) {
+  if (bytes == 1 && text_[at_] != '\n' && static_cast<uint8_t>(text_[at_]) < 0x80) {
+    ++at_;
+    ++column_;
+    return;
+  }
   for (const size_t end = at_ + bytes; at_ < end; ++at_) {
     const uint8_t c = static_cast<uint8_t>(text_[at_]);
     if (c == '\n') {
@@ -343,7 +348,10 @@ Token Lexer::LexLocalName(size_t prefix_length) {
   size_t good_end = end, good_size = 0;  // the name does not end with '.'
   while (end < text_.size()) {
     const char c = text_[end];
-    if (c == '%') {
+    if (IsAlpha(c)) {
+      local.push_back(c);
+      ++end;
+    } else if (c == '%') {
       if (end + 2 >= text_.size() || !IsHex(text_[end + 1]) || !IsHex(text_[end + 2])) break;
       local.append(text_.substr(end, 3));
       end += 3;
@@ -378,6 +386,8 @@ Token Lexer::LexLocalName(size_t prefix_length) {
 Token Lexer::LexPunctuation() {
   if (text_[at_] == '<') {
     if (const size_t length = IriLength()) {
+      const std::string_view inside = text_.substr(at_ + 1, length - 2);
+      if (inside.find('\\') == std::string_view::npos) return Make(TokenKind::kIri, length, std::string(inside));
       std::string iri;
       for (size_t i = at_ + 1; i + 1 < at_ + length;) {
         if (text_[i] != '\\') {

@@ -33,7 +33,8 @@ struct Token {
   std::string prefix;
 
   bool Is(std::string_view punctuation) const {
-    return kind == TokenKind::kPunctuation && text == punctuation;
+    return kind == TokenKind::kPunctuation && text.size() == punctuation.size() && text[0] == punctuation[0] &&
+           (text.size() == 1 || text[1] == punctuation[1]);
   }
 };
 

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "kb_server/sparql/algebra_printer.h"
-#include "kb_server/sparql/parser.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
@@ -12,6 +10,9 @@ using Kind = Algebra::Kind;
 using Plan = PlanNode::Kind;
 
 namespace {
+
+// Up to so many rows ORDER BY … LIMIT keeps a heap; beyond, it sorts all.
+constexpr uint64_t kTopRows = 100000;
 
 PlanNodePtr Node(Plan kind) {
   return std::make_unique<PlanNode>(kind);
@@ -155,6 +156,12 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       node->offset = a.offset;
       node->limit = a.limit;
       node->barrier = true;
+      // ORDER BY … LIMIT keeps the first rows only; a projection between them changes no row
+      PlanNode* child = node->children[0].get();
+      while (child->kind == Plan::kProject) child = child->children[0].get();
+      if (child->kind == Plan::kOrderBy && a.limit && *a.limit < kTopRows && a.offset < kTopRows) {
+        child->limit = *a.limit + a.offset;
+      }
       return node;
     }
   }
@@ -171,8 +178,7 @@ PlanNodePtr Lowering::LowerBgp(const Algebra& a, Scope& scope, const GraphRef& g
       if (pattern.terms[i].slot >= 0) node->certain.Add(pattern.terms[i].slot);
     }
     pattern.graph = graph;
-    static const PrintOptions kDisplay = {WellKnownPrefixes(), false};
-    pattern.text = PrintTriple(t, kDisplay);
+    pattern.source = &t;
     node->patterns.push_back(std::move(pattern));
   }
   node->possible = node->certain;
@@ -232,33 +238,39 @@ PlanNodePtr Lowering::LowerJoin(const Algebra& a, Scope& scope, const GraphRef& 
   return join;
 }
 
+// Puts a filter beside the patterns that bind all it reads. Through joins, and through the left side of OPTIONAL and MINUS:
+// what the right side does there does not change what the filter reads.
+bool Lowering::PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const {
+  bool placed = false;
+  switch (node.kind) {
+    case Plan::kBgp:
+      placed = reads.Within(node.certain.Or(bound_));
+      if (!placed) return false;
+      node.filters.push_back(std::move(filter));
+      node.filter_slots.push_back(reads);
+      break;
+    case Plan::kJoin:
+      for (const PlanNodePtr& child : node.children) placed = placed || PushFilter(*child, filter, reads);
+      break;
+    case Plan::kLeftJoin:
+    case Plan::kMinus:
+      placed = PushFilter(*node.children[0], filter, reads);
+      break;
+    default:
+      break;
+  }
+  if (placed) node.mentions |= reads;
+  return placed;
+}
+
 PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef& graph) {
   PlanNodePtr child = Lower(*a.children[0], scope, graph, false);
   PlanNodePtr filter;
   std::vector<std::pair<PlanExpressionPtr, SlotSet>> rest;
-  std::vector<PlanNode*> bgps;
-  if (child->kind == Plan::kBgp) bgps.push_back(child.get());
-  if (child->kind == Plan::kJoin) {
-    for (const PlanNodePtr& part : child->children) {
-      if (part->kind == Plan::kBgp) bgps.push_back(part.get());
-    }
-  }
   for (const Expression* e : Conjuncts(*a.expression)) {
     SlotSet reads = Reads(*e, scope);
     PlanExpressionPtr lowered = Lower(*e, scope, graph);
-    PlanNode* place = nullptr;
-    if (!HasExists(*e)) {
-      for (PlanNode* bgp : bgps) {
-        if (place == nullptr && reads.Within(bgp->certain.Or(bound_))) place = bgp;
-      }
-    }
-    if (place == nullptr) {
-      rest.emplace_back(std::move(lowered), std::move(reads));
-      continue;
-    }
-    place->mentions |= reads;
-    place->filters.push_back(std::move(lowered));
-    place->filter_slots.push_back(std::move(reads));
+    if (HasExists(*e) || !PushFilter(*child, lowered, reads)) rest.emplace_back(std::move(lowered), std::move(reads));
   }
   if (rest.empty()) return child;
   PlanNodePtr node = Over(Plan::kFilter, std::move(child));

@@ -47,6 +47,7 @@ class Lowering {
   PlanNodePtr LowerBgp(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerFilter(const Algebra& a, Scope& scope, const GraphRef& graph);
+  bool PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const;
   PlanNodePtr LowerLeftJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanNodePtr LowerGraph(const Algebra& a, Scope& scope);
   PlanNodePtr LowerValues(const Algebra& a, Scope& scope);

@@ -1,14 +1,22 @@
-// Basic graph patterns: nested index lookups, one level a pattern, each filter at the first level that binds
-// what it reads. And GRAPH over anything that is not a basic graph pattern.
+// Basic graph patterns: nested lookups, one level a pattern, each filter at the first level that binds what it reads. A level
+// looks up the index, and goes over to a hash table of its pattern's matches once it has looked up so often that making the
+// table would have cost no more: so it is never much dearer than the better of the two, whatever the estimate was.
+// Lookups with rising keys walk along the index instead of descending (QuadTree::Iterator::Restart), which is what a merge
+// join does. And GRAPH over anything that is not a basic graph pattern.
 #include <algorithm>
 #include <vector>
 
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/operators.h"
 #include "kb_server/sparql/pattern_scan.h"
+#include "kb_server/sparql/pattern_table.h"
 
 namespace docent::sparql {
 namespace {
+
+// An index lookup costs about as much as putting two matches into a table (measured by docent_sparql_bench).
+constexpr double kMatchesALookup = 2;
+constexpr uint64_t kFewLookups = 256;  // below, a table is never worth it
 
 class BgpOperator final : public Operator {
  public:
@@ -16,7 +24,7 @@ class BgpOperator final : public Operator {
       : node_(node),
         context_(*build.context),
         row_(build.slots),
-        scans_(node.patterns.size()),
+        levels_(node.patterns.size()),
         filters_(node.patterns.size() + 1) {
     SlotSet bound;
     std::vector<bool> placed(node.filters.size());
@@ -40,6 +48,12 @@ class BgpOperator final : public Operator {
 
   void Forget() override {
     for (const PlanExpressionPtr& filter : node_.filters) ForgetExpression(*filter);
+    for (Level& level : levels_) {
+      level.scan.Forget();
+      level.table.Forget();
+      level.lookups = 0;
+      level.hashed = false;
+    }
   }
 
   void Start(const TermId* in) override {
@@ -48,7 +62,7 @@ class BgpOperator final : public Operator {
   }
 
   bool Next(TermId* out) override {
-    const int last = static_cast<int>(scans_.size()) - 1;
+    const int last = static_cast<int>(levels_.size()) - 1;
     int level = last;
     if (state_ == State::kDone) return false;
     if (state_ == State::kFresh) {
@@ -59,23 +73,48 @@ class BgpOperator final : public Operator {
         return Emit(out);
       }
       level = 0;
-      scans_[0].Open(node_.patterns[0], row_.data(), context_);
+      Open(0);
     }
     while (level >= 0) {
-      if (!scans_[level].Next(row_.data())) {
+      Level& now = levels_[level];
+      if (!(now.hashed ? now.table.Next(row_.data(), context_) : now.scan.Next(row_.data()))) {
         --level;
         continue;
       }
+      ++node_.patterns[level].rows;
       if (!PassesAt(level + 1)) continue;
       if (level == last) return Emit(out);
-      ++level;
-      scans_[level].Open(node_.patterns[level], row_.data(), context_);
+      Open(++level);
     }
     return Done();
   }
 
  private:
   enum class State { kFresh, kRunning, kDone };
+  struct Level {
+    PatternScan scan;
+    PatternTable table;
+    uint64_t lookups = 0;  // of the index in this run
+    bool hashed = false;   // `table` is open, not `scan`
+  };
+
+  void Open(int number) {
+    Level& level = levels_[number];
+    PlanPattern& pattern = node_.patterns[number];
+    level.hashed = level.table.Fits(row_.data());
+    const bool often = ++level.lookups > kFewLookups &&
+                       static_cast<double>(level.lookups) * kMatchesALookup > pattern.matches;
+    if (!level.hashed && often && pattern.matches >= 0) {
+      level.hashed = level.table.Build(pattern, row_.data(), row_.size(), context_);
+      level.lookups = 0;  // where there can be no table, it is tried again much later
+      pattern.hashed = level.hashed;
+    }
+    if (level.hashed) {
+      level.table.Open(row_.data());
+    } else {
+      level.scan.Open(pattern, row_.data(), context_);
+    }
+  }
 
   bool Done() {
     state_ = State::kDone;
@@ -94,7 +133,7 @@ class BgpOperator final : public Operator {
   PlanNode& node_;
   EvaluationContext& context_;
   std::vector<TermId> row_;
-  std::vector<PatternScan> scans_;
+  std::vector<Level> levels_;
   std::vector<std::vector<PlanExpression*>>
       filters_;  // [0]: before the first pattern, [i + 1]: after pattern i
   State state_ = State::kDone;
@@ -109,7 +148,7 @@ class GraphOperator final : public Operator {
         outer_base_(build.base),
         base_(build.slots),
         in_(build.slots),
-        child_(BuildOperator(*node.children[0], {build.context, build.slots, base_.data()})) {}
+        child_(BuildOperator(*node.children[0], {build.context, build.slots, base_.data(), build.measure})) {}
 
   void Start(const TermId* in) override {
     std::copy(in, in + in_.size(), in_.begin());

@@ -1,12 +1,12 @@
 // GROUP BY with aggregates (SPARQL 1.1 section 18.5.1) and ORDER BY (section 15.1).
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
-#include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/operators.h"
+#include "kb_server/sparql/row_set.h"
 
 namespace docent::sparql {
 
@@ -20,17 +20,21 @@ class Accumulator {
   void Add(PlanNode::AggregatePlan& plan, const TermId* row, const std::vector<TermId>& whole_row,
            EvaluationContext& context) {
     if (!plan.expression) {  // COUNT(*)
-      if (plan.distinct && !Unseen(whole_row, context)) return;
+      if (plan.distinct && !Unseen(whole_row.data(), whole_row.size(), context)) return;
       ++count_;
       return;
     }
+    if (plan.expression->kind == Expression::Kind::kVariable && AddId(plan, row[plan.expression->slot], context)) return;
     Value value = Evaluate(*plan.expression, row, context);
     if (value.IsError()) {  // of an unbound or wrong value: the aggregate is an error, but for COUNT and
                             // SAMPLE
       error_ |= plan.function != Function::kCount && plan.function != Function::kSample;
       return;
     }
-    if (plan.distinct && !Unseen({context.Encode(value)}, context)) return;
+    if (plan.distinct) {
+      const TermId id = context.Encode(value);
+      if (!Unseen(&id, 1, context)) return;
+    }
     ++count_;
     switch (plan.function) {
       case Function::kCount:
@@ -67,9 +71,9 @@ class Accumulator {
     if (error_) return Value::Error();
     switch (plan.function) {
       case Function::kSum:
-        return sum_;
+        return Sum();
       case Function::kAvg:
-        return count_ == 0 ? Value::Integer(0) : Compute(Arithmetic::kDivide, sum_, Value::Integer(count_));
+        return count_ == 0 ? Value::Integer(0) : Compute(Arithmetic::kDivide, Sum(), Value::Integer(count_));
       case Function::kGroupConcat:
         return Value::String(text_);
       default:
@@ -78,18 +82,36 @@ class Accumulator {
   }
 
  private:
-  bool Unseen(std::vector<TermId> key, EvaluationContext& context) {
-    if (!seen_.insert(std::move(key)).second) return false;
-    context.Charge(64);
+  // Counts and sums of ids need no value. False: this one does.
+  bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context) {
+    const bool counts = plan.function == Function::kCount && !id.IsNone();
+    const bool sums = (plan.function == Function::kSum || plan.function == Function::kAvg) &&
+                      id.tag() == TermId::Tag::kInteger;
+    if (!counts && !sums) return false;
+    int64_t sum = 0;
+    if (sums && __builtin_add_overflow(integers_, InlineInteger(id), &sum)) return false;
+    if (plan.distinct && !Unseen(&id, 1, context)) return true;
+    if (sums) integers_ = sum;
+    ++count_;
+    return true;
+  }
+  Value Sum() const {
+    return integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+  }
+  bool Unseen(const TermId* key, size_t width, EvaluationContext& context) {
+    if (!seen_) seen_.emplace(width);
+    if (!seen_->Insert(key).second) return false;
+    context.Charge(2 * seen_->bytes_a_row());
     return true;
   }
 
   int64_t count_ = 0;
+  int64_t integers_ = 0;  // the sum of the inline integers
   bool error_ = false;
   Value sum_ = Value::Integer(0);
   Value best_;
   std::string text_;
-  absl::flat_hash_set<std::vector<TermId>> seen_;
+  std::optional<RowSet> seen_;
 };
 
 class GroupOperator final : public Operator {
@@ -99,7 +121,8 @@ class GroupOperator final : public Operator {
         context_(*build.context),
         in_(build.slots),
         child_(BuildOperator(*node.children[0], build)),
-        all_(node.children[0]->possible.List()) {
+        all_(node.children[0]->possible.List()),
+        keys_(node.keys.size()) {
     for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
     for (auto& aggregate : node.aggregates) {
       if (aggregate.expression) PrepareExpression(*aggregate.expression, build);
@@ -108,18 +131,19 @@ class GroupOperator final : public Operator {
   void Start(const TermId* in) override {
     std::copy(in, in + in_.size(), in_.begin());
     groups_.clear();
-    index_.clear();
+    keys_.Clear();
     next_ = 0;
     collected_ = false;
   }
   bool Next(TermId* out) override {
     if (!collected_) Collect();
     while (next_ < groups_.size() && context_.Poll()) {
-      Group& group = groups_[next_++];
       std::copy(in_.begin(), in_.end(), out);
-      for (size_t i = 0; i < node_.keys.size(); ++i) out[node_.keys[i].first] = group.key[i];
+      const TermId* key = keys_.Row(static_cast<uint32_t>(next_));
+      for (size_t i = 0; i < node_.keys.size(); ++i) out[node_.keys[i].first] = key[i];
+      const std::vector<Accumulator>& group = groups_[next_++];
       for (size_t i = 0; i < node_.aggregates.size(); ++i) {
-        const Value value = group.accumulators[i].Result(node_.aggregates[i]);
+        const Value value = group[i].Result(node_.aggregates[i]);
         if (!value.IsError()) out[node_.aggregates[i].result] = context_.Encode(value);
       }
       ++context_.row_number;
@@ -136,38 +160,38 @@ class GroupOperator final : public Operator {
   }
 
  private:
-  struct Group {
-    std::vector<TermId> key;
-    std::vector<Accumulator> accumulators;
-  };
-
   void Collect() {
     collected_ = true;
     std::vector<TermId> row(in_.size()), key(node_.keys.size()), whole;
+    const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
+                                    [](const auto& a) { return a.distinct && !a.expression; });
     child_->Start(in_.data());
     while (child_->Next(row.data()) && context_.Poll()) {
-      for (size_t i = 0; i < key.size(); ++i) {
-        const Value value = Evaluate(*node_.keys[i].second, row.data(), context_);
-        key[i] = value.IsError() ? TermId() : context_.Encode(value);
-      }
+      for (size_t i = 0; i < key.size(); ++i) key[i] = KeyOf(*node_.keys[i].second, row.data());
       whole.clear();
-      for (const int slot : all_) whole.push_back(row[slot]);
-      Group& group = GroupOf(key);
+      for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
+      std::vector<Accumulator>& group = GroupOf(key);
       for (size_t i = 0; i < node_.aggregates.size(); ++i) {
-        group.accumulators[i].Add(node_.aggregates[i], row.data(), whole, context_);
+        group[i].Add(node_.aggregates[i], row.data(), whole, context_);
       }
     }
     // Without GROUP BY there is one group even of nothing (section 18.5.1, Group with a constant key).
     if (groups_.empty() && node_.keys.empty()) GroupOf({});
   }
 
-  Group& GroupOf(const std::vector<TermId>& key) {
-    const auto [it, added] = index_.emplace(key, groups_.size());
+  TermId KeyOf(PlanExpression& key, const TermId* row) {
+    if (key.kind == Expression::Kind::kVariable) return row[key.slot];
+    const Value value = Evaluate(key, row, context_);
+    return value.IsError() ? TermId() : context_.Encode(value);
+  }
+
+  std::vector<Accumulator>& GroupOf(const std::vector<TermId>& key) {
+    const auto [number, added] = keys_.Insert(key.data());
     if (added) {
-      context_.Charge(128 + key.size() * 2 * sizeof(TermId) + node_.aggregates.size() * sizeof(Accumulator));
-      groups_.push_back({key, std::vector<Accumulator>(node_.aggregates.size())});
+      context_.Charge(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator));
+      groups_.emplace_back(node_.aggregates.size());
     }
-    return groups_[it->second];
+    return groups_[number];
   }
 
   PlanNode& node_;
@@ -175,8 +199,8 @@ class GroupOperator final : public Operator {
   std::vector<TermId> in_;
   std::unique_ptr<Operator> child_;
   std::vector<int> all_;
-  std::vector<Group> groups_;
-  absl::flat_hash_map<std::vector<TermId>, size_t> index_;
+  RowSet keys_;  // of the groups, by number
+  std::vector<std::vector<Accumulator>> groups_;
   size_t next_ = 0;
   bool collected_ = false;
 };
@@ -212,29 +236,39 @@ class OrderByOperator final : public Operator {
   struct Row {
     std::vector<TermId> slots;
     std::vector<Value> keys;
+    uint64_t number = 0;  // rows that are equal keep their order
   };
 
   void Sort() {
     sorted_ = true;
+    const auto before = [this](const Row& a, const Row& b) { return Before(a, b); };
     Row row;
     row.slots.resize(width_);
-    while (child_->Next(row.slots.data()) && context_.Poll()) {
-      Row copy = row;
-      for (auto& [expression, descending] : node_.order) {
-        copy.keys.push_back(Evaluate(*expression, row.slots.data(), context_));
+    row.keys.resize(node_.order.size());
+    for (; child_->Next(row.slots.data()) && context_.Poll(); ++row.number) {
+      for (size_t i = 0; i < row.keys.size(); ++i) {
+        row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
       }
-      if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + copy.keys.size() * sizeof(Value))) return;
-      rows_.push_back(std::move(copy));
+      if (!node_.limit || rows_.size() < *node_.limit) {
+        if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + row.keys.size() * sizeof(Value))) return;
+        rows_.push_back(row);
+        if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
+      } else if (!rows_.empty() && Before(row, rows_.front())) {  // the heap's top is the last of the first rows
+        std::pop_heap(rows_.begin(), rows_.end(), before);
+        rows_.back() = row;
+        std::push_heap(rows_.begin(), rows_.end(), before);
+      }
     }
-    // A cancelled sort goes on with "all equal", which ends it soon and is safe for the algorithm.
-    std::stable_sort(rows_.begin(), rows_.end(), [this](const Row& a, const Row& b) {
-      if (!context_.Poll()) return false;
-      for (size_t i = 0; i < node_.order.size(); ++i) {
-        const int order = CompareForOrder(a.keys[i], b.keys[i]);
-        if (order != 0) return node_.order[i].second ? order > 0 : order < 0;
-      }
-      return false;
-    });
+    // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
+    std::stable_sort(rows_.begin(), rows_.end(), [&](const Row& a, const Row& b) { return context_.Poll() && Before(a, b); });
+  }
+
+  bool Before(const Row& a, const Row& b) const {
+    for (size_t i = 0; i < node_.order.size(); ++i) {
+      const int order = CompareForOrder(a.keys[i], b.keys[i]);
+      if (order != 0) return node_.order[i].second ? order > 0 : order < 0;
+    }
+    return a.number < b.number;
   }
 
   PlanNode& node_;

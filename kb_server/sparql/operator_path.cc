@@ -1,5 +1,7 @@
 // Property paths that are not rewritten into patterns: *, +, ? and negated sets (SPARQL 1.1 section 18.4
-// and 9.3). What is reachable from a node is found by breadth-first search; a node is visited once.
+// and 9.3). What is reachable from a node is found by breadth-first search; a node is visited once, and closures inside
+// closures are one: (p*|q+)* steps as (p|q)* does. Between two known nodes the search goes from both ends, the smaller
+// frontier first; between two unknown ones it begins where the path can begin.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -36,7 +38,7 @@ class PathOperator final : public Operator {
     next_start_ = next_end_ = 0;
     forward_ = !from_.IsNone() || to_.IsNone();
     if (from_.IsNone() && to_.IsNone()) {
-      starts_ = AllNodes();
+      starts_ = Nullable(*node_.path) ? AllNodes() : Beginnings(*node_.path, true, 0);
     } else {
       const TermId start = forward_ ? from_ : to_;
       // Between two variables a path of length zero leads from a node of the graph to itself, and from
@@ -51,8 +53,12 @@ class PathOperator final : public Operator {
       if (next_end_ >= ends_.size()) {
         if (next_start_ >= starts_.size()) return false;
         start_ = starts_[next_start_++];
-        ends_ = Expand(*node_.path, start_, forward_, 0);
         next_end_ = 0;
+        if (IsClosure(*node_.path) && !from_.IsNone() && !to_.IsNone()) {
+          ends_.assign(Reaches(*node_.path, from_, to_) ? 1 : 0, to_);
+        } else {
+          ends_ = Expand(*node_.path, start_, forward_, 0);
+        }
         continue;
       }
       const TermId end = ends_[next_end_++];
@@ -73,6 +79,7 @@ class PathOperator final : public Operator {
 
  private:
   using Set = absl::flat_hash_set<TermId>;
+  static constexpr size_t kNodeBytes = 3 * sizeof(TermId);  // in a list and a set
 
   // Calls `visit(subject, predicate, object)` for each triple that fits; none is a wildcard.
   template <typename Visit>
@@ -118,6 +125,7 @@ class PathOperator final : public Operator {
         }
         return out;
       case Kind::kZeroOrOne: {
+        if (IsClosure(path.children[0])) return Closure(path, node, forward, first);
         Set seen = {node};
         out.push_back(node);
         for (const TermId id : Expand(path.children[0], node, forward, first)) {
@@ -155,24 +163,129 @@ class PathOperator final : public Operator {
     return now;
   }
 
-  // Function ALP of section 18.4
+  static bool IsClosure(const Path& path) {
+    return path.kind == Kind::kZeroOrMore || path.kind == Kind::kOneOrMore;
+  }
+  // Whether the path leads from each node to itself.
+  static bool Nullable(const Path& path) {
+    switch (path.kind) {
+      case Kind::kZeroOrMore:
+      case Kind::kZeroOrOne:
+        return true;
+      case Kind::kSequence:
+        return std::all_of(path.children.begin(), path.children.end(), Nullable);
+      case Kind::kAlternative:
+        return std::any_of(path.children.begin(), path.children.end(), Nullable);
+      case Kind::kInverse:
+      case Kind::kOneOrMore:
+        return Nullable(path.children[0]);
+      default:
+        return false;
+    }
+  }
+
+  // One step of a closure over `path`: closures inside it are stepped through, too.
+  std::vector<TermId> Step(const Path& path, TermId node, bool forward, int first) {
+    switch (path.kind) {
+      case Kind::kZeroOrMore:
+      case Kind::kOneOrMore:
+      case Kind::kZeroOrOne:
+        return Step(path.children[0], node, forward, first);
+      case Kind::kInverse:
+        return Step(path.children[0], node, !forward, first);
+      case Kind::kAlternative: {
+        std::vector<TermId> out;
+        for (const Path& child : path.children) {
+          for (const TermId id : Step(child, node, forward, first)) out.push_back(id);
+          first += IriCount(child);
+        }
+        return out;
+      }
+      default:
+        return Expand(path, node, forward, first);
+    }
+  }
+
+  // Function ALP of section 18.4. `path` is a closure, or (…)? around one.
   std::vector<TermId> Closure(const Path& path, TermId node, bool forward, int first) {
     std::vector<TermId> out;
     Set seen;
-    if (path.kind == Kind::kZeroOrMore) {
+    if (Nullable(path)) {
       seen.insert(node);
       out.push_back(node);
     } else {
-      for (const TermId id : Expand(path.children[0], node, forward, first)) {
+      for (const TermId id : Step(path, node, forward, first)) {
         if (seen.insert(id).second) out.push_back(id);
       }
     }
-    for (size_t i = 0; i < out.size() && context_.Charge(2 * sizeof(TermId)); ++i) {
-      for (const TermId id : Expand(path.children[0], out[i], forward, first)) {
+    size_t charged = 0;
+    for (size_t i = 0; i < out.size() && context_.Charge(kNodeBytes); ++i) {
+      charged += kNodeBytes;
+      for (const TermId id : Step(path, out[i], forward, first)) {
         if (seen.insert(id).second) out.push_back(id);
       }
     }
+    context_.Release(charged);
     return out;
+  }
+
+  // Whether a closure leads from one node to another.
+  bool Reaches(const Path& path, TermId from, TermId to) {
+    if (from == to && Nullable(path)) return true;
+    Set seen[2];  // from the front, from the back
+    std::vector<TermId> frontier[2] = {Step(path, from, true, 0), {to}};
+    for (int side = 0; side < 2; ++side) seen[side].insert(frontier[side].begin(), frontier[side].end());
+    size_t charged = 0;
+    bool found = seen[0].contains(to);
+    while (!found && !frontier[0].empty() && !frontier[1].empty() && context_.Poll()) {
+      const int side = frontier[0].size() <= frontier[1].size() ? 0 : 1;
+      std::vector<TermId> next;
+      for (const TermId node : frontier[side]) {
+        for (const TermId id : Step(path, node, side == 0, 0)) {
+          found = found || seen[1 - side].contains(id);
+          if (seen[side].insert(id).second) next.push_back(id);
+        }
+        if (found) break;
+      }
+      if (!context_.Charge(next.size() * kNodeBytes)) break;
+      charged += next.size() * kNodeBytes;
+      frontier[side] = std::move(next);
+    }
+    context_.Release(charged);
+    return found && context_.status.ok();
+  }
+
+  // Nodes that `path`, which is not nullable, can lead away from (to, if not forward); maybe a few more.
+  std::vector<TermId> Beginnings(const Path& path, bool forward, int first) {
+    std::vector<TermId> out;
+    Set seen;
+    const auto add = [&](TermId id) {
+      if (!seen.insert(id).second) return;
+      context_.Charge(kNodeBytes);
+      out.push_back(id);
+    };
+    switch (path.kind) {
+      case Kind::kIri:
+        ForTriples(TermId(), Constant(first), TermId(), [&](TermId s, TermId, TermId o) { add(forward ? s : o); });
+        return out;
+      case Kind::kInverse:
+        return Beginnings(path.children[0], !forward, first);
+      case Kind::kOneOrMore:
+        return Beginnings(path.children[0], forward, first);
+      case Kind::kSequence: {
+        const Path& end = forward ? path.children.front() : path.children.back();
+        if (Nullable(end)) return AllNodes();
+        return Beginnings(end, forward, forward ? first : first + IriCount(path) - IriCount(end));
+      }
+      case Kind::kAlternative:
+        for (const Path& child : path.children) {
+          for (const TermId id : Beginnings(child, forward, first)) add(id);
+          first += IriCount(child);
+        }
+        return out;
+      default:
+        return AllNodes();
+    }
   }
 
   std::vector<TermId> ExpandNegated(const Path& path, TermId node, bool forward, int first) {
@@ -203,7 +316,7 @@ class PathOperator final : public Operator {
     ForTriples(TermId(), TermId(), TermId(), [&](TermId s, TermId, TermId o) {
       for (const TermId id : {s, o}) {
         if (seen.insert(id).second) {
-          context_.Charge(3 * sizeof(TermId));
+          context_.Charge(kNodeBytes);
           out.push_back(id);
         }
       }

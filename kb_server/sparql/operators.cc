@@ -3,11 +3,12 @@
 #include "kb_server/sparql/operators.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/expression_evaluator.h"
+#include "kb_server/sparql/row_set.h"
 
 namespace docent::sparql {
 
@@ -18,7 +19,7 @@ void PrepareExpression(PlanExpression& e, const BuildContext& build) {
   if (!e.exists) return;
   e.exists_base.assign(build.slots, TermId());
   e.exists_row.assign(build.slots, TermId());
-  e.exists_operator = BuildOperator(*e.exists, {build.context, build.slots, e.exists_base.data()});
+  e.exists_operator = BuildOperator(*e.exists, {build.context, build.slots, e.exists_base.data(), build.measure});
 }
 
 void ForgetExpression(PlanExpression& e) {
@@ -171,19 +172,21 @@ class ValuesOperator final : public Operator {
 class DistinctOperator final : public Operator {
  public:
   DistinctOperator(PlanNode& node, const BuildContext& build)
-      : node_(node), context_(*build.context), child_(BuildOperator(*node.children[0], build)) {}
+      : node_(node),
+        context_(*build.context),
+        child_(BuildOperator(*node.children[0], build)),
+        key_(node.columns.size()),
+        seen_(node.columns.size()) {}
   void Start(const TermId* in) override {
-    seen_.clear();
+    seen_.Clear();
     child_->Start(in);
   }
   bool Next(TermId* out) override {
     while (child_->Next(out)) {
       if (!context_.Poll()) return false;
-      std::vector<TermId> key;
-      key.reserve(node_.columns.size());
-      for (const int slot : node_.columns) key.push_back(out[slot]);
-      if (!seen_.insert(std::move(key)).second) continue;
-      return context_.Charge(64 + node_.columns.size() * sizeof(TermId));
+      for (size_t i = 0; i < key_.size(); ++i) key_[i] = out[node_.columns[i]];
+      if (!seen_.Insert(key_.data()).second) continue;
+      return context_.Charge(2 * seen_.bytes_a_row());
     }
     return false;
   }
@@ -193,7 +196,8 @@ class DistinctOperator final : public Operator {
   PlanNode& node_;
   EvaluationContext& context_;
   std::unique_ptr<Operator> child_;
-  absl::flat_hash_set<std::vector<TermId>> seen_;
+  std::vector<TermId> key_;
+  RowSet seen_;
 };
 
 class SliceOperator final : public Operator {
@@ -223,28 +227,38 @@ class SliceOperator final : public Operator {
   std::optional<uint64_t> left_;
 };
 
-}  // namespace
-
-std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build) {
-  switch (node.kind) {
-    case Kind::kFilter:
-      return std::make_unique<FilterOperator>(node, build);
-    case Kind::kUnion:
-      return std::make_unique<UnionOperator>(node, build);
-    case Kind::kExtend:
-      return std::make_unique<ExtendOperator>(node, build);
-    case Kind::kValues:
-      return std::make_unique<ValuesOperator>(node, build);
-    case Kind::kDistinct:
-      return std::make_unique<DistinctOperator>(node, build);
-    case Kind::kSlice:
-      return std::make_unique<SliceOperator>(node, build);
-    default:
-      return BuildOperator(*node.children[0], build);  // kProject: what it hides has slots of its own
+// Any operator, with its rows counted and its time taken.
+class MeasuredOperator final : public Operator {
+ public:
+  MeasuredOperator(PlanNode& node, std::unique_ptr<Operator> inner) : node_(node), inner_(std::move(inner)) {}
+  void Start(const TermId* in) override {
+    const Timer timer(node_);
+    ++node_.starts;
+    inner_->Start(in);
   }
-}
+  bool Next(TermId* out) override {
+    const Timer timer(node_);
+    if (!inner_->Next(out)) return false;
+    ++node_.rows_made;
+    return true;
+  }
+  void Forget() override { inner_->Forget(); }
 
-std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build) {
+ private:
+  struct Timer {
+    explicit Timer(PlanNode& node) : node(node), since(std::chrono::steady_clock::now()) {}
+    ~Timer() {
+      node.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+    }
+    PlanNode& node;
+    std::chrono::steady_clock::time_point since;
+  };
+
+  PlanNode& node_;
+  std::unique_ptr<Operator> inner_;
+};
+
+std::unique_ptr<Operator> BuildPlain(PlanNode& node, const BuildContext& build) {
   switch (node.kind) {
     case Kind::kBgp:
       return BuildBgp(node, build);
@@ -268,6 +282,33 @@ std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& buil
     default:
       return BuildSimple(node, build);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Operator> BuildSimple(PlanNode& node, const BuildContext& build) {
+  switch (node.kind) {
+    case Kind::kFilter:
+      return std::make_unique<FilterOperator>(node, build);
+    case Kind::kUnion:
+      return std::make_unique<UnionOperator>(node, build);
+    case Kind::kExtend:
+      return std::make_unique<ExtendOperator>(node, build);
+    case Kind::kValues:
+      return std::make_unique<ValuesOperator>(node, build);
+    case Kind::kDistinct:
+      return std::make_unique<DistinctOperator>(node, build);
+    case Kind::kSlice:
+      return std::make_unique<SliceOperator>(node, build);
+    default:
+      return BuildOperator(*node.children[0], build);  // kProject: what it hides has slots of its own
+  }
+}
+
+std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build) {
+  std::unique_ptr<Operator> plain = BuildPlain(node, build);
+  if (!build.measure) return plain;
+  return std::make_unique<MeasuredOperator>(node, std::move(plain));
 }
 
 }  // namespace docent::sparql

@@ -30,6 +30,7 @@ struct BuildContext {
   EvaluationContext* context;
   size_t slots;
   const TermId* base;
+  bool measure = false;  // count rows and time of each node, for Explain
 };
 
 std::unique_ptr<Operator> BuildOperator(PlanNode& node, const BuildContext& build);

@@ -82,7 +82,12 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
     }
   }
   if (!possible) return;
-  cursor_ = context.version->Scan(quad);
+  if (known_) {
+    context.version->Rescan(quad, &cursor_);
+  } else {
+    cursor_ = context.version->Scan(quad);
+    known_ = true;
+  }
   last_ = Quad{};
   valid_ = true;
   first_ = true;

@@ -15,6 +15,8 @@ class PatternScan {
   void Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context);
   bool Next(TermId* row);
   void Close(TermId* row);
+  // The version may be another one from now on.
+  void Forget() { known_ = false; }
 
  private:
   // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.
@@ -23,6 +25,7 @@ class PatternScan {
 
   EvaluationContext* context_ = nullptr;
   QuadCursor cursor_;
+  bool known_ = false;  // cursor_ is of the context's version
   Quad last_;
   bool valid_ = false;
   bool first_ = false;

@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
+
+#include "kb_server/sparql/join_order.h"
 
 namespace docent::sparql {
 
 using Kind = PlanNode::Kind;
 
 namespace {
-
-// How a pattern's number of matches n shrinks, as a power of n, for a variable that is bound but whose value
-// the planner does not know. A subject has few values of one property, an object is shared by more subjects,
-// a predicate by most.
-constexpr double kBoundSubject = 0.15, kBoundPredicate = 0.6, kBoundObject = 0.4;
 
 class Arranger {
  public:
@@ -29,69 +25,20 @@ class Arranger {
   }
 
  private:
-  TermId IdOf(const PlanTerm& term) const {
-    return term.constant < 0 ? TermId() : context_.constants[term.constant];
-  }
-  double EstimatePattern(const PlanPattern& pattern, const SlotSet& bound) const;
-  double Estimate(const PlanNode& node, const SlotSet& bound) const;
-  double ArrangeBgp(std::vector<PlanPattern>& patterns, SlotSet bound) const;
+  double Estimate(PlanNode& node, const SlotSet& bound) const;
   void ArrangeJoin(PlanNodePtr& node, const SlotSet& bound);
   void ArrangeBinary(PlanNode& node, const SlotSet& bound);
+  void SetEstimate(PlanNode& node, const SlotSet& bound) const;
 
   const SlotSet& initial_;
   const EvaluationContext& context_;
   const PlannerOptions& options_;
 };
 
-double Arranger::EstimatePattern(const PlanPattern& pattern, const SlotSet& bound) const {
-  QuadPattern quad{IdOf(pattern.terms[0]), IdOf(pattern.terms[1]), IdOf(pattern.terms[2]),
-                   IdOf(pattern.graph.name)};
-  for (const TermId id : {quad.subject, quad.predicate, quad.object, quad.graph}) {
-    if (id.tag() == TermId::Tag::kLocal) return 0;
-  }
-  const double count = static_cast<double>(context_.version->Count(quad));
-  if (count <= 1) return count;
-  double power = 1;
-  const double powers[] = {kBoundSubject, kBoundPredicate, kBoundObject};
-  for (int i = 0; i < 3; ++i) {
-    const int slot = pattern.terms[i].slot;
-    if (slot >= 0 && bound.Contains(slot)) power *= powers[i];
-  }
-  return std::pow(count, power);
-}
-
-double Arranger::ArrangeBgp(std::vector<PlanPattern>& patterns, SlotSet bound) const {
-  double rows = 1;
-  for (size_t done = 0; done < patterns.size(); ++done) {
-    size_t best = done;
-    double best_estimate = std::numeric_limits<double>::infinity();
-    for (size_t i = done; i < patterns.size(); ++i) {
-      const double estimate = EstimatePattern(patterns[i], bound);
-      if (estimate < best_estimate) {
-        best = i;
-        best_estimate = estimate;
-      }
-      if (!options_.reorder) break;
-    }
-    std::rotate(patterns.begin() + static_cast<std::ptrdiff_t>(done),
-                patterns.begin() + static_cast<std::ptrdiff_t>(best),
-                patterns.begin() + static_cast<std::ptrdiff_t>(best) + 1);
-    patterns[done].estimate = best_estimate;
-    rows = std::max(rows * best_estimate, 1e-3);
-    for (const PlanTerm& term : patterns[done].terms) {
-      if (term.slot >= 0) bound.Add(term.slot);
-    }
-    if (patterns[done].graph.name.slot >= 0) bound.Add(patterns[done].graph.name.slot);
-  }
-  return rows;
-}
-
-double Arranger::Estimate(const PlanNode& node, const SlotSet& bound) const {
+double Arranger::Estimate(PlanNode& node, const SlotSet& bound) const {
   switch (node.kind) {
-    case Kind::kBgp: {
-      std::vector<PlanPattern> patterns = node.patterns;
-      return ArrangeBgp(patterns, bound);
-    }
+    case Kind::kBgp:
+      return JoinOrder(node, bound, context_).Rows();
     case Kind::kValues:
       return static_cast<double>(node.rows.size());
     case Kind::kUnion: {
@@ -111,8 +58,13 @@ double Arranger::Estimate(const PlanNode& node, const SlotSet& bound) const {
     case Kind::kPath: {
       const bool from = node.subject.slot < 0 || bound.Contains(node.subject.slot);
       const bool to = node.object.slot < 0 || bound.Contains(node.object.slot);
-      const double size = static_cast<double>(context_.version->size()) + 1;
-      return from && to ? 0.5 : from || to ? std::sqrt(size) : size * 2;
+      double steps = 1;  // triples that the path can go along
+      for (const int constant : node.path_constants) {
+        const TermId predicate = context_.constants[constant];
+        if (predicate == kUnknownTerm) continue;
+        steps += static_cast<double>(context_.version->Count({TermId(), predicate, TermId(), TermId()}));
+      }
+      return from && to ? 0.5 : from || to ? std::sqrt(steps) : steps * 2;
     }
     case Kind::kGraph:
       return 4 * Estimate(*node.children[0], bound);
@@ -174,10 +126,41 @@ void Arranger::ArrangeBinary(PlanNode& node, const SlotSet& bound) {
   if (node.expression) Arrange(*node.expression, bound.Or(left->certain));
 }
 
+// Of a node whose children have theirs.
+void Arranger::SetEstimate(PlanNode& node, const SlotSet& bound) const {
+  const double below = node.children.empty() ? 1 : node.children[0]->estimate;
+  switch (node.kind) {
+    case Kind::kValues:
+    case Kind::kPath:
+      node.estimate = Estimate(node, bound);
+      return;
+    case Kind::kUnion:
+      node.estimate = 0;
+      for (const PlanNodePtr& child : node.children) node.estimate += child->estimate;
+      return;
+    case Kind::kGraph:
+      node.estimate = 4 * below;
+      return;
+    case Kind::kGroup:
+      node.estimate = node.keys.empty() ? 1 : std::sqrt(below);
+      return;
+    case Kind::kFilter:
+      node.estimate = below * std::pow(0.5, static_cast<double>(node.filters.size()));
+      return;
+    case Kind::kOrderBy:
+    case Kind::kSlice:
+      node.estimate = node.limit ? std::min(below, static_cast<double>(*node.limit)) : below;
+      return;
+    default:
+      node.estimate = below;
+  }
+}
+
 void Arranger::Arrange(PlanNodePtr& node, const SlotSet& bound) {
   switch (node->kind) {
     case Kind::kBgp:
-      node->estimate = ArrangeBgp(node->patterns, bound);
+      node->estimate = JoinOrder(*node, bound, context_).Arrange(options_.reorder);
+      for (const PlanExpressionPtr& filter : node->filters) Arrange(*filter, bound.Or(node->certain));
       return;
     case Kind::kJoin:
       ArrangeJoin(node, bound);
@@ -189,8 +172,8 @@ void Arranger::Arrange(PlanNodePtr& node, const SlotSet& bound) {
     default:
       break;
   }
-  node->estimate = Estimate(*node, bound);
   for (PlanNodePtr& child : node->children) Arrange(child, bound);
+  SetEstimate(*node, bound);
   SlotSet inside = bound;
   if (!node->children.empty()) inside |= node->children[0]->certain;
   for (const PlanExpressionPtr& filter : node->filters) Arrange(*filter, inside);
@@ -254,40 +237,6 @@ bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer) {
       return false;
   }
   return false;
-}
-
-namespace {
-
-std::string Rounded(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, value < 10 ? "%.2g" : "%.0f", value);
-  return buffer;
-}
-
-void Explain(const PlanNode& node, int depth, std::string* out) {
-  static constexpr const char* kNames[] = {
-      "patterns", "join (loop)",  "join (hash)",  "optional (loop)", "optional (hash)", "filter",
-      "union",    "minus (loop)", "minus (hash)", "graph",           "extend",          "values",
-      "group",    "order",        "project",      "distinct",        "slice",           "path"};
-  const std::string indent(static_cast<size_t>(depth) * 2, ' ');
-  *out += indent + kNames[static_cast<size_t>(node.kind)] + "  ~" + Rounded(node.estimate) + " rows";
-  if (node.kind == Kind::kBgp && !node.filters.empty())
-    *out += ", " + std::to_string(node.filters.size()) + " filters";
-  *out += '\n';
-  for (const PlanPattern& p : node.patterns)
-    *out += indent + "  " + p.text + "  ~" + Rounded(p.estimate) + "\n";
-  for (const PlanNodePtr& child : node.children) Explain(*child, depth + 1, out);
-  for (const PlanExpressionPtr& filter : node.filters) {
-    if (filter->exists) Explain(*filter->exists, depth + 2, out);
-  }
-}
-
-}  // namespace
-
-std::string ExplainPlan(const PlanNode& node) {
-  std::string out;
-  Explain(node, 0, &out);
-  return out;
 }
 
 }  // namespace docent::sparql

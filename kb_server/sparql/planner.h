@@ -1,6 +1,6 @@
 // Algebra → plan, second half: the order of patterns and joins, and each join's method, from exact counts of
-// one graph version. Greedy: the operand that gives the fewest rows for what is bound so far comes next. One
-// thread.
+// one graph version. Patterns: join_order.h. Other operands greedily: the one that gives the fewest rows for what is
+// bound so far comes next. One thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_PLANNER_H_
 #define DOCENT_KB_SERVER_SPARQL_PLANNER_H_
 
@@ -29,8 +29,8 @@ void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, const E
 // outside, LIMIT, groups).
 bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer);
 
-// For people: one line a node, indented, with estimates.
-std::string ExplainPlan(const PlanNode& node);
+// For people: one line a node, indented, with estimated rows; `measured`: with what the plan's runs gave and took, too.
+std::string ExplainPlan(const PlanNode& node, bool measured);
 
 }  // namespace docent::sparql
 

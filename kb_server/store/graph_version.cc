@@ -33,22 +33,43 @@ bool GraphVersion::Contains(const Quad& quad) const {
   return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
 }
 
-QuadCursor GraphVersion::Scan(const QuadPattern& pattern) const {
+IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
   IndexOrder order = OrderWithoutGraph(pattern);
-  if (pattern.graph.IsNone()) return ScanInOrder(pattern, order);
-  if (RangeOf(pattern, IndexOrder::kGspo).exact) return ScanInOrder(pattern, IndexOrder::kGspo);
+  if (pattern.graph.IsNone()) return order;
+  if (RangeOf(pattern, IndexOrder::kGspo).exact) return IndexOrder::kGspo;
   KeyRange without = RangeOf(pattern, order);
-  if (without.exact) return ScanInOrder(pattern, order);
+  if (without.exact) return order;
   // Neither covers all that is bound: walk the shorter run.
   KeyRange within = RangeOf(pattern, IndexOrder::kGspo);
   bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <
                      tree(order).CountRange(without.first, without.last);
-  return ScanInOrder(pattern, graph_first ? IndexOrder::kGspo : order);
+  return graph_first ? IndexOrder::kGspo : order;
+}
+
+QuadCursor GraphVersion::Scan(const QuadPattern& pattern) const {
+  return ScanInOrder(pattern, OrderFor(pattern));
+}
+
+void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const {
+  const IndexOrder order = OrderFor(pattern);
+  const QuadTree& over = tree(order);
+  const KeyRange range = RangeOf(pattern, order);
+  if (cursor->tree_ == &over) {
+    cursor->iterator_.Restart(range.first, range.last);
+  } else {
+    cursor->tree_ = &over;
+    cursor->order_ = order;
+    cursor->iterator_ = over.Range(range.first, range.last);
+  }
+  cursor->pattern_ = pattern;
+  cursor->filter_ = !range.exact;
+  cursor->Settle();
 }
 
 QuadCursor GraphVersion::ScanInOrder(const QuadPattern& pattern, IndexOrder order) const {
   KeyRange range = RangeOf(pattern, order);
   QuadCursor cursor;
+  cursor.tree_ = &tree(order);
   cursor.order_ = order;
   cursor.pattern_ = pattern;
   cursor.filter_ = !range.exact;
@@ -68,6 +89,21 @@ uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
   uint64_t in_graph = tree(IndexOrder::kGspo).CountRange(within.first, within.last);
   if (within.exact) return in_graph;
   return std::min(in_graph, tree(order).CountRange(without.first, without.last));
+}
+
+std::vector<Quad> GraphVersion::Sample(const QuadPattern& pattern, size_t n) const {
+  const IndexOrder order = OrderFor(pattern);
+  const KeyRange range = RangeOf(pattern, order);
+  std::vector<Quad> sample;
+  if (!range.exact || size() == 0) return sample;
+  const QuadTree& over = tree(order);
+  const uint64_t count = over.CountRange(range.first, range.last), first = over.RankOf(range.first);
+  for (size_t i = 0; i < n && count > 0; ++i) {
+    if (count <= n && i >= count) break;
+    const uint64_t at = count <= n ? i : count * (2 * i + 1) / (2 * n);
+    sample.push_back(QuadOf(over.KeyAt(first + at), order));
+  }
+  return sample;
 }
 
 std::vector<TermId> GraphVersion::graphs() const {

@@ -46,6 +46,7 @@ class QuadCursor {
   friend class GraphVersion;
   void Settle();
 
+  const QuadTree* tree_ = nullptr;  // what iterator_ goes over
   QuadTree::Iterator iterator_;
   QuadPattern pattern_;
   Quad quad_;
@@ -66,6 +67,9 @@ class GraphVersion {
   // Matches in the order that suits the pattern. A triple that stands in two graphs comes twice: adjacent,
   // since where no graph is bound the graph is the last word of the order.
   QuadCursor Scan(const QuadPattern& pattern) const;
+  // *cursor = Scan(pattern), quicker where the cursor is of this version already and the matches lie near those of its
+  // last pattern. The version must not have changed since the cursor was made.
+  void Rescan(const QuadPattern& pattern, QuadCursor* cursor) const;
   // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo
   // the copies of a triple are not adjacent.
   QuadCursor ScanInOrder(const QuadPattern& pattern, IndexOrder order) const;
@@ -73,6 +77,9 @@ class GraphVersion {
   // S, P and O (and not S, or S and P, alone): then the smaller of the counts without the graph and of the
   // graph, an upper bound. O(log n).
   uint64_t Count(const QuadPattern& pattern) const;
+  // At most `n` matches, evenly spaced in index order: for estimates. Fewer, or none, where no index holds the matches as
+  // one run. O(n log size).
+  std::vector<Quad> Sample(const QuadPattern& pattern, size_t n) const;
   // Calls `visit(quad)` for each match until it returns false.
   template <typename Visit>
   void ForEach(const QuadPattern& pattern, Visit visit) const {
@@ -93,6 +100,7 @@ class GraphVersion {
   // For the writer: shares all nodes.
   GraphVersion(const GraphVersion&) = default;
 
+  IndexOrder OrderFor(const QuadPattern& pattern) const;
   const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
 
   std::array<QuadTree, kIndexOrders> trees_;  // by IndexOrder

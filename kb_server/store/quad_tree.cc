@@ -191,11 +191,21 @@ bool QuadTree::Contains(const Key& key) const {
   return root_ != nullptr && Descend(key).found;
 }
 
-uint64_t QuadTree::CountBelow(const Key& key, bool inclusive) const {
-  if (root_ == nullptr) return 0;
-  uint64_t below = 0;
+QuadTree::Key QuadTree::KeyAt(uint64_t rank) const {
   const Node* node = root_;
   for (int level = 0; level < height_; ++level) {
+    const Inner* inner = static_cast<const Inner*>(node);
+    int index = 0;
+    for (; rank >= inner->counts[index]; ++index) rank -= inner->counts[index];
+    node = inner->children[index];
+  }
+  return static_cast<const Leaf*>(node)->KeyAt(static_cast<int>(rank));
+}
+
+uint64_t QuadTree::CountBelow(const Node* node, int level, const Key& key, bool inclusive) const {
+  if (node == nullptr) return 0;
+  uint64_t below = 0;
+  for (; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
     int index = inner->ChildFor(key);
     for (int i = 0; i < index; ++i) below += inner->counts[i];
@@ -207,8 +217,22 @@ uint64_t QuadTree::CountBelow(const Key& key, bool inclusive) const {
   return below + static_cast<uint64_t>(position) + (inclusive && equal ? 1 : 0);
 }
 
+// One descent as long as both ends lie beneath the same child.
 uint64_t QuadTree::CountRange(const Key& first, const Key& last) const {
-  return last < first ? 0 : CountBelow(last, true) - CountBelow(first, false);
+  if (root_ == nullptr || last < first) return 0;
+  const Node* node = root_;
+  for (int level = 0; level < height_; ++level) {
+    const Inner* inner = static_cast<const Inner*>(node);
+    const int from = inner->ChildFor(first), to = inner->ChildFor(last);
+    if (from != to) {
+      uint64_t count = 0;
+      for (int i = from; i < to; ++i) count += inner->counts[i];
+      return count - CountBelow(inner->children[from], level + 1, first, false) +
+             CountBelow(inner->children[to], level + 1, last, true);
+    }
+    node = inner->children[from];
+  }
+  return CountBelow(node, height_, last, true) - CountBelow(node, height_, first, false);
 }
 
 }  // namespace docent

@@ -49,6 +49,9 @@ class QuadTree {
   bool Contains(const Key& key) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
+  // The key that `rank` keys stand before, and how many keys are below `key`. O(log n). KeyAt requires rank < size().
+  Key KeyAt(uint64_t rank) const;
+  uint64_t RankOf(const Key& key) const { return CountBelow(root_, 0, key, false); }
   // The keys k with first <= k <= last, in order. The tree must outlive the iterator.
   Iterator Range(const Key& first, const Key& last) const;
 
@@ -64,7 +67,8 @@ class QuadTree {
 
   Path Descend(const Key& key) const;
   void MakeWritable(Edit& edit, Path* path);
-  uint64_t CountBelow(const Key& key, bool inclusive) const;
+  // Keys below `key` (or equal, if inclusive) beneath `node`, which stands at `level`.
+  uint64_t CountBelow(const Node* node, int level, const Key& key, bool inclusive) const;
 
   Node* root_ = nullptr;  // null: empty
   uint64_t size_ = 0;
@@ -85,6 +89,10 @@ class QuadTree::Iterator {
   }
   // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
   void Seek(const Key& target);
+  // As a new Range(first, last) of the tree that this iterator is of (by a Range with first <= last), which must not have
+  // changed meanwhile. Quick where
+  // `first` lies in the leaf that the iterator stands in: lookups with rising or repeating keys cost no descent.
+  void Restart(const Key& first, const Key& last);
 
  private:
   friend class QuadTree;

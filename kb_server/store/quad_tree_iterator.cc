@@ -38,6 +38,29 @@ void QuadTree::Iterator::EnterLeaf(const Leaf* leaf, const Key& from) {
   }
 }
 
+void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
+  if (leaf_ == nullptr) return;  // the tree is empty
+  last_ = last;
+  if (last < first) {
+    position_ = limit_;
+    last_leaf_ = true;
+    return;
+  }
+  const bool here = height_ == 0 || (leaf_->KeyAt(0) <= first && !leaf_->LessAt(leaf_->count - 1, first));
+  if (!here) {
+    DescendFrom(0, path_[0].node, first);
+    return;
+  }
+  // Lookups that rise slowly find their place beside the last one.
+  const int near = position_ < leaf_->count && leaf_->LessAt(position_, first) ? position_ + 1 : 0;
+  position_ = leaf_->LowerBound(first, near, leaf_->count);
+  SetLimit();
+  if (position_ >= limit_) {
+    position_ = limit_;
+    NextLeaf();
+  }
+}
+
 void QuadTree::Iterator::SetLimit() {
   last_leaf_ = last_ < leaf_->KeyAt(leaf_->count - 1);
   if (!last_leaf_) {

@@ -48,6 +48,7 @@ struct KeySource {
 };
 
 void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySource* source) {
+  auto again = tree.Range(kLowest, kHighest);
   for (int i = 0; i < 20; ++i) {
     Key first = source->Next(), last = source->Next();
     if (i % 3 == 0) first = {first[0], 0, 0, 0}, last = {first[0], kMax, kMax, kMax};
@@ -57,6 +58,17 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     for (auto it = tree.Range(first, last); it.Valid(); it.Next()) found.push_back(it.key());
     ASSERT_EQ(found, expected);
     ASSERT_EQ(tree.CountRange(first, last), expected.size());
+    ASSERT_EQ(tree.RankOf(first), static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
+    if (!model.empty()) {
+      const uint64_t rank = source->random() % model.size();
+      ASSERT_EQ(tree.KeyAt(rank), *std::next(model.begin(), static_cast<std::ptrdiff_t>(rank)));
+    }
+    again.Restart(first, last);  // from wherever the lookup before ended
+    found.clear();
+    for (; again.Valid() && (i % 4 != 1 || found.size() < 3); again.Next()) found.push_back(again.key());
+    if (i % 4 == 1 && found.size() == 3) expected.resize(3);
+    ASSERT_EQ(found, expected);
+    expected.assign(from, to);
     // Seeking visits what a walk over the model visits.
     auto it = tree.Range(first, last);
     Key at = first;

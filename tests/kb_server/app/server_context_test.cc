@@ -205,6 +205,23 @@ TEST_F(ServerContextTest, AQueryBombIsStoppedAndOthersGoOn) {
   }
 }
 
+TEST_F(ServerContextTest, AQueryIsExplainedWithEstimatedAndRealRows) {
+  StartServer();
+  ASSERT_TRUE(Assert(Words(20)).ok());
+  v1::QueryRequest request;
+  request.set_query("SELECT * { ?s <urn:w:p> ?o FILTER NOT EXISTS { ?o <urn:w:p> ?x } }");
+  request.set_explain(true);
+  grpc::ClientContext context;
+  Limit(&context);
+  auto reader = context_->Query(&context, request);
+  v1::QueryReply reply;
+  ASSERT_TRUE(reader->Read(&reply));
+  EXPECT_THAT(reply.header().plan(), HasSubstr("| 20 rows"));
+  EXPECT_THAT(reply.header().plan(), HasSubstr("not exists"));
+  EXPECT_FALSE(reader->Read(&reply));
+  EXPECT_TRUE(reader->Finish().ok());
+}
+
 TEST_F(ServerContextTest, AClientThatGoesAwayEndsItsQuery) {
   StartServer();
   ASSERT_TRUE(Assert(Words(500)).ok());

@@ -1,0 +1,76 @@
+// The order of the patterns of a basic graph pattern, by cost. Each pattern is a level of nested lookups (operator_bgp.cc);
+// the cost of an order is what its levels look up and give.
+//
+// The number of matches of a pattern's constants is exact (subtree counts of the index). How many values a variable has in
+// them is a power of that number, or, where the query looks expensive enough to afford it, estimated from a few sampled
+// matches and their exact counts. Rows of a join: the product over the larger number of values of each shared variable
+// (Selinger et al., SIGMOD 1979). Orders are tried greedily, and by dynamic programming over sets of patterns (left-deep)
+// where that pays. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_JOIN_ORDER_H_
+#define DOCENT_KB_SERVER_SPARQL_JOIN_ORDER_H_
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kb_server/sparql/evaluation_context.h"
+#include "kb_server/sparql/plan.h"
+
+namespace docent::sparql {
+
+class JoinOrder {
+ public:
+  // The patterns and filters of `bgp`, where the slots `bound` have a value before it begins. Reads counts from
+  // context.version, and keeps them in the patterns.
+  JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context);
+
+  // The rows that the best quick order gives for one start. Changes nothing.
+  double Rows();
+  // Puts the patterns of the node into order, sets their estimates, and returns the rows. Not `reorder`: as they stand.
+  double Arrange(bool reorder);
+
+ private:
+  static constexpr size_t kMaxVariables = 32;
+  static constexpr size_t kMaxProgrammed = 10;  // patterns that dynamic programming orders
+
+  struct Use {
+    int variable;  // number within this BGP
+    double values;
+  };
+  struct Pattern {
+    double matches = 0;
+    std::vector<Use> uses;
+    uint64_t variables = 0;  // as bits
+  };
+  struct Filter {
+    uint64_t variables = 0;
+    double selectivity = 1;
+  };
+  // After some of the patterns.
+  struct State {
+    double cost = 0;  // about microseconds
+    double rows = 1;
+    uint64_t bound = 0;
+    std::array<float, kMaxVariables> values;  // of each bound variable
+  };
+
+  int VariableOf(int slot);
+  void Count(const PlanPattern& pattern, Pattern* out);
+  void Refine(const PlanPattern& pattern, Pattern* out) const;
+  QuadPattern Constants(const PlanPattern& pattern) const;
+  State Begin() const;
+  State Extend(const State& state, const Pattern& pattern) const;
+  std::vector<size_t> Greedy(State* end) const;
+  std::vector<size_t> Programmed(State* end) const;
+
+  PlanNode& bgp_;
+  const EvaluationContext& context_;
+  uint64_t initial_ = 0;
+  std::vector<int> slots_;  // of the variables
+  std::vector<Pattern> patterns_;
+  std::vector<Filter> filters_;
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_JOIN_ORDER_H_

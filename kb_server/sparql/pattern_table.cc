@@ -1,0 +1,81 @@
+#include "kb_server/sparql/pattern_table.h"
+
+#include <algorithm>
+
+namespace docent::sparql {
+namespace {
+
+// The slots of a pattern, each once.
+std::vector<int> SlotsOf(const PlanPattern& pattern) {
+  std::vector<int> slots;
+  for (const PlanTerm& term : {pattern.terms[0], pattern.terms[1], pattern.terms[2], pattern.graph.name}) {
+    if (term.slot >= 0 && std::find(slots.begin(), slots.end(), term.slot) == slots.end()) slots.push_back(term.slot);
+  }
+  return slots;
+}
+
+}  // namespace
+
+bool PatternTable::Fits(const TermId* row) const {
+  return ready_ &&
+         std::all_of(key_slots_.begin(), key_slots_.end(), [row](int slot) { return !row[slot].IsNone(); }) &&
+         std::all_of(value_slots_.begin(), value_slots_.end(), [row](int slot) { return row[slot].IsNone(); });
+}
+
+bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context) {
+  Forget();
+  for (const int slot : SlotsOf(pattern)) (row[slot].IsNone() ? value_slots_ : key_slots_).push_back(slot);
+  if (key_slots_.empty()) return false;
+  keys_ = RowSet(key_slots_.size());
+  const size_t bytes = value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
+  if (!context.MayKeep(bytes * static_cast<size_t>(pattern.matches))) return false;
+  std::vector<TermId> match(slots);
+  key_.resize(key_slots_.size());
+  PatternScan scan;
+  scan.Open(pattern, match.data(), context);
+  while (scan.Next(match.data())) {
+    for (size_t i = 0; i < key_.size(); ++i) key_[i] = match[key_slots_[i]];
+    const auto [number, added] = keys_.Insert(key_.data());
+    const uint32_t entry = static_cast<uint32_t>(next_.size());
+    if (added) {
+      first_.push_back(entry);
+      next_.push_back(kEnd);
+    } else {
+      next_.push_back(first_[number]);
+      first_[number] = entry;
+    }
+    for (const int slot : value_slots_) values_.push_back(match[slot]);
+    if (!context.Charge(bytes)) break;
+  }
+  ready_ = context.status.ok();
+  return ready_;
+}
+
+void PatternTable::Open(const TermId* row) {
+  for (size_t i = 0; i < key_.size(); ++i) key_[i] = row[key_slots_[i]];
+  const uint32_t number = keys_.Find(key_.data());
+  at_ = number == RowSet::npos ? kEnd : first_[number];
+  given_ = false;
+}
+
+bool PatternTable::Next(TermId* row, EvaluationContext& context) {
+  if (at_ == kEnd || !context.Poll()) {
+    for (const int slot : value_slots_) {
+      if (given_) row[slot] = TermId();
+    }
+    given_ = false;
+    return false;
+  }
+  const TermId* values = values_.data() + at_ * value_slots_.size();
+  for (size_t i = 0; i < value_slots_.size(); ++i) row[value_slots_[i]] = values[i];
+  at_ = next_[at_];
+  given_ = true;
+  return true;
+}
+
+void PatternTable::Forget() {
+  if (!ready_ && key_slots_.empty() && value_slots_.empty()) return;
+  *this = PatternTable();
+}
+
+}  // namespace docent::sparql

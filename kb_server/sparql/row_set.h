@@ -1,0 +1,82 @@
+// Rows of a fixed number of ids, each kept once, found by hash: what DISTINCT, GROUP BY and hash joins look rows up in.
+// One flat array, no allocation a row. One thread.
+#ifndef DOCENT_KB_SERVER_SPARQL_ROW_SET_H_
+#define DOCENT_KB_SERVER_SPARQL_ROW_SET_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "kb_server/rdf/term_id.h"
+
+namespace docent::sparql {
+
+class RowSet {
+ public:
+  explicit RowSet(size_t width) : width_(width) {}
+
+  // The number of the row (in order of first insertion) and whether it is new. `row` holds `width` ids.
+  std::pair<uint32_t, bool> Insert(const TermId* row) {
+    if ((size_ + 1) * 2 > heads_.size()) Grow();
+    const uint64_t hash = Hash(row);
+    for (size_t i = hash & (heads_.size() - 1);; i = (i + 1) & (heads_.size() - 1)) {
+      const uint32_t at = heads_[i];
+      if (at == 0) {
+        heads_[i] = ++size_;
+        cells_.insert(cells_.end(), row, row + width_);
+        return {size_ - 1, true};
+      }
+      if (std::equal(row, row + width_, Row(at - 1))) return {at - 1, false};
+    }
+  }
+  // The number of the row, or npos.
+  uint32_t Find(const TermId* row) const {
+    if (size_ == 0) return npos;
+    for (size_t i = Hash(row) & (heads_.size() - 1);; i = (i + 1) & (heads_.size() - 1)) {
+      const uint32_t at = heads_[i];
+      if (at == 0) return npos;
+      if (std::equal(row, row + width_, Row(at - 1))) return at - 1;
+    }
+  }
+  const TermId* Row(uint32_t number) const { return cells_.data() + number * width_; }
+  uint32_t size() const { return size_; }
+  // What one more row costs, about.
+  size_t bytes_a_row() const { return width_ * sizeof(TermId) + 3 * sizeof(uint32_t); }
+  void Clear() {
+    size_ = 0;
+    cells_ = {};
+    heads_ = {};
+  }
+
+  static constexpr uint32_t npos = ~uint32_t{0};
+
+ private:
+  uint64_t Hash(const TermId* row) const {  // the finaliser of MurmurHash3, a word after the other
+    uint64_t hash = width_;
+    for (size_t i = 0; i < width_; ++i) {
+      hash ^= row[i].bits();
+      hash = (hash ^ (hash >> 33)) * 0xFF51AFD7ED558CCD;
+      hash = (hash ^ (hash >> 33)) * 0xC4CEB9FE1A85EC53;
+    }
+    return hash ^ (hash >> 33);
+  }
+  void Grow() {
+    heads_.assign(std::max<size_t>(16, heads_.size() * 2), 0);
+    for (uint32_t n = 0; n < size_; ++n) {
+      size_t i = Hash(Row(n)) & (heads_.size() - 1);
+      while (heads_[i] != 0) i = (i + 1) & (heads_.size() - 1);
+      heads_[i] = n + 1;
+    }
+  }
+
+  size_t width_;
+  uint32_t size_ = 0;
+  std::vector<TermId> cells_;
+  std::vector<uint32_t> heads_;  // open addressing: row number + 1; a power of two
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_KB_SERVER_SPARQL_ROW_SET_H_

@@ -1,0 +1,136 @@
+// What the operators promise beyond right answers: hash tables where lookups are many, first rows without a sort of all,
+// paths that do not blow up, and plans that say what happened.
+#include <gtest/gtest.h>
+
+#include "tests/kb_server/sparql/test_graph.h"
+
+namespace docent::sparql {
+namespace {
+
+// n people in a ring of `knows`, each at one of ten places.
+std::string People(int n) {
+  std::string text;
+  for (int i = 0; i < n; ++i) {
+    const std::string who = "ex:p" + std::to_string(i);
+    text += who + " ex:knows ex:p" + std::to_string((i + 1) % n) + " ; ex:at ex:B" + std::to_string(i % 10) +
+            " ; ex:age " + std::to_string(i * 7919 % n) + " .\n";
+  }
+  return text;
+}
+
+std::string Explained(TestGraph& g, const std::string& query) {
+  const auto plan = g.Prepare(query)->ExplainRun(g.Run());
+  EXPECT_TRUE(plan.ok()) << plan.status();
+  return plan.ok() ? *plan : "";
+}
+
+TEST(SparqlOperators, ManyLookupsGoOverToAHashTableAndGiveTheSame) {
+  TestGraph g(People(2000));
+  const std::string query = "SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ex:B3 }";
+  EXPECT_EQ(g.Rows(query).size(), 200u);
+  const std::string three = "SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ?d }";
+  EXPECT_EQ(g.Rows(three).size(), 2000u);
+  const std::string plan = Explained(g, three);
+  EXPECT_NE(plan.find("by hash"), std::string::npos) << plan;
+  EXPECT_NE(plan.find("| 2000 rows"), std::string::npos) << plan;
+}
+
+TEST(SparqlOperators, AHashTableIsMadeAnewForAnotherVersion) {
+  TestGraph g(People(2000));
+  const auto query = g.Prepare("SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ?d }");
+  const auto count = [&] {
+    size_t rows = 0;
+    EXPECT_TRUE(query->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
+    return rows;
+  };
+  EXPECT_EQ(count(), 2000u);
+  g.Add("ex:p5 ex:at ex:B77 . ex:new ex:knows ex:p5 .");
+  EXPECT_EQ(count(), 2002u);
+}
+
+TEST(SparqlOperators, OptionalAndNotExistsOverManyRows) {
+  TestGraph g(People(1500) + "ex:p3 ex:name \"three\" . ex:p4 ex:name \"four\" .");
+  EXPECT_EQ(g.Rows("SELECT ?a ?n { ?a ex:knows ?b OPTIONAL { ?b ex:name ?n } }").size(), 1500u);
+  EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:knows ?b FILTER NOT EXISTS { ?b ex:name ?n } }").size(), 1498u);
+  EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:knows ?b FILTER EXISTS { ?b ex:name ?n } }").size(), 2u);
+  EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:knows ?b MINUS { ?b ex:name ?n } }").size(), 1498u);
+}
+
+TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
+  TestGraph g(People(1000));
+  const std::string order = "SELECT ?a ?x { ?a ex:age ?x } ORDER BY DESC(?x) ?a";
+  const std::vector<std::string> all = g.Rows(order, {}, true);
+  const std::vector<std::string> some = g.Rows(order + " LIMIT 7 OFFSET 5", {}, true);
+  EXPECT_EQ(some, std::vector<std::string>(all.begin() + 5, all.begin() + 12));
+  EXPECT_TRUE(g.Rows(order + " LIMIT 0").empty());
+  EXPECT_EQ(g.Rows(order + " LIMIT 5000", {}, true), all);
+  // equal keys: in the order in which the rows come, with and without the limit
+  const std::vector<std::string> by_place = g.Rows("SELECT ?a { ?a ex:at ?b } ORDER BY ?b", {}, true);
+  EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:at ?b } ORDER BY ?b LIMIT 120", {}, true),
+            std::vector<std::string>(by_place.begin(), by_place.begin() + 120));
+}
+
+TEST(SparqlOperators, FirstRowsNeedTheMemoryOfTheFirstRowsOnly) {
+  TestGraph g(People(3000));
+  PrepareOptions little;
+  little.memory_bytes = 20000;
+  EXPECT_EQ(g.Rows("SELECT ?a { ?a ex:age ?x } ORDER BY ?x LIMIT 3", little).size(), 3u);
+}
+
+TEST(SparqlOperators, PathsBetweenKnownAndUnknownEnds) {
+  TestGraph g("ex:a ex:p ex:b . ex:b ex:p ex:c . ex:c ex:p ex:a . ex:x ex:p ex:y . ex:b ex:q ex:z .");
+  EXPECT_TRUE(g.Ask("ASK { ex:a ex:p+ ex:a }"));
+  EXPECT_TRUE(g.Ask("ASK { ex:a ex:p+ ex:c }"));
+  EXPECT_FALSE(g.Ask("ASK { ex:a ex:p+ ex:y }"));
+  EXPECT_FALSE(g.Ask("ASK { ex:x ex:p+ ex:x }"));
+  EXPECT_TRUE(g.Ask("ASK { ex:x ex:p* ex:x }"));
+  EXPECT_TRUE(g.Ask("ASK { ex:nowhere ex:p* ex:nowhere }"));
+  EXPECT_TRUE(g.Ask("ASK { ex:a (ex:p|ex:q)+ ex:z }"));
+  EXPECT_TRUE(g.Ask("ASK { ex:z ^(ex:p|ex:q)+ ex:c }"));
+  EXPECT_FALSE(g.Ask("ASK { ex:z (ex:p|ex:q)+ ex:c }"));
+  EXPECT_EQ(g.Rows("SELECT * { ?s ex:p+ ?o }").size(), 10u);           // 3 x 3 of the ring, x to y
+  EXPECT_EQ(g.Rows("SELECT * { ?s (ex:p/ex:q)+ ?o }").size(), 1u);     // a to z
+  EXPECT_EQ(g.Rows("SELECT * { ?s ^ex:p+ ?o }").size(), 10u);
+  EXPECT_EQ(g.Rows("SELECT * { ?s ex:q* ?o }").size(), 7u);            // each node to itself, b to z
+  EXPECT_EQ(g.Rows("SELECT * { ?s (ex:q+)? ?o }").size(), 7u);
+  EXPECT_EQ(g.Rows("SELECT * { ?s (ex:p+|ex:q)+ ?o }"), g.Rows("SELECT * { ?s (ex:p|ex:q)+ ?o }"));
+}
+
+TEST(SparqlOperators, ClosuresInsideClosuresAreOneSearch) {
+  TestGraph g(People(3000));
+  Cancellation soon(std::chrono::milliseconds(5000));
+  RunOptions run = g.Run();
+  run.cancellation = &soon;
+  size_t rows = 0;
+  const auto query = g.Prepare("SELECT ?x { ex:p0 (((ex:knows+)*)+|(ex:knows*)?)* ?x }");
+  EXPECT_TRUE(query->Select(run, {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
+  EXPECT_EQ(rows, 3000u);
+}
+
+TEST(SparqlOperators, CountsSumsAndDistinctOfIds) {
+  TestGraph g(People(100) + "ex:p5 ex:age 2.5 .");
+  EXPECT_EQ(g.Rows("SELECT (COUNT(?x) AS ?n) (SUM(?x) AS ?s) { ?p ex:age ?x }"), std::vector<std::string>{"101 4952.5"});
+  EXPECT_EQ(g.Rows("SELECT (COUNT(DISTINCT ?b) AS ?n) { ?p ex:at ?b }"), std::vector<std::string>{"10"});
+  EXPECT_EQ(g.Rows("SELECT (AVG(?x) AS ?m) { ?p ex:age ?x FILTER(?x != 2.5) }"), std::vector<std::string>{"49.5"});
+  EXPECT_EQ(g.Rows("SELECT DISTINCT ?b { ?p ex:at ?b }").size(), 10u);
+  EXPECT_EQ(g.Rows("SELECT ?b (COUNT(*) AS ?n) { ?p ex:at ?b } GROUP BY ?b").size(), 10u);
+}
+
+TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
+  TestGraph g(People(50));
+  const auto query = g.Prepare("SELECT ?a { ?a ex:at ex:B1 . ?a ex:age ?x FILTER(?x > 10) } ORDER BY ?x LIMIT 2");
+  const auto plan = query->ExplainRun(g.Run());
+  ASSERT_TRUE(plan.ok());
+  EXPECT_NE(plan->find("order, first 2"), std::string::npos) << *plan;
+  EXPECT_NE(plan->find("1 condition"), std::string::npos) << *plan;
+  EXPECT_NE(plan->find("| 2 rows"), std::string::npos) << *plan;
+  EXPECT_LT(plan->find("B1"), plan->find("age"));
+  EXPECT_EQ(query->Explain(*g.version).find("| "), std::string::npos);
+  // what was measured does not change what the query gives later
+  size_t rows = 0;
+  EXPECT_TRUE(query->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
+  EXPECT_EQ(rows, 2u);
+}
+
+}  // namespace
+}  // namespace docent::sparql

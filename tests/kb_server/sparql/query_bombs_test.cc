@@ -1,0 +1,103 @@
+// Queries that would take for ever or all memory: each ends at its limit, says the limit's name, and the next run of the
+// same prepared query starts with all its memory again.
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "tests/kb_server/sparql/test_graph.h"
+
+namespace docent::sparql {
+namespace {
+
+class QueryBombs : public testing::Test {
+ protected:
+  QueryBombs() {
+    std::string text;
+    for (int i = 0; i < 300; ++i) {
+      text += "ex:n" + std::to_string(i) + " ex:p ex:n" + std::to_string(i * 7 % 300) + " , ex:n" +
+              std::to_string((i + 1) % 300) + " ; ex:name \"" + std::string(200, 'a') + std::to_string(i) + "\" .\n";
+    }
+    g_.Add(text);
+  }
+
+  absl::Status Run(const std::string& text, int timeout_ms, size_t memory_bytes = Limits{}.query_memory_bytes) {
+    PrepareOptions options;
+    options.memory_bytes = memory_bytes;
+    const auto query = g_.Prepare(text, options);
+    Cancellation cancellation{std::chrono::milliseconds(timeout_ms)};
+    RunOptions run = g_.Run();
+    run.cancellation = &cancellation;
+    const auto begun = std::chrono::steady_clock::now();
+    const absl::Status status = query->Select(run, {}, [](absl::Span<const TermId>) { return true; });
+    took_ = std::chrono::steady_clock::now() - begun;
+    return status;
+  }
+  void ExpectTimeout(const std::string& text) {
+    const absl::Status status = Run(text, 100);
+    EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << text << status;
+    EXPECT_NE(status.message().find("query_timeout_ms = 100"), std::string::npos) << status;
+    EXPECT_LT(took_, std::chrono::seconds(20)) << text;
+  }
+  // Has no solution, which is known only after all of the product.
+  const std::string kNever = "?d ?e ?f . ?g ?h ?i . ?j ?k ?l FILTER(STRLEN(STR(?d)) + STRLEN(STR(?g)) + STRLEN(STR(?j)) < 0)";
+
+  void ExpectMemory(const std::string& text, size_t limit = 100000) {
+    const absl::Status status = Run(text, 30000, limit);
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << text << status;
+    EXPECT_NE(status.message().find("query_memory_bytes = " + std::to_string(limit)), std::string::npos) << status;
+  }
+
+  TestGraph g_;
+  std::chrono::steady_clock::duration took_{};
+};
+
+TEST_F(QueryBombs, EndAtTheTimeLimit) {
+  ExpectTimeout("SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }");
+  ExpectTimeout("SELECT (COUNT(*) AS ?n) { ?a ex:p ?b . ?c ex:p ?d . ?e ex:p ?f . ?g ex:p ?h FILTER(?a = ?h && ?b = ?c) }");
+  ExpectTimeout("SELECT * { ?a ?b ?c FILTER EXISTS { " + kNever + " } }");
+  ExpectTimeout("SELECT * { ?a ?b ?c OPTIONAL { " + kNever + " } }");
+  ExpectTimeout("SELECT * { ?a (ex:p|!ex:q)* ?b . ?c (ex:p|!ex:q)* ?d . ?e (ex:p/ex:p/ex:p)+ ?f }");
+  ExpectTimeout("SELECT ?x { { SELECT (COUNT(*) AS ?x) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l } } }");
+  ExpectTimeout("ASK { " + kNever + " }");
+}
+
+TEST_F(QueryBombs, EndAtTheMemoryLimit) {
+  ExpectMemory("SELECT DISTINCT * { ?a ?b ?c . ?d ?e ?f }");
+  ExpectMemory("SELECT * { ?a ?b ?c . ?d ?e ?f } ORDER BY ?a ?f");
+  ExpectMemory("SELECT ?a ?f (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f } GROUP BY ?a ?f");
+  ExpectMemory("SELECT (GROUP_CONCAT(?n) AS ?all) { ?a ex:name ?n . ?b ex:name ?m }");
+  ExpectMemory("SELECT (COUNT(DISTINCT *) AS ?n) { ?a ?b ?c . ?d ?e ?f }");
+  ExpectMemory("SELECT * { ?a ex:p ?b { SELECT ?x ?w { ?x ?q ?y . ?v ?w ?z } ORDER BY ?x } }");
+  ExpectMemory("SELECT (CONCAT(?n, ?m, STR(?a), STR(?b)) AS ?x) { ?a ex:name ?n . ?b ex:name ?m }");
+  ExpectMemory("SELECT * { ?a (ex:p|^ex:p)* ?b }", 2000);
+}
+
+TEST_F(QueryBombs, RegularExpressionsDoNotBacktrack) {
+  EXPECT_TRUE(Run("SELECT * { ?a ex:name ?n FILTER(REGEX(?n, \"^(a+)+(a|aa)*$\")) }", 10000).ok());
+  EXPECT_LT(took_, std::chrono::seconds(5));
+}
+
+TEST_F(QueryBombs, MemoryIsGivenBackBetweenRuns) {
+  PrepareOptions options;
+  options.memory_bytes = 300000;
+  const auto query = g_.Prepare("SELECT DISTINCT ?a ?c { ?a ex:p ?b . ?b ex:p ?c }", options);
+  for (int i = 0; i < 50; ++i) {
+    size_t rows = 0;
+    ASSERT_TRUE(query->Select(g_.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok()) << i;
+    ASSERT_GT(rows, 500u);
+  }
+}
+
+TEST_F(QueryBombs, ManySearchesFromManyNodesDoNotAddUp) {
+  // Each search keeps 300 nodes for a while; 300 of them one after the other must fit.
+  EXPECT_TRUE(Run("SELECT (COUNT(*) AS ?n) { ?a ex:p+ ?b }", 30000, 200000).ok());
+}
+
+TEST_F(QueryBombs, AHugeValuesBlockStreams) {
+  std::string values = "SELECT * { VALUES ?x {";
+  for (int i = 0; i < 50000; ++i) values += " " + std::to_string(i);
+  EXPECT_TRUE(Run(values + " } ?a ex:p ?b }", 1).code() == absl::StatusCode::kDeadlineExceeded);
+}
+
+}  // namespace
+}  // namespace docent::sparql
