@@ -45,6 +45,7 @@ class JoinOrder {
   struct Filter {
     uint64_t variables = 0;
     double selectivity = 1;
+    double cost = 0;  // of one evaluation
   };
   // After some of the patterns.
   struct State {
