@@ -95,10 +95,10 @@ int CheckAnswers(const Round& round) {
       if (ours == nullptr || theirs == nullptr) continue;
       for (size_t k = 0; k < std::min(ours->answers.size(), theirs->answers.size()); ++k) {
         if (ours->answers[k] == theirs->answers[k]) continue;
-        std::fprintf(stderr, "answers differ: %s (%s) '%s': docent %lld, %s %lld\n", round.cases[i].name.c_str(),
-                     round.cases[i].form.c_str(), round.cases[i].parameters[k].c_str(),
-                     static_cast<long long>(ours->answers[k]), round.systems[s].name.c_str(),
-                     static_cast<long long>(theirs->answers[k]));
+        std::fprintf(stderr, "answers differ: %s (%s) '%s': docent %lld, %s %lld\n",
+                     round.cases[i].name.c_str(), round.cases[i].form.c_str(),
+                     round.cases[i].parameters[k].c_str(), static_cast<long long>(ours->answers[k]),
+                     round.systems[s].name.c_str(), static_cast<long long>(theirs->answers[k]));
         wrong += round.systems[s].name.starts_with("Oxigraph") ? 1 : 0;
         break;
       }
@@ -115,7 +115,8 @@ void AddFigures(const Round& round, std::vector<Measurement>* figures) {
     const KbRun& run = round.runs[s];
     const auto add = [&](const std::string& what, const std::string& metric, const std::string& unit,
                          std::vector<double> values, const std::string& reason) {
-      figures->push_back({"kb", absl::StrCat(size, " ", what), name, metric, unit, std::move(values), reason});
+      figures->push_back(
+          {"kb", absl::StrCat(size, " ", what), name, metric, unit, std::move(values), reason});
     };
     if (!run.reason.empty()) {
       add("load", "rate", "triples/s", {}, run.reason);
@@ -135,16 +136,20 @@ void AddFigures(const Round& round, std::vector<Measurement>* figures) {
         const bool measured = answer != nullptr && !answer->us.empty();
         add(absl::StrCat(c.name, ", ", c.form), absl::StrCat("latency, ", mode), "us",
             measured ? answer->Means(answer->us[0].size()) : std::vector<double>{},
-            measured ? "" : answer != nullptr ? answer->reason : "over the time of the whole run");
+            measured            ? ""
+            : answer != nullptr ? answer->reason
+                                : "over the time of the whole run");
       }
     }
     if (s == 0) continue;
     for (const std::string form : {"rows", "count"}) {
       const Comparison c = Compare(round, s, form);
       if (c.cases == 0) continue;
-      add(absl::StrCat("all, ", form), absl::StrCat("latency as a multiple of docent's, geometric mean of ", c.cases), "x",
+      add(absl::StrCat("all, ", form),
+          absl::StrCat("latency as a multiple of docent's, geometric mean of ", c.cases), "x",
           {c.geometric_mean}, "");
-      add(absl::StrCat("all, ", form), absl::StrCat("the least of them (", c.worst_case, ")"), "x", {c.worst}, "");
+      add(absl::StrCat("all, ", form), absl::StrCat("the least of them (", c.worst_case, ")"), "x", {c.worst},
+          "");
     }
   }
 }
@@ -183,11 +188,13 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
   std::ofstream(folder + "/job.json") << ToJobJson(folder + "/data.nt", round->cases, arguments.budget_ms);
   const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   for (const KbSystem& system : KbSystems(programs, arguments.scripts, arguments.npm)) {
-    const bool wanted = system.name == "docent" || arguments.only.empty() ||
-                        std::any_of(arguments.only.begin(), arguments.only.end(),
-                                    [&](const std::string& name) { return absl::StartsWithIgnoreCase(system.name, name); });
+    const bool wanted =
+        system.name == "docent" || arguments.only.empty() ||
+        std::any_of(arguments.only.begin(), arguments.only.end(),
+                    [&](const std::string& name) { return absl::StartsWithIgnoreCase(system.name, name); });
     if (!wanted) continue;
-    std::fprintf(stderr, "%s: %zu triples, %zu cases ...\n", system.name.c_str(), round->triples, round->cases.size());
+    std::fprintf(stderr, "%s: %zu triples, %zu cases ...\n", system.name.c_str(), round->triples,
+                 round->cases.size());
     round->systems.push_back(system);
     round->runs.push_back(RunKbSystem(system, folder + "/job.json", arguments.timeout_s));
   }
@@ -198,17 +205,22 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
 }  // namespace
 
 int RunKbBench(const std::vector<std::string>& args) {
-  CLI::App app{"Loading, memory and query latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
-               "docent-bench kb"};
+  CLI::App app{
+      "Loading, memory and query latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
+      "docent-bench kb"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Sizes of the graph")->capture_default_str()->delimiter(',');
-  app.add_option("--instances", arguments.instances, "Parameters drawn for each query")->capture_default_str();
-  app.add_option("--budget-ms", arguments.budget_ms, "Time that a system may take for a query, over all its instances")
+  app.add_option("--instances", arguments.instances, "Parameters drawn for each query")
       ->capture_default_str();
-  app.add_option("--timeout-s", arguments.timeout_s, "Time that a system may take in all")->capture_default_str();
+  app.add_option("--budget-ms", arguments.budget_ms,
+                 "Time that a system may take for a query, over all its instances")
+      ->capture_default_str();
+  app.add_option("--timeout-s", arguments.timeout_s, "Time that a system may take in all")
+      ->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of data and parameters")->capture_default_str();
-  app.add_option("--only", arguments.only, "Names of peers, e.g. oxigraph,rdflib; default: all")->delimiter(',');
+  app.add_option("--only", arguments.only, "Names of peers, e.g. oxigraph,rdflib; default: all")
+      ->delimiter(',');
   app.add_option("--scripts", arguments.scripts, "Folder of the peers' scripts")->capture_default_str();
   app.add_option("--npm", arguments.npm, "Folder with node_modules/oxigraph")->capture_default_str();
   std::vector<std::string> reversed(args.rbegin(), args.rend());

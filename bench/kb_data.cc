@@ -36,7 +36,9 @@ class Generator {
     return std::min(n - 1, static_cast<size_t>(static_cast<double>(n) * u * u * u));
   }
 
-  static std::string Iri(const std::string& name) { return absl::StrCat("<http://bench.example/", name, ">"); }
+  static std::string Iri(const std::string& name) {
+    return absl::StrCat("<http://bench.example/", name, ">");
+  }
   static std::string Docent(const std::string& name) { return absl::StrCat("<", DocentIri(name), ">"); }
   static std::string Text(const std::string& text) { return absl::StrCat("\"", text, "\""); }
   static std::string Typed(const std::string& text, std::string_view datatype) {
@@ -67,7 +69,8 @@ class Generator {
   }
 
   void Department(size_t d) {
-    const std::string dept = absl::StrCat("dept", d), university = absl::StrCat("univ", counts_.universities - 1);
+    const std::string dept = absl::StrCat("dept", d),
+                      university = absl::StrCat("univ", counts_.universities - 1);
     Is(Iri(dept), "Department");
     Say(Iri(dept), Iri("subOrganizationOf"), Iri(university));
     for (size_t c = 0; c < kCoursesPerDepartment; ++c) {
@@ -87,16 +90,19 @@ class Generator {
         Say(Iri(student), Iri("takesCourse"), Iri(absl::StrCat(dept, "/course", course)));
       }
       if (graduate) {
-        Say(Iri(student), Iri("undergraduateDegreeFrom"), Iri(absl::StrCat("univ", Below(counts_.universities))));
+        Say(Iri(student), Iri("undergraduateDegreeFrom"),
+            Iri(absl::StrCat("univ", Below(counts_.universities))));
       }
       if (graduate || Chance(20)) {
-        Say(Iri(student), Iri("advisor"), Iri(absl::StrCat(dept, "/professor", Below(kProfessorsPerDepartment))));
+        Say(Iri(student), Iri("advisor"),
+            Iri(absl::StrCat(dept, "/professor", Below(kProfessorsPerDepartment))));
       }
     }
   }
 
   void Professor(const std::string& dept, size_t p) {
-    static constexpr const char* kRanks[] = {"FullProfessor", "AssociateProfessor", "AssistantProfessor", "Lecturer"};
+    static constexpr const char* kRanks[] = {"FullProfessor", "AssociateProfessor", "AssistantProfessor",
+                                             "Lecturer"};
     const std::string professor = absl::StrCat(dept, "/professor", p);
     Is(Iri(professor), kRanks[p % 4]);
     Say(Iri(professor), Iri("worksFor"), Iri(dept));
@@ -165,7 +171,8 @@ class Generator {
   }
 
   // Up to `most` different ones.
-  void Several(const std::string& user, const std::string& property, const std::string& what, size_t among, size_t most) {
+  void Several(const std::string& user, const std::string& property, const std::string& what, size_t among,
+               size_t most) {
     std::vector<size_t> chosen;
     for (size_t i = 0, n = Below(most + 1) + most / 2; i < n; ++i) chosen.push_back(Popular(among));
     std::sort(chosen.begin(), chosen.end());

@@ -1,9 +1,11 @@
-// docent_kb_docent JOB.json: Docent's store and SPARQL engine as one of the measured systems of `docent-bench kb`.
-// Like every peer it loads the job's data, runs its cases and prints one JSON object a line:
+// docent_kb_docent JOB.json: Docent's store and SPARQL engine as one of the measured systems of `docent-bench
+// kb`. Like every peer it loads the job's data, runs its cases and prints one JSON object a line:
 //   {"load_s": seconds, "bytes": growth of resident memory, "index_bytes", "dictionary_bytes"}
-//   {"case": number, "mode": "cold" | "prepared", "answers": [rows of each instance], "us": [[latency of each instance] a pass]}
+//   {"case": number, "mode": "cold" | "prepared", "answers": [rows of each instance], "us": [[latency of each
+//   instance] a pass]}
 //   {"case": number, "mode": …, "reason": why there is no figure}
-// cold: text → parse → plan → run, every answer made anew; rows are decoded to terms. Nothing is kept between runs.
+// cold: text → parse → plan → run, every answer made anew; rows are decoded to terms. Nothing is kept between
+// runs.
 #include <malloc.h>
 #include <unistd.h>
 
@@ -28,7 +30,9 @@ namespace {
 using nlohmann::json;
 using SteadyClock = std::chrono::steady_clock;
 
-double Seconds(SteadyClock::time_point since) { return std::chrono::duration<double>(SteadyClock::now() - since).count(); }
+double Seconds(SteadyClock::time_point since) {
+  return std::chrono::duration<double>(SteadyClock::now() - since).count();
+}
 
 size_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");
@@ -167,12 +171,14 @@ int main(int argc, char** argv) {
       texts.push_back(absl::StrReplaceAll(c["text"].get<std::string>(), {{"@P@", value}}));
     }
     const auto answer = [&](int64_t rows) { return count && rows >= 0 ? engine.last() : rows; };
-    Measure(job, number, "cold", [&](size_t i, std::string* reason) { return answer(engine.Cold(texts[i], ask, reason)); });
+    Measure(job, number, "cold",
+            [&](size_t i, std::string* reason) { return answer(engine.Cold(texts[i], ask, reason)); });
     const auto query = engine.Prepare(c);
     if (query == nullptr) continue;
     const bool bound = texts[0] != c["text"];
     std::vector<docent::Term> values;
-    for (const std::string value : c["parameters"]) values.push_back(docent::Term::Iri("http://bench.example/" + value));
+    for (const std::string value : c["parameters"])
+      values.push_back(docent::Term::Iri("http://bench.example/" + value));
     Measure(job, number, "prepared", [&](size_t i, std::string* reason) {
       if (!bound) return answer(engine.Run(*query, {}, ask, reason));
       const docent::TermId value = query->Encode(values[i]);

@@ -10,17 +10,20 @@
 
 namespace docent::bench {
 
-// One query in one form. `@P@` in the text (as <http://bench.example/@P@> or "@P@") stands for a parameter; without parameters `parameters` is {""}.
+// One query in one form. `@P@` in the text (as <http://bench.example/@P@> or "@P@") stands for a parameter;
+// without parameters `parameters` is {""}.
 struct KbCase {
   std::string name;  // "shop: friends of friends"
   std::string form;  // "rows", "count" (COUNT(*) of the same pattern) or "ask"
   std::string text;
   std::vector<std::string> parameters;
-  std::string goal;    // for SWI-Prolog: the pattern as a conjunction of rdf/3, @P@ as above; empty: it has no words for it
+  std::string goal;  // for SWI-Prolog: the pattern as a conjunction of rdf/3, @P@ as above; empty: it has no
+                     // words for it
   std::string answer;  // for SWI-Prolog: the list of variables of a row
 };
 
-// `instances`: parameters a case. They are drawn from 10,000 values, a tenth of which the graph does not have.
+// `instances`: parameters a case. They are drawn from 10,000 values, a tenth of which the graph does not
+// have.
 std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64_t seed);
 
 // The job as JSON: data file, cases, and the milliseconds that a system may spend on a case.

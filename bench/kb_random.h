@@ -1,4 +1,5 @@
-// Numbers that follow from a seed, the same on every machine (splitmix64, Steele et al., OOPSLA 2014). One thread.
+// Numbers that follow from a seed, the same on every machine (splitmix64, Steele et al., OOPSLA 2014). One
+// thread.
 #ifndef DOCENT_BENCH_KB_RANDOM_H_
 #define DOCENT_BENCH_KB_RANDOM_H_
 

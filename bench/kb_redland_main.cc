@@ -1,6 +1,6 @@
 // docent_kb_redland JOB.json: stock librdf with its `trees` storage and Rasqal, as a measured system of
-// `docent-bench kb`. What it prints: bench/kb_docent_main.cc. Rasqal can't be cancelled: each case runs in a child process,
-// which is killed when the case takes too long.
+// `docent-bench kb`. What it prints: bench/kb_docent_main.cc. Rasqal can't be cancelled: each case runs in a
+// child process, which is killed when the case takes too long.
 #include <redland.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -21,7 +21,9 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr unsigned kCaseLimitS = 4;
 
-double Seconds(SteadyClock::time_point since) { return std::chrono::duration<double>(SteadyClock::now() - since).count(); }
+double Seconds(SteadyClock::time_point since) {
+  return std::chrono::duration<double>(SteadyClock::now() - since).count();
+}
 
 size_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");
@@ -30,7 +32,9 @@ size_t ResidentBytes() {
   return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
 }
 
-int Quiet(void*, librdf_log_message*) { return 1; }
+int Quiet(void*, librdf_log_message*) {
+  return 1;
+}
 
 struct Redland {
   librdf_world* world = librdf_new_world();
@@ -55,8 +59,8 @@ struct Redland {
 
   // The rows (or the count, or 0 and 1); -1: refused.
   int64_t Run(const std::string& text, const std::string& form) {
-    librdf_query* query =
-        librdf_new_query(world, "sparql11-query", nullptr, reinterpret_cast<const unsigned char*>(text.c_str()), nullptr);
+    librdf_query* query = librdf_new_query(world, "sparql11-query", nullptr,
+                                           reinterpret_cast<const unsigned char*>(text.c_str()), nullptr);
     librdf_query_results* results = query == nullptr ? nullptr : librdf_model_query_execute(model, query);
     int64_t answer = -1;
     if (results != nullptr && form == "ask") {
@@ -69,7 +73,8 @@ struct Redland {
         for (int i = 0; i < columns; ++i) {
           librdf_node* node = librdf_query_results_get_binding_value(results, i);
           if (node == nullptr) continue;
-          if (form == "count") answer = std::atoll(reinterpret_cast<const char*>(librdf_node_get_literal_value(node)));
+          if (form == "count")
+            answer = std::atoll(reinterpret_cast<const char*>(librdf_node_get_literal_value(node)));
           librdf_free_node(node);
         }
       }
@@ -80,7 +85,9 @@ struct Redland {
   }
 };
 
-void Print(const json& line) { std::cout << line.dump() << std::endl; }
+void Print(const json& line) {
+  std::cout << line.dump() << std::endl;
+}
 
 void Measure(Redland& redland, const json& job, size_t number) {
   const json& c = job["cases"][number];

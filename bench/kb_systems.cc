@@ -13,9 +13,13 @@
 namespace docent::bench {
 namespace {
 
-bool Succeeds(const std::string& command) { return system(absl::StrCat(command, " >/dev/null 2>&1").c_str()) == 0; }
+bool Succeeds(const std::string& command) {
+  return system(absl::StrCat(command, " >/dev/null 2>&1").c_str()) == 0;
+}
 
-std::string Quoted(const std::string& path) { return absl::StrCat("'", path, "'"); }
+std::string Quoted(const std::string& path) {
+  return absl::StrCat("'", path, "'");
+}
 
 void Take(const nlohmann::json& line, KbRun* run) {
   if (!line.contains("case")) {
@@ -47,15 +51,17 @@ std::vector<double> KbAnswer::Means(size_t instances) const {
   return means;
 }
 
-std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& scripts, const std::string& npm) {
+std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& scripts,
+                                const std::string& npm) {
   std::vector<KbSystem> systems;
   systems.push_back({"docent", Quoted(programs + "/docent_kb_docent"), ""});
-  systems.push_back(
-      {"Oxigraph npm (WASM)", absl::StrCat("NPM=", Quoted(npm), " node ", Quoted(scripts + "/oxigraph.mjs")), ""});
+  systems.push_back({"Oxigraph npm (WASM)",
+                     absl::StrCat("NPM=", Quoted(npm), " node ", Quoted(scripts + "/oxigraph.mjs")), ""});
   if (!Succeeds("node --version")) {
     systems.back().missing = "node is not installed";
   } else if (!std::filesystem::exists(npm + "/node_modules/oxigraph")) {
-    systems.back().missing = absl::StrCat("not installed: npm install --no-package-lock --prefix ", npm, " oxigraph");
+    systems.back().missing =
+        absl::StrCat("not installed: npm install --no-package-lock --prefix ", npm, " oxigraph");
   }
   systems.push_back({"librdf trees + Rasqal", Quoted(programs + "/docent_kb_redland"), ""});
   if (!std::filesystem::exists(programs + "/docent_kb_redland")) {
@@ -64,7 +70,8 @@ std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& 
   systems.push_back({"SWI-Prolog semweb", absl::StrCat("swipl ", Quoted(scripts + "/semweb.pl")), ""});
   if (!Succeeds("swipl --version")) systems.back().missing = "not installed: swi-prolog-nox";
   systems.push_back({"rdflib", absl::StrCat("/usr/bin/python3 ", Quoted(scripts + "/rdflib_peer.py")), ""});
-  if (!Succeeds("/usr/bin/python3 -c 'import rdflib'")) systems.back().missing = "not installed: python3-rdflib";
+  if (!Succeeds("/usr/bin/python3 -c 'import rdflib'"))
+    systems.back().missing = "not installed: python3-rdflib";
   return systems;
 }
 
@@ -72,8 +79,8 @@ KbRun RunKbSystem(const KbSystem& system, const std::string& job_file, int timeo
   KbRun run;
   run.reason = system.missing;
   if (!run.reason.empty()) return run;
-  const std::string command =
-      absl::StrCat("timeout -k 2 ", timeout_s, " env ", system.command, " ", Quoted(job_file), " 2>/dev/null");
+  const std::string command = absl::StrCat("timeout -k 2 ", timeout_s, " env ", system.command, " ",
+                                           Quoted(job_file), " 2>/dev/null");
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) {
     run.reason = "cannot be started";
@@ -88,7 +95,8 @@ KbRun RunKbSystem(const KbSystem& system, const std::string& job_file, int timeo
   free(text);
   const int code = pclose(pipe);
   if (run.load_s == 0) {
-    run.reason = code == 124 << 8 ? absl::StrCat("not loaded within ", timeout_s, " s") : "ended before its data was loaded";
+    run.reason = code == 124 << 8 ? absl::StrCat("not loaded within ", timeout_s, " s")
+                                  : "ended before its data was loaded";
   }
   return run;
 }

@@ -16,24 +16,27 @@ struct KbSystem {
   std::string missing;  // why it cannot run; empty: it can
 };
 
-// Docent and the peers. `programs`: folder of docent_kb_*; `scripts`: of the peers' scripts; `npm`: holds node_modules.
-std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& scripts, const std::string& npm);
+// Docent and the peers. `programs`: folder of docent_kb_*; `scripts`: of the peers' scripts; `npm`: holds
+// node_modules.
+std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& scripts,
+                                const std::string& npm);
 
 struct KbAnswer {
-  std::vector<int64_t> answers;          // rows (count, 0 or 1) of each instance
-  std::vector<std::vector<double>> us;   // latency of each instance, a pass each
-  std::string reason;                    // why there is none
+  std::vector<int64_t> answers;         // rows (count, 0 or 1) of each instance
+  std::vector<std::vector<double>> us;  // latency of each instance, a pass each
+  std::string reason;                   // why there is none
 
-  // Mean latencies of the first `instances`, ascending: of each instance's quickest pass, of its second quickest, and so on.
-  // On a machine that others use, too, the middle one leaves out the passes that were interrupted.
+  // Mean latencies of the first `instances`, ascending: of each instance's quickest pass, of its second
+  // quickest, and so on. On a machine that others use, too, the middle one leaves out the passes that were
+  // interrupted.
   std::vector<double> Means(size_t instances) const;
 };
 
 struct KbRun {
   double load_s = 0;
-  double bytes = 0;             // growth of resident memory by loading
-  double index_bytes = 0, dictionary_bytes = 0;  // docent
-  std::string reason;           // why nothing was measured
+  double bytes = 0;                                            // growth of resident memory by loading
+  double index_bytes = 0, dictionary_bytes = 0;                // docent
+  std::string reason;                                          // why nothing was measured
   std::map<std::pair<size_t, std::string>, KbAnswer> answers;  // by case and mode
 };
 

@@ -33,7 +33,8 @@ class Explainer {
     out_ += '\n';
     for (const PlanPattern& p : node.patterns) {
       Line(depth + 1, PrintTriple(*p.source, display_), p.estimate);
-      if (measured_) out_ += " | " + std::to_string(p.rows) + " rows" + (p.hashed ? ", by hash" : ", by index");
+      if (measured_)
+        out_ += " | " + std::to_string(p.rows) + " rows" + (p.hashed ? ", by hash" : ", by index");
       out_ += '\n';
     }
     for (const PlanNodePtr& child : node.children) Node(*child, depth + 1);

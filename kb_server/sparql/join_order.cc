@@ -7,14 +7,15 @@
 namespace docent::sparql {
 namespace {
 
-// Microseconds, measured by docent_sparql_bench: one index lookup, one triple put into a hash table, one lookup in that,
-// one row handed on; a filter that compares, a filter that calls a function; one step of the dynamic programme, and one pattern's sample.
+// Microseconds, measured by docent_sparql_bench: one index lookup, one triple put into a hash table, one
+// lookup in that, one row handed on; a filter that compares, a filter that calls a function; one step of the
+// dynamic programme, and one pattern's sample.
 constexpr double kLookup = 0.15, kHashed = 0.08, kHashLookup = 0.03, kRow = 0.015;
 constexpr double kComparison = 0.05, kCall = 0.25;
 constexpr double kStep = 0.06, kSample = 3;
 
-// The number of values of a variable among n matches, as a power of n: a subject has few values of one property, an object
-// is shared by more subjects, predicates and graphs are few.
+// The number of values of a variable among n matches, as a power of n: a subject has few values of one
+// property, an object is shared by more subjects, predicates and graphs are few.
 constexpr double kValuePowers[] = {0.85, 0.4, 0.6, 0.3};
 constexpr size_t kSampled = 6;
 
@@ -38,7 +39,8 @@ double Selectivity(const PlanExpression& e) {
 
 bool HasCall(const PlanExpression& e) {
   return e.kind == Expression::Kind::kBuiltin || e.kind == Expression::Kind::kFunction ||
-         std::any_of(e.arguments.begin(), e.arguments.end(), [](const PlanExpressionPtr& a) { return HasCall(*a); });
+         std::any_of(e.arguments.begin(), e.arguments.end(),
+                     [](const PlanExpressionPtr& a) { return HasCall(*a); });
 }
 
 }  // namespace
@@ -76,7 +78,8 @@ void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
   if (counted.matches < 0) {
     const QuadPattern quad = Constants(pattern);
     counted.matches = 0;
-    const bool known = quad.subject.tag() != TermId::Tag::kLocal && quad.predicate.tag() != TermId::Tag::kLocal &&
+    const bool known = quad.subject.tag() != TermId::Tag::kLocal &&
+                       quad.predicate.tag() != TermId::Tag::kLocal &&
                        quad.object.tag() != TermId::Tag::kLocal && quad.graph.tag() != TermId::Tag::kLocal;
     if (known) counted.matches = static_cast<double>(context_.version->Count(quad));
   }
@@ -92,7 +95,8 @@ void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
   }
 }
 
-// The number of values of subject and object from a few matches: those of which a value has c are 1/c of a value each.
+// The number of values of subject and object from a few matches: those of which a value has c are 1/c of a
+// value each.
 void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
   const QuadPattern quad = Constants(pattern);
   if (out->matches < 8 || quad.predicate.IsNone()) return;
@@ -111,7 +115,8 @@ void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
       sum += count;
     }
     const double n = static_cast<double>(sample.size());
-    // Between the mean over values and the mean over matches: what comes from elsewhere meets popular values more often.
+    // Between the mean over values and the mean over matches: what comes from elsewhere meets popular values
+    // more often.
     use.values = std::max(1.0, out->matches / std::sqrt(n / inverse * (sum / n)));
   }
 }
@@ -138,7 +143,8 @@ JoinOrder::State JoinOrder::Extend(const State& state, const Pattern& pattern) c
     rows /= std::max({std::min<double>(values, state.rows), use.values, 1.0});
     values = std::min(values, static_cast<float>(use.values));
   }
-  next.cost += std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) + rows * kRow;
+  next.cost +=
+      std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) + rows * kRow;
   for (const Filter& filter : filters_) {
     const bool before = (filter.variables & ~state.bound) == 0 && state.bound != initial_;
     if (before || (filter.variables & ~bound) != 0) continue;
@@ -161,7 +167,9 @@ std::vector<size_t> JoinOrder::Greedy(State* end) const {
     for (size_t i = 0; i < patterns_.size(); ++i) {
       if (used[i]) continue;
       const State state = Extend(*end, patterns_[i]);
-      if (found && (state.rows > best_state.rows || (state.rows == best_state.rows && state.cost >= best_state.cost))) continue;
+      if (found &&
+          (state.rows > best_state.rows || (state.rows == best_state.rows && state.cost >= best_state.cost)))
+        continue;
       found = true;
       best = i;
       best_state = state;

@@ -50,9 +50,9 @@ class BgpOperator final : public Operator {
     for (const PlanExpressionPtr& filter : node_.filters) ForgetExpression(*filter);
     for (Level& level : levels_) {
       level.scan.Forget();
-      level.table.Forget();
+      if (level.tried) level.table.Forget();
+      level.tried = false;
       level.lookups = 0;
-      level.hashed = false;
     }
   }
 
@@ -95,18 +95,19 @@ class BgpOperator final : public Operator {
     PatternScan scan;
     PatternTable table;
     uint64_t lookups = 0;  // of the index in this run
-    bool hashed = false;   // `table` is open, not `scan`
+    bool tried = false;    // there may be a table
+    bool hashed = false;   // it is open, not `scan`
   };
 
   void Open(int number) {
     Level& level = levels_[number];
     PlanPattern& pattern = node_.patterns[number];
-    level.hashed = level.table.Fits(row_.data());
-    const bool often = ++level.lookups > kFewLookups &&
-                       static_cast<double>(level.lookups) * kMatchesALookup > pattern.matches;
-    if (!level.hashed && often && pattern.matches >= 0) {
-      level.hashed = level.table.Build(pattern, row_.data(), row_.size(), context_);
+    level.hashed = level.tried && level.table.Fits(row_.data());
+    if (!level.hashed && ++level.lookups > kFewLookups &&
+        static_cast<double>(level.lookups) * kMatchesALookup > pattern.matches) {
+      level.tried = true;
       level.lookups = 0;  // where there can be no table, it is tried again much later
+      level.hashed = level.table.Build(pattern, row_.data(), row_.size(), context_);
       pattern.hashed = level.hashed;
     }
     if (level.hashed) {

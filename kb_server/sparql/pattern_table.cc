@@ -9,7 +9,8 @@ namespace {
 std::vector<int> SlotsOf(const PlanPattern& pattern) {
   std::vector<int> slots;
   for (const PlanTerm& term : {pattern.terms[0], pattern.terms[1], pattern.terms[2], pattern.graph.name}) {
-    if (term.slot >= 0 && std::find(slots.begin(), slots.end(), term.slot) == slots.end()) slots.push_back(term.slot);
+    if (term.slot >= 0 && std::find(slots.begin(), slots.end(), term.slot) == slots.end())
+      slots.push_back(term.slot);
   }
   return slots;
 }
@@ -19,15 +20,18 @@ std::vector<int> SlotsOf(const PlanPattern& pattern) {
 bool PatternTable::Fits(const TermId* row) const {
   return ready_ &&
          std::all_of(key_slots_.begin(), key_slots_.end(), [row](int slot) { return !row[slot].IsNone(); }) &&
-         std::all_of(value_slots_.begin(), value_slots_.end(), [row](int slot) { return row[slot].IsNone(); });
+         std::all_of(value_slots_.begin(), value_slots_.end(),
+                     [row](int slot) { return row[slot].IsNone(); });
 }
 
-bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context) {
+bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t slots,
+                         EvaluationContext& context) {
   Forget();
   for (const int slot : SlotsOf(pattern)) (row[slot].IsNone() ? value_slots_ : key_slots_).push_back(slot);
   if (key_slots_.empty()) return false;
   keys_ = RowSet(key_slots_.size());
-  const size_t bytes = value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
+  const size_t bytes =
+      value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
   if (!context.MayKeep(bytes * static_cast<size_t>(pattern.matches))) return false;
   std::vector<TermId> match(slots);
   key_.resize(key_slots_.size());

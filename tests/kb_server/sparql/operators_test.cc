@@ -1,5 +1,5 @@
-// What the operators promise beyond right answers: hash tables where lookups are many, first rows without a sort of all,
-// paths that do not blow up, and plans that say what happened.
+// What the operators promise beyond right answers: hash tables where lookups are many, first rows without a
+// sort of all, paths that do not blow up, and plans that say what happened.
 #include <gtest/gtest.h>
 
 #include "tests/kb_server/sparql/test_graph.h"
@@ -88,10 +88,10 @@ TEST(SparqlOperators, PathsBetweenKnownAndUnknownEnds) {
   EXPECT_TRUE(g.Ask("ASK { ex:a (ex:p|ex:q)+ ex:z }"));
   EXPECT_TRUE(g.Ask("ASK { ex:z ^(ex:p|ex:q)+ ex:c }"));
   EXPECT_FALSE(g.Ask("ASK { ex:z (ex:p|ex:q)+ ex:c }"));
-  EXPECT_EQ(g.Rows("SELECT * { ?s ex:p+ ?o }").size(), 10u);           // 3 x 3 of the ring, x to y
-  EXPECT_EQ(g.Rows("SELECT * { ?s (ex:p/ex:q)+ ?o }").size(), 1u);     // a to z
+  EXPECT_EQ(g.Rows("SELECT * { ?s ex:p+ ?o }").size(), 10u);        // 3 x 3 of the ring, x to y
+  EXPECT_EQ(g.Rows("SELECT * { ?s (ex:p/ex:q)+ ?o }").size(), 1u);  // a to z
   EXPECT_EQ(g.Rows("SELECT * { ?s ^ex:p+ ?o }").size(), 10u);
-  EXPECT_EQ(g.Rows("SELECT * { ?s ex:q* ?o }").size(), 7u);            // each node to itself, b to z
+  EXPECT_EQ(g.Rows("SELECT * { ?s ex:q* ?o }").size(), 7u);  // each node to itself, b to z
   EXPECT_EQ(g.Rows("SELECT * { ?s (ex:q+)? ?o }").size(), 7u);
   EXPECT_EQ(g.Rows("SELECT * { ?s (ex:p+|ex:q)+ ?o }"), g.Rows("SELECT * { ?s (ex:p|ex:q)+ ?o }"));
 }
@@ -109,16 +109,19 @@ TEST(SparqlOperators, ClosuresInsideClosuresAreOneSearch) {
 
 TEST(SparqlOperators, CountsSumsAndDistinctOfIds) {
   TestGraph g(People(100) + "ex:p5 ex:age 2.5 .");
-  EXPECT_EQ(g.Rows("SELECT (COUNT(?x) AS ?n) (SUM(?x) AS ?s) { ?p ex:age ?x }"), std::vector<std::string>{"101 4952.5"});
+  EXPECT_EQ(g.Rows("SELECT (COUNT(?x) AS ?n) (SUM(?x) AS ?s) { ?p ex:age ?x }"),
+            std::vector<std::string>{"101 4952.5"});
   EXPECT_EQ(g.Rows("SELECT (COUNT(DISTINCT ?b) AS ?n) { ?p ex:at ?b }"), std::vector<std::string>{"10"});
-  EXPECT_EQ(g.Rows("SELECT (AVG(?x) AS ?m) { ?p ex:age ?x FILTER(?x != 2.5) }"), std::vector<std::string>{"49.5"});
+  EXPECT_EQ(g.Rows("SELECT (AVG(?x) AS ?m) { ?p ex:age ?x FILTER(?x != 2.5) }"),
+            std::vector<std::string>{"49.5"});
   EXPECT_EQ(g.Rows("SELECT DISTINCT ?b { ?p ex:at ?b }").size(), 10u);
   EXPECT_EQ(g.Rows("SELECT ?b (COUNT(*) AS ?n) { ?p ex:at ?b } GROUP BY ?b").size(), 10u);
 }
 
 TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
   TestGraph g(People(50));
-  const auto query = g.Prepare("SELECT ?a { ?a ex:at ex:B1 . ?a ex:age ?x FILTER(?x > 10) } ORDER BY ?x LIMIT 2");
+  const auto query =
+      g.Prepare("SELECT ?a { ?a ex:at ex:B1 . ?a ex:age ?x FILTER(?x > 10) } ORDER BY ?x LIMIT 2");
   const auto plan = query->ExplainRun(g.Run());
   ASSERT_TRUE(plan.ok());
   EXPECT_NE(plan->find("order, first 2"), std::string::npos) << *plan;

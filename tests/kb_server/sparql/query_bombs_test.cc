@@ -1,5 +1,5 @@
-// Queries that would take for ever or all memory: each ends at its limit, says the limit's name, and the next run of the
-// same prepared query starts with all its memory again.
+// Queries that would take for ever or all memory: each ends at its limit, says the limit's name, and the next
+// run of the same prepared query starts with all its memory again.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -15,12 +15,14 @@ class QueryBombs : public testing::Test {
     std::string text;
     for (int i = 0; i < 300; ++i) {
       text += "ex:n" + std::to_string(i) + " ex:p ex:n" + std::to_string(i * 7 % 300) + " , ex:n" +
-              std::to_string((i + 1) % 300) + " ; ex:name \"" + std::string(200, 'a') + std::to_string(i) + "\" .\n";
+              std::to_string((i + 1) % 300) + " ; ex:name \"" + std::string(200, 'a') + std::to_string(i) +
+              "\" .\n";
     }
     g_.Add(text);
   }
 
-  absl::Status Run(const std::string& text, int timeout_ms, size_t memory_bytes = Limits{}.query_memory_bytes) {
+  absl::Status Run(const std::string& text, int timeout_ms,
+                   size_t memory_bytes = Limits{}.query_memory_bytes) {
     PrepareOptions options;
     options.memory_bytes = memory_bytes;
     const auto query = g_.Prepare(text, options);
@@ -39,12 +41,14 @@ class QueryBombs : public testing::Test {
     EXPECT_LT(took_, std::chrono::seconds(20)) << text;
   }
   // Has no solution, which is known only after all of the product.
-  const std::string kNever = "?d ?e ?f . ?g ?h ?i . ?j ?k ?l FILTER(STRLEN(STR(?d)) + STRLEN(STR(?g)) + STRLEN(STR(?j)) < 0)";
+  const std::string kNever =
+      "?d ?e ?f . ?g ?h ?i . ?j ?k ?l FILTER(STRLEN(STR(?d)) + STRLEN(STR(?g)) + STRLEN(STR(?j)) < 0)";
 
   void ExpectMemory(const std::string& text, size_t limit = 100000) {
     const absl::Status status = Run(text, 30000, limit);
     EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << text << status;
-    EXPECT_NE(status.message().find("query_memory_bytes = " + std::to_string(limit)), std::string::npos) << status;
+    EXPECT_NE(status.message().find("query_memory_bytes = " + std::to_string(limit)), std::string::npos)
+        << status;
   }
 
   TestGraph g_;
@@ -53,7 +57,9 @@ class QueryBombs : public testing::Test {
 
 TEST_F(QueryBombs, EndAtTheTimeLimit) {
   ExpectTimeout("SELECT * { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }");
-  ExpectTimeout("SELECT (COUNT(*) AS ?n) { ?a ex:p ?b . ?c ex:p ?d . ?e ex:p ?f . ?g ex:p ?h FILTER(?a = ?h && ?b = ?c) }");
+  ExpectTimeout(
+      "SELECT (COUNT(*) AS ?n) { ?a ex:p ?b . ?c ex:p ?d . ?e ex:p ?f . ?g ex:p ?h FILTER(?a = ?h && ?b = "
+      "?c) }");
   ExpectTimeout("SELECT * { ?a ?b ?c FILTER EXISTS { " + kNever + " } }");
   ExpectTimeout("SELECT * { ?a ?b ?c OPTIONAL { " + kNever + " } }");
   ExpectTimeout("SELECT * { ?a (ex:p|!ex:q)* ?b . ?c (ex:p|!ex:q)* ?d . ?e (ex:p/ex:p/ex:p)+ ?f }");

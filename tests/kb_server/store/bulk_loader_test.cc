@@ -34,8 +34,8 @@ TEST(BulkLoader, AMistakeIsReportedWithItsPlaceAndNothingOfTheDocumentIsAdded) {
   Dictionary dictionary;
   BulkLoader loader(dictionary);
   EXPECT_TRUE(loader.Add("<urn:a> <urn:p> <urn:b> <urn:g> .\n", RdfFormat::kNQuads, {}).empty());
-  const Diagnostics mistakes =
-      loader.Add("<urn:a> <urn:p> <urn:c> .\n<urn:a> <urn:p> .\n<urn:a> <urn:p> <urn:d> .\n", RdfFormat::kNTriples, {});
+  const Diagnostics mistakes = loader.Add(
+      "<urn:a> <urn:p> <urn:c> .\n<urn:a> <urn:p> .\n<urn:a> <urn:p> <urn:d> .\n", RdfFormat::kNTriples, {});
   ASSERT_EQ(mistakes.size(), 1u);
   EXPECT_EQ(mistakes[0].span.line, 2);
   EXPECT_EQ(loader.size(), 1u);
