@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/log/record_codec.h"
 #include "kb_server/store/delta_sum.h"
 
 namespace docent {
@@ -87,6 +88,18 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
   return absl::OkStatus();
 }
 
+absl::Status Encode(const TurnRecord& record, const Limits& limits, std::string* bytes) {
+  absl::StatusOr<std::string> encoded = EncodeTurnRecord(record);
+  if (!encoded.ok()) return encoded.status();
+  if (encoded->size() > limits.record_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("the turn's record has ", encoded->size(),
+                                                     " bytes; the limit record_bytes is ",
+                                                     limits.record_bytes, "; send smaller batches"));
+  }
+  *bytes = *std::move(encoded);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void Stages::Commit() {
@@ -116,20 +129,24 @@ std::optional<TimeMicros> Stages::NextDeadline() const {
   return next;
 }
 
-absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset) {
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
+                                   std::string* record_bytes) {
   TurnResult result;
   absl::Status status = Decide(stages, batch, offset, &result);
+  if (status.ok()) {
+    result.documents_changed = !batch.documents.empty();
+    result.record.offset = offset;
+    result.record.time_us = batch.time_us;
+    result.record.engine_version = kEngineVersion;
+    result.record.batch = std::move(batch);
+    if (record_bytes != nullptr) status = Encode(result.record, stages->limits, record_bytes);
+  }
   if (!status.ok()) {
     stages->Rollback();
     return status;
   }
   stages->Commit();
   result.version = stages->writer.Freeze(Revision(offset));
-  result.documents_changed = !batch.documents.empty();
-  result.record.offset = offset;
-  result.record.time_us = batch.time_us;
-  result.record.engine_version = kEngineVersion;
-  result.record.batch = std::move(batch);
   return result;
 }
 

@@ -73,7 +73,10 @@ struct TurnResult {
 
 // INVALID_ARGUMENT (what the batch says is wrong, with its place), RESOURCE_EXHAUSTED (a limit, named),
 // FAILED_PRECONDITION, NOT_FOUND: nothing has changed. `offset`: of the record that this turn will be.
-absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset);
+// `record_bytes`: becomes what the log is to keep of the turn, which is refused if that is too much for the
+// log; null for a turn that the log has already.
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
+                                   std::string* record_bytes = nullptr);
 
 }  // namespace docent
 

@@ -27,12 +27,55 @@ RobotCommand ToCommand(const CommandEntry& entry) {
           entry.idempotent};
 }
 
-// "RUN/NODE/…" → its parts.
-void SplitSubject(const std::string& subject, RunEvent* event) {
+// An event of that turn about "RUN/NODE/…".
+RunEvent NewEvent(const TurnResult& result, const std::string& subject) {
   std::vector<std::string> parts = absl::StrSplit(subject, absl::MaxSplits('/', 2));
-  event->run = parts[0];
-  if (parts.size() > 1) event->node = parts[1];
-  event->kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
+  RunEvent event;
+  event.revision = Revision(result.record.offset);
+  event.time_us = result.record.time_us;
+  event.run = parts[0];
+  if (parts.size() > 1) event.node = parts[1];
+  event.kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
+  return event;
+}
+
+// What a turn means for those who watch runs.
+std::vector<RunEvent> EventsOf(const TurnResult& result) {
+  std::vector<RunEvent> events;
+  for (const Transition& transition : result.record.transitions) {
+    RunEvent& event = events.emplace_back(NewEvent(result, transition.subject));
+    event.from = transition.from;
+    event.to = transition.to;
+    event.detail = transition.cause;
+    if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
+  }
+  for (const CommandEntry& command : result.record.commands) {
+    RunEvent& event = events.emplace_back(NewEvent(result, command.id.value()));
+    event.kind = "command";
+    event.to = "sent";
+    event.detail = ToDisplay(command);
+  }
+  for (const CommandReport& report : result.record.batch.reports) {
+    if (report.outcome == CommandReport::Outcome::kProgress) continue;
+    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
+                                                "cancelled", "unknown",  "unreachable"};
+    RunEvent& event = events.emplace_back(NewEvent(result, report.command.value()));
+    event.kind = "report";
+    event.to = kOutcomes[static_cast<int>(report.outcome)];
+    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
+  }
+  return events;
+}
+
+// What its client is told of a turn.
+BatchOutcome OutcomeOf(const TurnResult& result) {
+  BatchOutcome outcome;
+  outcome.offset = result.record.offset;
+  outcome.added = result.delta.added.size();
+  outcome.removed = result.delta.removed.size();
+  outcome.inferred = result.inferred;
+  outcome.started = result.started;
+  return outcome;
 }
 
 }  // namespace
@@ -44,6 +87,7 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
   if (!status.ok()) return status;
   ports_.queries->Publish(stages_->writer.Freeze(Revision(head_)));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
+  UpdateAddresses(stages_->writer.current());
   PublishCounters();
   return absl::OkStatus();
 }
@@ -71,14 +115,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
             "log offset ", entry.offset, ": replay decides otherwise (recorded by engine version ",
             recorded->engine_version, ", this is ", kEngineVersion, ")\n", *difference));
       }
-      UpdateAddresses(derived->delta);
-      BatchOutcome outcome{entry.offset,
-                           derived->delta.added.size(),
-                           derived->delta.removed.size(),
-                           derived->inferred,
-                           true,
-                           derived->started};
-      requests_.Remember(recorded->batch.request_id, std::move(outcome));
+      requests_.Remember(recorded->batch.request_id, OutcomeOf(*derived));
       ports_.inbox->StartAfter(recorded->time_us);
       head_ = entry.offset;
     }
@@ -128,20 +165,16 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
     }
     bool tick = pending.batch.clock_tick;
     TimeMicros time_us = pending.batch.time_us;
-    auto result = RunTurn(stages_.get(), std::move(pending.batch), head_ + group.size() + 1);
+    std::string record;
+    auto result = RunTurn(stages_.get(), std::move(pending.batch), head_ + group.size() + 1, &record);
     if (!result.ok()) {
       if (tick) next_tick_us_ = time_us + kTickPauseUs;
       ++counters_.refused;
       pending.done(result.status());
       continue;
     }
-    BatchOutcome outcome{result->record.offset,
-                         result->delta.added.size(),
-                         result->delta.removed.size(),
-                         result->inferred,
-                         false,
-                         result->started};
-    group.push_back({*std::move(result), std::move(pending.done), std::move(outcome)});
+    BatchOutcome outcome = OutcomeOf(*result);
+    group.push_back({*std::move(result), std::move(record), std::move(pending.done), std::move(outcome)});
   }
   if (!group.empty()) fatal_ = Commit(std::move(group));
   for (auto& [id, done] : repeats_) {
@@ -159,36 +192,43 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
 
 absl::Status Writer::Commit(std::vector<Decided> group) {
   std::vector<std::string> records;
-  absl::Status status;
-  for (const Decided& decided : group) {
-    auto record = EncodeTurnRecord(decided.result.record);
-    if (!record.ok()) {
-      status = record.status();
-      break;
-    }
-    records.push_back(*std::move(record));
+  for (Decided& decided : group) records.push_back(std::move(decided.record));
+  auto appended = ports_.log->Append(records, epoch_, head_);
+  if (!appended.ok()) return Reconcile(std::move(group), appended.status());
+  if (appended->outcome != AppendResult::Outcome::kAppended) {
+    absl::Status fatal =
+        absl::FailedPreconditionError("another server has taken over the log; this one stops");
+    counters_.refused += group.size();
+    for (Decided& decided : group) decided.done(fatal);
+    return fatal;
   }
-  if (status.ok()) {
-    auto appended = ports_.log->Append(records, epoch_, head_);
-    if (!appended.ok()) {
-      status = appended.status();
-    } else if (appended->outcome != AppendResult::Outcome::kAppended) {
-      status = absl::FailedPreconditionError("another server has taken over the log; this one stops");
-    }
-  }
-  if (status.ok()) {
-    head_ += records.size();
-    ++counters_.commits;
-    counters_.turns += group.size();
-    Release(std::move(group));
-    return absl::OkStatus();
-  }
-  spdlog::error("the log refused {} turns: {}", group.size(), std::string(status.message()));
-  counters_.refused += group.size();
+  head_ += records.size();
+  ++counters_.commits;
+  counters_.turns += group.size();
+  Release(std::move(group));
+  return absl::OkStatus();
+}
+
+// The log refused the group, or cannot say what it did. What it does not have did not happen; what it has
+// did.
+absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& refusal) {
+  spdlog::error("the log refused {} turns: {}", group.size(), std::string(refusal.message()));
   next_tick_us_ = group.back().result.record.time_us + kTickPauseUs;
-  for (Decided& decided : group) decided.done(status);
-  if (status.code() == absl::StatusCode::kFailedPrecondition) return status;
-  return Replay(nullptr);  // what the log does not have did not happen
+  const uint64_t head_before = head_;
+  absl::Status recovered = Recover(nullptr);
+  if (recovered.ok() && head_ > head_before) ResumeCommands();
+  for (Decided& decided : group) {
+    const bool happened = recovered.ok() && decided.outcome.offset <= head_;
+    if (happened) {
+      ++counters_.turns;
+      ports_.feed->Publish(EventsOf(decided.result));
+      decided.done(decided.outcome);
+    } else {
+      ++counters_.refused;
+      decided.done(refusal);
+    }
+  }
+  return recovered;
 }
 
 // The records are durable: now the world may know.
@@ -200,7 +240,7 @@ void Writer::Release(std::vector<Decided> group) {
   for (Decided& decided : group) {
     UpdateAddresses(decided.result.delta);
     Send(decided.result);
-    Tell(decided.result);
+    ports_.feed->Publish(EventsOf(decided.result));
     requests_.Remember(decided.result.record.batch.request_id, decided.outcome);
     decided.done(decided.outcome);
   }
@@ -214,58 +254,28 @@ void Writer::Send(const TurnResult& result) {
   for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
 }
 
-void Writer::Tell(const TurnResult& result) {
-  std::vector<RunEvent> events;
-  for (const Transition& transition : result.record.transitions) {
-    RunEvent event{Revision(result.record.offset),
-                   result.record.time_us,
-                   "",
-                   "",
-                   "",
-                   transition.from,
-                   transition.to,
-                   transition.cause};
-    SplitSubject(transition.subject, &event);
-    if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
-    events.push_back(std::move(event));
-  }
-  for (const CommandEntry& command : result.record.commands) {
-    RunEvent event{Revision(result.record.offset), result.record.time_us, "", "", "", "", "sent", ""};
-    SplitSubject(command.id.value(), &event);
-    event.kind = "command";
-    event.detail = ToDisplay(command);
-    events.push_back(std::move(event));
-  }
-  for (const CommandReport& report : result.record.batch.reports) {
-    if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
-                                                "cancelled", "unknown",  "unreachable"};
-    RunEvent event{Revision(result.record.offset),
-                   result.record.time_us,
-                   "",
-                   "",
-                   "",
-                   "",
-                   kOutcomes[static_cast<int>(report.outcome)],
-                   ""};
-    SplitSubject(report.command.value(), &event);
-    event.kind = "report";
-    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
-    events.push_back(std::move(event));
-  }
-  ports_.feed->Publish(events);
-}
-
 // Where the proxies find the adapters is a fact like any other.
 void Writer::UpdateAddresses(const Delta& delta) {
   if (ports_.proxies == nullptr) return;
   std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-  if (!address) return;
   for (const Quad& quad : delta.added) {
-    if (quad.predicate != *address) continue;
-    ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(quad.subject).lexical),
-                               ports_.dictionary->Decode(quad.object).lexical);
+    if (quad.predicate == address) SetAddress(quad);
   }
+}
+
+void Writer::UpdateAddresses(const GraphVersion& version) {
+  if (ports_.proxies == nullptr) return;
+  std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
+  if (!address) return;
+  version.ForEach({{}, *address, {}, {}}, [this](const Quad& quad) {
+    SetAddress(quad);
+    return true;
+  });
+}
+
+void Writer::SetAddress(const Quad& fact) {
+  ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(fact.subject).lexical),
+                             ports_.dictionary->Decode(fact.object).lexical);
 }
 
 void Writer::PublishCounters() {

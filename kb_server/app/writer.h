@@ -3,7 +3,8 @@
 //
 // Group commit: all batches that wait are turned and appended together, with one fdatasync. Recovery is the
 // same turns fed from the log. Where the log refuses an append (disk full), all of that group is refused, and
-// the state is made anew from the log: what the log does not have did not happen.
+// the state is made anew from the log: what the log does not have did not happen, and what it has did, also
+// where its answer was lost.
 #ifndef DOCENT_KB_SERVER_APP_WRITER_H_
 #define DOCENT_KB_SERVER_APP_WRITER_H_
 
@@ -70,6 +71,7 @@ class Writer {
  private:
   struct Decided {
     TurnResult result;
+    std::string record;  // as the log keeps it
     BatchCallback done;
     BatchOutcome outcome;
   };
@@ -77,10 +79,12 @@ class Writer {
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
   void TakeGroup(std::vector<PendingBatch> batches);
   absl::Status Commit(std::vector<Decided> group);
+  absl::Status Reconcile(std::vector<Decided> group, const absl::Status& refusal);
   void Release(std::vector<Decided> group);
-  void Tell(const TurnResult& result);
   void Send(const TurnResult& result);
   void UpdateAddresses(const Delta& delta);
+  void UpdateAddresses(const GraphVersion& version);
+  void SetAddress(const Quad& fact);
   void PublishCounters();
 
   const Ports ports_;

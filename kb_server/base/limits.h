@@ -23,9 +23,13 @@ struct Limits {
   int rule_rounds = 10000;             // fixpoint rounds of a rule set
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
   size_t turns_per_commit = 4096;      // turns that share one fdatasync
+  size_t record_bytes = 1000000000;    // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
 
   // queries
   int query_timeout_ms = 30000;
+  int queries_running = 4;  // evaluated at the same time; a query that waits for its client is not counted
+  int queries_open = 64;    // begun and not ended, those that wait for their clients too
+  size_t queries_waiting = 1024;  // to begin; beyond: RESOURCE_EXHAUSTED
   size_t query_memory_bytes = 512u << 20;
   size_t query_text_bytes = 1u << 20;
   int query_nesting = 100;  // groups, expressions and sub-selects inside each other
@@ -43,13 +47,17 @@ struct Limits {
   size_t http_body_bytes = 64u << 20;
   size_t http_connections = 1024;
   size_t grpc_message_bytes = 16u << 20;
+  size_t stream_messages = 1024;   // made for one gRPC client and not sent yet
+  size_t stream_bytes = 4u << 20;  // likewise; one message may exceed it
+  int slow_client_ms = 10000;      // a gRPC client that takes nothing of a full stream for so long loses it
 
   // workflow
   int default_step_timeout_ms = 300000;  // a node without cawl-ext timeout
   size_t runs_live = 10000;
   size_t runs_kept = 1000;  // ended runs whose facts stay in the graph; older ones are found in the log
+  size_t run_events_kept = 10000;  // newest events of runs, for Watch with `after`
   int node_iterations = 10000;
-  int subflow_nesting = 32;               // runs inside each other
+  int subflow_nesting = 32;  // runs inside each other
 };
 
 }  // namespace docent

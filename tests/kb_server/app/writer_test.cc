@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "kb_server/log/record_codec.h"
@@ -34,6 +35,7 @@ class FakeLog final : public ContextLog {
     if (fenced) return AppendResult{AppendResult::Outcome::kFenced, {records_.size(), epoch + 1}};
     EXPECT_EQ(expected, records_.size());
     records_.insert(records_.end(), added.begin(), added.end());
+    if (!lost_answer.ok()) return lost_answer;
     return AppendResult{AppendResult::Outcome::kAppended, {records_.size(), epoch}};
   }
   absl::StatusOr<std::vector<LogEntry>> Read(uint64_t from, size_t max) override {
@@ -59,6 +61,7 @@ class FakeLog final : public ContextLog {
   // Set while the writer does not append.
   std::function<void(size_t)> on_append;
   absl::Status refusal;
+  absl::Status lost_answer;  // the append succeeds, and this is told
   bool fenced = false;
 
  private:
@@ -275,6 +278,79 @@ TEST(WriterTest, AfterARefusedAppendTheVersionIsTheOldOne) {
   EXPECT_THAT(node.Events(), IsEmpty());
   EXPECT_EQ(node.writer->counters().refused, 5u);
   EXPECT_EQ(node.writer->counters().turns, 0u);
+}
+
+TEST(WriterTest, ABatchThatTheLogCannotHoldIsRefusedAlone) {
+  FakeLog log;
+  Limits limits;
+  limits.record_bytes = 2000;
+  Node node(&log, false, limits);
+  std::vector<TermQuad> many;
+  for (int i = 0; i < 200; ++i) many.push_back(Fact("John", "p", absl::StrCat("value-", i)));
+  auto outcomes = node.AskTogether({Tell({Fact("a", "b", "c")}), Tell(many), Tell({Fact("d", "e", "f")})});
+  ASSERT_TRUE(outcomes[0].ok()) << outcomes[0].status();
+  EXPECT_EQ(outcomes[1].status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(outcomes[1].status().message()), HasSubstr("record_bytes is 2000"));
+  ASSERT_TRUE(outcomes[2].ok()) << outcomes[2].status();
+  EXPECT_EQ(outcomes[2]->offset, 2u);
+  EXPECT_EQ(node.writer->counters().commits, 1u);
+  EXPECT_FALSE(node.Knows("<urn:w:John>"));
+
+  limits.record_bytes = 1;  // what the log has already is not refused
+  Node again(&log, false, limits);
+  ASSERT_TRUE(again.recovered.ok()) << again.recovered;
+  EXPECT_EQ(again.Quads(), node.Quads());
+}
+
+TEST(WriterTest, AnAppendWhoseAnswerWasLostIsJudgedByWhatTheLogHas) {
+  FakeLog log;
+  test::ScriptedAdapter adapter;
+  Node node(&log, /*with_robots=*/true);
+  node.Begin();
+  std::vector<WriteBatch> story = Story();
+  story[0].operations.push_back(
+      {QuadOperation::Kind::kAdd, Fact("R1", "docent:adapterAddress", Term::Literal(adapter.address()))});
+  for (size_t i = 0; i < 4; ++i) ASSERT_TRUE(node.Ask(story[i]).ok());
+  log.lost_answer = absl::UnavailableError("input/output error");
+  absl::StatusOr<BatchOutcome> outcome = node.Ask(Named("john", story[4]));
+  ASSERT_TRUE(outcome.ok()) << outcome.status();
+  EXPECT_EQ(outcome->offset, 5u);
+  EXPECT_EQ(node.revision(), 5u);
+  EXPECT_TRUE(node.Knows("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1>"));
+  EXPECT_THAT(node.Events(), ::testing::Contains("node Greet-1/Hello running"));
+  adapter.WaitForCommands(1);
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1"));
+  log.lost_answer = absl::OkStatus();
+  EXPECT_TRUE(node.Ask(Named("john", story[4]))->repeated);
+  EXPECT_TRUE(node.End().ok());
+}
+
+TEST(WriterTest, ARefusedAppendDoesNotDisturbCommandsThatAreUnderWay) {
+  FakeLog log;
+  absl::Notification done;
+  test::ScriptedAdapter adapter([&](const v1::InvokeRequest&) {
+    done.WaitForNotificationWithTimeout(absl::Seconds(20));
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::SUCCEEDED);
+    return feedback;
+  });
+  Node node(&log, /*with_robots=*/true);
+  node.Begin();
+  TermQuad first = Fact("R1", "docent:adapterAddress", Term::Literal("127.0.0.1:1"));
+  TermQuad second = Fact("R1", "docent:adapterAddress", Term::Literal(adapter.address()));
+  ASSERT_TRUE(node.Ask(Tell({first})).ok());
+  ASSERT_TRUE(node.Ask(Tell({second}, {first})).ok());
+  for (const WriteBatch& batch : Story()) ASSERT_TRUE(node.Ask(batch).ok());
+  adapter.WaitForCommands(1);
+  log.refusal = absl::ResourceExhaustedError("the disk is full");
+  EXPECT_FALSE(node.Ask(Tell({Fact("a", "b", "c")})).ok());
+  EXPECT_FALSE(node.Ask(Tell({Fact("a", "b", "c")})).ok()) << "the writer is past the first one";
+  log.refusal = absl::OkStatus();
+  done.Notify();
+  ASSERT_TRUE(node.Ask(Tell({Fact("John", "docent:feels", "docent:Glad")})).ok());
+  adapter.WaitForCommands(2);
+  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+  EXPECT_TRUE(node.End().ok());
 }
 
 TEST(WriterTest, AWriterThatWasReplacedStops) {
