@@ -287,13 +287,15 @@ void Server::ExpectRobots() {
 
 bool Server::Tend() {
   for (const std::string& robot : leases_.TakeLost()) {
-    spdlog::warn("{} has not renewed its lease: offline", robot);
     WriteBatch batch;
     batch.source = robot;
     batch.operations.push_back(
         {QuadOperation::Kind::kAdd,
          {Term::Iri(robot), Term::Iri(DocentIri("status")), Term::Iri(DocentIri("Offline")), Term()}});
-    inbox_.Push(std::move(batch), nullptr);
+    inbox_.Push(std::move(batch), [this, robot](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) spdlog::warn("{} has not renewed its lease: offline", robot);
+      leases_.ToldLost(robot, outcome.ok());
+    });
   }
   absl::MutexLock lock(&status_mutex_);
   return !writer_ended_;

@@ -24,14 +24,22 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
         {kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
   };
   const std::string& robot = description.robot();
+  // in the place of what was told before, whether or not an ontology says that there is one value only
+  auto replace = [&](std::string_view predicate, const Term& object) {
+    for (const Term& old : graph.Objects(robot, predicate)) {
+      if (old != object) say(robot, predicate, old, QuadOperation::Kind::kRemove);
+    }
+    say(robot, predicate, object);
+  };
   say(robot, kRdfType, Term::Iri(DocentIri("Robot")));
   if (!description.type().empty()) say(robot, kRdfType, Term::Iri(description.type()));
-  if (!description.label().empty()) say(robot, Concat(kRdfsNs, "label"), Term::Literal(description.label()));
-  say(robot, DocentIri("incarnation"), Term::Literal(description.incarnation()));
-  say(robot, DocentIri("adapterAddress"), Term::Literal(request.address()));
+  if (!description.label().empty()) replace(Concat(kRdfsNs, "label"), Term::Literal(description.label()));
+  replace(DocentIri("incarnation"), Term::Literal(description.incarnation()));
+  replace(DocentIri("adapterAddress"), Term::Literal(request.address()));
   std::string status = graph.Object(robot, DocentIri("status"));
-  if (status.empty() || status == DocentIri("Offline"))
-    say(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
+  if (status.empty() || status == DocentIri("Offline")) {
+    replace(DocentIri("status"), Term::Iri(DocentIri("Standby")));
+  }
   for (const Term& offered : graph.Objects(robot, DocentIri("offers"))) {
     say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
   }
@@ -68,22 +76,19 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   if (description.incarnation().empty())
     return refuse("description.incarnation is empty; it must change at every start");
   reply->set_lease_ms(FleetLeases::kLeaseMs);
-  GraphVersionPtr version = ports_.queries->Newest();
-  reply->set_revision(version->revision().value());
   std::string text = absl::StrCat(request->address(), "\n", description.SerializeAsString());
-  if (!leases_.Renew(description.robot(), text)) {
-    reactor->Finish(grpc::Status::OK);
-    return reactor;
-  }
-  ports_.inbox->Push(
-      JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
-      [this, reactor, reply, robot = description.robot(), text](const absl::StatusOr<BatchOutcome>& outcome) {
-        if (outcome.ok()) {
-          leases_.Told(robot, text);
-          reply->set_revision(outcome->offset);
-        }
-        reactor->Finish(ToGrpc(outcome.status()));
-      });
+  leases_.Renew(description.robot(), text, [this, reactor, request, reply, text](bool tell) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    reply->set_revision(version->revision().value());
+    if (!tell) return reactor->Finish(grpc::Status::OK);
+    ports_.inbox->Push(JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
+                       [this, reactor, reply, robot = request->description().robot(),
+                        text](const absl::StatusOr<BatchOutcome>& outcome) {
+                         if (outcome.ok()) reply->set_revision(outcome->offset);
+                         leases_.Told(robot, text, outcome.ok());
+                         reactor->Finish(ToGrpc(outcome.status()));
+                       });
+  });
   return reactor;
 }
 
