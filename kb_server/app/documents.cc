@@ -142,7 +142,7 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
   if (!undo_) undo_ = entries_;
   for (const Document& document : batch->documents) {
     std::string name = document.name;
-    uint64_t size = document.text.size();
+    uint64_t size = document.text.size();  // triples of ontologies, rules of rule sets; else bytes
     absl::Status status;
     switch (document.kind) {
       case Document::Kind::kOntology:
@@ -151,6 +151,7 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         break;
       case Document::Kind::kRules:
         status = ApplyRules(document, rules);
+        size = rules->rule_count(document.name);
         break;
       case Document::Kind::kCawl:
         status = ApplyCawl(document, engine, limits, batch, &name);

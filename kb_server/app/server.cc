@@ -83,6 +83,7 @@ Server::Server(const ServerSettings& settings)
     : settings_(settings),
       clock_(settings.clock != nullptr ? *settings.clock : system_clock_),
       inbox_(&clock_, settings.limits),
+      feed_(settings.limits.run_events_kept),
       leases_(&clock_) {}
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(

@@ -98,6 +98,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   if (!head.ok()) return head.status();
   epoch_ = std::max<uint64_t>(head->epoch, 1);
   head_ = 0;
+  ports_.feed->BeginAfter(Revision(head_));
   while (head_ < head->offset) {
     auto entries = ports_.log->Read(head_ + 1, 10000);
     if (!entries.ok()) return entries.status();
@@ -117,6 +118,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
       }
       requests_.Remember(recorded->batch.request_id, OutcomeOf(*derived));
       ports_.inbox->StartAfter(recorded->time_us);
+      ports_.feed->Keep(EventsOf(*derived));
       head_ = entry.offset;
     }
     if (progress) progress(head_, head->offset);

@@ -25,7 +25,7 @@ std::string OntologyGraph(const std::string& name);
 struct ModuleEntry {
   std::string name;
   Document::Kind kind = Document::Kind::kOntology;
-  uint64_t size = 0;         // triples, or the rules' bytes
+  uint64_t size = 0;         // triples, or rules
   uint64_t fingerprint = 0;  // of the text; equal texts have equal ones within one process
   Revision revision;         // that put it
 };

@@ -1,7 +1,9 @@
 #include "kb_server/service/convert.h"
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/term_check.h"
 
 namespace docent {
 namespace {
@@ -126,6 +128,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     if (!status.ok()) return status;
   }
   if (!request.rdf().empty()) {
+    if (absl::Status size = CheckDocumentSize("rdf", request.rdf(), limits); !size.ok()) return size;
     std::string media_type = request.rdf_media_type().empty() ? "text/turtle" : request.rdf_media_type();
     auto format = FormatOfMediaType(media_type);
     if (!format) {
@@ -137,6 +140,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     }
     ParseRdfOptions options;
     options.file = "rdf";
+    options.limits = limits;
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
     for (TermQuad& quad : parsed.quads)
@@ -177,6 +181,29 @@ std::string CutToHeaders(absl::string_view message) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::NamedTerm>& terms, const std::string& what,
+    const Limits& limits) {
+  std::vector<std::pair<std::string, Term>> out;
+  for (const v1::NamedTerm& named : terms) {
+    const std::string place = absl::StrCat(what, ".", named.name());
+    auto term = FromProto(named.value(), place);
+    if (!term.ok()) return term.status();
+    if (absl::Status status = CheckTerm(*term, limits.term_bytes); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+    }
+    out.emplace_back(named.name(), *std::move(term));
+  }
+  return out;
+}
+
+absl::Status CheckDocumentSize(std::string_view name, std::string_view text, const Limits& limits) {
+  if (text.size() <= limits.document_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(name.empty() ? "the document" : ToAbsl(name), " has ",
+                                                   text.size(), " bytes; the limit document_bytes is ",
+                                                   limits.document_bytes));
+}
 
 grpc::Status ToGrpc(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;

@@ -3,6 +3,9 @@
 #define DOCENT_KB_SERVER_SERVICE_CONVERT_H_
 
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <grpcpp/support/status.h>
 
@@ -27,6 +30,14 @@ absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what
 // The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for
 // `rdf`, line and column; RESOURCE_EXHAUSTED names the limit.
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits);
+
+// Names and values as they came; `what` names the field. INVALID_ARGUMENT, RESOURCE_EXHAUSTED as above.
+absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::NamedTerm>& terms, const std::string& what,
+    const Limits& limits);
+
+// RESOURCE_EXHAUSTED naming the document when `text` is beyond document_bytes.
+absl::Status CheckDocumentSize(std::string_view name, std::string_view text, const Limits& limits);
 
 // The same code and message (absl codes are gRPC's).
 grpc::Status ToGrpc(const absl::Status& status);

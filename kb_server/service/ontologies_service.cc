@@ -21,13 +21,15 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
 }
 
 // The quads of an RDF text, each in `graph` unless the text names one.
-absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, WriteBatch* batch) {
+absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
+                        WriteBatch* batch) {
   std::string media_type = request.media_type().empty() ? "text/turtle" : request.media_type();
   auto format = FormatOfMediaType(media_type);
   if (!format)
     return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
   ParseRdfOptions options;
   options.file = request.name();
+  options.limits = limits;
   options.blank_node_scope = absl::StrCat(request.name(), "_");
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
@@ -39,11 +41,7 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
 }
 
 absl::StatusOr<WriteBatch> ToBatch(const v1::LoadRequest& request, const Limits& limits) {
-  if (request.text().size() > limits.document_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat(request.name(), " has ", request.text().size(),
-                                                     " bytes; the limit document_bytes is ",
-                                                     limits.document_bytes));
-  }
+  if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
   if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
     return absl::InvalidArgumentError(
         "name is empty; an ontology or rule set is replaced and removed by its name");
@@ -58,10 +56,10 @@ absl::StatusOr<WriteBatch> ToBatch(const v1::LoadRequest& request, const Limits&
       break;
     case v1::LoadRequest::ONTOLOGY:
       batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
-      status = ParseQuads(request, OntologyGraph(request.name()), &batch);
+      status = ParseQuads(request, OntologyGraph(request.name()), limits, &batch);
       break;
     default:
-      status = ParseQuads(request, request.graph(), &batch);
+      status = ParseQuads(request, request.graph(), limits, &batch);
       break;
   }
   if (!status.ok()) return status;

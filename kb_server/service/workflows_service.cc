@@ -4,7 +4,6 @@
 #include "kb_server/service/graph_environment.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/run_reader.h"
-#include "kb_server/service/stream_reactor.h"
 #include "workflow/cawl/check.h"
 
 namespace docent {
@@ -25,6 +24,9 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
+  if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+    return Finish(context, ToGrpc(size));
+  }
   cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
   for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   for (const cawl::ConditionText& condition : report.conditions) {
@@ -37,6 +39,9 @@ grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* c
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
+  if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+    return Finish(context, ToGrpc(size));
+  }
   cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
   if (!report.ok()) return Finish(context, ToGrpc(ToStatus(report.diagnostics, request->cawl())));
   for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
@@ -74,11 +79,9 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
   start.kind = RunRequest::Kind::kStart;
   start.target = request->workflow();
   if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());
-  for (const v1::NamedTerm& variable : request->variables()) {
-    auto term = FromProto(variable.value(), "variables." + variable.name());
-    if (!term.ok()) return Finish(context, ToGrpc(term.status()));
-    start.arguments.emplace_back(variable.name(), *std::move(term));
-  }
+  auto arguments = FromProto(request->variables(), "variables", ports_.limits);
+  if (!arguments.ok()) return Finish(context, ToGrpc(arguments.status()));
+  start.arguments = *std::move(arguments);
   batch.run_requests.push_back(std::move(start));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
@@ -108,33 +111,6 @@ grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext
   GraphReader graph(*ports_.dictionary, *version);
   for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
   return Finish(context, grpc::Status::OK);
-}
-
-grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackServerContext*,
-                                                                const v1::WatchRequest* request) {
-  auto* reactor = new StreamReactor<v1::RunEvent>();
-  auto handle = reactor->handle();
-  std::string run = request->run();
-  reactor->StartSendInitialMetadata();  // goes out when this returns: a client that has it misses nothing
-                                        // from then on
-  uint64_t id = ports_.feed->Subscribe([handle, run](const RunEvent& event) {
-    if (!run.empty() && event.run != run) return !handle->gone();
-    v1::RunEvent out;
-    out.set_revision(event.revision.value());
-    out.set_time_us(event.time_us);
-    out.set_run(event.run);
-    out.set_node(event.node);
-    out.set_kind(event.kind);
-    out.set_from(event.from);
-    out.set_to(event.to);
-    out.set_detail(event.detail);
-    if (handle->TryPush(std::move(out))) return true;
-    handle->End(
-        grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too slow: events were dropped; watch again"));
-    return false;
-  });
-  handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,

@@ -108,6 +108,11 @@ size_t RuleEngine::rule_count() const {
   return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size();
 }
 
+size_t RuleEngine::rule_count(std::string_view name) const {
+  auto set = impl_->state.sets.find(std::string(name));
+  return set == impl_->state.sets.end() ? 0 : set->second->rules.size();
+}
+
 std::vector<std::string> RuleEngine::names() const {
   std::vector<std::string> names;
   for (const auto& [name, rules] : impl_->state.sets) names.push_back(name);

@@ -61,6 +61,8 @@ class RuleEngine {
   void Rollback();
 
   size_t rule_count() const;
+  // Of the rule set of that name; 0 if there is none.
+  size_t rule_count(std::string_view name) const;
   std::vector<std::string> names() const;
   // Since construction, for /metrics.
   struct Counters {

@@ -169,6 +169,9 @@ TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
 TEST_F(RuleEngineTest, TheSamePredicateMayBeNegatedForAnotherClass) {
   Put("RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r a :Busy } }");
   EXPECT_EQ(engine_.rule_count(), 1u);
+  ASSERT_EQ(engine_.names().size(), 1u);
+  EXPECT_EQ(engine_.rule_count(engine_.names()[0]), 1u);
+  EXPECT_EQ(engine_.rule_count("nothing"), 0u);
 }
 
 TEST_F(RuleEngineTest, AnUnknownFunctionIsReportedAtItsRule) {
