@@ -23,8 +23,7 @@
 namespace docent {
 namespace {
 
-constexpr int kWorkers = 4;
-constexpr size_t kWorkerQueue = 1024;
+constexpr int kKeepaliveMs = 60000;
 
 struct Address {
   std::string host;
@@ -109,7 +108,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.writer_ = std::make_unique<Writer>(ports);
   if (absl::Status status = s.writer_->Recover(progress); !status.ok()) return status;
 
-  s.workers_ = std::make_unique<WorkerPool>(kWorkers, kWorkerQueue);
+  s.workers_ = std::make_unique<WorkerPool>(settings.limits.queries_running, settings.limits.queries_open,
+                                            settings.limits.queries_waiting);
   s.ports_.inbox = &s.inbox_;
   s.ports_.queries = &s.queries_;
   s.ports_.dictionary = &s.dictionary_;
@@ -121,8 +121,6 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.limits = settings.limits;
   s.ports_.default_graph = settings.default_graph;
 
-  if (absl::Status status = s.StartGrpc(); !status.ok()) return status;
-  if (absl::Status status = s.StartHttp(); !status.ok()) return status;
   s.ExpectRobots();
   s.writer_->ResumeCommands();  // before the writer's thread has it
   s.writer_thread_ = std::thread([&s] {
@@ -131,7 +129,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     s.writer_status_ = status;
     s.writer_ended_ = true;
   });
+  // Nobody is listened to before there is a writer to answer, nor before the graph has what it is to begin
+  // with.
   if (absl::Status status = s.LoadFiles(); !status.ok()) return status;
+  if (absl::Status status = s.StartGrpc(); !status.ok()) return status;
+  if (absl::Status status = s.StartHttp(); !status.ok()) return status;
   return server;
 }
 
@@ -160,6 +162,7 @@ absl::Status Server::StartGrpc() {
   int port = 0;
   builder.AddListeningPort(settings_.grpc_address, grpc::InsecureServerCredentials(), &port);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // a port in use is an error, not shared
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
   builder.SetMaxReceiveMessageSize(static_cast<int>(settings_.limits.grpc_message_bytes));
   builder.RegisterService(context_service_.get());
   builder.RegisterService(ontologies_service_.get());

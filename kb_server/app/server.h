@@ -35,7 +35,7 @@ struct ServerSettings {
 
 class Server {
  public:
-  // Opens the log, replays it, listens, loads the files. Errors are one clear line: a port in use, an
+  // Opens the log, replays it, loads the files, listens. Errors are one clear line: a port in use, an
   // unreadable folder, a log of a newer format, damage with its offset. `progress(done, all)` tells of the
   // replay.
   static absl::StatusOr<std::unique_ptr<Server>> Start(

@@ -3,13 +3,16 @@
 #ifndef DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 #define DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 
+#include <algorithm>
 #include <memory>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/store/graph_version.h"
 
 namespace docent {
@@ -22,7 +25,16 @@ class QueryPort {
     return newest_;
   }
 
-  // The newest version once it is at least `revision` (read your writes). DEADLINE_EXCEEDED after `deadline`.
+  // The newest version once it is at least `revision` (read your writes). DEADLINE_EXCEEDED after `deadline`;
+  // CANCELLED soon after the caller went away.
+  absl::StatusOr<GraphVersionPtr> WaitForRevision(Revision revision, absl::Time deadline,
+                                                  Cancellation* cancellation) const {
+    while (true) {
+      auto version = WaitForRevision(revision, std::min(deadline, absl::Now() + absl::Milliseconds(100)));
+      if (version.ok() || absl::Now() >= deadline) return version;
+      if (absl::Status status = cancellation->Check(); !status.ok()) return status;
+    }
+  }
   absl::StatusOr<GraphVersionPtr> WaitForRevision(Revision revision, absl::Time deadline) const {
     absl::MutexLock lock(&mutex_);
     auto there = [this, revision]()

@@ -8,11 +8,25 @@
 namespace docent {
 namespace {
 
-using Handle = std::shared_ptr<StreamHandle<v1::QueryReply>>;
+// The answer's way to the client.
+struct Output {
+  std::shared_ptr<StreamHandle<v1::QueryReply>> stream;
+  WorkerPool* workers;
+  absl::Time deadline;
+
+  // False: nobody takes more of it. A slow client is waited for, within limits, while others are served.
+  bool Send(v1::QueryReply reply) const {
+    if (stream->full()) {
+      WorkerPool::Waiting waiting(workers);
+      if (!stream->AwaitRoom(deadline)) return false;
+    }
+    return stream->TryPush(std::move(reply));
+  }
+};
 
 // The header, then all rows or triples.
 absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool explain, const GraphVersion& version,
-                      Cancellation* cancellation, const Handle& out) {
+                      Cancellation* cancellation, const Output& out) {
   const sparql::Query::Form form = parsed.form;
   sparql::PrepareOptions options;
   options.default_graph = ports.default_graph;
@@ -41,47 +55,45 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool expl
     if (!answer.ok()) return answer.status();
     header.mutable_header()->set_is_boolean(true);
     header.mutable_header()->set_boolean(*answer);
-    out->Push(std::move(header));
+    out.Send(std::move(header));
     return absl::OkStatus();
   }
   if (form == sparql::Query::Form::kConstruct) {
     auto triples = run.Construct(run_options);
     if (!triples.ok()) return triples.status();
-    out->Push(std::move(header));
+    out.Send(std::move(header));
     for (const TermQuad& triple : *triples) {
       v1::QueryReply reply;
       ToProto(triple.subject, reply.mutable_quad()->mutable_subject());
       ToProto(triple.predicate, reply.mutable_quad()->mutable_predicate());
       ToProto(triple.object, reply.mutable_quad()->mutable_object());
-      if (!out->Push(std::move(reply))) break;
+      if (!out.Send(std::move(reply))) break;
     }
     return absl::OkStatus();
   }
   for (const std::string& name : run.variables()) header.mutable_header()->add_variables(name);
-  out->Push(std::move(header));
+  out.Send(std::move(header));
   return run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
     v1::QueryReply reply;
     for (TermId id : row) {
       v1::Term* value = reply.mutable_row()->add_values();
       if (!id.IsNone()) ToProto(run.Decode(id), value);
     }
-    return out->Push(std::move(reply));
+    return out.Send(std::move(reply));
   });
 }
 
-// The newest version once it is at least `revision`; looks now and then whether the caller still waits.
-absl::StatusOr<GraphVersionPtr> WaitForRevision(const QueryPort& queries, Revision revision,
-                                                absl::Time deadline, Cancellation* cancellation) {
-  while (true) {
-    auto version =
-        queries.WaitForRevision(revision, std::min(deadline, absl::Now() + absl::Milliseconds(100)));
-    if (version.ok() || absl::Now() >= deadline) return version;
-    if (absl::Status status = cancellation->Check(); !status.ok()) return status;
-  }
+// The newest version that is at least `revision`; others are served while it is not there.
+absl::StatusOr<GraphVersionPtr> Version(const ServicePorts& ports, Revision revision, absl::Time deadline,
+                                        Cancellation* cancellation) {
+  GraphVersionPtr newest = ports.queries->Newest();
+  if (newest->revision() >= revision) return newest;
+  WorkerPool::Waiting waiting(ports.workers);
+  return ports.queries->WaitForRevision(revision, deadline, cancellation);
 }
 
-absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, absl::Time deadline,
-                    Cancellation* cancellation, const Handle& out) {
+absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
+                    const Output& out) {
   if (request.query().size() > ports.limits.query_text_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("the query has ", request.query().size(),
                                                      " bytes; the limit query_text_bytes is ",
@@ -92,27 +104,29 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   options.limits = ports.limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
-  auto version = WaitForRevision(*ports.queries, Revision(request.min_revision()), deadline, cancellation);
+  auto version = Version(ports, Revision(request.min_revision()), out.deadline, cancellation);
   if (!version.ok()) return version.status();
   return Evaluate(ports, std::move(parsed.query), request.explain(), **version, cancellation, out);
 }
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackServerContext* context,
                                                                 const v1::QueryRequest* request) {
-  auto* reactor = new StreamReactor<v1::QueryReply>();
-  Handle handle = reactor->handle();
+  auto* reactor = new StreamReactor<v1::QueryReply>(context, ports_.limits);
+  auto stream = reactor->handle();
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  handle->OnGone([cancellation] { cancellation->Cancel(); });
-  absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  bool accepted = ports_.workers->Submit([this, handle, cancellation, deadline, request = *request] {
-    handle->End(ToGrpc(Answer(ports_, request, deadline, cancellation.get(), handle)));
+  stream->OnGone([cancellation] { cancellation->Cancel(); });
+  Output out{stream, ports_.workers, absl::Now() + absl::Milliseconds(timeout_ms)};
+  bool accepted = ports_.workers->Submit([this, out, cancellation, request = *request] {
+    out.stream->End(ToGrpc(Answer(ports_, request, cancellation.get(), out)));
   });
   if (!accepted) {
-    handle->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too many queries wait; try again"));
+    stream->End(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                             absl::StrCat("too many queries wait: the limit queries_waiting is ",
+                                          ports_.limits.queries_waiting, "; try again")));
   }
   return reactor;
 }

@@ -72,6 +72,11 @@ void HttpExchange::Begin(HttpResponse head) {
   answer_->Wake();
 }
 
+bool HttpExchange::full() const {
+  absl::MutexLock lock(&answer_->mutex_);
+  return !answer_->HasRoom();
+}
+
 bool HttpExchange::Write(std::string_view piece) {
   absl::MutexLock lock(&answer_->mutex_);
   answer_->mutex_.Await(absl::Condition(answer_.get(), &HttpAnswer::HasRoom));

@@ -173,10 +173,7 @@ class QueryAnswer {
       parsed.query.from = request_.default_graphs;
       parsed.query.from_named = request_.named_graphs;
     }
-    auto version = ports_.queries->WaitForRevision(request_.min_revision,
-                                                   absl::Now() + absl::Milliseconds(request_.timeout_ms));
-    if (!version.ok()) return version.status();
-    version_ = *std::move(version);
+    if (absl::Status status = FindVersion(); !status.ok()) return status;
 
     sparql::PrepareOptions options;
     options.default_graph = ports_.default_graph;
@@ -196,6 +193,18 @@ class QueryAnswer {
       default:
         return Graph(**prepared, parsed.query.prefixes);
     }
+  }
+
+  // The newest version that is at least min-revision; others are served while it is not there.
+  absl::Status FindVersion() {
+    version_ = ports_.queries->Newest();
+    if (version_->revision() >= request_.min_revision) return absl::OkStatus();
+    WorkerPool::Waiting waiting(ports_.workers);
+    auto version = ports_.queries->WaitForRevision(
+        request_.min_revision, absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
+    if (!version.ok()) return version.status();
+    version_ = *std::move(version);
+    return absl::OkStatus();
   }
 
   absl::Status Ask(sparql::PreparedQuery& query) {
@@ -228,7 +237,7 @@ class QueryAnswer {
     if (gone) return absl::CancelledError("the client went away");
     writer->End();
     if (!begun_) return Respond(Head(type->told, std::move(rows)));
-    exchange_->Write(rows);
+    Flush(type->told, &rows);
     exchange_->End();
     return absl::OkStatus();
   }
@@ -259,9 +268,11 @@ class QueryAnswer {
     return absl::OkStatus();
   }
 
-  // Sends the rows so far; false if the client has gone.
+  // Sends the rows so far; false if the client has gone. Others are served while a slow client is waited for.
   bool Flush(std::string_view content_type, std::string* rows) {
     bool there = true;
+    std::optional<WorkerPool::Waiting> waiting;
+    if (exchange_->full()) waiting.emplace(ports_.workers);
     if (begun_) {
       there = exchange_->Write(*rows);
     } else {

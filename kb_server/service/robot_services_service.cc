@@ -8,6 +8,7 @@
 #include "kb_server/service/convert.h"
 #include "kb_server/service/graph_reader.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/run_reader.h"
 #include "kb_server/service/stream_reactor.h"
 #include "workflow/rsel/parser.h"
 
@@ -65,9 +66,16 @@ class InvokeFollower {
       Forward(event);
     return !ended_;
   }
-  void Started(const std::string& run) {
+  // `end`: the run has ended long ago, so no event will tell it.
+  void Started(const std::string& run, std::optional<v1::InvokeServiceReply> end) {
     absl::MutexLock lock(&mutex_);
     run_ = run;
+    if (end) {
+      ended_ = true;
+      out_->TryPush(*std::move(end));
+      out_->End(grpc::Status::OK);
+      return;
+    }
     for (const RunEvent& event : early_) {
       if (event.run == run && !ended_) Forward(event);
     }
@@ -88,10 +96,14 @@ class InvokeFollower {
     reply.set_message(event.detail);
     bool final = event.kind == "run" && event.to != "running";
     reply.set_final(final);
-    if (!out_->TryPush(std::move(reply))) ended_ = true;
-    if (!final) return;
+    const bool kept_up = out_->TryPush(std::move(reply));
+    if (kept_up && !final) return;
     ended_ = true;
-    out_->End(grpc::Status::OK);
+    out_->End(kept_up ? grpc::Status::OK
+                      : grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                                     absl::StrCat("too slow: more events of run ", event.run,
+                                                  " wait than the limits stream_messages and stream_bytes "
+                                                  "allow; the run goes on")));
   }
 
   std::shared_ptr<StreamHandle<v1::InvokeServiceReply>> out_;
@@ -101,11 +113,32 @@ class InvokeFollower {
   bool ended_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
+// What a request that started `run` before is answered with if that has ended; nullopt: it is running.
+absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServicePorts& ports,
+                                                                  const std::string& run) {
+  GraphVersionPtr version = ports.queries->Newest();
+  v1::Run record;
+  if (!ReadRun(GraphReader(*ports.dictionary, *version), run, &record)) {
+    return absl::NotFoundError(
+        absl::StrCat("this request_id was served before: run ", run, ", which the graph no longer has"));
+  }
+  if (record.state() == "running") return std::nullopt;
+  v1::InvokeServiceReply reply;
+  reply.set_run(run);
+  reply.set_state(record.state());
+  reply.set_message(record.reason());
+  reply.set_final(true);
+  return reply;
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
+  if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
+    return Finish(context, ToGrpc(size));
+  }
   rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
   if (!parsed.ok()) return Finish(context, ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
   for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
@@ -147,36 +180,48 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
 }
 
 grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
-    grpc::CallbackServerContext*, const v1::InvokeServiceRequest* request) {
-  auto* reactor = new StreamReactor<v1::InvokeServiceReply>();
+    grpc::CallbackServerContext* context, const v1::InvokeServiceRequest* request) {
+  auto* reactor = new StreamReactor<v1::InvokeServiceReply>(context, ports_.limits);
   auto handle = reactor->handle();
   WriteBatch batch;
   batch.request_id = request->request_id();
   RunRequest invoke;
   invoke.kind = RunRequest::Kind::kInvokeService;
   invoke.target = request->name();
-  for (const v1::NamedTerm& argument : request->arguments()) {
-    auto term = FromProto(argument.value(), "arguments." + argument.name());
-    if (!term.ok()) {
-      handle->End(ToGrpc(term.status()));
-      return reactor;
+  auto arguments = FromProto(request->arguments(), "arguments", ports_.limits);
+  if (arguments.ok() && !request->robot().empty()) {
+    v1::Term robot;
+    robot.set_iri(request->robot());
+    absl::StatusOr<Term> term = FromProto(robot, "robot");
+    if (term.ok()) {
+      arguments->emplace_back("robot", *std::move(term));
+    } else {
+      arguments = term.status();
     }
-    invoke.arguments.emplace_back(argument.name(), *std::move(term));
   }
-  if (!request->robot().empty()) invoke.arguments.emplace_back("robot", Term::Iri(request->robot()));
+  if (!arguments.ok()) {
+    handle->End(ToGrpc(arguments.status()));
+    return reactor;
+  }
+  invoke.arguments = *std::move(arguments);
   batch.run_requests.push_back(std::move(invoke));
   auto follower = std::make_shared<InvokeFollower>(handle);
   uint64_t id =
       ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
   handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
-  ports_.inbox->Push(std::move(batch), [follower](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (!outcome.ok())
-      follower->Refused(ToGrpc(outcome.status()));
-    else if (!outcome->started.empty())
-      follower->Started(outcome->started.front().value());
-    else
-      follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
-                                     "this request_id was served before; see docent runs"));
+  // The answer comes on the writer's thread, as the events do: what the graph says of the run and what the
+  // feed will say fit together.
+  ports_.inbox->Push(std::move(batch), [this, follower](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (!outcome.ok()) return follower->Refused(ToGrpc(outcome.status()));
+    if (outcome->started.empty()) {
+      return follower->Refused(grpc::Status(grpc::StatusCode::ALREADY_EXISTS,
+                                            "this request_id was that of another request; take a new one"));
+    }
+    const std::string run = outcome->started.front().value();
+    if (!outcome->repeated) return follower->Started(run, std::nullopt);
+    auto end = RecordedEnd(ports_, run);
+    if (!end.ok()) return follower->Refused(ToGrpc(end.status()));
+    follower->Started(run, *std::move(end));
   });
   return reactor;
 }

@@ -1,7 +1,10 @@
 // A few threads for work that may take long (queries, parsing), so that network threads never wait for it.
 //
-// The queue is bounded: Submit refuses instead of growing. The destructor finishes what is queued.
-// Thread-safe.
+// At most `running` pieces of work run at the same time. One that waits for something else than the processor
+// (a client that reads slowly, a revision that is not here yet) says so with a `Waiting`, and the next one
+// runs meanwhile: so a few slow clients stop nobody. `open` bounds the pieces that are begun and not ended,
+// each of which holds a thread; `queue_limit` those that are not begun: Submit refuses instead of growing.
+// The destructor finishes what is queued. Thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_WORKER_POOL_H_
 #define DOCENT_KB_SERVER_SERVICE_WORKER_POOL_H_
 
@@ -16,7 +19,7 @@ namespace docent {
 
 class WorkerPool {
  public:
-  WorkerPool(int threads, size_t queue_limit);
+  WorkerPool(int running, int open, size_t queue_limit);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -24,15 +27,39 @@ class WorkerPool {
   // False: the queue is full; `work` will not run.
   bool Submit(std::function<void()> work);
 
+  // On the stack of a piece of work while it waits. It goes on when a place is free again.
+  class Waiting {
+   public:
+    explicit Waiting(WorkerPool* pool);
+    ~Waiting();
+    Waiting(const Waiting&) = delete;
+    Waiting& operator=(const Waiting&) = delete;
+
+   private:
+    WorkerPool& pool_;
+  };
+
  private:
   void Run();
-  bool HasWorkOrClosed() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !queue_.empty(); }
+  // The next piece of work, when there is a place for it; null: the pool ends.
+  std::function<void()> Take();
+  // Threads are started when they are first needed.
+  void StartThreadIfNeeded() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool HasPlace() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return running_ < running_limit_; }
+  bool CanBegin() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return HasPlace() && !queue_.empty(); }
+  bool CanBeginOrEnd() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return CanBegin() || (closed_ && queue_.empty());
+  }
 
+  const int running_limit_;
+  const size_t open_limit_;
   const size_t queue_limit_;
   absl::Mutex mutex_;
   std::deque<std::function<void()>> queue_ ABSL_GUARDED_BY(mutex_);
+  int running_ ABSL_GUARDED_BY(mutex_) = 0;
+  size_t idle_ ABSL_GUARDED_BY(mutex_) = 0;  // threads without work
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
-  std::vector<std::thread> threads_;
+  std::vector<std::thread> threads_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace docent

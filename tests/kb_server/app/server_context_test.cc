@@ -143,8 +143,23 @@ TEST_F(ServerContextTest, BeyondALimitNothingIsAppliedAndTheLimitIsNamed) {
   request.mutable_add(0)->mutable_object()->mutable_literal()->set_lexical(std::string(100 << 10, 'x'));
   expect(Assert(request), "");  // gRPC's own words
   expect(Load(v1::LoadRequest::DATA, "big.ttl", std::string(20001, '#')), "document_bytes is 20000");
-  EXPECT_THAT(Deploy("big.xml", std::string(20001, ' ')).error_message(),
-              HasSubstr("document_bytes = 20000"));
+  expect(Deploy("big.xml", std::string(20001, ' ')),
+         "big.xml has 20001 bytes; the limit document_bytes is 20000");
+  v1::CheckRequest check;
+  v1::CheckReply checked;
+  check.set_cawl(std::string(20001, ' '));
+  expect(Call(workflows_, &v1::Workflows::Stub::Check, check, &checked), "document_bytes is 20000");
+  v1::RegisterRequest registration;
+  v1::RegisterReply registered;
+  registration.set_rsel(std::string(20001, ' '));
+  expect(Call(services_, &v1::RobotServices::Stub::Register, registration, &registered),
+         "document_bytes is 20000");
+  v1::StartRequest start;
+  v1::StartReply started;
+  v1::NamedTerm* variable = start.add_variables();
+  variable->set_name("x");
+  variable->mutable_value()->mutable_literal()->set_lexical(std::string(1001, 'x'));
+  expect(Call(workflows_, &v1::Workflows::Stub::Start, start, &started), "term_bytes is 1000");
   expect(Query("ASK {} #" + std::string(2000, 'x')).status, "query_text_bytes is 2000");
   EXPECT_EQ(Revision(), 0u);
   EXPECT_TRUE(Assert(Words(10)).ok()) << "at the limit";
@@ -270,6 +285,7 @@ TEST_F(ServerContextTest, OntologiesAreLoadedReplacedListedAndRemoved) {
   EXPECT_EQ(list.modules(0).size(), 2u);
   EXPECT_EQ(list.modules(0).revision(), 2u);
   EXPECT_EQ(list.modules(1).kind(), v1::LoadRequest::RULES);
+  EXPECT_EQ(list.modules(1).size(), 1u) << "rules";
 
   v1::RemoveOntologyRequest remove;
   remove.set_name("place.ttl");

@@ -2,6 +2,9 @@
 // starting again.
 #include "kb_server/app/server.h"
 
+#include <sys/stat.h>
+
+#include <atomic>
 #include <fstream>
 #include <thread>
 
@@ -17,56 +20,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr char kStates[] = "docent:isAt a docent:StateProperty . docent:status a docent:StateProperty .";
-
-class ServerWorkflowTest : public ServerTest {
- protected:
-  // Polls until the run is in the state; fails after a long time.
-  v1::Run WaitForRun(const std::string& id, const std::string& state) {
-    v1::Run run = GetRun(id);
-    for (int i = 0; i < 2000 && run.state() != state; ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      run = GetRun(id);
-    }
-    EXPECT_EQ(run.state(), state) << run.DebugString();
-    return run;
-  }
-  static const v1::Node* FindNode(const v1::Run& run, const std::string& name) {
-    for (const v1::Node& node : run.nodes()) {
-      if (node.name() == name) return &node;
-    }
-    ADD_FAILURE() << "no node " << name;
-    static const v1::Node* none = new v1::Node;
-    return none;
-  }
-  void SetUpGreeting(const std::string& adapter = "127.0.0.1:1") {
-    MustTell(kStates);
-    ASSERT_TRUE(Join("urn:w:R1", adapter).ok());
-    ASSERT_TRUE(Load(v1::LoadRequest::RULES, "near.rules", kRules).ok());
-    grpc::Status status = Deploy("greeting.xml", kGreeting);
-    ASSERT_TRUE(status.ok()) << status.error_message();
-  }
-  grpc::Status Register(const std::string& rsel, v1::RegisterReply* reply = nullptr) {
-    v1::RegisterRequest request;
-    request.set_name("services.xml");
-    request.set_rsel(rsel);
-    v1::RegisterReply unused;
-    return Call(services_, &v1::RobotServices::Stub::Register, request, reply == nullptr ? &unused : reply);
-  }
-  std::vector<v1::InvokeServiceReply> Invoke(const std::string& name, grpc::Status* status) {
-    v1::InvokeServiceRequest request;
-    request.set_name(name);
-    grpc::ClientContext context;
-    Limit(&context);
-    auto reader = services_->Invoke(&context, request);
-    std::vector<v1::InvokeServiceReply> replies;
-    v1::InvokeServiceReply reply;
-    while (reader->Read(&reply)) replies.push_back(reply);
-    *status = reader->Finish();
-    return replies;
-  }
-};
 
 TEST_F(ServerWorkflowTest, CheckShowsMistakesAndConditions) {
   StartServer();
@@ -190,105 +143,6 @@ TEST_F(ServerWorkflowTest, ARunIsCancelled) {
   EXPECT_EQ(Call(workflows_, &v1::Workflows::Stub::Get, get, &run).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(ServerWorkflowTest, ARobotServiceIsRegisteredDescribedAndInvoked) {
-  StartServer();
-  ScriptedAdapter adapter;
-  MustTell(kStates);
-  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
-  v1::RegisterReply reply;
-  grpc::Status status = Register(kServices, &reply);
-  ASSERT_TRUE(status.ok()) << status.error_message();
-  EXPECT_THAT(reply.processes(), ElementsAre("greetTwice"));
-  status = Register("<rsel name=\"x\"><process/></rsel>");
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(status.error_message(), HasSubstr("services.xml:1:"));
-
-  v1::ListServicesReply list;
-  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::List, v1::ListServicesRequest(), &list).ok());
-  ASSERT_EQ(list.services_size(), 1);
-  v1::DescribeServiceRequest describe;
-  describe.set_name("greetTwice");
-  v1::RobotService service;
-  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).ok());
-  EXPECT_EQ(service.steps_size(), 2);
-  EXPECT_THAT(service.robots(), ElementsAre("urn:w:R1"));
-  describe.set_name("nothing");
-  EXPECT_EQ(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).error_code(),
-            grpc::StatusCode::NOT_FOUND);
-
-  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
-  ASSERT_TRUE(status.ok()) << status.error_message();
-  ASSERT_FALSE(replies.empty());
-  for (const auto& r : replies) EXPECT_EQ(r.final(), &r == &replies.back());
-  EXPECT_EQ(replies.back().state(), "done");
-  EXPECT_EQ(adapter.commands().size(), 2u);
-  EXPECT_NE(adapter.commands()[0], adapter.commands()[1]);
-
-  EXPECT_THAT(Invoke("nothing", &status), IsEmpty());
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
-}
-
-TEST_F(ServerWorkflowTest, AServiceWhoseRobotFailsSaysWhy) {
-  StartServer();
-  ScriptedAdapter adapter([](const v1::InvokeRequest&) {
-    v1::Feedback feedback;
-    feedback.set_state(v1::Feedback::FAILED);
-    feedback.set_message("a wheel is stuck");
-    return feedback;
-  });
-  MustTell(kStates);
-  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
-  ASSERT_TRUE(Register(kServices).ok());
-  grpc::Status status;
-  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
-  ASSERT_TRUE(status.ok());
-  ASSERT_FALSE(replies.empty());
-  EXPECT_EQ(replies.back().state(), "failed");
-  EXPECT_TRUE(replies.back().final());
-  EXPECT_THAT(GetRun(replies.back().run()).reason(), HasSubstr("a wheel is stuck"));
-}
-
-TEST_F(ServerWorkflowTest, ARobotThatStopsRenewingItsLeaseIsOffline) {
-  settings_.clock = &clock_;
-  StartServer();
-  MustTell(kStates);
-  auto state = [this] {
-    std::vector<v1::RobotStatus> robots = Robots();
-    return robots.size() == 1 ? robots[0].state() : absl::StrCat(robots.size(), " robots");
-  };
-  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
-  ASSERT_EQ(Robots().size(), 1u);
-  EXPECT_EQ(Robots()[0].label(), "a robot");
-  EXPECT_THAT(Robots()[0].operations(), ElementsAre("greet"));
-  EXPECT_EQ(state(), "standby");
-  uint64_t revision = Revision();
-  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs - 1));
-  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
-  EXPECT_TRUE(server_->Tend());
-  EXPECT_EQ(Revision(), revision) << "a renewed lease is no news";
-
-  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs));
-  EXPECT_TRUE(server_->Tend());
-  ASSERT_TRUE(Query("ASK {}", revision + 1).status.ok());
-  EXPECT_EQ(state(), "offline");
-  EXPECT_TRUE(server_->Tend());
-  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
-  EXPECT_EQ(state(), "standby");
-  EXPECT_EQ(Revision(), revision + 2);
-}
-
-TEST_F(ServerWorkflowTest, AJoinThatTheGraphRefusesIsRefusedAgain) {
-  StartServer();
-  for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(Join("urn:w:R1", "127.0.0.1:1", "not an IRI").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  }
-  EXPECT_EQ(Join("R1", "127.0.0.1:1").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(Join("urn:w:R1", "").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(Robots(), IsEmpty());
-  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
-  EXPECT_EQ(Robots().size(), 1u);
-}
-
 TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
   StartServer();
   SetUpGreeting();
@@ -354,6 +208,67 @@ TEST_F(ServerStartTest, APortInUseIsAClearError) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("--http"));
   EXPECT_THAT(std::string(status.message()), ::testing::Not(HasSubstr("\n")));
   EXPECT_TRUE(Assert(Turtle(":a :b :c .")).ok());
+}
+
+TEST_F(ServerStartTest, AServerThatCannotListenEndsAlthoughClientsKnock) {
+  StartServer();
+  ServerSettings second = settings_;
+  second.data_folder = folder_ / "second";
+  second.http_address = server_->http_address();  // taken; gRPC is there first
+  {
+    ServerSettings third = settings_;
+    third.data_folder = folder_ / "third";
+    auto free = Server::Start(third, nullptr);
+    ASSERT_TRUE(free.ok()) << free.status();
+    second.grpc_address = (*free)->grpc_address();
+  }
+  std::atomic<bool> enough = false;
+  std::thread client([&] {
+    grpc::ChannelArguments arguments;
+    for (const char* backoff : {GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, GRPC_ARG_MIN_RECONNECT_BACKOFF_MS,
+                                GRPC_ARG_MAX_RECONNECT_BACKOFF_MS}) {
+      arguments.SetInt(backoff, 1);
+    }
+    auto stub = v1::Context::NewStub(
+        grpc::CreateCustomChannel(second.grpc_address, grpc::InsecureChannelCredentials(), arguments));
+    while (!enough) {
+      grpc::ClientContext context;
+      context.set_wait_for_ready(true);
+      context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(100));
+      v1::AssertReply reply;
+      stub->Assert(&context, Turtle(":a :b :c ."), &reply);
+    }
+  });
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_THAT(std::string(TryStart(second).message()), HasSubstr("--http"));
+  }
+  enough = true;
+  client.join();
+}
+
+TEST_F(ServerStartTest, NobodyIsListenedToBeforeTheFilesAreLoaded) {
+  StartServer();
+  settings_.grpc_address = server_->grpc_address();
+  StopServer();
+  std::string file = folder_ / "place.ttl";
+  ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+  settings_.ontologies = {file};
+  std::thread start([this] { StartServer(); });
+  std::ofstream out(file);  // opens when the server reads it
+  grpc::ChannelArguments own;
+  own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  auto early = v1::Context::NewStub(
+      grpc::CreateCustomChannel(settings_.grpc_address, grpc::InsecureChannelCredentials(), own));
+  grpc::ClientContext context;
+  Limit(&context);
+  v1::AssertReply reply;
+  EXPECT_EQ(early->Assert(&context, Turtle(":a :b :c ."), &reply).error_code(),
+            grpc::StatusCode::UNAVAILABLE);
+  out << "@prefix : <urn:w:> . :Hall a :Place .";
+  out.close();
+  start.join();
+  EXPECT_TRUE(Ask(":Hall a :Place"));
+  EXPECT_FALSE(Ask(":a :b :c"));
 }
 
 TEST_F(ServerStartTest, AFolderInUseOrUnusableIsAClearError) {

@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 #include "kb_server/app/server.h"
+#include "tests/kb_server/app/test_world.h"
 
 namespace docent::test {
 
@@ -193,6 +195,59 @@ class ServerTest : public ::testing::Test {
   std::unique_ptr<v1::Workflows::Stub> workflows_;
   std::unique_ptr<v1::RobotServices::Stub> services_;
   std::unique_ptr<v1::Fleet::Stub> fleet_;
+};
+
+inline constexpr char kStates[] =
+    "docent:isAt a docent:StateProperty . docent:status a docent:StateProperty .";
+
+class ServerWorkflowTest : public ServerTest {
+ protected:
+  // Polls until the run is in the state; fails after a long time.
+  v1::Run WaitForRun(const std::string& id, const std::string& state) {
+    v1::Run run = GetRun(id);
+    for (int i = 0; i < 2000 && run.state() != state; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      run = GetRun(id);
+    }
+    EXPECT_EQ(run.state(), state) << run.DebugString();
+    return run;
+  }
+  static const v1::Node* FindNode(const v1::Run& run, const std::string& name) {
+    for (const v1::Node& node : run.nodes()) {
+      if (node.name() == name) return &node;
+    }
+    ADD_FAILURE() << "no node " << name;
+    static const v1::Node* none = new v1::Node;
+    return none;
+  }
+  void SetUpGreeting(const std::string& adapter = "127.0.0.1:1") {
+    MustTell(kStates);
+    ASSERT_TRUE(Join("urn:w:R1", adapter).ok());
+    ASSERT_TRUE(Load(v1::LoadRequest::RULES, "near.rules", kRules).ok());
+    grpc::Status status = Deploy("greeting.xml", kGreeting);
+    ASSERT_TRUE(status.ok()) << status.error_message();
+  }
+  grpc::Status Register(const std::string& rsel, v1::RegisterReply* reply = nullptr) {
+    v1::RegisterRequest request;
+    request.set_name("services.xml");
+    request.set_rsel(rsel);
+    v1::RegisterReply unused;
+    return Call(services_, &v1::RobotServices::Stub::Register, request, reply == nullptr ? &unused : reply);
+  }
+  std::vector<v1::InvokeServiceReply> Invoke(const std::string& name, grpc::Status* status,
+                                             const std::string& request_id = "") {
+    v1::InvokeServiceRequest request;
+    request.set_name(name);
+    request.set_request_id(request_id);
+    grpc::ClientContext context;
+    Limit(&context);
+    auto reader = services_->Invoke(&context, request);
+    std::vector<v1::InvokeServiceReply> replies;
+    v1::InvokeServiceReply reply;
+    while (reader->Read(&reply)) replies.push_back(reply);
+    *status = reader->Finish();
+    return replies;
+  }
 };
 
 }  // namespace docent::test
