@@ -47,7 +47,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool expl
     auto plan = run.ExplainRun(run_options);
     if (!plan.ok()) return plan.status();
     header.mutable_header()->set_plan(*std::move(plan));
-    out->Push(std::move(header));
+    out.Send(std::move(header));
     return absl::OkStatus();
   }
   if (form == sparql::Query::Form::kAsk) {
