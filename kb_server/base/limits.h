@@ -36,6 +36,13 @@ struct Limits {
   size_t query_elements =
       4000;  // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
 
+  // updates and other servers
+  size_t update_text_bytes = 16u << 20;  // a SPARQL Update or a graph sent to the graph store
+  int update_attempts = 3;               // evaluations beside the writer before one is made on its turn
+  int update_turn_ms = 100;              // for that one
+  size_t remote_bytes = 64u << 20;       // one answer to LOAD or SERVICE
+  size_t remote_rows = 1000000;          // one answer to SERVICE
+
   // documents
   size_t document_bytes = 64u << 20;
   int xml_nesting = 64;

@@ -182,14 +182,24 @@ class TextArena {
   size_t left_ = 0;
 };
 
+// Above every index that a dictionary of the writer gives (Entry::qualifier has 29 bits).
+constexpr uint64_t kOverBase = uint64_t{1} << 29;
+
 }  // namespace
 
 struct Dictionary::Impl {
+  const Dictionary* base = nullptr;
+  uint64_t base_size = 0;  // entries that `base` had; later ones do not count
+  uint64_t first = 0;      // the id of entry 0
   EntryArray entries;
   HashTable table;
   TextArena arena;
   std::atomic<uint64_t> count{0};
   std::atomic<size_t> allocated{0};
+
+  // Whose entry an id is.
+  const Impl& OwnerOf(uint64_t id) const { return id < first ? *base->impl_ : *this; }
+  const Entry& At(uint64_t id) const { return entries[id - first]; }
 
   std::optional<uint64_t> Find(const EntryKey& key) const {
     return table.Find(key.Hash(), [&](uint64_t index) { return key.Is(entries[index]); });
@@ -240,28 +250,47 @@ struct Dictionary::Impl {
 };
 
 Dictionary::Dictionary() : impl_(std::make_unique<Impl>()) {}
+Dictionary::Dictionary(const Dictionary* base) : Dictionary() {
+  impl_->base = base;
+  impl_->base_size = base->size();
+  impl_->first = kOverBase;
+}
 Dictionary::~Dictionary() = default;
+
+std::optional<TermId> Dictionary::FindInBase(const Term& term) const {
+  std::optional<TermId> id = impl_->base->Find(term);
+  if (id && id->InDictionary() && id->payload() >= impl_->base_size) return std::nullopt;
+  return id;
+}
 
 TermId Dictionary::Intern(const Term& term) {
   if (std::optional<TermId> id = InlineLiteral(term)) return *id;
+  if (impl_->base != nullptr) {
+    if (std::optional<TermId> id = FindInBase(term)) return *id;
+  }
   EntryKey key = *Impl::KeyOf(term, [this](const EntryKey& k) { return std::optional(impl_->Intern(k)); });
-  return TermId::Make(key.tag, impl_->Intern(key));
+  return TermId::Make(key.tag, impl_->first + impl_->Intern(key));
 }
 
 TermId Dictionary::InternIri(std::string_view iri) {
+  if (impl_->base != nullptr) return Intern(Term::Iri(std::string(iri)));
   return TermId::Make(Tag::kIri, impl_->Intern(EntryKey{Tag::kIri, iri}));
 }
 
 std::optional<TermId> Dictionary::Find(const Term& term) const {
   if (std::optional<TermId> id = InlineLiteral(term)) return id;
+  if (impl_->base != nullptr) {
+    if (std::optional<TermId> id = FindInBase(term)) return id;
+  }
   std::optional<EntryKey> key = Impl::KeyOf(term, [this](const EntryKey& k) { return impl_->Find(k); });
   if (!key) return std::nullopt;
   std::optional<uint64_t> index = impl_->Find(*key);
   if (!index) return std::nullopt;
-  return TermId::Make(key->tag, *index);
+  return TermId::Make(key->tag, impl_->first + *index);
 }
 
 std::optional<TermId> Dictionary::FindIri(std::string_view iri) const {
+  if (impl_->base != nullptr) return Find(Term::Iri(std::string(iri)));
   std::optional<uint64_t> index = impl_->Find(EntryKey{Tag::kIri, iri});
   if (!index) return std::nullopt;
   return TermId::Make(Tag::kIri, *index);
@@ -269,32 +298,35 @@ std::optional<TermId> Dictionary::FindIri(std::string_view iri) const {
 
 Term Dictionary::Decode(TermId id) const {
   if (!id.InDictionary()) return DecodeInline(id);
-  const Entry& entry = impl_->entries[id.payload()];
+  const Impl& owner = impl_->OwnerOf(id.payload());
+  const Entry& entry = owner.At(id.payload());
   std::string lexical(entry.view());
   if (id.IsIri()) return Term::Iri(std::move(lexical));
   if (id.IsBlank()) return Term::Blank(std::move(lexical));
   if (entry.qualifier == 0) return Term::Literal(std::move(lexical));
-  std::string qualifier(impl_->entries[entry.qualifier - 1].view());
+  std::string qualifier(owner.entries[entry.qualifier - 1].view());
   return entry.is_language != 0 ? Term{TermKind::kLiteral, std::move(lexical), "", std::move(qualifier)}
                                 : Term{TermKind::kLiteral, std::move(lexical), std::move(qualifier), ""};
 }
 
 std::string_view Dictionary::Lexical(TermId id) const {
-  return impl_->entries[id.payload()].view();
+  return impl_->OwnerOf(id.payload()).At(id.payload()).view();
 }
 
 std::string_view Dictionary::Datatype(TermId id) const {
   if (!id.InDictionary()) return InlineDatatype(id);
   if (!id.IsLiteral()) return {};
-  const Entry& entry = impl_->entries[id.payload()];
+  const Impl& owner = impl_->OwnerOf(id.payload());
+  const Entry& entry = owner.At(id.payload());
   if (entry.is_language != 0) return kRdfLangString;
-  return entry.qualifier == 0 ? kXsdString : impl_->entries[entry.qualifier - 1].view();
+  return entry.qualifier == 0 ? kXsdString : owner.entries[entry.qualifier - 1].view();
 }
 
 std::string_view Dictionary::Language(TermId id) const {
   if (id.tag() != Tag::kLiteral) return {};
-  const Entry& entry = impl_->entries[id.payload()];
-  return entry.is_language != 0 ? impl_->entries[entry.qualifier - 1].view() : std::string_view();
+  const Impl& owner = impl_->OwnerOf(id.payload());
+  const Entry& entry = owner.At(id.payload());
+  return entry.is_language != 0 ? owner.entries[entry.qualifier - 1].view() : std::string_view();
 }
 
 size_t Dictionary::size() const {

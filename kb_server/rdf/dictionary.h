@@ -19,6 +19,11 @@ namespace docent {
 class Dictionary {
  public:
   Dictionary();
+  // A dictionary over `base`, which must outlive it: it knows the terms that `base` has now, under the same
+  // ids, and keeps those that are new to itself, under ids that `base` never gives. For work beside the
+  // writer that has to intern (a SPARQL Update that reads what it wrote). One thread; the base goes on
+  // growing.
+  explicit Dictionary(const Dictionary* base);
   ~Dictionary();
   Dictionary(const Dictionary&) = delete;
   Dictionary& operator=(const Dictionary&) = delete;
@@ -46,6 +51,8 @@ class Dictionary {
 
  private:
   struct Impl;
+  // The id in the base, if it knew the term when this dictionary was made.
+  std::optional<TermId> FindInBase(const Term& term) const;
   std::unique_ptr<Impl> impl_;
 };
 

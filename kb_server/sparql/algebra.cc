@@ -180,6 +180,7 @@ Query Query::Clone() const {
   copy.prefixes = prefixes;
   copy.from = from;
   copy.from_named = from_named;
+  copy.with = with;
   copy.algebra = algebra ? algebra->Clone() : nullptr;
   copy.projection = projection;
   copy.construct_template = construct_template;

@@ -251,6 +251,8 @@ struct Query {
       prefixes;                  // declared in the text, in order: name without ':', IRI
   std::vector<Term> from;        // FROM <iri>
   std::vector<Term> from_named;  // FROM NAMED <iri>
+  // The graph that stands for the default graph where there is no FROM: WITH <iri> of an update.
+  std::optional<Term> with;
   // WHERE with the solution modifiers around it. kSelect: a kProject is inside.
   AlgebraPtr algebra;
   std::vector<Variable> projection;  // kSelect: the result's variables in order (those of SELECT * too)

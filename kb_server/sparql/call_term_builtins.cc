@@ -78,7 +78,8 @@ Value DatatypeOf(const Value& v, EvaluationContext& context) {
 }
 
 Value NewBlank(const std::vector<Value>& arguments, EvaluationContext& context) {
-  std::string label = "q";
+  // Runs with different seeds never share a label: an update may store it.
+  std::string label = "q" + std::to_string(context.seed) + "x";
   if (arguments.empty()) {
     label += "r" + std::to_string(context.Random());
   } else {

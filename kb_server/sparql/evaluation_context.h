@@ -27,7 +27,8 @@ struct DatasetIds {
   std::vector<TermId> default_graphs;  // explicit: the merged graphs
   std::vector<TermId> named_graphs;    // explicit: what GRAPH ranges over
   bool strict = false;                 // not explicit: the default graph is `default_graph` alone
-  TermId default_graph;                // docent:default, or kUnknownTerm
+  TermId default_graph;                // docent:default or that of WITH; kUnknownTerm: there is no such graph
+  TermId unnamed_graph;                // what GRAPH does not range over where `strict` and not explicit
 };
 
 class EvaluationContext {
@@ -37,11 +38,12 @@ class EvaluationContext {
 
   // Begins a run: forgets computed terms, memory and error.
   void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us,
-             uint64_t seed) {
+             uint64_t new_seed) {
     version = new_version;
     cancellation = new_cancellation;
     now_us = new_now_us;
-    random_ = seed;
+    seed = new_seed;
+    random_ = new_seed;
     row_number = 0;
     memory_ = 0;
     if (!status.ok()) status = absl::OkStatus();
@@ -92,6 +94,7 @@ class EvaluationContext {
   const GraphVersion* version = nullptr;
   Cancellation* cancellation = nullptr;
   TimeMicros now_us = 0;
+  uint64_t seed = 0;
   absl::Status status;
   DatasetIds dataset;
   std::string base_iri;

@@ -49,11 +49,13 @@ class Program {
 
   // The data set's graphs, whose numbers among the constants are given.
   void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named,
-                  int default_graph) {
+                  int default_graph, int with = -1) {
     DatasetIds& d = context.dataset;
     d.is_explicit = is_explicit;
-    d.strict = options_.default_graph == DefaultGraph::kStrict;
-    d.default_graph = context.constants[default_graph];
+    const bool strict = options_.default_graph == DefaultGraph::kStrict;
+    d.strict = strict || with >= 0;
+    d.default_graph = context.constants[with >= 0 ? with : default_graph];
+    d.unnamed_graph = strict ? context.constants[default_graph] : TermId();
     const auto ids = [this](const std::vector<int>& numbers) {
       std::vector<TermId> out;
       for (const int n : numbers) {
@@ -104,6 +106,7 @@ struct PreparedQuery::Impl {
   std::vector<Term> constants;
   std::vector<int> from, from_named;
   int default_graph = 0;
+  int with = -1;
   size_t slots = 0;
   PlanNodePtr plan;  // lowered; arranged once `root` stands
   std::unique_ptr<Operator> root;
@@ -128,6 +131,7 @@ absl::Status PreparedQuery::Impl::Lower() {
   }
   lowering.SetBound(bound);
   default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
+  if (query.with) with = lowering.ConstantOf(*query.with);
   for (const Term& graph : query.from) from.push_back(lowering.ConstantOf(graph));
   for (const Term& graph : query.from_named) from_named.push_back(lowering.ConstantOf(graph));
   plan = lowering.LowerQuery(*query.algebra);
@@ -157,7 +161,8 @@ void PreparedQuery::Impl::Plan(const GraphVersion& version) {
 absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
   const bool found = program.ResolveConstants(constants);
   if (found || !root) {
-    program.SetDataset(!query.from.empty() || !query.from_named.empty(), from, from_named, default_graph);
+    program.SetDataset(!query.from.empty() || !query.from_named.empty(), from, from_named, default_graph,
+                       with);
   }
   program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
   if (!root || found || program.SizeChangedMuch(*run.version)) {

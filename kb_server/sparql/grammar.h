@@ -1,6 +1,7 @@
 // The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose
 // number stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc
-// (groups, triples, paths) and grammar_expression.cc. Not for use outside this folder; one thread.
+// (groups), grammar_triples.cc (triples, paths), grammar_expression.cc and grammar_update.cc. Not for use
+// outside this folder; one thread.
 //
 // A production that fails has reported why, returns null, false or nullopt, and leaves the place near the
 // error.
@@ -19,6 +20,7 @@
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/lexer.h"
 #include "kb_server/sparql/parser.h"
+#include "kb_server/sparql/update_algebra.h"
 
 namespace docent::sparql {
 
@@ -29,6 +31,9 @@ class Grammar {
   // grammar_query.cc
   std::optional<Query> QueryUnit();  // [1]
   bool Prologue();                   // [4]
+
+  // grammar_update.cc
+  std::optional<Update> UpdateUnit();  // [3]
 
   // grammar_pattern.cc
   AlgebraPtr GroupGraphPattern();                                // [53], any filter wrapped around
@@ -191,6 +196,22 @@ class Grammar {
   friend class ProductionParser;
 
   const Token& ReadAhead(size_t ahead);
+  // grammar_update.cc
+  enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
+  bool Update1(UpdateOperation* operation);                  // [30]
+  bool Load(UpdateOperation* operation);                     // [31]
+  bool DeleteWhere(UpdateOperation* operation);              // [40]
+  bool Modify(UpdateOperation* operation);                   // [41]
+  bool GraphOrDefault(GraphTarget* target);                  // [45]
+  bool GraphRef(GraphTarget* target);                        // [46]
+  bool GraphRefAll(GraphTarget* target);                     // [47]
+  bool Quads(std::vector<QuadTemplate>* out, QuadsUse use);  // [48] [49], in braces
+  bool Triples(const std::optional<PatternTerm>& graph, std::vector<QuadTemplate>* out,
+               QuadsUse use);  // [52]
+  bool QuadTerm(const PatternTerm& term, QuadsUse use);
+  // Goes on before the ';' that ends the operation, or at the end.
+  void RecoverAtSemicolon();
+
   std::optional<Term> LiteralTail(const Token& string);
   std::optional<Term> NumericLiteral();
   std::optional<std::string> Resolve(const Token& iri);
@@ -213,6 +234,8 @@ class Grammar {
   std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
   std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
   bool in_aggregate_ = false;
+  int operation_ = 0;                       // number of the current update operation
+  std::map<std::string, int> data_labels_;  // blank node label → INSERT DATA that used it
 };
 
 }  // namespace docent::sparql

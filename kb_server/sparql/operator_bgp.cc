@@ -163,7 +163,7 @@ class GraphOperator final : public Operator {
       const bool named = !dataset.is_explicit ||
                          std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(), bound) !=
                              dataset.named_graphs.end();
-      const bool is_default = !dataset.is_explicit && dataset.strict && bound == dataset.default_graph;
+      const bool is_default = !dataset.is_explicit && dataset.strict && bound == dataset.unnamed_graph;
       const bool exists =
           bound.tag() != TermId::Tag::kLocal && context_.version->Count({{}, {}, {}, bound}) > 0;
       if (named && !is_default && exists) graphs_.push_back(bound);
@@ -173,7 +173,7 @@ class GraphOperator final : public Operator {
       const bool named = dataset.is_explicit
                              ? std::find(dataset.named_graphs.begin(), dataset.named_graphs.end(), graph) !=
                                    dataset.named_graphs.end()
-                             : !dataset.strict || graph != dataset.default_graph;
+                             : !dataset.strict || graph != dataset.unnamed_graph;
       if (named) graphs_.push_back(graph);
     }
   }

@@ -7,13 +7,14 @@ namespace docent::sparql {
 namespace {
 
 // What must hold before the lexer may look at the text.
-std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options) {
-  const size_t limit = options.limits.query_text_bytes;
+std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options, bool update = false) {
+  const size_t limit = update ? options.limits.update_text_bytes : options.limits.query_text_bytes;
   if (text.size() > limit) {
     return Diagnostic{options.file,
                       {},
-                      "the text has " + std::to_string(text.size()) +
-                          " bytes, the limit query_text_bytes is " + std::to_string(limit),
+                      "the text has " + std::to_string(text.size()) + " bytes, the limit " +
+                          (update ? "update_text_bytes" : "query_text_bytes") + " is " +
+                          std::to_string(limit),
                       ""};
   }
   const size_t bad = FindInvalidUtf8(text);
@@ -43,6 +44,19 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
   std::optional<Query> query = grammar.QueryUnit();
   parsed.diagnostics = grammar.diagnostics();
   if (query) parsed.query = *std::move(query);
+  return parsed;
+}
+
+ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options) {
+  ParsedUpdate parsed;
+  if (std::optional<Diagnostic> refused = Refuse(text, options, true)) {
+    parsed.diagnostics.push_back(*std::move(refused));
+    return parsed;
+  }
+  Grammar grammar(text, options);
+  std::optional<Update> update = grammar.UpdateUnit();
+  parsed.diagnostics = grammar.diagnostics();
+  if (update) parsed.update = *std::move(update);
   return parsed;
 }
 

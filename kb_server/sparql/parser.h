@@ -1,5 +1,5 @@
-// SPARQL 1.1 text → algebra. The whole query grammar of the W3C recommendation (section 19.8) is read; what
-// the evaluator cannot do yet is refused there, not here.
+// SPARQL 1.1 text → algebra. The whole grammar of the W3C recommendation (section 19.8) is read, queries and
+// updates.
 //
 // Hand-written recursive descent, one method a production. It knows no store and no clock. After an error it
 // goes on at the next '.' or '}', so several mistakes are reported at once. Any thread.
@@ -16,6 +16,7 @@
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/sparql/algebra.h"
+#include "kb_server/sparql/update_algebra.h"
 
 namespace docent::sparql {
 
@@ -36,6 +37,14 @@ struct ParsedQuery {
   bool ok() const { return !HasErrors(diagnostics); }
 };
 ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options = {});
+
+struct ParsedUpdate {
+  Update update;  // usable only if ok()
+  Diagnostics diagnostics;
+  bool ok() const { return !HasErrors(diagnostics); }
+};
+// `limits.update_text_bytes` holds instead of query_text_bytes.
+ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options = {});
 
 // A lone expression, as in FILTER(…) without the word (CAWL comparisons, tests). Null where there are errors.
 struct ParsedExpression {

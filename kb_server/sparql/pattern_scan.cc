@@ -27,7 +27,7 @@ bool PatternScan::OpenGraph(const GraphRef& graph, const TermId* row, QuadPatter
   if (dataset.is_explicit) {
     only_ = &dataset.named_graphs;
   } else if (dataset.strict) {
-    except_ = dataset.default_graph;
+    except_ = dataset.unnamed_graph;
   }
   const TermId bound =
       graph.name.constant >= 0 ? context_->constants[graph.name.constant] : row[graph.name.slot];

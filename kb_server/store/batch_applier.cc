@@ -6,6 +6,7 @@
 #include "kb_server/rdf/term_check.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/store/reading_mapper.h"
+#include "kb_server/store/server_graphs.h"
 
 namespace docent {
 namespace {
@@ -13,10 +14,6 @@ namespace {
 constexpr char kReserved[] = "graph: it is one of those that the server alone writes";
 // A lifetime that ends later than this (the year 2554) never ends.
 constexpr TimeMicros kNever = TimeMicros{1} << 54;
-
-bool IsReserved(const Term& graph) {
-  return graph.lexical == kInferredGraph || graph.lexical == kRunsGraph;
-}
 
 absl::Status At(absl::string_view place, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
@@ -41,13 +38,13 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   if (!batch.source.empty()) {
     const Term source = Term::Iri(batch.source);
     if (absl::Status s = CheckTerm(source, limits_.term_bytes); !s.ok()) return At("source", s);
-    if (IsReserved(source)) return At("source", absl::InvalidArgumentError(kReserved));
+    if (IsServerGraph(source.lexical)) return At("source", absl::InvalidArgumentError(kReserved));
   }
   for (size_t i = 0; i < batch.operations.size(); ++i) {
     const TermQuad& quad = batch.operations[i].quad;
     absl::Status status = CheckQuad(quad, limits_.term_bytes);
     if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
-    if (status.ok() && IsReserved(quad.graph)) status = absl::InvalidArgumentError(kReserved);
+    if (status.ok() && IsServerGraph(quad.graph.lexical)) status = absl::InvalidArgumentError(kReserved);
     if (!status.ok()) return At(absl::StrCat("operations[", i, "]"), status);
   }
   for (size_t i = 0; i < batch.readings.size(); ++i) {

@@ -1,6 +1,6 @@
 // The W3C SPARQL 1.0 and 1.1 query suites: syntax, evaluation, result formats. They are looked for in
-// $DOCENT_W3C_TESTS, else beside the source tree; skipped where they are not. known_failures.txt lists what
-// fails, each with its reason; a test listed there that passes is an error, too.
+// $DOCENT_W3C_TESTS, else beside the source tree; skipped where they are not. ../known_failures.txt
+// lists what fails, each with its reason; a test listed there that passes is an error, too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,48 +16,11 @@
 #include "kb_server/sparql/results.h"
 #include "kb_server/store/graph_writer.h"
 #include "tests/conformance/sparql/result_files.h"
+#include "tests/conformance/sparql/suite_support.h"
 #include "tests/conformance/sparql/w3c_manifest.h"
 
 namespace docent {
 namespace {
-
-const std::map<std::string, std::string>& KnownFailures() {
-  static const auto* known = [] {
-    auto* out = new std::map<std::string, std::string>;
-    std::istringstream in(
-        ReadText(std::string(DOCENT_SOURCE_DIR) + "/tests/conformance/sparql/known_failures.txt"));
-    for (std::string line; std::getline(in, line);) {
-      const size_t space = line.find(' ');
-      if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
-      (*out)[line.substr(0, space)] = line.substr(space + 1);
-    }
-    return out;
-  }();
-  return *known;
-}
-
-class Store {
- public:
-  void Load(const std::string& iri, const std::string& graph) {
-    ParseRdfOptions options;
-    options.base_iri = iri;
-    options.blank_node_scope = "d" + std::to_string(++documents_);
-    const std::string text = ReadText(W3cFile(iri));
-    const ParsedRdf parsed = ParseRdf(text, *FormatOfFile(iri), options);
-    EXPECT_TRUE(parsed.ok()) << iri << "\n" << Render(parsed.diagnostics, text);
-    const TermId name = dictionary.InternIri(graph);
-    for (const TermQuad& q : parsed.quads) {
-      writer_.Add(
-          {dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), name});
-    }
-  }
-  GraphVersionPtr Freeze() { return writer_.Freeze(Revision(1)); }
-  Dictionary dictionary;
-
- private:
-  GraphWriter writer_{nullptr};
-  int documents_ = 0;
-};
 
 sparql::ParsedQuery Parse(const W3cQueryTest& test, const std::string& text) {
   sparql::ParseOptions options;
@@ -69,7 +32,7 @@ absl::StatusOr<Answer> Evaluate(const W3cQueryTest& test, std::string* csv = nul
   const std::string text = ReadText(W3cFile(test.query));
   const sparql::ParsedQuery parsed = Parse(test, text);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
-  Store store;
+  SuiteStore store;
   for (const std::string& file : test.data) store.Load(file, std::string(kDefaultGraph));
   for (const auto& [graph, file] : test.named) store.Load(file, graph);
   for (const auto* graphs : {&parsed.query.from, &parsed.query.from_named}) {
@@ -181,20 +144,7 @@ TEST_P(SparqlSuites, EveryTestPassesOrIsKnown) {
     GTEST_SKIP() << "the W3C suites are not at " << W3cRoot()
                  << ": clone github.com/w3c/rdf-tests and set DOCENT_W3C_TESTS to it";
   }
-  const std::vector<W3cQueryTest> tests = ReadQueryManifest(folder);
-  EXPECT_FALSE(tests.empty());
-  int passed = 0;
-  for (const W3cQueryTest& test : tests) {
-    const std::string why = RunOne(test);
-    const bool known = KnownFailures().contains(test.name);
-    passed += why.empty() ? 1 : 0;
-    if (!known) {
-      EXPECT_EQ(why, "") << test.name << " " << test.query;
-    } else {
-      EXPECT_NE(why, "") << test.name << " passes: take it out of known_failures.txt";
-    }
-  }
-  std::printf("%s: %d of %zu pass\n", folder.c_str(), passed, tests.size());
+  RunSuite("query " + folder, ReadQueryManifest(folder), RunOne);
 }
 
 constexpr const char* kFolders[] = {"sparql10/algebra",

@@ -14,6 +14,7 @@ namespace docent {
 namespace {
 
 constexpr char kMf[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-manifest#";
+constexpr char kUt[] = "http://www.w3.org/2009/sparql/tests/test-update#";
 constexpr char kQt[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-query#";
 
 class Graph {
@@ -80,20 +81,43 @@ std::string ReadText(const std::filesystem::path& path) {
   return text.str();
 }
 
+namespace {
+
+// The manifest of a folder and its entries.
+struct Manifest {
+  explicit Manifest(const std::string& folder) : graph(Quads(folder)) {
+    const std::string mf = kMf;
+    entries = graph.List(graph.One(graph.WithType(mf + "Manifest"), mf + "entries"));
+  }
+  // The local names of an entry's types.
+  std::vector<std::string> Types(const Term& entry) const {
+    std::vector<std::string> out;
+    for (const Term& type : graph.All(entry, std::string(kRdfType))) out.push_back(LocalName(type.lexical));
+    return out;
+  }
+  static std::vector<TermQuad> Quads(const std::string& folder) {
+    ParseRdfOptions options;
+    options.base_iri = kW3cBase + folder + "/manifest.ttl";
+    const std::string text = ReadText(W3cFile(options.base_iri));
+    ParsedRdf parsed = ParseRdf(text, RdfFormat::kTurtle, options);
+    EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+    return std::move(parsed.quads);
+  }
+  Graph graph;
+  std::vector<Term> entries;
+};
+
+}  // namespace
+
 std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
-  ParseRdfOptions options;
-  options.base_iri = kW3cBase + folder + "/manifest.ttl";
-  const std::string text = ReadText(W3cFile(options.base_iri));
-  const ParsedRdf parsed = ParseRdf(text, RdfFormat::kTurtle, options);
-  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
-  const Graph graph(parsed.quads);
+  const Manifest manifest(folder);
+  const Graph& graph = manifest.graph;
   const std::string mf = kMf, qt = kQt;
   std::vector<W3cQueryTest> tests;
-  for (const Term& entry : graph.List(graph.One(graph.WithType(mf + "Manifest"), mf + "entries"))) {
+  for (const Term& entry : manifest.entries) {
     W3cQueryTest test;
     bool query_test = true;
-    for (const Term& type : graph.All(entry, std::string(kRdfType))) {
-      const std::string kind = LocalName(type.lexical);
+    for (const std::string& kind : manifest.Types(entry)) {
       if (kind == "QueryEvaluationTest" || kind == "CSVResultFormatTest") {
         test.kind = W3cQueryTest::Kind::kEvaluation;
       } else if (kind == "PositiveSyntaxTest" || kind == "PositiveSyntaxTest11") {
@@ -118,8 +142,54 @@ std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
         test.named.emplace_back(label.lexical.empty() ? file : label.lexical, file);
       }
     }
+    for (const Term& service : graph.All(action, qt + "serviceData")) {
+      test.services.emplace_back(graph.One(service, qt + "endpoint").lexical,
+                                 graph.One(service, qt + "data").lexical);
+    }
     test.result = graph.One(entry, mf + "result").lexical;
     test.lax = LocalName(graph.One(entry, mf + "resultCardinality").lexical) == "LaxCardinality";
+    tests.push_back(std::move(test));
+  }
+  return tests;
+}
+
+std::vector<W3cUpdateTest> ReadUpdateManifest(const std::string& folder) {
+  const Manifest manifest(folder);
+  const Graph& graph = manifest.graph;
+  const std::string mf = kMf, ut = kUt;
+  const auto state = [&](const Term& node) {
+    W3cUpdateTest::State out;
+    for (const Term& data : graph.All(node, ut + "data")) out.data.push_back(data.lexical);
+    for (const Term& data : graph.All(node, ut + "graphData")) {
+      out.named.emplace_back(graph.One(data, std::string(kRdfsNs) + "label").lexical,
+                             graph.One(data, ut + "graph").lexical);
+    }
+    return out;
+  };
+  std::vector<W3cUpdateTest> tests;
+  for (const Term& entry : manifest.entries) {
+    W3cUpdateTest test;
+    bool update_test = false;
+    for (const std::string& kind : manifest.Types(entry)) {
+      update_test = true;
+      const bool request = graph.One(entry, mf + "action").lexical.ends_with(".ru");
+      if (kind == "UpdateEvaluationTest") {
+        test.kind = W3cUpdateTest::Kind::kEvaluation;
+      } else if (kind == "PositiveUpdateSyntaxTest" || kind == "PositiveUpdateSyntaxTest11") {
+        test.kind = W3cUpdateTest::Kind::kPositiveSyntax;
+      } else if (kind == "NegativeUpdateSyntaxTest" || kind == "NegativeUpdateSyntaxTest11" ||
+                 (kind == "NegativeSyntaxTest11" && request)) {
+        test.kind = W3cUpdateTest::Kind::kNegativeSyntax;
+      } else {
+        update_test = false;
+      }
+    }
+    if (!update_test) continue;
+    test.name = folder + "/" + LocalName(entry.lexical);
+    const Term action = graph.One(entry, mf + "action");
+    test.request = action.IsIri() ? action.lexical : graph.One(action, ut + "request").lexical;
+    test.before = state(action);
+    test.after = state(graph.One(entry, mf + "result"));
     tests.push_back(std::move(test));
   }
   return tests;

@@ -104,5 +104,37 @@ TEST(DictionaryTest, ReadersBesideTheWriter) {
   EXPECT_FALSE(wrong);
 }
 
+TEST(DictionaryTest, ADictionaryOverAnotherKeepsNewTermsToItself) {
+  Dictionary base;
+  const Term known = Term::Literal("x", "http://e/type"), later = Term::Iri("http://e/later");
+  const TermId known_id = base.Intern(known);
+  Dictionary over(&base);
+  EXPECT_EQ(over.Intern(known), known_id);
+  EXPECT_EQ(over.Find(Term::Integer(5)), InlineLiteral(Term::Integer(5)));
+  const Term fresh[] = {later,
+                        Term::Literal("y", "http://e/type"),
+                        Term::Literal("z", "http://e/new-type"),
+                        Term::LangString("n", "fr"),
+                        Term::Blank("b"),
+                        Term::Iri("http://e/new-type")};
+  EXPECT_EQ(over.Find(fresh[0]), std::nullopt);
+  std::vector<TermId> ids;
+  for (const Term& term : fresh) ids.push_back(over.Intern(term));
+  const TermId base_id = base.Intern(later);  // the base grows meanwhile
+  EXPECT_NE(base_id, ids[0]);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(over.Find(fresh[i]), ids[i]);
+    EXPECT_EQ(over.Intern(fresh[i]), ids[i]);
+    EXPECT_EQ(over.Decode(ids[i]), fresh[i]);
+    EXPECT_EQ(over.Lexical(ids[i]), fresh[i].lexical);
+  }
+  EXPECT_EQ(over.Datatype(ids[2]), "http://e/new-type");
+  EXPECT_EQ(over.Language(ids[3]), "fr");
+  EXPECT_EQ(over.Datatype(known_id), "http://e/type");
+  EXPECT_EQ(over.Decode(known_id), known);
+  EXPECT_EQ(over.FindIri("http://e/type"), base.FindIri("http://e/type"));
+  EXPECT_EQ(base.Find(fresh[1]), std::nullopt);
+}
+
 }  // namespace
 }  // namespace docent
