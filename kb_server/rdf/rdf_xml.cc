@@ -60,6 +60,47 @@ std::optional<size_t> FindDoctype(std::string_view text) {
   }
 }
 
+// The end of the start tag at `at`: the offset of its '>', outside of quotes.
+size_t EndOfTag(std::string_view text, size_t at) {
+  for (char quote = 0; at < text.size(); ++at) {
+    if (quote != 0) {
+      if (text[at] == quote) quote = 0;
+    } else if (text[at] == '"' || text[at] == '\'') {
+      quote = text[at];
+    } else if (text[at] == '>') {
+      return at;
+    }
+  }
+  return std::string_view::npos;
+}
+
+// The offset of the first element that lies inside `limit` others. Text that is no XML is left to Raptor.
+std::optional<size_t> FindTooDeep(std::string_view text, int limit) {
+  int depth = 0;
+  for (size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {
+    const std::string_view rest = text.substr(at);
+    std::string_view end = ">";
+    if (rest.starts_with("<!--")) {
+      end = "-->";
+    } else if (rest.starts_with("<![CDATA[")) {
+      end = "]]>";
+    } else if (rest.starts_with("<?")) {
+      end = "?>";
+    } else if (rest.starts_with("</")) {
+      --depth;
+    } else {
+      if (depth >= limit) return at;
+      at = EndOfTag(text, at);
+      if (at == std::string_view::npos) return std::nullopt;
+      if (text[at - 1] != '/') ++depth;
+      continue;
+    }
+    at = text.find(end, at);
+    if (at == std::string_view::npos) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
 // One document on its way through Raptor.
 class RdfXmlReader {
  public:
@@ -164,7 +205,8 @@ class RdfXmlReader {
       return;
     }
     // Raptor lets any language tag pass, "%n" say, which the store would refuse
-    absl::Status status = quad.object.language.empty() ? absl::OkStatus() : CheckTerm(quad.object, options_.limits.term_bytes);
+    absl::Status status =
+        quad.object.language.empty() ? absl::OkStatus() : CheckTerm(quad.object, options_.limits.term_bytes);
     if (!status.ok()) {
       Report(raptor_parser_get_locator(parser_), std::string(status.message()), "");
       return;
@@ -253,6 +295,13 @@ ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options) {
     refused.diagnostics.push_back({options.file, SpanAt(text, *at, 9),
                                    "a document type definition is refused: it could expand or fetch entities",
                                    "remove <!DOCTYPE …> and write its entities out"});
+    return refused;
+  }
+  if (std::optional<size_t> at = FindTooDeep(text, options.limits.xml_nesting)) {
+    refused.diagnostics.push_back(
+        {options.file, SpanAt(text, *at, 1),
+         absl::StrCat("elements nested deeper than the limit xml_nesting = ", options.limits.xml_nesting),
+         "give inner nodes an rdf:nodeID or rdf:about, and describe them at the top"});
     return refused;
   }
   return RdfXmlReader(text, options).Run();

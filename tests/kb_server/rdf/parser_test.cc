@@ -229,5 +229,25 @@ TEST(ParserTest, ManyThreads) {
   EXPECT_EQ(good, 200);
 }
 
+TEST(RdfXmlTest, NestingEndsAtItsLimit) {
+  const auto nested = [](int properties) {  // each property holds a node: two elements
+    std::string text =
+        "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">"
+        "<!-- < < --><rdf:Description e:a=\">/\">";
+    std::string end;
+    for (int i = 0; i < properties; ++i) {
+      text += "<e:p><rdf:Description>";
+      end += "</rdf:Description></e:p>";
+    }
+    return text + "<e:q>1</e:q><e:q/>" + end + "</rdf:Description></rdf:RDF>";
+  };
+  ParseRdfOptions options;
+  options.limits.xml_nesting = 9;
+  EXPECT_TRUE(ParseRdf(nested(3), RdfFormat::kRdfXml, options).ok());
+  const ParsedRdf refused = ParseRdf(nested(4), RdfFormat::kRdfXml, options);
+  ASSERT_EQ(refused.diagnostics.size(), 1u);
+  EXPECT_NE(refused.diagnostics[0].message.find("xml_nesting = 9"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace docent
