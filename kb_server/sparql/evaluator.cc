@@ -186,9 +186,6 @@ absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(Query&& qu
                                                                       const Dictionary& dictionary,
                                                                       const PrepareOptions& options) {
   if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
-  if (query.form == Query::Form::kDescribe) {
-    return absl::UnimplementedError("DESCRIBE is not supported; use CONSTRUCT WHERE { <iri> ?p ?o }");
-  }
   auto impl = std::make_unique<Impl>(std::move(query), dictionary, options);
   if (impl->query.form == Query::Form::kSelect) {
     for (const Variable& v : impl->query.projection) impl->names.push_back(v.name);

@@ -58,7 +58,7 @@ struct RunOptions {
 
 class PreparedQuery {
  public:
-  // UNIMPLEMENTED, with the place, for what the evaluator does not do (SERVICE, DESCRIBE);
+  // UNIMPLEMENTED, with the place, for a SERVICE that ResolveServices has not replaced;
   // INVALID_ARGUMENT for an unknown function or a variable in `bound` that the query does not have.
   // `dictionary` must outlive the result; `query` need not.
   static absl::StatusOr<std::unique_ptr<PreparedQuery>> Prepare(const Query& query,
@@ -72,7 +72,7 @@ class PreparedQuery {
   PreparedQuery& operator=(const PreparedQuery&) = delete;
 
   Query::Form form() const;
-  // The names of a row's columns. SELECT: its projection. ASK and CONSTRUCT: all visible variables of WHERE,
+  // The names of a row's columns. SELECT: its projection. Others: all visible variables of WHERE,
   // in order of first occurrence.
   const std::vector<std::string>& variables() const;
 

@@ -108,7 +108,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       return LowerProject(a, scope, graph, top);
     case Kind::kService:
       Fail(absl::StatusCode::kUnimplemented, a.span,
-           "SERVICE is not supported: other endpoints are not asked");
+           "SERVICE cannot stand here: other endpoints are asked for queries and updates alone");
       return Node(Plan::kBgp);
     case Kind::kUnion: {
       PlanNodePtr node = Node(Plan::kUnion);

@@ -1,5 +1,6 @@
 #include "kb_server/sparql/results.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "kb_server/rdf/vocabulary.h"
@@ -234,14 +235,29 @@ class TsvWriter final : public ResultWriter {
     }
     return out;
   }
+  // INTEGER, DECIMAL and DOUBLE of the grammar, with a sign: [0-9]+, [0-9]*.[0-9]+, and those with an
+  // exponent.
   static bool IsBareNumber(const Term& t) {
-    const std::string& s = t.lexical;
-    if (s.empty() || s.find_first_not_of("0123456789+-.eE") != std::string::npos) return false;
-    if (s.find_first_of("0123456789") == std::string::npos || s.back() == '.') return false;
-    if (t.datatype == kXsdInteger) return s.find_first_of(".eE") == std::string::npos;
-    if (t.datatype == kXsdDecimal)
-      return s.find('.') != std::string::npos && s.find_first_of("eE") == std::string::npos;
-    return t.datatype == kXsdDouble && s.find_first_of("eE") != std::string::npos;
+    std::string_view rest = t.lexical;
+    const auto digits = [&rest] {
+      const size_t count = std::min(rest.find_first_not_of("0123456789"), rest.size());
+      rest.remove_prefix(count);
+      return count;
+    };
+    const auto one_of = [&rest](std::string_view characters) {
+      const bool there = !rest.empty() && characters.find(rest[0]) != std::string_view::npos;
+      if (there) rest.remove_prefix(1);
+      return there;
+    };
+    one_of("+-");
+    const size_t before = digits();
+    const bool point = one_of(".");
+    const size_t after = point ? digits() : 0;
+    if (t.datatype == kXsdInteger) return before > 0 && !point && rest.empty();
+    if (t.datatype == kXsdDecimal) return after > 0 && rest.empty();
+    if (t.datatype != kXsdDouble || before + after == 0 || !one_of("eE")) return false;
+    one_of("+-");
+    return digits() > 0 && rest.empty();
   }
 
   std::string& out_;
