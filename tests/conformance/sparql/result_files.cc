@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
+#include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/value.h"
 #include "tests/conformance/rdf/isomorphism.h"
@@ -203,6 +205,44 @@ Answer ReadJsonResult(const std::string& text) {
     for (const auto& [name, value] : result.members) {
       row[name] = MakeTerm(value["type"].string, value["value"].string, value["datatype"].string,
                            value["xml:lang"].string);
+    }
+    answer.rows.push_back(std::move(row));
+  }
+  return answer;
+}
+
+Answer ReadTsvResult(const std::string& text) {
+  const auto split = [](const std::string& line) {
+    std::vector<std::string> cells(1);
+    for (const char c : line) {
+      if (c == '\t') {
+        cells.emplace_back();
+      } else {
+        cells.back() += c;
+      }
+    }
+    return cells;
+  };
+  Answer answer;
+  std::istringstream in(text);
+  std::string line;
+  const auto next = [&in, &line] {
+    if (!std::getline(in, line)) return false;
+    if (line.ends_with('\r')) line.pop_back();
+    return true;
+  };
+  if (!next()) return answer;
+  for (const std::string& name : split(line)) {
+    if (!name.empty()) answer.variables.push_back(name.substr(1));
+  }
+  while (next()) {
+    std::map<std::string, Term> row;
+    const std::vector<std::string> cells = split(line);
+    for (size_t i = 0; i < cells.size() && i < answer.variables.size(); ++i) {
+      if (cells[i].empty()) continue;
+      const ParsedRdf parsed = ParseRdf("<s:> <p:> " + cells[i] + " .", RdfFormat::kTurtle);
+      EXPECT_TRUE(parsed.ok()) << cells[i];
+      if (parsed.ok()) row[answer.variables[i]] = parsed.quads[0].object;
     }
     answer.rows.push_back(std::move(row));
   }

@@ -22,6 +22,7 @@ struct Answer {
 
 Answer ReadXmlResult(const std::string& text);
 Answer ReadJsonResult(const std::string& text);
+Answer ReadTsvResult(const std::string& text);
 // A result set in the DAWG vocabulary, or else a graph.
 Answer ReadRdfResult(const std::vector<TermQuad>& quads);
 // Equal but for blank node labels and the lexical forms of numbers. `lax`: how often a solution comes does

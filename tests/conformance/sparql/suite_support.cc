@@ -12,17 +12,19 @@
 
 namespace docent {
 
+std::map<std::string, std::string> ReadNotes(const std::string& file) {
+  std::map<std::string, std::string> out;
+  std::istringstream in(ReadText(std::string(DOCENT_SOURCE_DIR) + "/tests/conformance/" + file));
+  for (std::string line; std::getline(in, line);) {
+    const size_t space = line.find(' ');
+    if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
+    out[line.substr(0, space)] = line.substr(space + 1);
+  }
+  return out;
+}
+
 const std::map<std::string, std::string>& KnownFailures() {
-  static const auto* known = [] {
-    auto* out = new std::map<std::string, std::string>;
-    std::istringstream in(ReadText(std::string(DOCENT_SOURCE_DIR) + "/tests/conformance/known_failures.txt"));
-    for (std::string line; std::getline(in, line);) {
-      const size_t space = line.find(' ');
-      if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
-      (*out)[line.substr(0, space)] = line.substr(space + 1);
-    }
-    return out;
-  }();
+  static const auto* known = new std::map<std::string, std::string>(ReadNotes("known_failures.txt"));
   return *known;
 }
 

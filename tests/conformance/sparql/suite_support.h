@@ -14,7 +14,9 @@
 
 namespace docent {
 
-// tests/conformance/known_failures.txt: the test's name → why it fails.
+// Lines of a file beneath tests/conformance: a test's name, then a remark.
+std::map<std::string, std::string> ReadNotes(const std::string& file);
+// known_failures.txt: the test's name → why it fails.
 const std::map<std::string, std::string>& KnownFailures();
 
 // Runs `run(test)` for each test: empty if it passes, else why not. A test fails if it does neither pass nor

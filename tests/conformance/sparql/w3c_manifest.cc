@@ -17,48 +17,6 @@ constexpr char kMf[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-manifest
 constexpr char kUt[] = "http://www.w3.org/2009/sparql/tests/test-update#";
 constexpr char kQt[] = "http://www.w3.org/2001/sw/DataAccess/tests/test-query#";
 
-class Graph {
- public:
-  explicit Graph(const std::vector<TermQuad>& quads) {
-    for (const TermQuad& q : quads) values_[{Key(q.subject), q.predicate.lexical}].push_back(q.object);
-  }
-  std::vector<Term> All(const Term& subject, const std::string& predicate) const {
-    const auto it = values_.find({Key(subject), predicate});
-    return it == values_.end() ? std::vector<Term>() : it->second;
-  }
-  Term One(const Term& subject, const std::string& predicate) const {
-    const std::vector<Term> all = All(subject, predicate);
-    return all.empty() ? Term{} : all[0];
-  }
-  std::vector<Term> List(Term cell) const {
-    std::vector<Term> out;
-    const std::string rdf(kRdfNs);
-    while (!cell.lexical.empty() && cell.lexical != rdf + "nil") {
-      out.push_back(One(cell, rdf + "first"));
-      cell = One(cell, rdf + "rest");
-    }
-    return out;
-  }
-  Term WithType(const std::string& type) const {
-    for (const auto& [key, objects] : values_) {
-      if (key.second != kRdfType) continue;
-      for (const Term& o : objects) {
-        if (o.lexical == type)
-          return key.first[0] == '_' ? Term::Blank(key.first.substr(1)) : Term::Iri(key.first);
-      }
-    }
-    return Term{};
-  }
-
- private:
-  static std::string Key(const Term& t) { return t.IsBlank() ? "_" + t.lexical : t.lexical; }
-  std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
-};
-
-std::string LocalName(const std::string& iri) {
-  return iri.substr(iri.find_last_of("#/") + 1);
-}
-
 }  // namespace
 
 std::filesystem::path W3cRoot() {
@@ -81,37 +39,33 @@ std::string ReadText(const std::filesystem::path& path) {
   return text.str();
 }
 
-namespace {
+std::string LocalName(const std::string& iri) {
+  return iri.substr(iri.find_last_of("#/") + 1);
+}
 
-// The manifest of a folder and its entries.
-struct Manifest {
-  explicit Manifest(const std::string& folder) : graph(Quads(folder)) {
-    const std::string mf = kMf;
-    entries = graph.List(graph.One(graph.WithType(mf + "Manifest"), mf + "entries"));
-  }
-  // The local names of an entry's types.
-  std::vector<std::string> Types(const Term& entry) const {
-    std::vector<std::string> out;
-    for (const Term& type : graph.All(entry, std::string(kRdfType))) out.push_back(LocalName(type.lexical));
-    return out;
-  }
-  static std::vector<TermQuad> Quads(const std::string& folder) {
-    ParseRdfOptions options;
-    options.base_iri = kW3cBase + folder + "/manifest.ttl";
-    const std::string text = ReadText(W3cFile(options.base_iri));
-    ParsedRdf parsed = ParseRdf(text, RdfFormat::kTurtle, options);
-    EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
-    return std::move(parsed.quads);
-  }
-  Graph graph;
-  std::vector<Term> entries;
-};
+Manifest::Manifest(const std::string& iri) : graph(Quads(iri)) {
+  const std::string mf = kMf;
+  entries = graph.List(graph.One(graph.WithType(mf + "Manifest"), mf + "entries"));
+}
 
-}  // namespace
+std::vector<std::string> Manifest::Types(const Term& entry) const {
+  std::vector<std::string> out;
+  for (const Term& type : graph.All(entry, std::string(kRdfType))) out.push_back(LocalName(type.lexical));
+  return out;
+}
+
+std::vector<TermQuad> Manifest::Quads(const std::string& iri) {
+  ParseRdfOptions options;
+  options.base_iri = iri;
+  const std::string text = ReadText(W3cFile(options.base_iri));
+  ParsedRdf parsed = ParseRdf(text, RdfFormat::kTurtle, options);
+  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
+  return std::move(parsed.quads);
+}
 
 std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
-  const Manifest manifest(folder);
-  const Graph& graph = manifest.graph;
+  const Manifest manifest(kW3cBase + folder + "/manifest.ttl");
+  const ManifestGraph& graph = manifest.graph;
   const std::string mf = kMf, qt = kQt;
   std::vector<W3cQueryTest> tests;
   for (const Term& entry : manifest.entries) {
@@ -154,8 +108,8 @@ std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
 }
 
 std::vector<W3cUpdateTest> ReadUpdateManifest(const std::string& folder) {
-  const Manifest manifest(folder);
-  const Graph& graph = manifest.graph;
+  const Manifest manifest(kW3cBase + folder + "/manifest.ttl");
+  const ManifestGraph& graph = manifest.graph;
   const std::string mf = kMf, ut = kUt;
   const auto state = [&](const Term& node) {
     W3cUpdateTest::State out;

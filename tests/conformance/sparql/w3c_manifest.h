@@ -3,9 +3,13 @@
 #define DOCENT_TESTS_CONFORMANCE_SPARQL_W3C_MANIFEST_H_
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "kb_server/rdf/term.h"
+#include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
 
@@ -41,6 +45,59 @@ std::filesystem::path W3cRoot();
 // The file of an IRI beneath kW3cBase.
 std::filesystem::path W3cFile(const std::string& iri);
 std::string ReadText(const std::filesystem::path& path);
+// "kind" of "http://…#kind".
+std::string LocalName(const std::string& iri);
+
+// RDF by subject and predicate.
+class ManifestGraph {
+ public:
+  explicit ManifestGraph(const std::vector<TermQuad>& quads) {
+    for (const TermQuad& q : quads) values_[{Key(q.subject), q.predicate.lexical}].push_back(q.object);
+  }
+  std::vector<Term> All(const Term& subject, const std::string& predicate) const {
+    const auto it = values_.find({Key(subject), predicate});
+    return it == values_.end() ? std::vector<Term>() : it->second;
+  }
+  Term One(const Term& subject, const std::string& predicate) const {
+    const std::vector<Term> all = All(subject, predicate);
+    return all.empty() ? Term{} : all[0];
+  }
+  std::vector<Term> List(Term cell) const {
+    std::vector<Term> out;
+    const std::string rdf(kRdfNs);
+    while (!cell.lexical.empty() && cell.lexical != rdf + "nil") {
+      out.push_back(One(cell, rdf + "first"));
+      cell = One(cell, rdf + "rest");
+    }
+    return out;
+  }
+  Term WithType(const std::string& type) const {
+    for (const auto& [key, objects] : values_) {
+      if (key.second != kRdfType) continue;
+      for (const Term& o : objects) {
+        if (o.lexical == type)
+          return key.first[0] == '_' ? Term::Blank(key.first.substr(1)) : Term::Iri(key.first);
+      }
+    }
+    return Term{};
+  }
+
+ private:
+  static std::string Key(const Term& t) { return t.IsBlank() ? "_" + t.lexical : t.lexical; }
+  std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
+};
+
+// A manifest file and its entries.
+struct Manifest {
+  explicit Manifest(const std::string& iri);
+  // The local names of an entry's types.
+  std::vector<std::string> Types(const Term& entry) const;
+  static std::vector<TermQuad> Quads(const std::string& iri);
+
+  ManifestGraph graph;
+  std::vector<Term> entries;
+};
+
 // The query and the update tests of a folder such as "sparql11/aggregates", in manifest order. Others are
 // left out.
 std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder);
