@@ -64,6 +64,17 @@ int Fail(const absl::Status& status) {
   return kExitBad;
 }
 
+void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
+  if (options.json) {
+    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added()
+              << ",\"removed\":" << reply.removed() << ",\"inferred\":" << reply.inferred()
+              << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
+    return;
+  }
+  std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
+            << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
+}
+
 absl::StatusOr<std::string> ReadText(const std::string& path) {
   std::ostringstream text;
   if (path == "-") {

@@ -10,6 +10,7 @@
 
 #include "CLI/App.hpp"
 #include "absl/status/statusor.h"
+#include "docent/v1/context.pb.h"
 #include "docent/v1/term.pb.h"
 #include "kb_server/rdf/term.h"
 
@@ -34,6 +35,9 @@ std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 // Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so.
 int Fail(const grpc::Status& status, const ClientOptions& options);
 int Fail(const absl::Status& status);
+
+// What a batch or update did, for people or as JSON, to standard output.
+void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
 // The whole file, or standard input for "-". NOT_FOUND and the like name the file.
 absl::StatusOr<std::string> ReadText(const std::string& path);

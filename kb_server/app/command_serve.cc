@@ -74,6 +74,9 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
       ->capture_default_str();
   command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
   command->add_option("--rules", settings->rules, "Rule files to have loaded");
+  command->add_option("--allow", settings->allow,
+                      "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, "
+                      "file:///…; none by default");
   command->add_flag("--insecure", settings->insecure,
                     "Allow addresses other than loopback although nothing authenticates clients");
   command->callback([settings, default_graph, exit_code] {

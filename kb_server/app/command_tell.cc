@@ -1,7 +1,6 @@
 // docent tell: facts and sensor readings from the command line, as a robot, sensor or person would tell them.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -116,15 +115,7 @@ int RunTell(const TellArguments& arguments) {
   grpc::ClientContext context;
   grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Assert(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
-  if (arguments.client.json) {
-    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added()
-              << ",\"removed\":" << reply.removed() << ",\"inferred\":" << reply.inferred()
-              << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
-  } else {
-    std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
-              << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "")
-              << "\n";
-  }
+  PrintOutcome(reply, arguments.client);
   return kExitOk;
 }
 

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   docent::AddLoadCommand(&app, &exit_code);
   docent::AddTellCommand(&app, &exit_code);
   docent::AddQueryCommand(&app, &exit_code);
+  docent::AddUpdateCommand(&app, &exit_code);
   docent::AddCheckCommand(&app, &exit_code);
   docent::AddRunCommand(&app, &exit_code);
   docent::AddRunsCommand(&app, &exit_code);

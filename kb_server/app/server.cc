@@ -16,6 +16,7 @@
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/graph_reader.h"
+#include "kb_server/service/http_graph_store.h"
 #include "kb_server/service/http_health.h"
 #include "kb_server/service/http_sparql.h"
 #include "spdlog/spdlog.h"
@@ -87,6 +88,9 @@ Server::Server(const ServerSettings& settings)
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress) {
+  for (const std::string& entry : settings.allow) {
+    if (absl::Status status = RemoteAccess::CheckAllowed(entry); !status.ok()) return status;
+  }
   std::unique_ptr<Server> server(new Server(settings));
   Server& s = *server;
   auto log = SqliteLog::Open(settings.data_folder);
@@ -117,6 +121,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.catalog = &s.catalog_;
   s.ports_.feed = &s.feed_;
   s.ports_.workers = s.workers_.get();
+  s.ports_.updates = &s.updates_;
+  s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits);
+  s.ports_.remote = s.remote_.get();
   s.ports_.clock = &s.clock_;
   s.ports_.limits = settings.limits;
   s.ports_.default_graph = settings.default_graph;
@@ -187,6 +194,7 @@ absl::Status Server::StartHttp() {
   AddHealthRoute(&routes, [this] { return status(); });
   AddMetricsRoute(&routes, &metrics_);
   AddSparqlRoutes(&routes, &ports_, &metrics_);
+  AddGraphStoreRoutes(&routes, &ports_);
   HttpServerOptions options;
   options.listen = settings_.http_address;
   options.connections = settings_.limits.http_connections;

@@ -18,6 +18,8 @@
 #include "kb_server/service/http_server.h"
 #include "kb_server/service/metrics.h"
 #include "kb_server/service/ports.h"
+#include "kb_server/service/remote_access.h"
+#include "kb_server/service/update_runner.h"
 
 namespace docent {
 
@@ -29,6 +31,7 @@ struct ServerSettings {
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise
+  std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
   Limits limits;
   const Clock* clock = nullptr;  // null: the system's; must outlive the server
 };
@@ -78,6 +81,8 @@ class Server {
   std::unique_ptr<Writer> writer_;
   std::unique_ptr<WorkerPool> workers_;
   ServicePorts ports_;
+  UpdateRunner updates_{&ports_};
+  std::unique_ptr<RemoteAccess> remote_;
   std::unique_ptr<ContextService> context_service_;
   std::unique_ptr<OntologiesService> ontologies_service_;
   std::unique_ptr<WorkflowsService> workflows_service_;

@@ -93,6 +93,7 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
 }
 
 absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progress) {
+  changes_.Clear();
   stages_ = std::make_unique<Stages>(ports_.dictionary, ports_.functions, ports_.limits);
   auto head = ports_.log->Head();
   if (!head.ok()) return head.status();
@@ -165,16 +166,25 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
       repeats_.emplace_back(id, std::move(pending.done));
       continue;
     }
+    const uint64_t offset = head_ + group.size() + 1;
+    if (pending.prepare) {
+      const TurnView view{stages_->writer.current(), Revision(offset - 1), changes_};
+      if (absl::Status status = pending.prepare(view, &pending.batch); !status.ok()) {
+        pending.done(status);
+        continue;
+      }
+    }
     bool tick = pending.batch.clock_tick;
     TimeMicros time_us = pending.batch.time_us;
     std::string record;
-    auto result = RunTurn(stages_.get(), std::move(pending.batch), head_ + group.size() + 1, &record);
+    auto result = RunTurn(stages_.get(), std::move(pending.batch), offset, &record);
     if (!result.ok()) {
       if (tick) next_tick_us_ = time_us + kTickPauseUs;
       ++counters_.refused;
       pending.done(result.status());
       continue;
     }
+    changes_.Add(Revision(offset), result->delta);
     BatchOutcome outcome = OutcomeOf(*result);
     group.push_back({*std::move(result), std::move(record), std::move(pending.done), std::move(outcome)});
   }

@@ -90,7 +90,8 @@ class Writer {
   const Ports ports_;
   std::unique_ptr<Stages> stages_;
   RequestMemory requests_;
-  uint64_t head_ = 0;  // offset of the newest durable record
+  RecentChanges changes_;  // of the turns, durable or not yet
+  uint64_t head_ = 0;      // offset of the newest durable record
   uint64_t epoch_ = 0;
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;  // no clock tick before this time

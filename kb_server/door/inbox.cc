@@ -69,7 +69,7 @@ absl::Status Inbox::CheckRoom(size_t bytes) const {
   return absl::OkStatus();
 }
 
-void Inbox::Push(WriteBatch batch, BatchCallback done) {
+void Inbox::Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare) {
   if (!done) done = [](const absl::StatusOr<BatchOutcome>&) {};
   size_t bytes = BytesOf(batch);
   absl::Status refusal = CheckSize(batch, bytes);
@@ -77,7 +77,7 @@ void Inbox::Push(WriteBatch batch, BatchCallback done) {
     absl::MutexLock lock(&mutex_);
     refusal = CheckRoom(bytes);
     if (refusal.ok()) {
-      queue_.push_back({{std::move(batch), std::move(done)}, bytes});
+      queue_.push_back({{std::move(batch), std::move(done), std::move(prepare)}, bytes});
       waiting_bytes_ += bytes;
       return;
     }

@@ -18,6 +18,8 @@
 #include "kb_server/base/clock.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/store/graph_version.h"
+#include "kb_server/store/recent_changes.h"
 #include "kb_server/store/write_batch.h"
 
 namespace docent {
@@ -32,11 +34,23 @@ struct BatchOutcome {
   std::vector<RunId> started;  // runs that its requests started
 };
 
+// The graph that a batch is about to be applied to, on the writer's turn.
+struct TurnView {
+  const GraphVersion& graph;
+  Revision revision;  // of `graph`; may not be visible to readers yet
+  const RecentChanges& changes;
+};
+// Called on the writer's turn just before the batch is applied: may look whether what the batch was made from
+// still holds, and may fill its operations. An error refuses the batch. It must be quick: nothing else is
+// written meanwhile.
+using BatchPreparation = std::function<absl::Status(const TurnView& view, WriteBatch* batch)>;
+
 using BatchCallback = std::function<void(const absl::StatusOr<BatchOutcome>&)>;
 
 struct PendingBatch {
   WriteBatch batch;
-  BatchCallback done;  // never null
+  BatchCallback done;        // never null
+  BatchPreparation prepare;  // may be null
 };
 
 class Inbox {
@@ -46,7 +60,7 @@ class Inbox {
   // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or
   // batch_bytes (kLoad: load_operations), one of its documents beyond document_bytes, or with those that wait
   // it would exceed inbox_batches or inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
-  void Push(WriteBatch batch, BatchCallback done);
+  void Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare = nullptr);
 
   // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max`
   // batches, each stamped with the time of taking. Stamps never decrease, across restarts too (see

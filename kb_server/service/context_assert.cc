@@ -7,14 +7,6 @@
 namespace docent {
 namespace {
 
-void ToProto(const BatchOutcome& outcome, v1::AssertReply* reply) {
-  reply->set_offset(outcome.offset);
-  reply->set_added(outcome.added);
-  reply->set_removed(outcome.removed);
-  reply->set_inferred(outcome.inferred);
-  reply->set_repeated(outcome.repeated);
-}
-
 // One AssertStream. Requests are read one after the other and pushed through the door without waiting for the
 // answer of the one before; answers are written in the order of the requests. At most kInFlight are open,
 // then reading pauses: a fast client is slowed, memory stays bounded.

@@ -2,7 +2,10 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/remote_access.h"
 #include "kb_server/service/stream_reactor.h"
+#include "kb_server/sparql/describe.h"
+#include "kb_server/sparql/federation.h"
 #include "kb_server/sparql/parser.h"
 
 namespace docent {
@@ -25,21 +28,23 @@ struct Output {
 };
 
 // The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool explain, const GraphVersion& version,
+absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool explain, const GraphVersion& version,
                       Cancellation* cancellation, const Output& out) {
-  const sparql::Query::Form form = parsed.form;
   sparql::PrepareOptions options;
   options.default_graph = ports.default_graph;
   options.functions = ports.functions;
   options.memory_bytes = ports.limits.query_memory_bytes;
-  auto prepared = sparql::PreparedQuery::Prepare(std::move(parsed), *ports.dictionary, options);
-  if (!prepared.ok()) return prepared.status();
-  sparql::PreparedQuery& run = **prepared;
   sparql::RunOptions run_options;
   run_options.version = &version;
   run_options.cancellation = cancellation;
   run_options.now_us = ports.clock->Now();
   run_options.seed = static_cast<uint64_t>(run_options.now_us);
+  absl::Status resolved =
+      sparql::ResolveServices(&query, ports.remote, *ports.dictionary, options, run_options);
+  if (!resolved.ok()) return resolved;
+  auto prepared = sparql::PreparedQuery::Prepare(query, *ports.dictionary, options);
+  if (!prepared.ok()) return prepared.status();
+  sparql::PreparedQuery& run = **prepared;
 
   v1::QueryReply header;
   header.mutable_header()->set_revision(version.revision().value());
@@ -50,7 +55,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool expl
     out.Send(std::move(header));
     return absl::OkStatus();
   }
-  if (form == sparql::Query::Form::kAsk) {
+  if (query.form == sparql::Query::Form::kAsk) {
     auto answer = run.Ask(run_options);
     if (!answer.ok()) return answer.status();
     header.mutable_header()->set_is_boolean(true);
@@ -58,8 +63,8 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query parsed, bool expl
     out.Send(std::move(header));
     return absl::OkStatus();
   }
-  if (form == sparql::Query::Form::kConstruct) {
-    auto triples = run.Construct(run_options);
+  if (query.form != sparql::Query::Form::kSelect) {
+    auto triples = sparql::AnswerGraph(run, query, *ports.dictionary, options, run_options);
     if (!triples.ok()) return triples.status();
     out.Send(std::move(header));
     for (const TermQuad& triple : *triples) {
@@ -106,7 +111,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
   auto version = Version(ports, Revision(request.min_revision()), out.deadline, cancellation);
   if (!version.ok()) return version.status();
-  return Evaluate(ports, std::move(parsed.query), request.explain(), **version, cancellation, out);
+  return Evaluate(ports, parsed.query, request.explain(), **version, cancellation, out);
 }
 
 }  // namespace

@@ -54,6 +54,14 @@ void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out) {
   out->set_warning(diagnostic.severity == Diagnostic::Severity::kWarning);
 }
 
+void ToProto(const BatchOutcome& outcome, v1::AssertReply* out) {
+  out->set_offset(outcome.offset);
+  out->set_added(outcome.added);
+  out->set_removed(outcome.removed);
+  out->set_inferred(outcome.inferred);
+  out->set_repeated(outcome.repeated);
+}
+
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
   switch (term.kind_case()) {
     case v1::Term::kIri:

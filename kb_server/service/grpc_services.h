@@ -30,6 +30,8 @@ class ContextService final : public v1::Context::CallbackService {
       grpc::CallbackServerContext* context) override;
   grpc::ServerWriteReactor<v1::QueryReply>* Query(grpc::CallbackServerContext* context,
                                                   const v1::QueryRequest* request) override;
+  grpc::ServerUnaryReactor* Update(grpc::CallbackServerContext* context, const v1::UpdateRequest* request,
+                                   v1::AssertReply* reply) override;
 
  private:
   const ServicePorts& ports_;

@@ -191,6 +191,7 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   }
   if (!path || !parameters) return TextResponse(400, "the request target has a broken %-escape");
   request->path = *path;
+  request->raw_path = std::string(target.substr(0, question));
   request->parameters = *std::move(parameters);
 
   HttpResponse refusal;

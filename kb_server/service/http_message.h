@@ -18,6 +18,7 @@ using HttpFields = std::vector<std::pair<std::string, std::string>>;
 struct HttpRequest {
   std::string method;     // "GET", "POST", …
   std::string path;       // decoded, without the query: "/sparql"
+  std::string raw_path;   // as it was sent
   HttpFields parameters;  // of the query string, decoded, in order
   HttpFields headers;     // names in lower case, in order
   std::string body;

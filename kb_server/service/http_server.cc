@@ -37,7 +37,12 @@ void HttpRoutes::Add(const std::string& method, const std::string& path, HttpHan
 
 const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& path,
                                     HttpResponse* refusal) const {
-  const auto methods = handlers_.find(path);
+  auto methods = handlers_.find(path);
+  for (size_t end = path.size(); methods == handlers_.end() && end != 0;) {
+    end = path.rfind('/', end - 1);
+    if (end == std::string::npos) break;
+    methods = handlers_.find(path.substr(0, end) + "/*");
+  }
   if (methods == handlers_.end()) {
     *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path));
     return nullptr;

@@ -28,7 +28,7 @@ namespace docent {
 // Which handler answers what. Filled before the server starts.
 class HttpRoutes {
  public:
-  // `path` exactly. A GET route answers HEAD as well.
+  // `path` exactly; with "/*" at its end, whatever lies below. A GET route answers HEAD as well.
   void Add(const std::string& method, const std::string& path, HttpHandler handler);
 
   // The handler, or null with `*refusal` saying why: 404, or 405 with the header Allow.

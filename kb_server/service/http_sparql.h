@@ -1,19 +1,22 @@
-// SPARQL 1.1 Protocol, query operation, at /sparql: GET ?query=…, POST application/sparql-query, POST
-// application/x-www-form-urlencoded. (W3C SPARQL 1.1 Protocol, section 2.1.)
+// SPARQL 1.1 Protocol at /sparql: queries by GET ?query=…, POST application/sparql-query or as a form;
+// updates by POST application/sparql-update or as a form; GET without any gives the Service Description.
 //
-// Parameters beside `query`: default-graph-uri and named-graph-uri (any number; they replace the query's
-// FROM), `timeout` in milliseconds (never more than the limit query_timeout_ms), `min-revision` (read your
-// writes: wait for that graph version). The answer's form follows Accept: SPARQL JSON, XML, CSV, TSV for
-// SELECT and ASK; Turtle, N-Triples, RDF/XML for CONSTRUCT. The header Docent-Revision names the graph
-// version that answered.
+// Parameters: default-graph-uri and named-graph-uri (any number; they replace the query's FROM),
+// using-graph-uri and using-named-graph-uri (for updates that have no USING or WITH of their own), `timeout`
+// in milliseconds (never more than the limit query_timeout_ms), `min-revision` (read your writes: wait for
+// that graph version), `request-id` (a repeated update is not applied again). Relative IRIs are relative to
+// the address that was asked. The answer's form follows Accept: SPARQL JSON, XML, CSV, TSV for SELECT and
+// ASK; Turtle, N-Triples, RDF/XML, TriG, N-Quads for graphs. The header Docent-Revision names the graph
+// version that answered, or that holds the update.
 //
-// Errors are plain text: 400 with line, column and caret for a malformed query, 406 where no form fits
-// Accept, 413 beyond query_text_bytes, 415 for another body type, 501 for what the evaluator does not do, 503
-// when too many queries wait or a query needs too much memory, 504 at the timeout. An error after the first
-// rows were sent cuts the connection. When the client goes, its query is cancelled.
+// Errors are plain text: 400 with line, column and caret for malformed text, 405 for an update by GET, 406
+// where no form fits Accept, 413 beyond a limit that is named, 415 for another body type, 503 when too much
+// work waits or an evaluation needs too much memory, 504 at the timeout. An error after the first rows were
+// sent cuts the connection. When the client goes, its evaluation is cancelled.
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_SPARQL_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_SPARQL_H_
 
+#include "kb_server/door/inbox.h"
 #include "kb_server/service/http_server.h"
 #include "kb_server/service/metrics.h"
 #include "kb_server/service/ports.h"
@@ -22,6 +25,9 @@ namespace docent {
 
 // Queries run on `ports->workers`. Both pointers must outlive the server and the workers' last query.
 void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* metrics);
+
+// What an update did, as JSON.
+HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome);
 
 }  // namespace docent
 

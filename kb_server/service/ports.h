@@ -15,6 +15,9 @@
 
 namespace docent {
 
+class RemoteAccess;
+class UpdateRunner;
+
 struct ServicePorts {
   Inbox* inbox = nullptr;
   QueryPort* queries = nullptr;
@@ -23,6 +26,8 @@ struct ServicePorts {
   CatalogPort* catalog = nullptr;
   RunFeed* feed = nullptr;
   WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
+  UpdateRunner* updates = nullptr;
+  RemoteAccess* remote = nullptr;  // null: nothing is fetched
   const Clock* clock = nullptr;
   Limits limits;
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;

@@ -23,9 +23,10 @@ std::optional<QuadPattern> ToIds(const ReadPattern& read, const Dictionary& dict
 
 }  // namespace
 
-void RecentChanges::Add(Revision revision, Delta delta) {
+void RecentChanges::Add(Revision revision, const Delta& delta) {
+  if (delta.size() >= quad_limit_) return Clear();  // whoever comes from before it has to look again
   quads_ += delta.size();
-  changes_.push_back({revision, std::move(delta)});
+  changes_.push_back({revision, delta});
   // An empty change costs an entry, too.
   while (!changes_.empty() && quads_ + changes_.size() > quad_limit_) {
     quads_ -= changes_.front().delta.size();

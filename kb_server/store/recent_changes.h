@@ -27,7 +27,7 @@ class RecentChanges {
   explicit RecentChanges(size_t quad_limit = 100000) : quad_limit_(quad_limit) {}
 
   // What turned the version before into `revision`; revisions grow one by one.
-  void Add(Revision revision, Delta delta);
+  void Add(Revision revision, const Delta& delta);
   // Whether a quad that matches one of `reads` was added or removed after `since`. True where it is not
   // remembered any more.
   bool Touched(Revision since, const std::vector<ReadPattern>& reads, const Dictionary& dictionary) const;

@@ -121,9 +121,10 @@ TEST_F(HttpSparqlTest, ThreeWaysToSendAQuery) {
   EXPECT_EQ(client.Ask("POST", "/sparql", form, "timeout=1000&query=" + Escape(query)).body,
             "b\r\nurn:b3\r\n");
   EXPECT_EQ(Get(query, "text/csv").body, "b\r\nurn:b3\r\n");
-  const HttpReply other = client.Ask("POST", "/sparql", "Content-Type: application/sparql-update\r\n", query);
+  const HttpReply other = client.Ask("POST", "/sparql", "Content-Type: text/plain\r\n", query);
   EXPECT_EQ(other.status, 415);
-  EXPECT_THAT(other.body, HasSubstr("not as application/sparql-update"));
+  EXPECT_THAT(other.body, HasSubstr("not as text/plain"));
+  EXPECT_EQ(client.Ask("POST", "/sparql", "Content-Type: application/sparql-query; charset=UTF-16\r\n", query).status, 415);
   EXPECT_EQ(client.Ask("POST", "/sparql", "", query).status, 415);
   EXPECT_EQ(client.Ask("PUT", "/sparql", "", query).status, 405);
 }
@@ -141,9 +142,11 @@ TEST_F(HttpSparqlTest, MalformedQueryNamesLineAndColumn) {
 TEST_F(HttpSparqlTest, BadParameters) {
   const std::string ask = "ASK {}";
   HttpClient client(server_->port());
-  EXPECT_EQ(client.Ask("GET", "/sparql").status, 400);
+  EXPECT_EQ(client.Ask("GET", "/sparql?timeout=5").status, 400);
+  EXPECT_EQ(client.Ask("POST", "/sparql", "Content-Type: application/x-www-form-urlencoded\r\n", "x=1").status, 400);
   EXPECT_EQ(client.Ask("GET", "/sparql?query=ASK%7B%7D&query=ASK%7B%7D").status, 400);
-  EXPECT_EQ(client.Ask("GET", "/sparql?update=CLEAR%20ALL").status, 400);
+  EXPECT_EQ(client.Ask("GET", "/sparql?update=CLEAR%20ALL").status, 405);
+  EXPECT_EQ(Get(ask, "", "&using-graph-uri=urn:g").status, 400);
   EXPECT_EQ(Get(ask, "", "&timeout=0").status, 400);
   EXPECT_EQ(Get(ask, "", "&timeout=soon").status, 400);
   EXPECT_EQ(Get(ask, "", "&min-revision=x").status, 400);
@@ -151,6 +154,16 @@ TEST_F(HttpSparqlTest, BadParameters) {
   EXPECT_EQ(Get(ask, "", "&as-of=3").status, 501);
   EXPECT_EQ(Get(ask, "", "&unknown=1").status, 200);
   EXPECT_THAT(metrics_.Render(), HasSubstr("docent_sparql_requests_total{outcome=\"answered\"} 1\n"));
+}
+
+TEST_F(HttpSparqlTest, WithoutAQueryTheServiceDescribesItself) {
+  HttpClient client(server_->port());
+  const HttpReply reply = client.Ask("GET", "/sparql", "Accept: application/n-triples\r\n");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_THAT(reply.body, HasSubstr("sparql-service-description#endpoint> <http://localhost:" +
+                                    std::to_string(server_->port()) + "/sparql>"));
+  EXPECT_THAT(reply.body, HasSubstr("#name> <urn:g>"));
+  EXPECT_EQ(client.Ask("GET", "/sparql", "Accept: image/png\r\n").status, 406);
 }
 
 TEST_F(HttpSparqlTest, GraphsOfTheProtocolReplaceFrom) {

@@ -1,0 +1,42 @@
+// One HTTP/1.1 request to another server, http or https (certificates are checked), and its whole answer.
+// Blocks; never call it on a network thread or the writer's. Any thread.
+#ifndef DOCENT_KB_SERVER_SERVICE_HTTP_FETCH_H_
+#define DOCENT_KB_SERVER_SERVICE_HTTP_FETCH_H_
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
+#include "kb_server/service/http_message.h"
+
+namespace docent {
+
+// "https://host:8443/a?b" → its parts. nullopt: not an http or https URL, or one with a user name in it.
+struct HttpUrl {
+  bool tls = false;
+  std::string host;  // lower case; of IPv6 without brackets
+  std::string port;
+  std::string target;  // path and query, "/" at least; a fragment is dropped
+};
+std::optional<HttpUrl> ParseHttpUrl(std::string_view url);
+
+struct FetchRequest {
+  std::string method = "GET";
+  std::string url;
+  HttpFields headers;
+  std::string body;
+  std::chrono::milliseconds timeout{30000};  // for all of it
+  size_t max_bytes = 0;                      // of the answer's body
+};
+
+// The answer, whatever its status. INVALID_ARGUMENT (the URL), UNAVAILABLE (no such host, refused, cut off, a
+// bad certificate), DEADLINE_EXCEEDED, CANCELLED (looked at several times a second), RESOURCE_EXHAUSTED
+// beyond `max_bytes`.
+absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* cancellation);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_HTTP_FETCH_H_

@@ -1,0 +1,33 @@
+// The media types of answers: which one a client gets that says what it accepts. Pure functions.
+#ifndef DOCENT_KB_SERVER_SERVICE_HTTP_FORMATS_H_
+#define DOCENT_KB_SERVER_SERVICE_HTTP_FORMATS_H_
+
+#include <string_view>
+
+#include "kb_server/rdf/parser.h"
+#include "kb_server/service/http_message.h"
+#include "kb_server/sparql/results.h"
+
+namespace docent {
+
+struct RowType {
+  std::string_view asked;  // in Accept
+  std::string_view told;   // as Content-Type
+  sparql::ResultFormat format;
+};
+struct GraphType {
+  std::string_view asked;
+  std::string_view told;
+  RdfFormat format;
+};
+
+// For rows and booleans; for graphs. Null: none that we have. Without Accept: JSON, Turtle.
+const RowType* ChooseRowType(std::string_view accept);
+const GraphType* ChooseGraphType(std::string_view accept);
+// 406, with what can be had.
+HttpResponse NoRowType();
+HttpResponse NoGraphType();
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_HTTP_FORMATS_H_

@@ -1,0 +1,293 @@
+#include "kb_server/service/http_graph_store.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/iri.h"
+#include "kb_server/rdf/serializer.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/http_formats.h"
+#include "kb_server/service/http_multipart.h"
+#include "kb_server/service/http_sparql.h"
+#include "kb_server/service/http_sparql_request.h"
+#include "kb_server/service/update_runner.h"
+#include "kb_server/sparql/parser.h"
+#include "kb_server/store/server_graphs.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kRoot = "/rdf-graphs";
+constexpr size_t kBytesOfQuad = 500;  // of a graph that is read, roughly, as terms and as text
+
+using Exchange = std::shared_ptr<HttpExchange>;
+using Operation = sparql::UpdateOperation;
+
+// Which graph a request is about.
+struct Address {
+  std::optional<HttpResponse> refusal;
+  Term graph;
+  bool is_default = false;
+  bool is_new = false;  // POST to the store itself
+};
+
+Address ReadAddress(const HttpRequest& http) {
+  Address address;
+  int named = 0;
+  for (const auto& [name, value] : http.parameters) {
+    if (name != "default" && name != "graph") continue;
+    ++named;
+    address.is_default = name == "default";
+    address.graph = Term::Iri(address.is_default ? std::string(kDefaultGraph) : value);
+  }
+  const bool below = http.path.size() > kRoot.size() + 1;
+  if (below) {
+    ++named;
+    address.graph = Term::Iri(AddressOf(http));
+  }
+  if (named == 0 && http.method == "POST") {
+    address.is_new = true;
+  } else if (named != 1) {
+    address.refusal =
+        TextResponse(400, "name one graph: ?default, ?graph=IRI, or an address below /rdf-graphs/");
+  } else if (!IsValidTermIri(address.graph.lexical)) {
+    address.refusal =
+        TextResponse(400, "graph must be an absolute IRI, not \"" + address.graph.lexical + "\"");
+  } else if (http.method != "GET" && http.method != "HEAD" && IsServerGraph(address.graph.lexical)) {
+    address.refusal = TextResponse(403, "the server alone writes " + ToDisplay(address.graph));
+  }
+  return address;
+}
+
+HttpResponse ReadGraph(const ServicePorts& ports, const Address& address, std::string_view accept) {
+  const GraphType* type = ChooseGraphType(accept);
+  if (type == nullptr) return NoGraphType();
+  const GraphVersionPtr version = ports.queries->Newest();
+  const std::optional<TermId> graph = ports.dictionary->Find(address.graph);
+  const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
+  if (count == 0 && !address.is_default)
+    return TextResponse(404, "there is no graph " + ToDisplay(address.graph));
+  if (count > ports.limits.query_memory_bytes / kBytesOfQuad) {
+    return ErrorResponse(absl::ResourceExhaustedError(
+        absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ",
+                     ports.limits.query_memory_bytes, "; ask for parts of it with CONSTRUCT")));
+  }
+  std::vector<TermQuad> triples;
+  triples.reserve(count);
+  if (graph) {
+    version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
+      triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
+                         ports.dictionary->Decode(quad.object), Term{}});
+      return true;
+    });
+  }
+  absl::StatusOr<std::string> text = SerializeRdf(triples, type->format, sparql::WellKnownPrefixes());
+  if (!text.ok()) return ErrorResponse(text.status());
+  HttpResponse response;
+  response.content_type = type->told;
+  response.body = *std::move(text);
+  response.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())},
+                      {"Cache-Control", "no-cache"}};
+  return response;
+}
+
+// What a body says.
+struct Content {
+  std::optional<HttpResponse> refusal;
+  std::vector<TermQuad> triples;
+};
+
+// `part`: its number among several.
+void ReadPart(const ServicePorts& ports, std::string_view content_type, std::string_view body,
+              const Term& graph, size_t part, Content* content) {
+  const std::string type = content_type.empty() ? "text/turtle" : MediaTypeOnly(content_type);
+  const std::optional<RdfFormat> format = FormatOfMediaType(type);
+  if (!format) {
+    content->refusal = TextResponse(415,
+                                    "send RDF as text/turtle, application/n-triples, application/rdf+xml, "
+                                    "application/trig or application/n-quads, not as " +
+                                        type);
+    return;
+  }
+  ParseRdfOptions options;
+  options.base_iri = graph.lexical;
+  options.blank_node_scope = absl::StrCat("p", part);
+  options.limits = ports.limits;
+  ParsedRdf parsed = ParseRdf(body, *format, options);
+  if (!parsed.ok()) {
+    content->refusal = ErrorResponse(ToStatus(parsed.diagnostics, body));
+    return;
+  }
+  for (TermQuad& quad : parsed.quads) {
+    if (!quad.graph.lexical.empty()) {
+      content->refusal = TextResponse(400, "the body names the graph " + ToDisplay(quad.graph) +
+                                               "; what is sent to one graph cannot name others");
+      return;
+    }
+    content->triples.push_back(std::move(quad));
+  }
+}
+
+Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph) {
+  Content content;
+  const std::string type = http.Header("content-type");
+  if (MediaTypeOnly(type) != "multipart/form-data") {
+    ReadPart(ports, type, http.body, graph, 1, &content);
+    return content;
+  }
+  const std::optional<std::vector<HttpPart>> parts = ParseMultipart(type, http.body);
+  if (!parts) {
+    content.refusal = TextResponse(400, "the multipart body has no boundary, or does not end with it");
+    return content;
+  }
+  for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
+    ReadPart(ports, (*parts)[i].content_type, (*parts)[i].body, graph, i + 1, &content);
+  }
+  return content;
+}
+
+// An update about one graph, on its way: remembers whether the graph was there.
+struct Change {
+  UpdateRequest request;
+  Address address;
+  bool existed = false;
+};
+
+void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
+  change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
+  change->request.cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
+  change->request.precondition = [&ports, must_exist,
+                                  weak = std::weak_ptr(change)](const GraphVersion& version) {
+    const std::shared_ptr<Change> c = weak.lock();
+    if (c == nullptr) return absl::OkStatus();
+    const std::optional<TermId> graph = ports.dictionary->Find(c->address.graph);
+    c->existed = c->address.is_default || (graph && version.Count({{}, {}, {}, *graph}) > 0);
+    if (c->existed || !must_exist) return absl::OkStatus();
+    return absl::NotFoundError("there is no graph " + ToDisplay(c->address.graph));
+  };
+  UpdateRequest request = std::move(change->request);
+  ports.updates->Submit(std::move(request), [change, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (!outcome.ok()) return exchange->Respond(ErrorResponse(outcome.status()));
+    HttpResponse response =
+        OutcomeResponse(change->existed || exchange->request().method == "DELETE" ? 200 : 201, *outcome);
+    if (change->address.is_new) response.headers.emplace_back("Location", change->address.graph.lexical);
+    exchange->Respond(std::move(response));
+  });
+}
+
+Operation MakeOperation(Operation::Kind kind, const Address& address) {
+  Operation operation;
+  operation.kind = kind;
+  operation.silent = kind == Operation::Kind::kDrop;
+  operation.target.kind =
+      address.is_default ? sparql::GraphTarget::Kind::kDefault : sparql::GraphTarget::Kind::kGraph;
+  operation.target.graph = address.graph;
+  return operation;
+}
+
+// PUT and POST: DROP where it replaces, then LOAD of the body.
+void Write(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const HttpRequest& http = exchange->request();
+  Content content = ReadContent(ports, http, address.graph);
+  if (content.refusal) return exchange->Respond(*std::move(content.refusal));
+  auto change = std::make_shared<Change>();
+  std::vector<Operation>& operations = change->request.update.operations;
+  if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
+  operations.push_back(MakeOperation(Operation::Kind::kLoad, address));
+  change->request.load =
+      [triples = std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
+          const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *triples; };
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+// The update's default graph becomes the graph of the request; an update that is about others is refused.
+absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
+  const auto names_a_graph = [](const std::vector<sparql::QuadTemplate>& quads) {
+    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph.has_value(); });
+  };
+  for (Operation& operation : update->operations) {
+    const bool quads = operation.kind == Operation::Kind::kInsertData ||
+                       operation.kind == Operation::Kind::kDeleteData ||
+                       operation.kind == Operation::Kind::kModify;
+    if (!quads || operation.with || !operation.from.empty() || !operation.from_named.empty() ||
+        names_a_graph(operation.insert) || names_a_graph(operation.remove)) {
+      return absl::InvalidArgumentError(
+          "a PATCH changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING; POST others "
+          "to /sparql");
+    }
+    operation.with = graph;
+  }
+  return absl::OkStatus();
+}
+
+void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const HttpRequest& http = exchange->request();
+  if (MediaTypeOnly(http.Header("content-type")) != "application/sparql-update") {
+    return exchange->Respond(TextResponse(415, "PATCH a graph with application/sparql-update"));
+  }
+  sparql::ParseOptions options;
+  options.prefixes = sparql::WellKnownPrefixes();
+  options.limits = ports.limits;
+  options.base_iri = address.graph.lexical;
+  sparql::ParsedUpdate parsed = sparql::ParseUpdate(http.body, options);
+  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, http.body)));
+  if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
+    return exchange->Respond(TextResponse(422, std::string(status.message())));
+  }
+  auto change = std::make_shared<Change>();
+  change->request.update = std::move(parsed.update);
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+// On a worker.
+void Answer(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const std::string& method = exchange->request().method;
+  if (method == "GET" || method == "HEAD") {
+    return exchange->Respond(ReadGraph(ports, address, exchange->request().Header("accept")));
+  }
+  if (method == "PATCH") return Patch(ports, std::move(address), exchange);
+  if (method != "DELETE") return Write(ports, std::move(address), exchange);
+  auto change = std::make_shared<Change>();
+  change->request.update.operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+void Handle(const ServicePorts& ports, Exchange exchange) {
+  Address address = ReadAddress(exchange->request());
+  if (address.refusal) return exchange->Respond(*std::move(address.refusal));
+  if (address.is_new) {
+    address.graph = Term::Iri(absl::StrCat(AddressOf(exchange->request()),
+                                           absl::EndsWith(exchange->request().raw_path, "/") ? "" : "/", "g",
+                                           ports.clock->Now(), "n", ports.updates->NextNumber()));
+  }
+  const bool accepted = ports.workers->Submit(
+      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); });
+  if (accepted) return;
+  HttpResponse busy = TextResponse(503, "too much work waits; try again");
+  busy.headers.emplace_back("Retry-After", "1");
+  exchange->Respond(std::move(busy));
+}
+
+}  // namespace
+
+void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports) {
+  for (const char* method : {"GET", "PUT", "POST", "DELETE", "PATCH"}) {
+    for (const char* path : {"/rdf-graphs", "/rdf-graphs/*"}) {
+      routes->Add(method, path, [ports](Exchange exchange) { Handle(*ports, std::move(exchange)); });
+    }
+  }
+}
+
+}  // namespace docent

@@ -1,0 +1,187 @@
+#include "kb_server/service/http_query.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "kb_server/rdf/serializer.h"
+#include "kb_server/service/http_formats.h"
+#include "kb_server/service/remote_access.h"
+#include "kb_server/sparql/describe.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/federation.h"
+#include "kb_server/sparql/parser.h"
+#include "kb_server/sparql/results.h"
+
+namespace docent {
+namespace {
+
+constexpr size_t kFlushBytes = 64u << 10;  // of rows, sent together
+
+// One query on a worker thread.
+class QueryAnswer {
+ public:
+  QueryAnswer(const ServicePorts& ports, SparqlRequest request, std::shared_ptr<HttpExchange> exchange,
+              Cancellation* cancellation)
+      : ports_(ports),
+        request_(std::move(request)),
+        exchange_(std::move(exchange)),
+        cancellation_(*cancellation) {}
+
+  // Answers the exchange, whatever happens. The status that the answer has.
+  int Run() {
+    const absl::Status status = Evaluate();
+    if (!status.ok() && begun_) {
+      exchange_->Abort();
+    } else if (!status.ok()) {
+      Respond(ErrorResponse(status)).IgnoreError();
+    }
+    return status_;
+  }
+
+ private:
+  absl::Status Evaluate() {
+    sparql::ParseOptions parse_options;
+    parse_options.prefixes = sparql::WellKnownPrefixes();
+    parse_options.limits = ports_.limits;
+    parse_options.base_iri = request_.base_iri;
+    sparql::ParsedQuery parsed = sparql::ParseQuery(request_.text, parse_options);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request_.text);
+    if (!request_.default_graphs.empty() || !request_.named_graphs.empty()) {
+      parsed.query.from = request_.default_graphs;
+      parsed.query.from_named = request_.named_graphs;
+    }
+    if (absl::Status status = FindVersion(); !status.ok()) return status;
+
+    sparql::PrepareOptions options;
+    options.default_graph = ports_.default_graph;
+    options.functions = ports_.functions;
+    options.memory_bytes = ports_.limits.query_memory_bytes;
+    run_options_.version = version_.get();
+    run_options_.cancellation = &cancellation_;
+    run_options_.now_us = ports_.clock->Now();
+    run_options_.seed = static_cast<uint64_t>(run_options_.now_us);
+    absl::Status resolved =
+        sparql::ResolveServices(&parsed.query, ports_.remote, *ports_.dictionary, options, run_options_);
+    if (!resolved.ok()) return resolved;
+    auto prepared = sparql::PreparedQuery::Prepare(parsed.query, *ports_.dictionary, options);
+    if (!prepared.ok()) return prepared.status();
+    switch (parsed.query.form) {
+      case sparql::Query::Form::kAsk:
+        return Ask(**prepared);
+      case sparql::Query::Form::kSelect:
+        return Select(**prepared);
+      default:
+        return Graph(**prepared, parsed.query, options);
+    }
+  }
+
+  // The newest version that is at least min-revision; others are served while it is not there.
+  absl::Status FindVersion() {
+    version_ = ports_.queries->Newest();
+    if (version_->revision() >= request_.min_revision) return absl::OkStatus();
+    WorkerPool::Waiting waiting(ports_.workers);
+    auto version = ports_.queries->WaitForRevision(
+        request_.min_revision, absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
+    if (!version.ok()) return version.status();
+    version_ = *std::move(version);
+    return absl::OkStatus();
+  }
+
+  absl::Status Ask(sparql::PreparedQuery& query) {
+    const RowType* type = ChooseRowType(exchange_->request().Header("accept"));
+    if (type == nullptr) return Respond(NoRowType());
+    const absl::StatusOr<bool> answer = query.Ask(run_options_);
+    if (!answer.ok()) return answer.status();
+    return Respond(Head(type->told, sparql::WriteBoolean(*answer, type->format)));
+  }
+
+  absl::Status Select(sparql::PreparedQuery& query) {
+    const RowType* type = ChooseRowType(exchange_->request().Header("accept"));
+    if (type == nullptr) return Respond(NoRowType());
+    std::string rows;
+    const std::unique_ptr<sparql::ResultWriter> writer = sparql::ResultWriter::Make(type->format, &rows);
+    writer->Begin(query.variables());
+    std::vector<std::optional<Term>> terms(query.variables().size());
+    bool gone = false;
+    const absl::Status status = query.Select(run_options_, {}, [&](absl::Span<const TermId> row) {
+      for (size_t i = 0; i < terms.size(); ++i) {
+        terms[i] = row[i].IsNone() ? std::nullopt : std::optional<Term>(query.Decode(row[i]));
+      }
+      writer->Row(terms);
+      if (rows.size() >= kFlushBytes) {
+        gone = !Flush(type->told, &rows);
+      }
+      return !gone;
+    });
+    if (!status.ok()) return status;
+    if (gone) return absl::CancelledError("the client went away");
+    writer->End();
+    if (!begun_) return Respond(Head(type->told, std::move(rows)));
+    Flush(type->told, &rows);
+    exchange_->End();
+    return absl::OkStatus();
+  }
+
+  absl::Status Graph(sparql::PreparedQuery& prepared, const sparql::Query& query,
+                     const sparql::PrepareOptions& options) {
+    const GraphType* type = ChooseGraphType(exchange_->request().Header("accept"));
+    if (type == nullptr) return Respond(NoGraphType());
+    const absl::StatusOr<std::vector<TermQuad>> triples =
+        sparql::AnswerGraph(prepared, query, *ports_.dictionary, options, run_options_);
+    if (!triples.ok()) return triples.status();
+    absl::StatusOr<std::string> text = SerializeRdf(*triples, type->format, query.prefixes);
+    if (!text.ok()) return text.status();
+    return Respond(Head(type->told, *std::move(text)));
+  }
+
+  HttpResponse Head(std::string_view content_type, std::string body) const {
+    HttpResponse response;
+    response.content_type = content_type;
+    response.body = std::move(body);
+    response.headers = {{"Docent-Revision", absl::StrCat(version_->revision().value())},
+                        {"Cache-Control", "no-cache"}};
+    return response;
+  }
+
+  absl::Status Respond(HttpResponse response) {
+    status_ = response.status;
+    exchange_->Respond(std::move(response));
+    return absl::OkStatus();
+  }
+
+  // Sends the rows so far; false if the client has gone. Others are served while a slow client is waited for.
+  bool Flush(std::string_view content_type, std::string* rows) {
+    bool there = true;
+    std::optional<WorkerPool::Waiting> waiting;
+    if (exchange_->full()) waiting.emplace(ports_.workers);
+    if (begun_) {
+      there = exchange_->Write(*rows);
+    } else {
+      exchange_->Begin(Head(content_type, *rows));
+      begun_ = true;
+    }
+    rows->clear();
+    return there;
+  }
+
+  const ServicePorts& ports_;
+  const SparqlRequest request_;
+  const std::shared_ptr<HttpExchange> exchange_;
+  Cancellation& cancellation_;
+  GraphVersionPtr version_;
+  sparql::RunOptions run_options_;
+  bool begun_ = false;  // part of the answer is sent
+  int status_ = 200;
+};
+
+}  // namespace
+
+int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
+                std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation) {
+  return QueryAnswer(ports, request, std::move(exchange), cancellation).Run();
+}
+
+}  // namespace docent

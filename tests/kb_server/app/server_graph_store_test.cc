@@ -1,0 +1,167 @@
+// Updates, the graph store and other servers over HTTP, through a whole server. What the W3C suites of these
+// protocols cover is in tests/conformance/http.
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "tests/kb_server/app/server_world.h"
+#include "tests/kb_server/service/http_client.h"
+
+namespace docent::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr char kTurtle[] = "Content-Type: text/turtle\r\n";
+constexpr char kUpdate[] = "Content-Type: application/sparql-update\r\n";
+constexpr char kForm[] = "Content-Type: application/x-www-form-urlencoded\r\n";
+
+class GraphStoreTest : public ServerTest {
+ protected:
+  static uint16_t PortOf(const Server& server) {
+    const std::string& address = server.http_address();
+    return static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  }
+  HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
+                const std::string& body = "") {
+    return HttpClient(PortOf(*server_)).Ask(method, target, headers, body);
+  }
+  bool Holds(const std::string& pattern) { return ServerTest::Ask(pattern); }
+  HttpReply Update(const std::string& text, const std::string& parameters = "") {
+    return Ask("POST", "/sparql" + parameters, kUpdate, "PREFIX : <urn:w:> " + text);
+  }
+};
+
+TEST_F(GraphStoreTest, AnUpdateOverHttpSaysWhatItDid) {
+  StartServer();
+  HttpReply reply = Update("INSERT DATA { :a :p 1, 2 }");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_THAT(reply.body, HasSubstr("\"added\":2"));
+  EXPECT_EQ(reply.headers.at("docent-revision"), absl::StrCat(Revision()));
+  reply = Ask("POST", "/sparql", kForm, "update=DELETE+WHERE+%7B+%3Furn+%3Fp+1+%7D");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_TRUE(Holds(":a :p 2") && !Holds(":a :p 1"));
+  reply = Update("INSERT DATA { ?x :p 1 }");
+  EXPECT_EQ(reply.status, 400);
+  EXPECT_THAT(reply.body, HasSubstr("^"));
+  EXPECT_EQ(Update("INSERT DATA { :b :p [] }", "?request-id=r1").status, 200);
+  EXPECT_THAT(Update("INSERT DATA { :b :p [] }", "?request-id=r1").body, HasSubstr("\"repeated\":true"));
+  EXPECT_EQ(Update("CREATE GRAPH :g ; INSERT DATA { GRAPH :g { :a :b :c } } ; CREATE GRAPH :g").status, 400);
+  EXPECT_EQ(Update("CLEAR ALL", "?default-graph-uri=urn:x").status, 400);
+}
+
+TEST_F(GraphStoreTest, AGraphsLife) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(Ask("DELETE", graph).status, 404);
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 1 , 2 .").status, 201);
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 , 3 .").status, 200);
+  EXPECT_EQ(Ask("POST", graph, kTurtle, "<urn:w:a> <urn:w:p> 4 .").status, 200);
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "DELETE { ?s ?p 2 } INSERT { ?s ?p 5 } WHERE { ?s ?p 2 }").status,
+            200);
+  HttpReply reply = Ask("GET", graph, "Accept: application/n-triples\r\n");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_THAT(reply.body, HasSubstr("\"5\""));
+  EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 3);
+  EXPECT_EQ(Ask("HEAD", graph).headers.at("content-type"), "text/turtle; charset=utf-8");
+  EXPECT_EQ(Ask("DELETE", graph).status, 200);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
+}
+
+TEST_F(GraphStoreTest, EveryFormatInAndOut) {
+  StartServer();
+  const std::string graph = "/rdf-graphs/people/1";
+  for (const char* type : {"text/turtle", "application/n-triples", "application/rdf+xml", "application/trig",
+                           "application/n-quads"}) {
+    const std::string first =
+        Ask("PUT", "/rdf-graphs?graph=urn:w:one", kTurtle,
+            "<urn:w:a> <urn:w:name> \"A \\\"b\\\"\"@en , 1.50 ; <urn:w:of> [ <urn:w:p> <urn:w:a> ] .")
+            .body;
+    const HttpReply text = Ask("GET", "/rdf-graphs?graph=urn:w:one", absl::StrCat("Accept: ", type, "\r\n"));
+    ASSERT_EQ(text.status, 200) << type;
+    EXPECT_THAT(text.headers.at("content-type"), HasSubstr(type));
+    const HttpReply put = Ask("PUT", graph, absl::StrCat("Content-Type: ", type, "\r\n"), text.body);
+    EXPECT_LT(put.status, 300) << type << put.body;
+    EXPECT_THAT(Query("SELECT * { GRAPH ?g { ?s <urn:w:of> ?b . ?b <urn:w:p> ?s . ?s <urn:w:name> 1.50, 'A "
+                      "\"b\"'@en } }")
+                    .rows,
+                SizeIs(2))
+        << type;
+  }
+}
+
+TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
+  StartServer();
+  const auto status = [this](const std::string& method, const std::string& target,
+                             const std::string& headers = "", const std::string& body = "") {
+    return Ask(method, target, headers, body).status;
+  };
+  EXPECT_EQ(status("GET", "/rdf-graphs"), 400);
+  EXPECT_EQ(status("GET", "/rdf-graphs?default&graph=urn:x"), 400);
+  EXPECT_EQ(status("GET", "/rdf-graphs?graph=relative"), 400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", kTurtle, "<a:a> <a:b"), 400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: image/png\r\n", "x"), 415);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: application/trig\r\n",
+                   "<g:g> { <a:a> <a:b> <a:c> }"),
+            400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=https://w3id.org/docent%23inferred", kTurtle, ""), 403);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kTurtle, ""), 415);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kUpdate, "CLEAR ALL"), 422);
+  EXPECT_EQ(
+      status("PATCH", "/rdf-graphs?graph=urn:x", kUpdate, "INSERT DATA { GRAPH <urn:y> { <a:a> <a:b> 1 } }"),
+      422);
+  EXPECT_EQ(status("GET", "/rdf-graphs?default", "Accept: image/png\r\n"), 406);
+  EXPECT_EQ(status("OPTIONS", "/rdf-graphs"), 405);
+}
+
+TEST_F(GraphStoreTest, DescribeIsAnsweredOverHttpAndGrpc) {
+  StartServer();
+  MustTell(":a :p :b ; :card [ :name 'A' ] . :b :p :c .");
+  const HttpReply reply =
+      Ask("GET", "/sparql?query=DESCRIBE%20%3Curn:w:a%3E", "Accept: application/n-triples\r\n");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 3) << reply.body;
+  EXPECT_THAT(Query("DESCRIBE <urn:w:a>").rows, SizeIs(3));
+}
+
+TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
+  ServerSettings other = settings_;
+  other.data_folder = folder_ / "other";
+  auto second = Server::Start(other, nullptr);
+  ASSERT_TRUE(second.ok()) << second.status();
+  const std::string base = absl::StrCat("http://localhost:", PortOf(**second));
+  EXPECT_EQ(HttpClient(PortOf(**second))
+                .Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, "<urn:w:a> <urn:w:far> 7 .")
+                .status,
+            201);
+  settings_.allow = {base + "/sparql", base + "/rdf-graphs"};
+  StartServer();
+  MustTell(":a :near 1 .");
+  const std::string query =
+      "SELECT ?n ?f { ?x <urn:w:near> ?n SERVICE <" + base + "/sparql> { ?x <urn:w:far> ?f } }";
+  EXPECT_THAT(Query(query).rows, ElementsAre("\"1\" \"7\""));
+  EXPECT_EQ(Update("INSERT { :a :sum ?f } WHERE { ?x :near ?n SERVICE <" + base + "/sparql> { ?x :far ?f } }")
+                .status,
+            200);
+  EXPECT_TRUE(Holds(":a :sum 7"));
+  HttpReply reply = Update("LOAD <" + base + "/rdf-graphs?graph=urn:w:g> INTO GRAPH :copy");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_TRUE(Holds("GRAPH :copy { :a :far 7 }"));
+  reply = Update("LOAD <" + base + "/healthz>");
+  EXPECT_EQ(reply.status, 403);
+  EXPECT_THAT(reply.body, HasSubstr("--allow"));
+  EXPECT_EQ(Update("LOAD SILENT <" + base + "/healthz>").status, 200);
+}
+
+TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
+  settings_.allow = {"everything"};
+  EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace docent::test
