@@ -78,17 +78,17 @@ class Reactions {
 class InstantAdapter final : public v1::RobotAdapter::CallbackService {
  public:
   explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
-  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*, const v1::InvokeRequest* request) override {
+  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext* context, const v1::InvokeRequest* request) override {
     for (const v1::NamedTerm& argument : request->arguments()) {
       reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical() : argument.value().iri());
     }
-    auto* reactor = new StreamReactor<v1::Feedback>();
+    auto* reactor = new StreamReactor<v1::Feedback>(context, Limits{});
     v1::Feedback feedback;
     feedback.set_command_id(request->command_id());
     feedback.set_state(v1::Feedback::SUCCEEDED);
     feedback.set_progress(1);
     feedback.set_incarnation("bench");
-    reactor->handle()->Push(feedback);
+    reactor->handle()->TryPush(feedback);
     reactor->handle()->End(grpc::Status::OK);
     return reactor;
   }
