@@ -6,7 +6,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/workflow/engine/fake_conditions.h"
+#include "tests/workflow/engine/engine_fixture.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
@@ -16,95 +16,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-// Drives an engine the way a turn does: Step until quiet, then Commit.
-class EngineTest : public ::testing::Test {
- protected:
-  EngineTest() : engine_(Limits{}) { robots_.offers = {{RobotId("urn:r1"), "i1", false, false}}; }
-
-  void Deploy(const std::string& body) {
-    std::string text =
-        "<CAWL name=\"W\" namespace=\"urn:w\" version=\"1\" "
-        "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">" +
-        body + "</CAWL>";
-    cawl::ParsedCawl parsed = cawl::ParseCawl(text, "w.xml");
-    ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
-    engine_.Deploy(parsed.document);
-  }
-  static std::string Condition(const std::string& word) {
-    return "<condition><context name=\"" + word +
-           "\"><rule name=\"r\"><constraint name=\"c\"><subject>?s</subject><verb>&lt;urn:" + word +
-           "&gt;</verb><object>?o</object></constraint></rule></context></condition>";
-  }
-  static std::string Node(const std::string& name, const std::string& condition, const std::string& rest) {
-    return "<node name=\"" + name + "\">" + (condition.empty() ? "" : Condition(condition)) + rest +
-           "</node>";
-  }
-  static std::string Link(const std::string& from, const std::string& to, const std::string& more = "") {
-    return "<link from=\"" + from + "\" to=\"" + to + "\" " + more + "/>";
-  }
-  static std::string Flow(const std::string& body) {
-    return "<flow name=\"F\"><source name=\"s\"/>" + body + "</flow>";
-  }
-
-  // One turn. What it decided is in transitions_ ("subject from>to"), commands_ and cancels_.
-  void Turn(std::vector<CommandReport> reports = {}, std::vector<RunRequest> requests = {}) {
-    robots_.asked = 0;
-    transitions_.clear();
-    commands_.clear();
-    cancels_.clear();
-    for (int round = 0; round < Limits{}.engine_rounds_per_turn; ++round) {
-      EngineInput input;
-      input.now_us = now_us_;
-      input.revision = Revision(++revision_);
-      input.reports = round == 0 ? &reports : nullptr;
-      input.requests = round == 0 ? &requests : nullptr;
-      input.conditions = &conditions_;
-      input.robots = &robots_;
-      EngineOutput output = engine_.Step(input);
-      conditions_.Take(output);
-      for (const auto& t : output.transitions) transitions_.push_back(t.subject + " " + t.from + ">" + t.to);
-      commands_.insert(commands_.end(), output.commands.begin(), output.commands.end());
-      cancels_.insert(cancels_.end(), output.cancels.begin(), output.cancels.end());
-      for (const TermQuad& quad : output.remove) std::erase(facts_, quad);
-      facts_.insert(facts_.end(), output.add.begin(), output.add.end());
-      if (output.quiet()) {
-        engine_.Commit();
-        return;
-      }
-    }
-    FAIL() << "the engine is never quiet";
-  }
-  void Start() { Turn({}, {{RunRequest::Kind::kStart, "W/F", {}}}); }
-  static CommandReport Done(const CommandId& id) {
-    return {id, CommandReport::Outcome::kSucceeded, "", 1, "i1", {}};
-  }
-  static CommandReport Failed(const CommandId& id, const std::string& why) {
-    return {id, CommandReport::Outcome::kFailed, why, 0, "i1", {}};
-  }
-  bool Says(const std::string& transition) const {
-    return std::find(transitions_.begin(), transitions_.end(), transition) != transitions_.end();
-  }
-  std::string Fact(const std::string& subject, const std::string& predicate) const {
-    for (const TermQuad& quad : facts_) {
-      if (quad.subject.lexical == subject &&
-          quad.predicate.lexical == "https://w3id.org/docent#" + predicate) {
-        return quad.object.lexical;
-      }
-    }
-    return "";
-  }
-
-  Engine engine_;
-  FakeConditions conditions_;
-  FakeRobots robots_;
-  TimeMicros now_us_ = 1000000;
-  uint64_t revision_ = 0;
-  std::vector<std::string> transitions_;
-  std::vector<RobotCommand> commands_;
-  std::vector<CommandId> cancels_;
-  std::vector<TermQuad> facts_;
-};
 
 TEST_F(EngineTest, ASequenceWaitsForItsConditionsAndEnds) {
   Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") +
@@ -342,113 +253,6 @@ TEST_F(EngineTest, AReplacedActivatorStartsARunForABindingThatItMeetsLater) {
   EXPECT_EQ(engine_.live_runs(), 2u);
 }
 
-TEST_F(EngineTest, ARobotServesOneRunAtATimeAndTheNextWaits) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  Start();
-  CommandId first = commands_[0].id;
-  Start();
-  EXPECT_THAT(commands_, IsEmpty());
-  EXPECT_THAT(Fact("urn:docent:run:F-2/A/0", "reason"), HasSubstr("serves another run"));
-  Turn({Done(first)});
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
-}
-
-TEST_F(EngineTest, TheRunThatCameFirstGetsTheRobotThatBecomesFree) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  for (int i = 1; i <= 11; ++i) Start();
-  for (int i = 2; i <= 11; ++i) {
-    std::vector<RobotCommand> open = engine_.OpenCommands();
-    ASSERT_EQ(open.size(), 1u);
-    Turn({Done(open[0].id)});
-    ASSERT_EQ(commands_.size(), 1u);
-    EXPECT_THAT(commands_[0].id.value(), ::testing::StartsWith("F-" + std::to_string(i) + "/"));
-  }
-}
-
-TEST_F(EngineTest, AFreedRobotWakesOneRunNotAll) {
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  robots_.news = false;
-  Start();
-  CommandId first = commands_[0].id;
-  for (int i = 0; i < 50; ++i) Start();
-  Turn({Done(first)});
-  EXPECT_EQ(commands_.size(), 1u);
-  // 1: the run that ended; 2: the one that got the robot. The other 49 were not looked at.
-  EXPECT_LE(robots_.asked, 10);
-}
-
-TEST_F(EngineTest, ARobotThatTheOldestCannotUseGoesToTheNext) {
-  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}, {RobotId("urn:r2"), "i1", false, false}};
-  robots_.news = false;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  auto start_with = [this](const std::string& robot) {
-    Turn({}, {{RunRequest::Kind::kStart, "W/F", {{"robot", Term::Iri(robot)}}}});
-  };
-  start_with("urn:r1");
-  CommandId first = commands_[0].id;
-  start_with("urn:r2");
-  CommandId second = commands_[0].id;
-  start_with("urn:r1");  // waits for r1
-  start_with("urn:r2");  // waits for r2
-  Turn({Done(second)});
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-4/"));
-  Turn({Done(first)});
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-3/"));
-}
-
-TEST_F(EngineTest, ANodeWhoseRobotsAreBusyOpensWhenOneIsFreedOrAnotherOneAppears) {
-  std::string near = Condition("near");
-  near.replace(near.find("?s"), 2, "?robot");
-  Deploy(Flow("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node><sink name=\"t\"/>" +
-              Link("s", "A") + Link("A", "t")) +
-         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
-         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
-  robots_.news = false;
-  Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
-  CommandId busy = commands_[0].id;
-  TermBinding r1 = {{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:y")}};
-  TermBinding r2 = {{"robot", Term::Iri("urn:r2")}, {"o", Term::Iri("urn:y")}};
-  conditions_.Set("urn:near", {r1});
-  Start();
-  Start();
-  EXPECT_THAT(commands_, IsEmpty());
-  Turn({Done(busy)});
-  ASSERT_EQ(commands_.size(), 1u);  // F-2 has r1 now, F-3 waits on
-  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
-  robots_.offers.push_back({RobotId("urn:r2"), "i1", false, false});
-  conditions_.Set("urn:near", {r1, r2});
-  Turn();
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_EQ(commands_[0].robot.value(), "urn:r2");
-}
-
-TEST_F(EngineTest, AServiceThatIsRegisteredLaterIsUsedByTheInvocationThatWaits) {
-  robots_.offers.clear();
-  robots_.only = "go";
-  robots_.offers = {{RobotId("urn:r1"), "i1", false, false}};
-  robots_.news = false;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"Tour\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  Start();
-  EXPECT_THAT(commands_, IsEmpty());
-  std::string text =
-      "<rsel name=\"S\" namespace=\"urn:s\" version=\"1\"><process name=\"Tour\"><invoke operation=\"go\"/>"
-      "</process></rsel>";
-  rsel::ParsedRsel parsed = rsel::ParseRsel(text, "s.xml");
-  ASSERT_TRUE(parsed.ok());
-  EXPECT_THAT(engine_.PutServices(parsed.document), IsEmpty());
-  Turn();
-  ASSERT_EQ(commands_.size(), 1u);
-  EXPECT_EQ(commands_[0].operation, "go");
-}
-
 TEST_F(EngineTest, ANodesRetryGivesItsInvokesTheirOwnRetriesAgain) {
   Deploy(Flow(
       "<node name=\"A\" ext:retry=\"1\"><invoke operation=\"a\" ext:retry=\"1\"/></node><sink name=\"t\"/>" +
@@ -510,17 +314,6 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   EXPECT_EQ(once, twice);
   EXPECT_FALSE(has(twice, "F-2"));
   EXPECT_TRUE(has(twice, "F-4"));
-}
-
-TEST_F(EngineTest, NoRobotOnlineIsSaidAndWaitedFor) {
-  robots_.offers[0].offline = true;
-  Deploy(Flow(Node("A", "", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
-              Link("A", "t")));
-  Start();
-  EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("no robot that is online offers a"));
-  robots_.offers[0].offline = false;
-  Turn();
-  EXPECT_EQ(commands_.size(), 1u);
 }
 
 TEST_F(EngineTest, ALoopGoesOnWhileItsConditionHolds) {

@@ -43,12 +43,15 @@ class FakeConditions final : public ConditionView {
     std::vector<TermBinding> out;
     for (const TermBinding& solution : Find(armed_.at(handle).ask)) {
       bool agrees = true;
-      for (const auto& [name, term] : fixed) agrees = agrees && solution.count(name) > 0 && solution.at(name) == term;
+      for (const auto& [name, term] : fixed)
+        agrees = agrees && solution.count(name) > 0 && solution.at(name) == term;
       if (agrees && out.size() < limit) out.push_back(solution);
     }
     return out;
   }
-  std::string Evidence(ConditionHandle, const TermBinding&) const override { return "<urn:s> <urn:p> <urn:o> .\n"; }
+  std::string Evidence(ConditionHandle, const TermBinding&) const override {
+    return "<urn:s> <urn:p> <urn:o> .\n";
+  }
 
  private:
   std::vector<TermBinding> Find(const std::string& ask) const {
@@ -57,7 +60,8 @@ class FakeConditions final : public ConditionView {
     }
     return {};
   }
-  static std::vector<TermBinding> Keys(const ConditionRequest& request, const std::vector<TermBinding>& solutions) {
+  static std::vector<TermBinding> Keys(const ConditionRequest& request,
+                                       const std::vector<TermBinding>& solutions) {
     std::vector<TermBinding> keys;
     for (const TermBinding& solution : solutions) {
       TermBinding key;
@@ -66,7 +70,8 @@ class FakeConditions final : public ConditionView {
     }
     return keys;
   }
-  void AddEdge(const ConditionRequest& request, const std::vector<TermBinding>& before, const std::vector<TermBinding>& after) {
+  void AddEdge(const ConditionRequest& request, const std::vector<TermBinding>& before,
+               const std::vector<TermBinding>& after) {
     ConditionEdge edge;
     edge.handle = request.handle;
     edge.rose = before.empty() && !after.empty();
@@ -80,7 +85,8 @@ class FakeConditions final : public ConditionView {
         if (std::find(now.begin(), now.end(), key) == now.end()) edge.disappeared.push_back(key);
       }
     }
-    if (edge.rose || edge.fell || !edge.appeared.empty() || !edge.disappeared.empty()) edges_.push_back(std::move(edge));
+    if (edge.rose || edge.fell || !edge.appeared.empty() || !edge.disappeared.empty())
+      edges_.push_back(std::move(edge));
   }
 
   std::map<ConditionHandle, ConditionRequest> armed_;
@@ -92,9 +98,9 @@ class FakeConditions final : public ConditionView {
 class FakeRobots final : public RobotDirectory {
  public:
   std::vector<RobotOffer> offers;
-  std::string only;        // empty: everything
-  bool news = true;        // what changed() says
-  mutable int asked = 0;   // how often Offers was called
+  std::string only;       // empty: everything
+  bool news = true;       // what changed() says
+  mutable int asked = 0;  // how often Offers was called
   const std::vector<RobotOffer>& Offers(const std::string& operation) const override {
     static const std::vector<RobotOffer> kNone;
     ++asked;

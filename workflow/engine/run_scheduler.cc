@@ -1,0 +1,99 @@
+#include "workflow/engine/run_scheduler.h"
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "workflow/engine/run_stepper.h"
+
+namespace docent {
+namespace {
+
+// A run ended: its robots are free, and its parent goes on. Adds the robots to `freed`.
+void Settle(Engine::Core* core, const Run& ended, std::map<RobotId, uint64_t>* freed) {
+  // the outermost run goes on holding them: what `holders` says must follow from the runs alone
+  // (RebuildDerived)
+  if (RunId root = core->RootOf(ended); root != ended.id) {
+    if (Run* holder = core->Mutable(root)) holder->robots.insert(ended.robots.begin(), ended.robots.end());
+  }
+  for (const RobotId& robot : ended.robots) {
+    auto holder = core->holders.find(robot);
+    if (holder == core->holders.end() || holder->second != ended.id) continue;
+    core->holders.erase(holder);
+    freed->emplace(robot, 0);
+  }
+  core->waiting.Block(ended.number, ended.id, {});
+  if (ended.parent.empty()) return;
+  if (Run* parent = core->Mutable(ended.parent)) {
+    RunStepper(core, parent).ChildEnded({ended.parent, ended.parent_node, ended.parent_invocation}, ended);
+    core->touched.insert(ended.parent);
+  }
+}
+
+// Offers each robot that was freed to the oldest run that could use it and was not asked yet. `freed`: robot
+// → number of the run that was asked last.
+void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
+  for (auto it = freed->begin(); it != freed->end();) {
+    const RobotId& robot = it->first;
+    auto offers = [core, &robot](const std::string& operation) {
+      std::string why_not;
+      rsel::PlanPtr plan = core->PlanOf(operation, {});
+      return !core->RobotsFor(*plan, Term::Iri(robot.value()), RunId(), &why_not).empty();
+    };
+    std::optional<std::pair<uint64_t, RunId>> next;
+    if (core->holders.count(robot) == 0) next = core->waiting.Next(robot, it->second, offers);
+    if (!next) {
+      it = freed->erase(it);
+      continue;
+    }
+    it->second = next->first;
+    core->touched.insert(next->second);
+    ++it;
+  }
+}
+
+}  // namespace
+
+void ReconsiderWaiting(Engine::Core* core) {
+  core->waiting.ForEachWish([core](const RobotWish& wish) {
+    std::optional<Term> wanted;
+    if (!wish.robot.empty()) wanted = Term::Iri(wish.robot.value());
+    std::string why_not;
+    size_t able = core->RobotsFor(*core->PlanOf(wish.operation, {}), wanted, RunId(), &why_not).size();
+    if (able > 0) why_not = std::string(kAllServeOthers);
+    std::vector<CommandOwner> oldest = core->waiting.Oldest(wish, 1);
+    const Run& first = core->runs.at(oldest[0].run);
+    bool news = first.nodes[oldest[0].node].invocations[oldest[0].invocation].reason != why_not;
+    for (const CommandOwner& owner : core->waiting.Oldest(wish, news ? SIZE_MAX : able))
+      core->touched.insert(owner.run);
+  });
+}
+
+void AdvanceAll(Engine::Core* core) {
+  std::set<RunId> settled;
+  std::map<RobotId, uint64_t> freed;
+  while (true) {
+    std::map<uint64_t, RunId>
+        work;  // the oldest run first: nobody waits for a robot behind those that came later
+    for (const RunId& id : core->touched) {
+      if (auto it = core->runs.find(id); it != core->runs.end()) work.emplace(it->second.number, id);
+    }
+    core->touched.clear();
+    for (const auto& [number, id] : work) {
+      if (Run* run = core->Mutable(id)) RunStepper(core, run).Advance();
+    }
+    for (const RunId& id : std::set<RunId>(core->changed)) {
+      auto it = core->runs.find(id);
+      if (it == core->runs.end() || it->second.state == WorkState::kRunning || !settled.insert(id).second)
+        continue;
+      Settle(core, it->second, &freed);
+    }
+    if (core->touched.empty()) Offer(core, &freed);
+    if (core->touched.empty()) return;
+  }
+}
+
+}  // namespace docent

@@ -1,0 +1,20 @@
+// Which runs are taken further in a Step, and who gets a robot that is free. Not for other folders. Writer
+// thread only.
+#ifndef DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_
+#define DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_
+
+#include "workflow/engine/engine_core.h"
+
+namespace docent {
+
+// Robots came, went or changed, or robot services did: wakes as many of each queue as can be served, and
+// everybody whose reason to wait is another one now.
+void ReconsiderWaiting(Engine::Core* core);
+
+// Takes touched runs as far as they go, parents after their children, and gives the robots of runs that ended
+// to those that wait.
+void AdvanceAll(Engine::Core* core);
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_
