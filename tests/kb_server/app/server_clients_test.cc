@@ -101,11 +101,12 @@ TEST_F(ServerClientsTest, ASlowClientIsGivenUpAtTheTimeLimitOfItsQuery) {
 
 TEST_F(ServerClientsTest, TheStreamIsBoundedInBytesToo) {
   settings_.limits.stream_bytes = 10000;
+  settings_.limits.stream_messages = 1000000;
   settings_.limits.slow_client_ms = 100;
   settings_.limits.queries_open = 1;
   StartServer();
-  TellWords(900);  // fewer than stream_messages
-  auto slow = Begin(kAll);
+  TellWords(900);
+  auto slow = Begin(kPairs);
   ASSERT_TRUE(slow->reader->Read(&slow->reply));
   EXPECT_TRUE(Ask(":s :p ?o"));
   EXPECT_EQ(slow->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
@@ -113,11 +114,13 @@ TEST_F(ServerClientsTest, TheStreamIsBoundedInBytesToo) {
 
 TEST_F(ServerClientsTest, AnAnswerThatIsMadeButNotTakenIsDroppedToo) {
   settings_.limits.slow_client_ms = 50;
+  settings_.limits.stream_messages = 1000000;  // all of it fits into the queue
+  settings_.limits.stream_bytes = 1 << 30;
   StartServer();
-  TellWords(900);  // all of it fits into the queue
+  TellWords(200);
   grpc::StatusCode code = grpc::StatusCode::OK;
   for (int i = 1; i <= 50 && code == grpc::StatusCode::OK; ++i) {
-    auto slow = Begin(kAll);
+    auto slow = Begin(absl::StrCat(kPairs, " LIMIT 10000"));
     ASSERT_TRUE(slow->reader->Read(&slow->reply));
     std::this_thread::sleep_for(std::chrono::milliseconds(100 * i));
     code = slow->Finish().error_code();

@@ -228,7 +228,11 @@ TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndThe
   request.set_name("talk");
   grpc::ClientContext context;
   Limit(&context);
-  auto reader = services_->Invoke(&context, request);
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  auto stub = v1::RobotServices::NewStub(
+      grpc::CreateCustomChannel(server_->grpc_address(), grpc::InsecureChannelCredentials(), small_window));
+  auto reader = stub->Invoke(&context, request);
   v1::InvokeServiceReply reply;
   ASSERT_TRUE(reader->Read(&reply));
   WaitForRun(reply.run(), "done");
