@@ -82,7 +82,7 @@ class Endpoints final : public sparql::ServiceClient {
     sparql::ParsedQuery parsed = sparql::ParseQuery(query);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, query);
     auto answer = Run(std::move(parsed.query), false, store->second.dictionary, *store->second.Freeze(),
-                      nullptr, sparql::DefaultGraph::kStrict);
+                      this, sparql::DefaultGraph::kStrict);
     if (!answer.ok()) return answer.status();
     sparql::ServiceAnswer out{answer->variables, {}};
     for (const auto& given : answer->rows) {
