@@ -47,7 +47,7 @@ class Adapter(StageTest):
         robot.process.signal(signal.SIGSTOP)
         self.addCleanup(robot.process.signal, signal.SIGCONT)
         self.arrive(server)
-        self.assert_failed(server, "4")
+        self.assert_failed(server, "deadline")
 
     def test_dies_while_it_drives(self):
         server = self.impatient_s01()
