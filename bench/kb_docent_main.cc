@@ -17,6 +17,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_replace.h"
+#include "bench/kb_process.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluator.h"
@@ -29,17 +30,6 @@ namespace {
 
 using nlohmann::json;
 using SteadyClock = std::chrono::steady_clock;
-
-double Seconds(SteadyClock::time_point since) {
-  return std::chrono::duration<double>(SteadyClock::now() - since).count();
-}
-
-size_t ResidentBytes() {
-  std::ifstream statm("/proc/self/statm");
-  size_t total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
-}
 
 class Engine {
  public:
@@ -57,7 +47,7 @@ class Engine {
       loader.Build(writer);
       version_ = writer.Freeze(Revision(1));
     }
-    const double load_s = Seconds(start);
+    const double load_s = SecondsSince(start);
     malloc_trim(0);
     Print({{"load_s", load_s},
            {"bytes", ResidentBytes() - before},
@@ -138,12 +128,12 @@ void Measure(const json& job, size_t number, const char* mode, RunOne run_one) {
     Engine::Print({{"case", number}, {"mode", mode}, {"reason", reason}});
     return;
   }
-  for (int pass = 0; pass < kPasses && (pass == 0 || Seconds(begun) < budget_s); ++pass) {
+  for (int pass = 0; pass < kPasses && (pass == 0 || SecondsSince(begun) < budget_s); ++pass) {
     json us = json::array();
-    for (size_t i = 0; i < instances && (i == 0 || Seconds(begun) < budget_s); ++i) {
+    for (size_t i = 0; i < instances && (i == 0 || SecondsSince(begun) < budget_s); ++i) {
       const auto start = SteadyClock::now();
       const int64_t answer = run_one(i, &reason);
-      us.push_back(Seconds(start) * 1e6);
+      us.push_back(SecondsSince(start) * 1e6);
       if (pass == 0) answers.push_back(answer);
     }
     if (pass == 0 || us.size() == passes[0].size()) passes.push_back(std::move(us));

@@ -13,24 +13,16 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_replace.h"
+#include "bench/kb_process.h"
 
 namespace {
 
+using docent::bench::ResidentBytes;
+using docent::bench::SecondsSince;
 using nlohmann::json;
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr unsigned kCaseLimitS = 4;
-
-double Seconds(SteadyClock::time_point since) {
-  return std::chrono::duration<double>(SteadyClock::now() - since).count();
-}
-
-size_t ResidentBytes() {
-  std::ifstream statm("/proc/self/statm");
-  size_t total = 0, resident = 0;
-  statm >> total >> resident;
-  return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
-}
 
 int Quiet(void*, librdf_log_message*) {
   return 1;
@@ -99,12 +91,12 @@ void Measure(Redland& redland, const json& job, size_t number) {
   const double budget_s = job["budget_ms"].get<double>() / 1000;
   json answers = json::array(), passes = json::array();
   const auto begun = SteadyClock::now();
-  for (int pass = 0; pass < 3 && (pass == 0 || Seconds(begun) < budget_s); ++pass) {
+  for (int pass = 0; pass < 3 && (pass == 0 || SecondsSince(begun) < budget_s); ++pass) {
     json us = json::array();
-    for (size_t i = 0; i < texts.size() && (i == 0 || Seconds(begun) < budget_s); ++i) {
+    for (size_t i = 0; i < texts.size() && (i == 0 || SecondsSince(begun) < budget_s); ++i) {
       const auto start = SteadyClock::now();
       const int64_t answer = redland.Run(texts[i], form);
-      us.push_back(Seconds(start) * 1e6);
+      us.push_back(SecondsSince(start) * 1e6);
       if (answer < 0) {
         Print({{"case", number}, {"mode", "cold"}, {"reason", "Rasqal refuses the query"}});
         return;
@@ -131,7 +123,7 @@ int main(int argc, char** argv) {
     std::cerr << "librdf cannot load the data\n";
     return 2;
   }
-  Print({{"load_s", Seconds(start)}, {"bytes", ResidentBytes() - before}});
+  Print({{"load_s", SecondsSince(start)}, {"bytes", ResidentBytes() - before}});
   for (size_t number = 0; number < job["cases"].size(); ++number) {
     const pid_t child = fork();
     if (child == 0) {

@@ -1,5 +1,6 @@
 // Context.Query: SPARQL on the newest version, rows as they are found.
 #include "absl/strings/str_cat.h"
+#include "kb_server/service/await_version.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/remote_access.h"
@@ -88,15 +89,6 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool expl
   });
 }
 
-// The newest version that is at least `revision`; others are served while it is not there.
-absl::StatusOr<GraphVersionPtr> Version(const ServicePorts& ports, Revision revision, absl::Time deadline,
-                                        Cancellation* cancellation) {
-  GraphVersionPtr newest = ports.queries->Newest();
-  if (newest->revision() >= revision) return newest;
-  WorkerPool::Waiting waiting(ports.workers);
-  return ports.queries->WaitForRevision(revision, deadline, cancellation);
-}
-
 absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
                     const Output& out) {
   if (request.query().size() > ports.limits.query_text_bytes) {
@@ -109,7 +101,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   options.limits = ports.limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
-  auto version = Version(ports, Revision(request.min_revision()), out.deadline, cancellation);
+  auto version = AwaitVersion(ports, Revision(request.min_revision()), out.deadline, cancellation);
   if (!version.ok()) return version.status();
   return Evaluate(ports, parsed.query, request.explain(), **version, cancellation, out);
 }

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "kb_server/rdf/serializer.h"
+#include "kb_server/service/await_version.h"
 #include "kb_server/service/http_formats.h"
 #include "kb_server/service/remote_access.h"
 #include "kb_server/sparql/describe.h"
@@ -53,7 +54,10 @@ class QueryAnswer {
       parsed.query.from = request_.default_graphs;
       parsed.query.from_named = request_.named_graphs;
     }
-    if (absl::Status status = FindVersion(); !status.ok()) return status;
+    auto version = AwaitVersion(ports_, request_.min_revision,
+                                absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
+    if (!version.ok()) return version.status();
+    version_ = *std::move(version);
 
     sparql::PrepareOptions options;
     options.default_graph = ports_.default_graph;
@@ -76,18 +80,6 @@ class QueryAnswer {
       default:
         return Graph(**prepared, parsed.query, options);
     }
-  }
-
-  // The newest version that is at least min-revision; others are served while it is not there.
-  absl::Status FindVersion() {
-    version_ = ports_.queries->Newest();
-    if (version_->revision() >= request_.min_revision) return absl::OkStatus();
-    WorkerPool::Waiting waiting(ports_.workers);
-    auto version = ports_.queries->WaitForRevision(
-        request_.min_revision, absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
-    if (!version.ok()) return version.status();
-    version_ = *std::move(version);
-    return absl::OkStatus();
   }
 
   absl::Status Ask(sparql::PreparedQuery& query) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "kb_server/service/await_version.h"
 #include "kb_server/service/ports.h"
 #include "kb_server/service/remote_access.h"
 #include "kb_server/sparql/update_evaluator.h"
@@ -35,7 +36,8 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   // On a worker.
   void Attempt() {
     ++attempts_;
-    absl::StatusOr<GraphVersionPtr> version = ports_.queries->WaitForRevision(needed_, deadline_);
+    absl::StatusOr<GraphVersionPtr> version =
+        AwaitVersion(ports_, needed_, deadline_, request_.cancellation.get());
     if (!version.ok()) return done_(version.status());
     if (attempts_ == 1) {
       if (absl::Status status = AskOthers(**version); !status.ok()) return done_(status);

@@ -1,5 +1,6 @@
 // Clients that read slowly or not at all, wait for what is not here yet, or come back: what they get, and
 // that nobody else notices.
+#include <atomic>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -146,6 +147,36 @@ TEST_F(ServerClientsTest, ThoseWhoWaitForARevisionHarmNobody) {
     EXPECT_TRUE(one->Finish().ok());
     EXPECT_EQ(one->reply.header().revision(), 1u);
   }
+}
+
+TEST_F(ServerClientsTest, UpdatesThatWaitForARevisionHarmNobody) {
+  settings_.limits.queries_running = 2;
+  StartServer();
+  std::vector<std::thread> waiting;
+  std::atomic<int> done = 0;
+  for (int i = 0; i < 5; ++i) {
+    waiting.emplace_back([this, &done] {
+      v1::UpdateRequest request;
+      request.set_update("INSERT DATA { <urn:w:s> <urn:w:p> 1 }");
+      request.set_min_revision(1);
+      v1::AssertReply reply;
+      if (Call(context_, &v1::Context::Stub::Update, request, &reply).ok()) ++done;
+    });
+  }
+  // when all of them are there, others are answered all the same
+  absl::SleepFor(absl::Milliseconds(300));
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));  // less than theirs
+  v1::QueryRequest query;
+  query.set_query("ASK {}");
+  auto reader = context_->Query(&context, query);
+  v1::QueryReply reply;
+  EXPECT_TRUE(reader->Read(&reply));
+  EXPECT_TRUE(reader->Finish().ok());
+  EXPECT_EQ(done, 0);
+  MustTell(":a :b :c .");
+  for (std::thread& one : waiting) one.join();
+  EXPECT_EQ(done, 5);
 }
 
 class ServerWatchTest : public ServerWorkflowTest {
