@@ -10,19 +10,6 @@
 namespace docent {
 namespace {
 
-// The engine's run facts into the graph.
-Delta WriteRunFacts(Stages* stages, const EngineOutput& output) {
-  auto intern = [stages](const TermQuad& quad) {
-    Dictionary& d = stages->dictionary;
-    return Quad{d.Intern(quad.subject), d.Intern(quad.predicate), d.Intern(quad.object),
-                d.Intern(quad.graph)};
-  };
-  std::vector<Quad> add, remove;
-  for (const TermQuad& quad : output.add) add.push_back(intern(quad));
-  for (const TermQuad& quad : output.remove) remove.push_back(intern(quad));
-  return stages->writer.Apply(add, remove);
-}
-
 void Record(const EngineOutput& output, TurnResult* result) {
   for (const EngineTransition& t : output.transitions) {
     result->record.transitions.push_back({t.subject, t.from, t.to, t.cause});
@@ -82,7 +69,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us); !armed.ok())
       return armed;
     if (output.quiet()) break;
-    delta = WriteRunFacts(stages, output);  // seen by rules and constraints in this same turn
+    delta = stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
   }
   result->delta = sum.Net();
   return absl::OkStatus();

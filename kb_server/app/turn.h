@@ -42,7 +42,7 @@ struct Stages {
         constraints(*dictionary_in, functions),
         conditions(dictionary_in, &constraints, functions),
         robots(dictionary_in),
-        engine(limits_in) {}
+        engine(dictionary_in, limits_in) {}
 
   const Limits limits;
   Dictionary& dictionary;

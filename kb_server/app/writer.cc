@@ -4,9 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
+#include "kb_server/app/run_events.h"
 #include "kb_server/log/record_codec.h"
-#include "kb_server/rdf/vocabulary.h"
 #include "spdlog/spdlog.h"
 
 namespace docent {
@@ -15,57 +14,6 @@ namespace {
 // A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at
 // once.
 constexpr TimeMicros kTickPauseUs = 1'000'000;
-
-RobotCommand ToCommand(const CommandEntry& entry) {
-  return {entry.id,
-          entry.robot,
-          entry.operation,
-          entry.arguments,
-          entry.expected_incarnation,
-          entry.guard_revision,
-          entry.deadline_us,
-          entry.idempotent};
-}
-
-// An event of that turn about "RUN/NODE/…".
-RunEvent NewEvent(const TurnResult& result, const std::string& subject) {
-  std::vector<std::string> parts = absl::StrSplit(subject, absl::MaxSplits('/', 2));
-  RunEvent event;
-  event.revision = Revision(result.record.offset);
-  event.time_us = result.record.time_us;
-  event.run = parts[0];
-  if (parts.size() > 1) event.node = parts[1];
-  event.kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
-  return event;
-}
-
-// What a turn means for those who watch runs.
-std::vector<RunEvent> EventsOf(const TurnResult& result) {
-  std::vector<RunEvent> events;
-  for (const Transition& transition : result.record.transitions) {
-    RunEvent& event = events.emplace_back(NewEvent(result, transition.subject));
-    event.from = transition.from;
-    event.to = transition.to;
-    event.detail = transition.cause;
-    if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
-  }
-  for (const CommandEntry& command : result.record.commands) {
-    RunEvent& event = events.emplace_back(NewEvent(result, command.id.value()));
-    event.kind = "command";
-    event.to = "sent";
-    event.detail = ToDisplay(command);
-  }
-  for (const CommandReport& report : result.record.batch.reports) {
-    if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
-                                                "cancelled", "unknown",  "unreachable"};
-    RunEvent& event = events.emplace_back(NewEvent(result, report.command.value()));
-    event.kind = "report";
-    event.to = kOutcomes[static_cast<int>(report.outcome)];
-    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
-  }
-  return events;
-}
 
 // What its client is told of a turn.
 BatchOutcome OutcomeOf(const TurnResult& result) {
@@ -80,14 +28,17 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
 
 }  // namespace
 
-Writer::Writer(const Ports& ports) : ports_(ports), requests_(ports.limits.request_ids_remembered) {}
+Writer::Writer(const Ports& ports)
+    : ports_(ports),
+      requests_(ports.limits.request_ids_remembered),
+      teller_(ports.feed, ports.proxies, ports.dictionary) {}
 
 absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
   absl::Status status = Replay(progress);
   if (!status.ok()) return status;
   ports_.queries->Publish(stages_->writer.Freeze(Revision(head_)));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
-  UpdateAddresses(stages_->writer.current());
+  teller_.TellAddresses(stages_->writer.current());
   PublishCounters();
   return absl::OkStatus();
 }
@@ -119,7 +70,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
       }
       requests_.Remember(recorded->batch.request_id, OutcomeOf(*derived));
       ports_.inbox->StartAfter(recorded->time_us);
-      ports_.feed->Keep(EventsOf(*derived));
+      ports_.feed->Keep(EventsOf(derived->record));
       head_ = entry.offset;
     }
     if (progress) progress(head_, head->offset);
@@ -138,7 +89,7 @@ absl::Status Writer::Run() {
     if (deadline) deadline = std::max(*deadline, next_tick_us_);
     std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, ports_.limits.turns_per_commit);
     if (batches.empty()) {
-      if (ports_.inbox->closed()) return absl::OkStatus();
+      if (ports_.inbox->closed()) break;
       WriteBatch tick;
       tick.clock_tick = true;
       ports_.inbox->Push(std::move(tick), nullptr);
@@ -146,6 +97,7 @@ absl::Status Writer::Run() {
     }
     TakeGroup(std::move(batches));
   }
+  teller_.WaitUntilTold();
   ports_.inbox->Close();
   for (PendingBatch& pending : ports_.inbox->PopAll(0, SIZE_MAX)) pending.done(fatal_);
   return fatal_;
@@ -186,7 +138,7 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
     }
     changes_.Add(Revision(offset), result->delta);
     BatchOutcome outcome = OutcomeOf(*result);
-    group.push_back({*std::move(result), std::move(record), std::move(pending.done), std::move(outcome)});
+    group.push_back({{*std::move(result), std::move(outcome), std::move(pending.done)}, std::move(record)});
   }
   if (!group.empty()) fatal_ = Commit(std::move(group));
   for (auto& [id, done] : repeats_) {
@@ -211,7 +163,7 @@ absl::Status Writer::Commit(std::vector<Decided> group) {
     absl::Status fatal =
         absl::FailedPreconditionError("another server has taken over the log; this one stops");
     counters_.refused += group.size();
-    for (Decided& decided : group) decided.done(fatal);
+    for (Decided& decided : group) decided.turn.done(fatal);
     return fatal;
   }
   head_ += records.size();
@@ -225,19 +177,20 @@ absl::Status Writer::Commit(std::vector<Decided> group) {
 // did.
 absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& refusal) {
   spdlog::error("the log refused {} turns: {}", group.size(), std::string(refusal.message()));
-  next_tick_us_ = group.back().result.record.time_us + kTickPauseUs;
+  next_tick_us_ = group.back().turn.result.record.time_us + kTickPauseUs;
   const uint64_t head_before = head_;
+  teller_.WaitUntilTold();
   absl::Status recovered = Recover(nullptr);
   if (recovered.ok() && head_ > head_before) ResumeCommands();
   for (Decided& decided : group) {
-    const bool happened = recovered.ok() && decided.outcome.offset <= head_;
+    const bool happened = recovered.ok() && decided.turn.outcome.offset <= head_;
     if (happened) {
       ++counters_.turns;
-      ports_.feed->Publish(EventsOf(decided.result));
-      decided.done(decided.outcome);
+      ports_.feed->Publish(EventsOf(decided.turn.result.record));
+      decided.turn.done(decided.turn.outcome);
     } else {
       ++counters_.refused;
-      decided.done(refusal);
+      decided.turn.done(refusal);
     }
   }
   return recovered;
@@ -245,49 +198,20 @@ absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& r
 
 // The records are durable: now the world may know.
 void Writer::Release(std::vector<Decided> group) {
-  ports_.queries->Publish(group.back().result.version);
-  if (std::any_of(group.begin(), group.end(), [](const Decided& d) { return d.result.documents_changed; })) {
+  ports_.queries->Publish(group.back().turn.result.version);
+  if (std::any_of(group.begin(), group.end(), [](const Decided& d) { return d.turn.result.documents_changed; })) {
     ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
   }
+  std::vector<DurableTurn> turns;
   for (Decided& decided : group) {
-    UpdateAddresses(decided.result.delta);
-    Send(decided.result);
-    ports_.feed->Publish(EventsOf(decided.result));
-    requests_.Remember(decided.result.record.batch.request_id, decided.outcome);
-    decided.done(decided.outcome);
+    TurnResult& result = decided.turn.result;
+    requests_.Remember(result.record.batch.request_id, decided.turn.outcome);
+    counters_.commands += result.record.commands.size();
+    counters_.inferred += result.inferred;
+    result.version.reset();  // freed by the thread that made it
+    turns.push_back(std::move(decided.turn));
   }
-}
-
-void Writer::Send(const TurnResult& result) {
-  counters_.commands += result.record.commands.size();
-  counters_.inferred += result.inferred;
-  if (ports_.proxies == nullptr) return;
-  for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
-  for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
-}
-
-// Where the proxies find the adapters is a fact like any other.
-void Writer::UpdateAddresses(const Delta& delta) {
-  if (ports_.proxies == nullptr) return;
-  std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-  for (const Quad& quad : delta.added) {
-    if (quad.predicate == address) SetAddress(quad);
-  }
-}
-
-void Writer::UpdateAddresses(const GraphVersion& version) {
-  if (ports_.proxies == nullptr) return;
-  std::optional<TermId> address = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-  if (!address) return;
-  version.ForEach({{}, *address, {}, {}}, [this](const Quad& quad) {
-    SetAddress(quad);
-    return true;
-  });
-}
-
-void Writer::SetAddress(const Quad& fact) {
-  ports_.proxies->SetAddress(RobotId(ports_.dictionary->Decode(fact.subject).lexical),
-                             ports_.dictionary->Decode(fact.object).lexical);
+  teller_.Tell(std::move(turns));
 }
 
 void Writer::PublishCounters() {

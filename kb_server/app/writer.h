@@ -1,5 +1,5 @@
 // The writer thread: takes batches from the door, runs a turn for each, makes the records durable in one
-// commit, and only then lets anybody see, hear or be answered.
+// commit, and only then lets anybody see, hear or be answered (turn_teller.h).
 //
 // Group commit: all batches that wait are turned and appended together, with one fdatasync. Recovery is the
 // same turns fed from the log. Where the log refuses an append (disk full), all of that group is refused, and
@@ -17,6 +17,7 @@
 
 #include "absl/status/status.h"
 #include "kb_server/app/turn.h"
+#include "kb_server/app/turn_teller.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/request_memory.h"
@@ -70,10 +71,8 @@ class Writer {
 
  private:
   struct Decided {
-    TurnResult result;
+    DurableTurn turn;    // once it is
     std::string record;  // as the log keeps it
-    BatchCallback done;
-    BatchOutcome outcome;
   };
 
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
@@ -81,10 +80,6 @@ class Writer {
   absl::Status Commit(std::vector<Decided> group);
   absl::Status Reconcile(std::vector<Decided> group, const absl::Status& refusal);
   void Release(std::vector<Decided> group);
-  void Send(const TurnResult& result);
-  void UpdateAddresses(const Delta& delta);
-  void UpdateAddresses(const GraphVersion& version);
-  void SetAddress(const Quad& fact);
   void PublishCounters();
 
   const Ports ports_;
@@ -98,6 +93,7 @@ class Writer {
   // A repeat of a batch of the running group is answered after it.
   std::vector<std::pair<std::string, BatchCallback>> repeats_;
   WriterCounters counters_;
+  TurnTeller teller_;
 };
 
 }  // namespace docent

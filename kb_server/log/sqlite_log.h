@@ -25,9 +25,10 @@
 namespace docent {
 
 struct SqliteLogOptions {
-  // Pages (4 KiB) of write-ahead log after which the background thread carries them over. 1 … 1000000. 2000
-  // keeps the file at about 8 MB; fewer pages mean more often, more pages mean a longer start after a crash.
-  int checkpoint_pages = 2000;
+  // Pages (4 KiB) of write-ahead log after which the background thread carries them over. 1 … 1000000. 16000
+  // keeps the file at about 64 MB. Fewer pages mean more often, and each time the disk is busy for some
+  // milliseconds and the appends wait; more pages mean a longer start after a crash.
+  int checkpoint_pages = 16000;
   // Records deleted in one transaction when trimming, so that appends wait little in between. 1 … 1000000.
   uint64_t trim_step = 5000;
 };

@@ -263,8 +263,10 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
 }
 
 size_t ConstraintSet::size() const {
-  return static_cast<size_t>(std::count_if(impl_->followers.begin(), impl_->followers.end(),
-                                           [](const auto& entry) { return !entry.second.removed; }));
+  const auto removed = std::count_if(impl_->journal.begin(), impl_->journal.end(), [](const auto& entry) {
+    return entry.kind == Impl::JournalEntry::Kind::kRemoved;
+  });
+  return impl_->followers.size() - static_cast<size_t>(removed);
 }
 
 const ConstraintSet::Counters& ConstraintSet::counters() const {

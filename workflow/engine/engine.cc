@@ -264,7 +264,8 @@ void Engine::Core::RebuildDerived() {
   }
 }
 
-Engine::Engine(const Limits& limits) : core_(std::make_unique<Core>(limits)) {}
+Engine::Engine(Dictionary* dictionary, const Limits& limits)
+    : core_(std::make_unique<Core>(dictionary, limits)) {}
 Engine::~Engine() = default;
 
 Diagnostics Engine::CheckSupported(const cawl::Document& document) {
@@ -442,8 +443,8 @@ void TellChanges(Engine::Core* core) {
     auto it = core->runs.find(id);
     if (it == core->runs.end()) continue;
     Run& run = it->second;
-    auto facts = std::make_shared<const std::vector<TermQuad>>(RunFacts(run));
-    static const std::vector<TermQuad> kNothing;
+    auto facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, core->dictionary));
+    static const std::vector<Quad> kNothing;
     DiffFacts(run.facts ? *run.facts : kNothing, *facts, &core->output->add, &core->output->remove);
     run.facts = std::move(facts);
     if (run.timer_us) core->timers.erase({*run.timer_us, id});

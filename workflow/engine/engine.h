@@ -19,6 +19,7 @@
 #include "absl/status/status.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/rdf/dictionary.h"
 #include "kb_server/store/write_batch.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/engine/ports.h"
@@ -41,7 +42,8 @@ class Engine {
  public:
   struct Core;  // engine_core.h
 
-  explicit Engine(const Limits& limits);
+  // `dictionary` must outlive the engine, which interns the terms of run facts in it.
+  Engine(Dictionary* dictionary, const Limits& limits);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;

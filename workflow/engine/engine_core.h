@@ -36,8 +36,9 @@ struct Deployment {
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 
 struct Engine::Core {
-  explicit Core(const Limits& limits_in) : limits(limits_in) {}
+  Core(Dictionary* dictionary_in, const Limits& limits_in) : dictionary(dictionary_in), limits(limits_in) {}
 
+  Dictionary* const dictionary;
   const Limits limits;
   std::map<RunId, Run> runs;  // live ones
   // Ended ones whose facts are still in the graph, the one that ended first in front.

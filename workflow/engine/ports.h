@@ -15,6 +15,7 @@
 #include "kb_server/base/clock.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/rdf/term.h"
+#include "kb_server/store/quad.h"
 #include "workflow/rsel/robot_command.h"
 
 namespace docent {
@@ -86,8 +87,8 @@ struct EngineTransition {
 };
 
 struct EngineOutput {
-  std::vector<TermQuad> add;  // run facts, in graph docent:runs
-  std::vector<TermQuad> remove;
+  std::vector<Quad> add;  // run facts, in graph docent:runs
+  std::vector<Quad> remove;
   std::vector<ConditionRequest> arm;
   std::vector<ConditionHandle> disarm;
   std::vector<EngineTransition> transitions;

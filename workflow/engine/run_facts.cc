@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -12,10 +11,6 @@
 
 namespace docent {
 namespace {
-
-bool Before(const TermQuad& a, const TermQuad& b) {
-  return std::tie(a.subject, a.predicate, a.object) < std::tie(b.subject, b.predicate, b.object);
-}
 
 Term DateTime(TimeMicros time_us) {
   std::string text =
@@ -34,36 +29,43 @@ Term Decimal(double value) {
 
 class Writer {
  public:
-  void About(std::string iri) { subject_ = Term::Iri(std::move(iri)); }
-  void Say(std::string_view predicate, Term object) {
-    quads_.push_back({subject_, Term::Iri(std::string(predicate)), std::move(object), graph_});
+  explicit Writer(Dictionary* dictionary)
+      : dictionary_(*dictionary), graph_(dictionary_.InternIri(kRunsGraph)) {}
+
+  void About(std::string_view iri) { subject_ = Iri(iri); }
+  void Say(std::string_view predicate, TermId object) {
+    quads_.push_back({subject_, Iri(predicate), object, graph_});
   }
-  void SayDocent(std::string_view local, Term object) { Say(DocentIri(local), std::move(object)); }
-  void SayText(std::string_view local, const std::string& text) {
-    if (!text.empty()) SayDocent(local, Term::Literal(text));
+  void SayDocent(std::string_view local, TermId object) { Say(DocentIri(local), object); }
+  void SayDocent(std::string_view local, const Term& object) { SayDocent(local, dictionary_.Intern(object)); }
+  void SayText(std::string_view local, std::string_view text) {
+    if (!text.empty()) SayDocent(local, Term::Literal(std::string(text)));
   }
-  std::vector<TermQuad> Take() {
-    std::sort(quads_.begin(), quads_.end(), Before);
+  TermId Iri(std::string_view iri) { return dictionary_.InternIri(iri); }
+  TermId Time(TimeMicros time_us) { return dictionary_.Intern(DateTime(time_us)); }
+  std::vector<Quad> Take() {
+    std::sort(quads_.begin(), quads_.end());
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
     return std::move(quads_);
   }
 
  private:
-  Term graph_ = Term::Iri(std::string(kRunsGraph));
-  Term subject_;
-  std::vector<TermQuad> quads_;
+  Dictionary& dictionary_;
+  const TermId graph_;
+  TermId subject_;
+  std::vector<Quad> quads_;
 };
 
 void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
                      const std::string& node_iri, Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
   out->About(iri);
-  out->Say(kRdfType, Term::Iri(DocentIri("Invocation")));
-  out->SayDocent("ofNode", Term::Iri(node_iri));
+  out->Say(kRdfType, out->Iri(DocentIri("Invocation")));
+  out->SayDocent("ofNode", out->Iri(node_iri));
   out->SayText("operation", invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
-  out->SayText("invocationState", std::string(ToString(invocation.state)));
-  if (!invocation.robot.empty()) out->SayDocent("robot", Term::Iri(invocation.robot.value()));
-  if (!invocation.child.empty()) out->SayDocent("childRun", Term::Iri(RunIri(invocation.child)));
+  out->SayText("invocationState", ToString(invocation.state));
+  if (!invocation.robot.empty()) out->SayDocent("robot", out->Iri(invocation.robot.value()));
+  if (!invocation.child.empty()) out->SayDocent("childRun", out->Iri(RunIri(invocation.child)));
   for (const OpenCommand& open : invocation.commands) out->SayText("command", open.command.id.value());
   out->SayText("step", invocation.step);
   if (invocation.state == WorkState::kRunning) out->SayDocent("progress", Decimal(invocation.progress));
@@ -75,14 +77,14 @@ void WriteNode(const Run& run, size_t index, Writer* out) {
   const cawl::Node& node = run.Flow().nodes[index];
   std::string iri = absl::StrCat(RunIri(run.id), "/", node.name.value);
   out->About(iri);
-  out->Say(kRdfType, Term::Iri(DocentIri("NodeInstance")));
-  out->SayDocent("ofRun", Term::Iri(RunIri(run.id)));
+  out->Say(kRdfType, out->Iri(DocentIri("NodeInstance")));
+  out->SayDocent("ofRun", out->Iri(RunIri(run.id)));
   out->SayText("nodeName", node.name.value);
-  out->SayText("nodeState", std::string(ToString(state.state)));
+  out->SayText("nodeState", ToString(state.state));
   out->SayText("waitsFor", state.waits_for);
   out->SayText("firedBecause", state.fired_because);
-  if (state.fired_us != 0) out->SayDocent("firedAt", DateTime(state.fired_us));
-  if (state.since_us != 0) out->SayDocent("since", DateTime(state.since_us));
+  if (state.fired_us != 0) out->SayDocent("firedAt", out->Time(state.fired_us));
+  if (state.since_us != 0) out->SayDocent("since", out->Time(state.since_us));
   out->SayText("reason", state.reason);
   for (size_t i = 0; i < state.invocations.size(); ++i) {
     WriteInvocation(state.invocations[i], node, absl::StrCat(iri, "/", i), iri, out);
@@ -117,22 +119,23 @@ std::string RunIri(const RunId& run) {
   return absl::StrCat("urn:docent:run:", run.value());
 }
 
-std::vector<TermQuad> RunFacts(const Run& run) {
-  Writer out;
-  out.About(RunIri(run.id));
-  out.Say(kRdfType, Term::Iri(DocentIri("Run")));
+std::vector<Quad> RunFacts(const Run& run, Dictionary* dictionary) {
+  Writer out(dictionary);
+  const std::string run_iri = RunIri(run.id);
+  out.About(run_iri);
+  out.Say(kRdfType, out.Iri(DocentIri("Run")));
   out.SayText("workflow", run.document->name.value);
   out.SayText("flow", run.Flow().name.value);
-  out.SayText("runState", std::string(ToString(run.state)));
+  out.SayText("runState", ToString(run.state));
   out.SayText("reason", run.reason);
-  out.Say(Concat(kProvNs, "startedAtTime"), DateTime(run.started_us));
-  if (run.ended_us != 0) out.Say(Concat(kProvNs, "endedAtTime"), DateTime(run.ended_us));
-  if (!run.parent.empty()) out.SayDocent("parentRun", Term::Iri(RunIri(run.parent)));
-  for (const RobotId& robot : run.robots) out.SayDocent("usesRobot", Term::Iri(robot.value()));
+  out.Say(Concat(kProvNs, "startedAtTime"), out.Time(run.started_us));
+  if (run.ended_us != 0) out.Say(Concat(kProvNs, "endedAtTime"), out.Time(run.ended_us));
+  if (!run.parent.empty()) out.SayDocent("parentRun", out.Iri(RunIri(run.parent)));
+  for (const RobotId& robot : run.robots) out.SayDocent("usesRobot", out.Iri(robot.value()));
   for (const auto& [name, value] : run.variables) {
-    std::string iri = absl::StrCat(RunIri(run.id), "/$", name);
-    out.About(RunIri(run.id));
-    out.SayDocent("hasVariable", Term::Iri(iri));
+    std::string iri = absl::StrCat(run_iri, "/$", name);
+    out.About(run_iri);
+    out.SayDocent("hasVariable", out.Iri(iri));
     out.About(iri);
     out.SayText("variableName", name);
     out.SayDocent("variableValue", value);
@@ -141,12 +144,10 @@ std::vector<TermQuad> RunFacts(const Run& run) {
   return out.Take();
 }
 
-void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after,
-               std::vector<TermQuad>* add, std::vector<TermQuad>* remove) {
-  std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(*add),
-                      Before);
-  std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(*remove),
-                      Before);
+void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, std::vector<Quad>* add,
+               std::vector<Quad>* remove) {
+  std::set_difference(after.begin(), after.end(), before.begin(), before.end(), std::back_inserter(*add));
+  std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(*remove));
 }
 
 }  // namespace docent

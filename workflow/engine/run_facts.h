@@ -1,11 +1,13 @@
 // A run as facts of the graph docent:runs (ontology/run.ttl), so that SPARQL, rules and other workflows'
-// conditions see which run waits for what and why a step fired. Pure functions.
+// conditions see which run waits for what and why a step fired.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 
 #include <string>
 #include <vector>
 
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/quad.h"
 #include "workflow/engine/run_state.h"
 
 namespace docent {
@@ -13,12 +15,12 @@ namespace docent {
 // urn:docent:run:ID and, beneath it, /NODE and /NODE/N (N: invocation, from 0).
 std::string RunIri(const RunId& run);
 
-// All facts of a run, sorted (SortFacts).
-std::vector<TermQuad> RunFacts(const Run& run);
+// All facts of a run, sorted, none twice. New terms are interned: writer thread only.
+std::vector<Quad> RunFacts(const Run& run, Dictionary* dictionary);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.
-void DiffFacts(const std::vector<TermQuad>& before, const std::vector<TermQuad>& after,
-               std::vector<TermQuad>* add, std::vector<TermQuad>* remove);
+void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, std::vector<Quad>* add,
+               std::vector<Quad>* remove);
 
 }  // namespace docent
 

@@ -14,6 +14,7 @@
 #include "kb_server/base/clock.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/rdf/term.h"
+#include "kb_server/store/quad.h"
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/engine/ports.h"
@@ -94,7 +95,7 @@ struct NodeState {
   std::string reason;  // failed, skipped, cancelled: why
 };
 
-using FactsPtr = std::shared_ptr<const std::vector<TermQuad>>;
+using FactsPtr = std::shared_ptr<const std::vector<Quad>>;
 
 struct Run {
   RunId id;

@@ -17,7 +17,7 @@ namespace docent {
 // Step until quiet, then Commit.
 class EngineTest : public ::testing::Test {
  protected:
-  EngineTest() : engine_(Limits{}) { robots_.offers = {{RobotId("urn:r1"), "i1", false, false}}; }
+  EngineTest() : engine_(&dictionary_, Limits{}) { robots_.offers = {{RobotId("urn:r1"), "i1", false, false}}; }
 
   void Deploy(const std::string& body) {
     std::string text =
@@ -63,7 +63,7 @@ class EngineTest : public ::testing::Test {
       for (const auto& t : output.transitions) transitions_.push_back(t.subject + " " + t.from + ">" + t.to);
       commands_.insert(commands_.end(), output.commands.begin(), output.commands.end());
       cancels_.insert(cancels_.end(), output.cancels.begin(), output.cancels.end());
-      for (const TermQuad& quad : output.remove) std::erase(facts_, quad);
+      for (const Quad& quad : output.remove) std::erase(facts_, quad);
       facts_.insert(facts_.end(), output.add.begin(), output.add.end());
       if (output.quiet()) {
         engine_.Commit();
@@ -83,15 +83,15 @@ class EngineTest : public ::testing::Test {
     return std::find(transitions_.begin(), transitions_.end(), transition) != transitions_.end();
   }
   std::string Fact(const std::string& subject, const std::string& predicate) const {
-    for (const TermQuad& quad : facts_) {
-      if (quad.subject.lexical == subject &&
-          quad.predicate.lexical == "https://w3id.org/docent#" + predicate) {
-        return quad.object.lexical;
-      }
+    const auto s = dictionary_.FindIri(subject);
+    const auto p = dictionary_.FindIri("https://w3id.org/docent#" + predicate);
+    for (const Quad& quad : facts_) {
+      if (quad.subject == s && quad.predicate == p) return dictionary_.Decode(quad.object).lexical;
     }
     return "";
   }
 
+  Dictionary dictionary_;
   Engine engine_;
   FakeConditions conditions_;
   FakeRobots robots_;
@@ -100,7 +100,7 @@ class EngineTest : public ::testing::Test {
   std::vector<std::string> transitions_;
   std::vector<RobotCommand> commands_;
   std::vector<CommandId> cancels_;
-  std::vector<TermQuad> facts_;
+  std::vector<Quad> facts_;
 };
 
 }  // namespace docent

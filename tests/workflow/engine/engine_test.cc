@@ -283,23 +283,23 @@ TEST_F(EngineTest, ALoopThatWaitsForNothingFailsItsRunAndNothingElse) {
 TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   Limits limits;
   limits.runs_kept = 2;
-  Engine small(limits);
+  Engine small(&dictionary_, limits);
   Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
   small.Deploy(engine_.FindWorkflow("W"));
-  std::vector<TermQuad> facts;
+  std::vector<Quad> facts;
   std::vector<CommandReport> reports;
   std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
   auto step = [&] {
     EngineInput input{now_us_, Revision(++revision_), &reports, &requests, &conditions_, &robots_};
     EngineOutput output = small.Step(input);
-    std::vector<TermQuad> after = facts;
-    for (const TermQuad& quad : output.remove) std::erase(after, quad);
+    std::vector<Quad> after = facts;
+    for (const Quad& quad : output.remove) std::erase(after, quad);
     after.insert(after.end(), output.add.begin(), output.add.end());
     return after;
   };
-  auto has = [](const std::vector<TermQuad>& all, const std::string& run) {
+  auto has = [this](const std::vector<Quad>& all, const std::string& run) {
     return std::any_of(all.begin(), all.end(),
-                       [&](const TermQuad& quad) { return quad.subject.lexical == "urn:docent:run:" + run; });
+                       [&](const Quad& quad) { return quad.subject == dictionary_.FindIri("urn:docent:run:" + run); });
   };
   for (int i = 0; i < 3; ++i) {
     facts = step();
@@ -308,9 +308,9 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   EXPECT_FALSE(has(facts, "F-1"));
   EXPECT_TRUE(has(facts, "F-2"));
   EXPECT_TRUE(has(facts, "F-3"));
-  std::vector<TermQuad> once = step();
+  std::vector<Quad> once = step();
   small.Rollback();
-  std::vector<TermQuad> twice = step();
+  std::vector<Quad> twice = step();
   EXPECT_EQ(once, twice);
   EXPECT_FALSE(has(twice, "F-2"));
   EXPECT_TRUE(has(twice, "F-4"));
