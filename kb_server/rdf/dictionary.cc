@@ -329,6 +329,16 @@ std::string_view Dictionary::Language(TermId id) const {
   return entry.is_language != 0 ? owner.entries[entry.qualifier - 1].view() : std::string_view();
 }
 
+Dictionary::EntryView Dictionary::EntryAt(uint64_t index) const {
+  const Entry& entry = impl_->entries[index];
+  return {static_cast<Tag>(entry.tag), entry.view(), entry.qualifier, entry.is_language != 0};
+}
+
+TermId Dictionary::InternEntry(const EntryView& entry) {
+  return TermId::Make(entry.tag,
+                      impl_->Intern(EntryKey{entry.tag, entry.text, entry.qualifier, entry.is_language}));
+}
+
 size_t Dictionary::size() const {
   return impl_->count.load(std::memory_order_acquire);
 }

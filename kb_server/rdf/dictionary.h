@@ -46,6 +46,19 @@ class Dictionary {
   std::string_view Datatype(TermId id) const;
   std::string_view Language(TermId id) const;
 
+  // The entries as they are kept, for snapshots: entry number `index` < size() is the term of payload `index`.
+  // A literal's `qualifier` is 0 for a plain string, else 1 + the number of another entry: its datatype, or with
+  // `is_language` its language tag. Of a dictionary without a base. Any thread.
+  struct EntryView {
+    TermId::Tag tag = TermId::Tag::kNone;
+    std::string_view text;
+    uint32_t qualifier = 0;
+    bool is_language = false;
+  };
+  EntryView EntryAt(uint64_t index) const;
+  // The id of such an entry, made if new; `qualifier` names an entry of this dictionary. Writer thread only.
+  TermId InternEntry(const EntryView& entry);
+
   size_t size() const;   // entries
   size_t bytes() const;  // memory held, estimated
 
