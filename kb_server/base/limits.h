@@ -25,6 +25,15 @@ struct Limits {
   size_t turns_per_commit = 4096;      // turns that share one fdatasync
   size_t record_bytes = 1000000000;    // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
 
+  // durability and history
+  size_t snapshot_records = 200000;         // turns after which another snapshot is taken, or
+  size_t snapshot_log_bytes = 256u << 20;   // bytes of log records after which one is
+  size_t snapshots_kept = 4;                // the two newest, and others that lie far apart, for as-of queries
+  size_t log_bytes_kept = size_t{8} << 30;  // about; older records go, but never those after the oldest snapshot
+  size_t history_bytes = 32u << 20;         // memory of past graph versions kept for as-of queries
+  size_t as_of_records = 1000000;           // records replayed to answer one as-of query
+  size_t as_of_open = 2;                    // past graphs made from the log that are in memory at one time
+
   // queries
   int query_timeout_ms = 30000;
   int queries_running = 4;  // evaluated at the same time; a query that waits for its client is not counted

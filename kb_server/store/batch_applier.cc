@@ -157,6 +157,13 @@ std::optional<TimeMicros> BatchApplier::NextDeadline() const {
   return by_deadline_.begin()->first;
 }
 
+void BatchApplier::RestoreLifetimes(const std::vector<std::pair<TimeMicros, Quad>>& lifetimes) {
+  for (const auto& [end_us, quad] : lifetimes) {
+    deadlines_[quad] = end_us;
+    by_deadline_.insert({end_us, quad});
+  }
+}
+
 void BatchApplier::Commit() {
   undo_.clear();
 }

@@ -124,6 +124,12 @@ size_t GraphVersion::bytes() const {
   return bytes;
 }
 
+size_t GraphVersion::replaced_bytes() const {
+  size_t bytes = 0;
+  for (const QuadTree& tree : trees_) bytes += tree.replaced_bytes();
+  return bytes;
+}
+
 void GraphVersion::CheckInvariants() const {
   for (const QuadTree& tree : trees_) {
     tree.CheckInvariants();

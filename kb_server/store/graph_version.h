@@ -92,6 +92,9 @@ class GraphVersion {
 
   // Memory of the index nodes that this version holds, shared with others or not. O(1).
   size_t bytes() const;
+  // Of two versions that came one from the other, the difference of this number is the memory that the earlier
+  // one costs while the later one is kept anyway. O(1).
+  size_t replaced_bytes() const;
   // Aborts if an index is broken or the indexes differ in size. For tests; O(n).
   void CheckInvariants() const;
 

@@ -29,7 +29,11 @@ uint64_t QuadTree::NewEpoch() {
 }
 
 QuadTree::QuadTree(const QuadTree& other)
-    : root_(other.root_), size_(other.size_), bytes_(other.bytes_), height_(other.height_) {
+    : root_(other.root_),
+      size_(other.size_),
+      bytes_(other.bytes_),
+      replaced_bytes_(other.replaced_bytes_),
+      height_(other.height_) {
   if (root_ != nullptr) Edit::Acquire(root_);
 }
 
@@ -37,6 +41,7 @@ QuadTree::QuadTree(QuadTree&& other) noexcept
     : root_(std::exchange(other.root_, nullptr)),
       size_(std::exchange(other.size_, 0)),
       bytes_(std::exchange(other.bytes_, 0)),
+      replaced_bytes_(std::exchange(other.replaced_bytes_, 0)),
       height_(std::exchange(other.height_, 0)) {}
 
 QuadTree& QuadTree::operator=(const QuadTree& other) {
@@ -48,6 +53,7 @@ QuadTree& QuadTree::operator=(QuadTree&& other) noexcept {
   std::swap(root_, other.root_);
   std::swap(size_, other.size_);
   std::swap(bytes_, other.bytes_);
+  std::swap(replaced_bytes_, other.replaced_bytes_);
   std::swap(height_, other.height_);
   return *this;
 }
@@ -154,6 +160,7 @@ bool QuadTree::Insert(const Key& key, uint64_t epoch) {
   }
   ++size_;
   bytes_ = static_cast<size_t>(static_cast<int64_t>(bytes_) + edit.bytes_change());
+  replaced_bytes_ += edit.replaced_bytes();
   return true;
 }
 
@@ -184,6 +191,7 @@ bool QuadTree::Erase(const Key& key, uint64_t epoch) {
   if (root_ == nullptr) height_ = 0;
   --size_;
   bytes_ = static_cast<size_t>(static_cast<int64_t>(bytes_) + edit.bytes_change());
+  replaced_bytes_ += edit.replaced_bytes();
   return true;
 }
 

@@ -58,6 +58,9 @@ class QuadTree {
   uint64_t size() const { return size_; }
   // Memory of all nodes reachable from this tree, shared or not. O(1).
   size_t bytes() const { return bytes_; }
+  // Grows with each change by the bytes that only earlier trees still hold: the difference of two trees of one
+  // history is what keeping the earlier one costs.
+  size_t replaced_bytes() const { return replaced_bytes_; }
   // Aborts if a structural rule is broken (order, counts, separators, byte count). For tests; O(n).
   void CheckInvariants() const;
 
@@ -73,6 +76,7 @@ class QuadTree {
   Node* root_ = nullptr;  // null: empty
   uint64_t size_ = 0;
   size_t bytes_ = 0;
+  size_t replaced_bytes_ = 0;
   int height_ = 0;  // inner levels above the leaves
 };
 

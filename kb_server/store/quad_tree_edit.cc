@@ -103,6 +103,7 @@ uint64_t QuadTree::Edit::SizeOf(const Node* node) {
 
 void QuadTree::Edit::Drop(Node* node) {
   bytes_change_ -= static_cast<int64_t>(BytesOf(node));
+  if (node->epoch != epoch_) replaced_bytes_ += BytesOf(node);
   Release(node);
 }
 

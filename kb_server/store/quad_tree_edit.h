@@ -45,6 +45,8 @@ class QuadTree::Edit {
   void MergeChild(Inner* inner, int index);
 
   int64_t bytes_change() const { return bytes_change_; }
+  // Bytes of the nodes of other epochs that left the tree: what older versions alone hold from now on.
+  size_t replaced_bytes() const { return replaced_bytes_; }
 
  private:
   // Forgets a node that left the tree.
@@ -56,6 +58,7 @@ class QuadTree::Edit {
 
   uint64_t epoch_;
   int64_t bytes_change_ = 0;
+  size_t replaced_bytes_ = 0;
 };
 
 }  // namespace docent
