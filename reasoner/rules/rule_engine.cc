@@ -104,6 +104,11 @@ void RuleEngine::Rollback() {
   impl_->inferred_since_commit = 0;
 }
 
+void RuleEngine::Adopt() {
+  impl_->state.applied = impl_->state.wanted;
+  Commit();
+}
+
 size_t RuleEngine::rule_count() const {
   return impl_->state.wanted == nullptr ? 0 : impl_->state.wanted->rules.size();
 }

@@ -60,6 +60,10 @@ class RuleEngine {
   void Commit();
   void Rollback();
 
+  // The graph that the next Update gets holds already what the rules that are put derive: nothing is computed
+  // anew (a start from a snapshot).
+  void Adopt();
+
   size_t rule_count() const;
   // Of the rule set of that name; 0 if there is none.
   size_t rule_count(std::string_view name) const;

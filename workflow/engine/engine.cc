@@ -10,6 +10,7 @@
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_scheduler.h"
 #include "workflow/engine/run_stepper.h"
+#include "workflow/engine/service_workflow.h"
 
 namespace docent {
 namespace {
@@ -18,31 +19,6 @@ std::string KeyOf(const TermBinding& binding) {
   return absl::StrJoin(binding, " ", [](std::string* out, const auto& pair) {
     absl::StrAppend(out, pair.first, "=", ToNTriples(pair.second));
   });
-}
-
-// The syntax of a workflow that only invokes one robot service: what RobotServices.Invoke runs.
-cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
-  auto document = std::make_shared<cawl::Document>();
-  document->name.value = absl::StrCat("service ", process);
-  cawl::Flow flow;
-  flow.name.value = process;
-  flow.source.value = "source";
-  flow.sink.value = "sink";
-  cawl::Node node;
-  node.name.value = process;
-  cawl::Invoke invoke;
-  invoke.operation.value = process;
-  node.invokes.push_back(std::move(invoke));
-  flow.nodes.push_back(std::move(node));
-  cawl::Link in, out;
-  in.from.value = "source";
-  in.to.value = process;
-  out.from.value = process;
-  out.to.value = "sink";
-  flow.links.push_back(std::move(in));
-  flow.links.push_back(std::move(out));
-  document->flows.push_back(std::move(flow));
-  return document;
 }
 
 void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* values) {
@@ -86,11 +62,11 @@ ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std:
   return handle;
 }
 
-void Engine::Core::Keep(FactsPtr facts) {
-  kept.push_back(std::move(facts));
+void Engine::Core::Keep(KeptRun run) {
+  kept.push_back(std::move(run));
   ++kept_new;
   if (kept.size() <= limits.runs_kept) return;
-  output->remove.insert(output->remove.end(), kept.front()->begin(), kept.front()->end());
+  output->remove.insert(output->remove.end(), kept.front().facts->begin(), kept.front().facts->end());
   undo_kept.push_back(std::move(kept.front()));
   kept.pop_front();
 }
@@ -452,7 +428,7 @@ void TellChanges(Engine::Core* core) {
     if (run.timer_us) core->timers.insert({*run.timer_us, id});
     ++core->rounds[id];
     if (run.state == WorkState::kRunning) continue;
-    core->Keep(run.facts);
+    core->Keep({id, run.facts});
     core->runs.erase(it);
   }
 }

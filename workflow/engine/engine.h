@@ -38,6 +38,8 @@ struct EngineInput {
   const RobotDirectory* robots = nullptr;
 };
 
+struct EngineState;  // engine_state.h
+
 class Engine {
  public:
   struct Core;  // engine_core.h
@@ -70,6 +72,11 @@ class Engine {
 
   void Commit();
   void Rollback();
+
+  // The whole state, between turns: after Commit or Rollback.
+  EngineState Save() const;
+  // Into a fresh engine. The caller arms what ArmedConditions says.
+  void Restore(EngineState state);
 
   // When a clock tick is needed, if ever.
   std::optional<TimeMicros> NextDeadline() const;

@@ -42,7 +42,7 @@ struct Engine::Core {
   const Limits limits;
   std::map<RunId, Run> runs;  // live ones
   // Ended ones whose facts are still in the graph, the one that ended first in front.
-  std::deque<FactsPtr> kept;
+  std::deque<KeptRun> kept;
   std::map<std::string, Deployment> deployments;
   rsel::ServiceRegistry services;
   ConditionHandle next_handle = 1;
@@ -59,7 +59,7 @@ struct Engine::Core {
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
   std::map<std::string, std::optional<Deployment>> undo_deployments;
   std::optional<rsel::ServiceRegistry> undo_services;
-  std::vector<FactsPtr> undo_kept;  // let go of in this turn, in their order
+  std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
   size_t kept_new = 0;              // at the end of `kept`
   ConditionHandle committed_handle = 1;
   uint64_t committed_run = 1;
@@ -94,7 +94,7 @@ struct Engine::Core {
   ConditionHandle Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
                       ConditionOwner owner);
   // What the graph is told of a run that ended stays there until limits.runs_kept others have ended.
-  void Keep(FactsPtr facts);
+  void Keep(KeptRun run);
   void Disarm(ConditionHandle handle);
   void Say(std::string subject, std::string_view from, std::string_view to, std::string cause);
 

@@ -97,6 +97,12 @@ struct NodeState {
 
 using FactsPtr = std::shared_ptr<const std::vector<Quad>>;
 
+// An ended run whose facts are still in the graph.
+struct KeptRun {
+  RunId id;
+  FactsPtr facts;
+};
+
 struct Run {
   RunId id;
   uint64_t number = 0;  // in order of start, over all flows

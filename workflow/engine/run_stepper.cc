@@ -152,6 +152,14 @@ void RunStepper::Activate(size_t index) {
   ArmNode(index);
 }
 
+std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask) {
+  std::vector<std::string> keys = ask.event_variables;
+  // a condition that holds with busy robots only is looked at again when it holds with another robot
+  bool any_robot = std::count(ask.free_variables.begin(), ask.free_variables.end(), "robot") > 0;
+  if (keys.empty() && any_robot) keys.push_back("robot");
+  return keys;
+}
+
 void RunStepper::ArmNode(size_t index) {
   NodeState& node = run_.nodes[index];
   auto asks = cawl::CompileCondition(*run_.document, *flow_.nodes[index].condition,
@@ -166,11 +174,7 @@ void RunStepper::ArmNode(size_t index) {
   for (cawl::CompiledAsk& ask : *asks) {
     if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
     node.waits_for += ask.ask;
-    std::vector<std::string> keys = ask.event_variables;
-    // a condition that holds with busy robots only is looked at again when it holds with another robot
-    bool any_robot = std::count(ask.free_variables.begin(), ask.free_variables.end(), "robot") > 0;
-    if (keys.empty() && any_robot) keys.push_back("robot");
-    ConditionHandle handle = core_.Arm(ask, std::move(keys), {run_.id, index, ""});
+    ConditionHandle handle = core_.Arm(ask, NodeKeys(ask), {run_.id, index, ""});
     node.armed.push_back({handle, std::move(ask)});
   }
 }

@@ -12,6 +12,9 @@
 
 namespace docent {
 
+// The key variables with which a node's condition is armed.
+std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask);
+
 class RunStepper {
  public:
   RunStepper(Engine::Core* core, Run* run) : core_(*core), run_(*run), flow_(run->Flow()) {}

@@ -29,6 +29,18 @@ absl::StatusOr<InstructionHandler> InstructionHandler::Start(PlanPtr plan, const
   return InstructionHandler(std::move(plan), std::move(values));
 }
 
+absl::StatusOr<InstructionHandler> InstructionHandler::Restore(PlanPtr plan, Saved saved) {
+  if (saved.steps.size() != plan->steps.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the state of ", saved.steps.size(), " steps of a plan of ", plan->steps.size()));
+  }
+  InstructionHandler handler(std::move(plan), std::move(saved.values));
+  handler.steps_ = std::move(saved.steps);
+  handler.state_ = saved.state;
+  handler.reason_ = std::move(saved.reason);
+  return handler;
+}
+
 std::vector<Instruction> InstructionHandler::TakeReady() {
   std::vector<Instruction> out;
   Advance();

@@ -60,6 +60,22 @@ class InstructionHandler {
   // Ends in kCancelled unless it has ended.
   void Cancel(std::string reason);
 
+  // The whole state, to be kept and put back.
+  struct StepStatus {
+    StepState state = StepState::kPending;
+    int attempt = 0;
+    bool reported = true;  // no instruction is out
+  };
+  struct Saved {
+    Arguments values;  // slot → value
+    std::vector<StepStatus> steps;
+    State state = State::kRunning;
+    std::string reason;
+  };
+  Saved Save() const { return {values_, steps_, state_, reason_}; }
+  // INVALID_ARGUMENT for a state that is not one of `plan`.
+  static absl::StatusOr<InstructionHandler> Restore(PlanPtr plan, Saved saved);
+
   State state() const { return state_; }
   bool ended() const { return state_ != State::kRunning; }
   // Failed: "2/4 moveToBooth: <reason of the last attempt>". Cancelled: its reason.
@@ -68,6 +84,7 @@ class InstructionHandler {
   Arguments Results() const;
 
   const Plan& plan() const { return *plan_; }
+  const PlanPtr& shared_plan() const { return plan_; }
   StepState step_state(int step) const { return steps_[step - 1].state; }
   int attempt(int step) const { return steps_[step - 1].attempt; }
   // Instructions given and not reported, in step order; also after a failure or Cancel.
@@ -76,11 +93,6 @@ class InstructionHandler {
   std::string Label(int step) const;
 
  private:
-  struct StepStatus {
-    StepState state = StepState::kPending;
-    int attempt = 0;
-    bool reported = true;  // no instruction is out
-  };
   InstructionHandler(PlanPtr plan, Arguments values);
   std::optional<Term> Value(const PlanSource& source) const;
   void Advance();

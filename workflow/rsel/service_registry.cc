@@ -69,6 +69,23 @@ std::vector<std::string> ServiceRegistry::ProcessNames() const {
   return out;
 }
 
+std::vector<DocumentPtr> ServiceRegistry::Documents() const {
+  std::vector<DocumentPtr> out;
+  for (const auto& [name, document] : documents_) out.push_back(document);
+  return out;
+}
+
+absl::StatusOr<ServiceRegistry> ServiceRegistry::Restore(const std::vector<DocumentPtr>& documents, uint64_t version) {
+  ServiceRegistry registry;
+  for (const DocumentPtr& document : documents) registry.documents_[document->name.value] = document;
+  const Diagnostics diagnostics = MakePlans(registry.documents_, nullptr, &registry.plans_);
+  if (HasErrors(diagnostics)) {
+    return absl::InternalError(Concat("RSEL documents that were registered do not go together: ", diagnostics[0].message));
+  }
+  registry.version_ = version;
+  return registry;
+}
+
 Diagnostics ServiceRegistry::MakePlans(const std::map<std::string, DocumentPtr, std::less<>>& documents,
                                        const Document* changed, std::map<std::string, PlanPtr, std::less<>>* plans) {
   constexpr size_t kMaxDiagnostics = 200;

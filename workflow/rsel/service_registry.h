@@ -65,6 +65,10 @@ class ServiceRegistry {
   // In order of their names.
   std::vector<PlanPtr> Plans() const;
   std::vector<std::string> ProcessNames() const;
+  // The registered documents by name; and a registry of documents that were registered together before, at this
+  // version. INTERNAL where they do not go together.
+  std::vector<DocumentPtr> Documents() const;
+  static absl::StatusOr<ServiceRegistry> Restore(const std::vector<DocumentPtr>& documents, uint64_t version);
   // Grows with each Put and Remove that changed something.
   uint64_t version() const { return version_; }
 

@@ -1,0 +1,377 @@
+#include "workflow/engine/engine_state.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/term_archive.h"
+#include "workflow/cawl/parser.h"
+#include "workflow/engine/run_facts.h"
+#include "workflow/engine/run_stepper.h"
+#include "workflow/engine/service_workflow.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent {
+
+// Fields() of each type stands in the namespace of the type, where the archive finds it.
+namespace cawl {
+template <class Archive>
+void Fields(Archive& a, CompiledAsk& ask) {
+  a(ask.name, ask.ask, ask.priority, ask.free_variables, ask.unset, ask.event_variables);
+}
+}  // namespace cawl
+
+namespace rsel {
+template <class Archive>
+void Fields(Archive& a, PlanSource& source) {
+  a(source.constant, source.slot);
+}
+template <class Archive>
+void Fields(Archive& a, PlanStep& step) {
+  a(step.path, step.operation, step.service, step.inputs, step.after, step.retry, step.timeout_ms,
+    step.on_failure);
+}
+template <class Archive>
+void Fields(Archive& a, Plan& plan) {
+  a(plan.process, plan.document, plan.version, plan.inputs, plan.outputs, plan.steps);
+}
+template <class Archive>
+void Fields(Archive& a, InstructionHandler::StepStatus& status) {
+  a(status.state, status.attempt, status.reported);
+}
+template <class Archive>
+void Fields(Archive& a, InstructionHandler::Saved& saved) {
+  a(saved.values, saved.steps, saved.state, saved.reason);
+}
+}  // namespace rsel
+
+namespace {
+
+// A workflow's document: its text, or the robot service of which it is the workflow.
+struct DocumentText {
+  std::string file;
+  std::string text;
+  std::string service;
+};
+
+// A run, with numbers for what several runs share.
+struct PackedInvocation {
+  InvocationState state;                                                        // its handler apart
+  std::optional<std::pair<uint64_t, rsel::InstructionHandler::Saved>> handler;  // plan, progress
+};
+struct PackedNode {
+  NodeState state;  // its invocations apart
+  std::vector<PackedInvocation> invocations;
+};
+struct PackedRun {
+  Run run;  // its document and nodes apart
+  uint64_t document = 0;
+  std::vector<PackedNode> nodes;
+};
+struct PackedDeployment {
+  uint64_t document = 0;
+  std::vector<ArmedCondition> armed;
+  std::map<std::string, int> active;
+};
+struct Packed {
+  std::vector<DocumentText> documents;
+  std::vector<rsel::Plan> plans;
+  std::vector<PackedRun> runs;
+  std::vector<RunId> kept;
+  std::map<std::string, PackedDeployment> deployments;
+  std::vector<std::pair<std::string, std::string>> services;  // file, text
+  uint64_t services_version = 0;
+  ConditionHandle next_handle = 1;
+  uint64_t next_run = 1;
+};
+
+template <class Archive>
+void Fields(Archive& a, DocumentText& document) {
+  a(document.file, document.text, document.service);
+}
+template <class Archive>
+void Fields(Archive& a, RobotCommand& command) {
+  a(command.id, command.robot, command.operation, command.arguments, command.expected_incarnation,
+    command.guard_revision, command.deadline_us, command.idempotent);
+}
+template <class Archive>
+void Fields(Archive& a, OpenCommand& open) {
+  Fields(a, open.command);
+  a(open.step, open.attempt);
+}
+template <class Archive>
+void Fields(Archive& a, ArmedCondition& armed) {
+  a(armed.handle, armed.ask);
+}
+
+// Lists of types of namespace docent whose Fields stand here, not where the archive would look.
+template <class Archive, class T>
+void List(Archive& a, std::vector<T>& list) {
+  if constexpr (Archive::kReads) {
+    list.resize(a.Count());
+  } else {
+    a.Varint(list.size());
+  }
+  for (T& value : list) Fields(a, value);
+}
+
+template <class Archive>
+void Fields(Archive& a, PackedInvocation& packed) {
+  InvocationState& s = packed.state;
+  a(s.invoke, s.binding, s.state, s.attempt, s.retries, s.resends, s.robot);
+  List(a, s.commands);
+  a(s.child, s.step, s.progress, s.reason, s.deadline_us, packed.handler);
+}
+template <class Archive>
+void Fields(Archive& a, PackedNode& packed) {
+  NodeState& s = packed.state;
+  a(s.state, s.iteration, s.attempt, s.since_us, s.arrived, s.dead);
+  List(a, s.armed);
+  a(s.busy_robots, s.deadline_us, s.waits_for, s.fired_because, s.fired_us, s.reason);
+  List(a, packed.invocations);
+}
+template <class Archive>
+void Fields(Archive& a, PackedRun& packed) {
+  Run& r = packed.run;
+  a(r.id, r.number, packed.document, r.flow, r.state, r.reason, r.started_us, r.ended_us, r.variables,
+    r.sink_reached, r.robots, r.parent, r.parent_node, r.parent_invocation, r.timer_us);
+  List(a, packed.nodes);
+}
+template <class Archive>
+void Fields(Archive& a, PackedDeployment& packed) {
+  a(packed.document);
+  List(a, packed.armed);
+  a(packed.active);
+}
+template <class Archive>
+void Fields(Archive& a, Packed& p) {
+  List(a, p.documents);
+  a(p.plans);
+  List(a, p.runs);
+  a(p.kept);
+  std::vector<std::string> names;
+  for (const auto& [name, deployment] : p.deployments) names.push_back(name);
+  a(names);
+  for (const std::string& name : names) Fields(a, p.deployments[name]);
+  a(p.services, p.services_version, p.next_handle, p.next_run);
+}
+
+// Gives each distinct object a number in order of first use.
+template <class T>
+class Numbers {
+ public:
+  uint64_t Of(const std::shared_ptr<const T>& object) {
+    const auto [it, fresh] = numbers_.try_emplace(object.get(), objects_.size());
+    if (fresh) objects_.push_back(object);
+    return it->second;
+  }
+  const std::vector<std::shared_ptr<const T>>& objects() const { return objects_; }
+
+ private:
+  std::map<const T*, uint64_t> numbers_;
+  std::vector<std::shared_ptr<const T>> objects_;
+};
+
+// nullopt for a run in the middle of a turn.
+std::optional<PackedRun> Pack(const Run& run, Numbers<cawl::Document>* documents,
+                              Numbers<rsel::Plan>* plans) {
+  PackedRun packed;
+  packed.run = run;
+  packed.document = documents->Of(run.document);
+  for (NodeState& node : packed.run.nodes) {
+    if (!node.pending_links.empty()) return std::nullopt;
+    PackedNode& to = packed.nodes.emplace_back();
+    for (InvocationState& invocation : node.invocations) {
+      PackedInvocation& into = to.invocations.emplace_back();
+      if (invocation.handler) {
+        into.handler.emplace(plans->Of(invocation.handler->shared_plan()), invocation.handler->Save());
+      }
+      into.state = std::move(invocation);
+    }
+    node.invocations.clear();
+    to.state = std::move(node);
+  }
+  return packed;
+}
+
+absl::StatusOr<cawl::DocumentPtr> Parse(const DocumentText& text, const Limits& limits) {
+  if (!text.service.empty()) return ServiceWorkflow(text.service);
+  cawl::ParsedCawl parsed = cawl::ParseCawl(text.text, text.file, limits);
+  if (parsed.ok()) return parsed.document;
+  return absl::InternalError(
+      absl::StrCat("the workflow document ", text.file,
+                   " that a snapshot holds is refused: ", ToStatus(parsed.diagnostics, text.text).message()));
+}
+
+absl::Status Damaged() {
+  return absl::DataLossError("the workflow engine's state in the snapshot does not decode");
+}
+
+// What the packed numbers stand for.
+struct Shared {
+  std::vector<cawl::DocumentPtr> documents;
+  std::vector<rsel::PlanPtr> plans;
+};
+
+// False: it does not fit its document.
+bool FitsDocument(const Run& run) {
+  if (run.flow >= run.document->flows.size()) return false;
+  const cawl::Flow& flow = run.Flow();
+  if (run.nodes.size() != flow.nodes.size()) return false;
+  for (size_t n = 0; n < run.nodes.size(); ++n) {
+    for (const InvocationState& invocation : run.nodes[n].invocations) {
+      if (invocation.invoke >= flow.nodes[n].invokes.size()) return false;
+    }
+  }
+  return true;
+}
+
+absl::StatusOr<Run> Unpack(PackedRun packed, const Shared& shared, Dictionary* dictionary) {
+  Run run = std::move(packed.run);
+  if (packed.document >= shared.documents.size()) return Damaged();
+  run.document = shared.documents[packed.document];
+  for (PackedNode& node : packed.nodes) {
+    NodeState& to = run.nodes.emplace_back(std::move(node.state));
+    for (PackedInvocation& invocation : node.invocations) {
+      InvocationState& into = to.invocations.emplace_back(std::move(invocation.state));
+      if (!invocation.handler) continue;
+      auto& [plan, saved] = *invocation.handler;
+      if (plan >= shared.plans.size()) return Damaged();
+      auto handler = rsel::InstructionHandler::Restore(shared.plans[plan], std::move(saved));
+      if (!handler.ok()) return Damaged();
+      into.handler = *std::move(handler);
+    }
+  }
+  if (!FitsDocument(run)) return Damaged();
+  run.facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, dictionary));
+  return run;
+}
+
+absl::StatusOr<rsel::ServiceRegistry> RestoreServices(const Packed& packed, const Limits& limits) {
+  std::vector<rsel::DocumentPtr> documents;
+  for (const auto& [file, text] : packed.services) {
+    rsel::ParsedRsel parsed = rsel::ParseRsel(text, file, limits);
+    if (!parsed.ok()) {
+      return absl::InternalError(
+          absl::StrCat("the robot service document ", file,
+                       " that a snapshot holds is refused: ", ToStatus(parsed.diagnostics, text).message()));
+    }
+    documents.push_back(std::move(parsed.document));
+  }
+  return rsel::ServiceRegistry::Restore(documents, packed.services_version);
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
+  Packed packed;
+  Numbers<cawl::Document> documents;
+  Numbers<rsel::Plan> plans;
+  for (const auto& [id, run] : state.runs) {
+    std::optional<PackedRun> one = Pack(run, &documents, &plans);
+    if (!one) return absl::InternalError(absl::StrCat("run ", id.value(), " is in the middle of a turn"));
+    packed.runs.push_back(*std::move(one));
+  }
+  for (const auto& [name, deployment] : state.deployments) {
+    packed.deployments[name] = {documents.Of(deployment.document), deployment.armed, deployment.active};
+  }
+  for (const cawl::DocumentPtr& document : documents.objects()) {
+    const std::string service = ServiceOf(*document);
+    packed.documents.push_back({document->file, document->source, service});
+  }
+  for (const rsel::PlanPtr& plan : plans.objects()) packed.plans.push_back(*plan);
+  for (const KeptRun& run : state.kept) packed.kept.push_back(run.id);
+  for (const rsel::DocumentPtr& document : state.services.Documents()) {
+    packed.services.emplace_back(document->file, document->source);
+  }
+  packed.services_version = state.services.version();
+  packed.next_handle = state.next_handle;
+  packed.next_run = state.next_run;
+  ByteWriter writer;
+  Fields(writer, packed);
+  return writer.Take();
+}
+
+absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limits& limits,
+                                              Dictionary* dictionary,
+                                              const RunFactsLookup& facts) {
+  Packed packed;
+  ByteReader reader(bytes);
+  Fields(reader, packed);
+  if (!reader.AtEnd()) return Damaged();
+  EngineState state;
+  Shared shared;
+  for (const DocumentText& text : packed.documents) {
+    auto document = Parse(text, limits);
+    if (!document.ok()) return document.status();
+    shared.documents.push_back(*std::move(document));
+  }
+  for (rsel::Plan& plan : packed.plans) {
+    shared.plans.push_back(std::make_shared<const rsel::Plan>(std::move(plan)));
+  }
+  for (PackedRun& one : packed.runs) {
+    auto run = Unpack(std::move(one), shared, dictionary);
+    if (!run.ok()) return run.status();
+    const RunId id = run->id;
+    state.runs.emplace(id, *std::move(run));
+  }
+  for (auto& [name, one] : packed.deployments) {
+    if (one.document >= shared.documents.size()) return Damaged();
+    Deployment& deployment = state.deployments[name];
+    deployment.document = shared.documents[one.document];
+    deployment.armed = std::move(one.armed);
+    deployment.active = std::move(one.active);
+  }
+  auto services = RestoreServices(packed, limits);
+  if (!services.ok()) return services.status();
+  state.services = *std::move(services);
+  for (const RunId& id : packed.kept) {
+    std::vector<Quad> of_run = facts(id);
+    if (of_run.empty()) return Damaged();
+    std::sort(of_run.begin(), of_run.end());
+    state.kept.push_back({id, std::make_shared<const std::vector<Quad>>(std::move(of_run))});
+  }
+  state.next_handle = packed.next_handle;
+  state.next_run = packed.next_run;
+  return state;
+}
+
+std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
+  std::vector<ConditionRequest> requests;
+  for (const auto& [name, deployment] : state.deployments) {
+    for (const ArmedCondition& armed : deployment.armed) {
+      requests.push_back({armed.handle, armed.ask.ask,
+                          cawl::KeyVariables(*deployment.document->activator, armed.ask),
+                          armed.ask.by_event()});
+    }
+  }
+  for (const auto& [id, run] : state.runs) {
+    for (const NodeState& node : run.nodes) {
+      for (const ArmedCondition& armed : node.armed) {
+        requests.push_back({armed.handle, armed.ask.ask, NodeKeys(armed.ask), armed.ask.by_event()});
+      }
+    }
+  }
+  std::sort(requests.begin(), requests.end(),
+            [](const ConditionRequest& a, const ConditionRequest& b) { return a.handle < b.handle; });
+  return requests;
+}
+
+EngineState Engine::Save() const {
+  return {core_->runs,        {core_->kept.begin(), core_->kept.end()},
+          core_->deployments, core_->services,
+          core_->next_handle, core_->next_run};
+}
+
+void Engine::Restore(EngineState state) {
+  core_->runs = std::move(state.runs);
+  core_->kept.assign(state.kept.begin(), state.kept.end());
+  core_->deployments = std::move(state.deployments);
+  core_->services = std::move(state.services);
+  core_->next_handle = state.next_handle;
+  core_->next_run = state.next_run;
+  core_->RebuildDerived();
+  Commit();
+}
+
+}  // namespace docent
