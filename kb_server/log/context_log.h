@@ -78,16 +78,25 @@ class ContextLog {
   virtual absl::StatusOr<uint64_t> First() = 0;
 
   // Keeps `data` as the state after record `offset` (≤ head), durably; replaces a snapshot of the same
-  // offset. Afterwards the two newest snapshots are kept and older ones dropped.
+  // offset. Afterwards the two newest are kept and so many others as the engine's options say, far apart.
   virtual absl::Status SnapshotPut(uint64_t offset, std::string_view data) = 0;
   // The newest snapshot with offset ≤ `at_most`, verified; nullopt if there is none. DATA_LOSS if it is
   // damaged: the caller may go on with an older one (at_most = its offset - 1) as long as the records after
-  // it are there.
+  // it are there. Likewise one that is of another log than this.
   virtual absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t at_most) = 0;
+  // The offsets of the snapshots, ascending.
+  virtual absl::StatusOr<std::vector<uint64_t>> SnapshotOffsets() = 0;
+  // Drops the snapshots before `offset`, but never the two newest.
+  virtual absl::Status SnapshotDrop(uint64_t before) = 0;
 
   // Drops the records with offset < `before`. FAILED_PRECONDITION unless a snapshot with offset ≥ before-1
   // exists: the state must stay derivable.
   virtual absl::Status Trim(uint64_t before) = 0;
+
+  // About how many bytes the records take on disk.
+  virtual absl::StatusOr<uint64_t> Bytes() = 0;
+  // Whether a small append would go through now, without making one: the error that it would have.
+  virtual absl::Status Probe() = 0;
 };
 
 }  // namespace docent

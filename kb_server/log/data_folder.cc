@@ -87,7 +87,7 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
   if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0)
     errno = 0;
 
-  folder.mark_ = FileHandle(open(folder.File("head").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  folder.mark_ = FileHandle(open(folder.File(kMarkName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
   if (!folder.mark_.valid()) return FileError(errno, what);
   return folder;
 }
@@ -97,6 +97,26 @@ std::optional<uint64_t> DataFolder::HeadMark() const {
   if (pread(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark)) return std::nullopt;
   if (mark.crc != Crc32c().Add(mark.offset).value()) return std::nullopt;
   return mark.offset;
+}
+
+absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& path) {
+  FileHandle file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid() && errno == ENOENT) return std::optional<uint64_t>();
+  if (!file.valid()) return FileError(errno, absl::StrCat("cannot read ", path));
+  Mark mark;
+  const ssize_t got = pread(file.fd(), &mark, sizeof(mark), 0);
+  if (got == 0) return std::optional<uint64_t>();  // of a log that has no record yet
+  if (got == sizeof(mark) && mark.crc == Crc32c().Add(mark.offset).value()) return std::optional(mark.offset);
+  return absl::DataLossError(absl::StrCat(path, ": the mark of the log's end is damaged"));
+}
+
+absl::Status DataFolder::WriteMark(const std::string& path, uint64_t offset) {
+  const std::string what = absl::StrCat("cannot write ", path);
+  FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  if (!file.valid()) return FileError(errno, what);
+  const Mark mark = {offset, Crc32c().Add(offset).value()};
+  if (pwrite(file.fd(), &mark, sizeof(mark), 0) != sizeof(mark)) return FileError(errno, what);
+  return fsync(file.fd()) == 0 ? absl::OkStatus() : FileError(errno, what);
 }
 
 void DataFolder::SetHeadMark(uint64_t offset) {

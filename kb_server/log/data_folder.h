@@ -40,6 +40,11 @@ class DataFolder {
   const std::string& path() const { return path_; }
   std::string File(const std::string& name) const { return path_ + "/" + name; }
 
+  // The file of the head mark, read and written by its path. nullopt: there is none. DATA_LOSS: it is damaged.
+  static constexpr char kMarkName[] = "head";
+  static absl::StatusOr<std::optional<uint64_t>> ReadMark(const std::string& path);
+  static absl::Status WriteMark(const std::string& path, uint64_t offset);
+
   // The offset last marked; nullopt if there is no readable mark.
   std::optional<uint64_t> HeadMark() const;
   // Best effort: a mark that cannot be written only loses the check.

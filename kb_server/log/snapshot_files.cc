@@ -19,14 +19,19 @@ namespace docent {
 namespace {
 
 constexpr std::string_view kPrefix = "snapshot-";
-constexpr char kMagic[8] = {'D', 'O', 'C', 'S', 'N', 'A', 'P', '1'};
+constexpr char kMagic[8] = {'D', 'O', 'C', 'S', 'N', 'A', 'P', '2'};
 
 struct Header {
   char magic[8];
   uint64_t offset;
   uint64_t length;
-  ChainHash hash;  // SHA-256 of the content
+  ChainHash chain;  // the log's at the offset
+  ChainHash hash;   // SHA-256 of the fields above and of the content
 };
+
+ChainHash HashOf(const Header& header, std::string_view data) {
+  return RecordHash(header.offset, header.length, header.chain, data);
+}
 
 absl::Status WriteAll(int fd, std::string_view bytes, const std::string& what) {
   while (!bytes.empty()) {
@@ -73,11 +78,12 @@ std::string SnapshotFiles::Path(uint64_t offset) const {
   return absl::StrFormat("%s/%s%020d", folder_, std::string(kPrefix), offset);
 }
 
-absl::Status SnapshotFiles::Put(uint64_t offset, std::string_view data) {
+absl::Status SnapshotFiles::Put(uint64_t offset, const ChainHash& chain, std::string_view data) {
   const std::string what = absl::StrCat("cannot write the snapshot at offset ", offset);
-  Header header = {{}, offset, data.size(), Sha256(data)};
+  Header header = {{}, offset, data.size(), chain, {}};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
-  const std::string temporary = absl::StrCat(folder_, "/unfinished-snapshot");
+  header.hash = HashOf(header, data);
+  const std::string temporary = absl::StrCat(folder_, "/", kUnfinished);
   absl::Status status =
       WriteSynced(temporary, {reinterpret_cast<const char*>(&header), sizeof(header)}, data, what);
   if (status.ok() && rename(temporary.c_str(), Path(offset).c_str()) != 0) status = FileError(errno, what);
@@ -86,10 +92,34 @@ absl::Status SnapshotFiles::Put(uint64_t offset, std::string_view data) {
     return status;
   }
   status = SyncFolder(folder_, what);
-  if (!status.ok()) return status;
+  return status.ok() ? Thin() : status;
+}
+
+absl::Status SnapshotFiles::Thin() {
+  absl::StatusOr<std::vector<uint64_t>> offsets = Offsets();
+  if (!offsets.ok()) return offsets.status();
+  while (offsets->size() > std::max(kept_, kNewestKept)) {
+    size_t least = 0;
+    uint64_t least_gap = UINT64_MAX;
+    for (size_t i = 0; i + kNewestKept < offsets->size(); ++i) {
+      const uint64_t before = i == 0 ? 0 : (*offsets)[i - 1];
+      const uint64_t gap = (*offsets)[i + 1] - before;
+      if (gap >= least_gap) continue;
+      least = i;
+      least_gap = gap;
+    }
+    unlink(Path((*offsets)[least]).c_str());
+    offsets->erase(offsets->begin() + static_cast<std::ptrdiff_t>(least));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SnapshotFiles::DropBefore(uint64_t offset) {
   const absl::StatusOr<std::vector<uint64_t>> offsets = Offsets();
   if (!offsets.ok()) return offsets.status();
-  for (size_t i = 0; i + kKept < offsets->size(); ++i) unlink(Path((*offsets)[i]).c_str());
+  for (size_t i = 0; i + kNewestKept < offsets->size() && (*offsets)[i] < offset; ++i) {
+    unlink(Path((*offsets)[i]).c_str());
+  }
   return absl::OkStatus();
 }
 
@@ -108,12 +138,13 @@ absl::StatusOr<std::vector<uint64_t>> SnapshotFiles::Offsets() const {
   return offsets;
 }
 
-absl::StatusOr<std::optional<LogSnapshot>> SnapshotFiles::Get(uint64_t at_most) const {
+absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> SnapshotFiles::Get(uint64_t at_most) const {
   const absl::StatusOr<std::vector<uint64_t>> offsets = Offsets();
   if (!offsets.ok()) return offsets.status();
   const auto after = std::upper_bound(offsets->begin(), offsets->end(), at_most);
-  if (after == offsets->begin()) return std::optional<LogSnapshot>();
-  LogSnapshot snapshot;
+  if (after == offsets->begin()) return std::optional<Snapshot>();
+  Snapshot result;
+  LogSnapshot& snapshot = result.content;
   snapshot.offset = *std::prev(after);
 
   const std::string what = absl::StrCat("cannot read the snapshot at offset ", snapshot.offset);
@@ -135,8 +166,9 @@ absl::StatusOr<std::optional<LogSnapshot>> SnapshotFiles::Get(uint64_t at_most) 
   snapshot.data.resize(header.length);
   got = ReadAll(file.fd(), snapshot.data.data(), snapshot.data.size(), what);
   if (!got.ok()) return got.status();
-  if (*got != header.length || Sha256(snapshot.data) != header.hash) return damaged;
-  return std::optional<LogSnapshot>(std::move(snapshot));
+  if (*got != header.length || HashOf(header, snapshot.data) != header.hash) return damaged;
+  result.chain = header.chain;
+  return std::optional<Snapshot>(std::move(result));
 }
 
 }  // namespace docent

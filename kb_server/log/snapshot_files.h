@@ -1,5 +1,6 @@
-// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset, length, SHA-256
-// of the content), written to a temporary file, synced and renamed: a snapshot is there whole or not at all.
+// Snapshots as files beside the log: "snapshot-<offset>", each with a header (format, offset, length, the log's
+// chain hash at that offset, SHA-256 of all that and of the content), written to a temporary file, synced and
+// renamed: a snapshot is there whole or not at all.
 // One thread at a time.
 #ifndef DOCENT_KB_SERVER_LOG_SNAPSHOT_FILES_H_
 #define DOCENT_KB_SERVER_LOG_SNAPSHOT_FILES_H_
@@ -13,27 +14,41 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "kb_server/log/context_log.h"
+#include "kb_server/log/record_chain.h"
 
 namespace docent {
 
 class SnapshotFiles {
  public:
-  static constexpr size_t kKept =
-      2;  // newest snapshots kept: the second is for the case that the first is damaged
+  // The newest snapshots, always kept: the second is for the case that the first is damaged.
+  static constexpr size_t kNewestKept = 2;
+  // What was being written when the server ended.
+  static constexpr char kUnfinished[] = "unfinished-snapshot";
 
-  explicit SnapshotFiles(std::string folder) : folder_(std::move(folder)) {}
+  // `kept`: how many snapshots stay, at least kNewestKept.
+  SnapshotFiles(std::string folder, size_t kept) : folder_(std::move(folder)), kept_(kept) {}
 
-  // As ContextLog::SnapshotPut and SnapshotGet.
-  absl::Status Put(uint64_t offset, std::string_view data);
-  absl::StatusOr<std::optional<LogSnapshot>> Get(uint64_t at_most) const;
+  struct Snapshot {
+    LogSnapshot content;
+    ChainHash chain{};  // the log's hash at its offset
+  };
 
+  // As ContextLog::SnapshotPut and SnapshotGet; `chain` is the log's hash at `offset`.
+  absl::Status Put(uint64_t offset, const ChainHash& chain, std::string_view data);
+  absl::StatusOr<std::optional<Snapshot>> Get(uint64_t at_most) const;
+  // Removes those before `offset`, but never the two newest.
+  absl::Status DropBefore(uint64_t offset);
+
+  std::string Path(uint64_t offset) const;
   // Offsets of the snapshots that are there, ascending.
   absl::StatusOr<std::vector<uint64_t>> Offsets() const;
 
  private:
-  std::string Path(uint64_t offset) const;
+  // Drops the one whose absence leaves the shortest gap, until no more than `kept_` are there.
+  absl::Status Thin();
 
   std::string folder_;
+  size_t kept_;
 };
 
 }  // namespace docent

@@ -45,6 +45,7 @@ class Statement {
   // Columns of the current row count from 0. Views live until the next Step or Reset.
   uint64_t Integer(int column) const;
   std::string_view Bytes(int column) const;
+  std::string_view Text(int column) const;
   // A wrong type is a sign of damage: callers check before they read.
   bool IsInteger(int column) const;
   bool IsBytes(int column) const;

@@ -18,7 +18,7 @@ absl::Status Damaged(uint64_t offset, const char* how) {
 }  // namespace
 
 SqliteLog::SqliteLog(DataFolder folder, const SqliteLogOptions& options)
-    : options_(options), folder_(std::move(folder)), snapshots_(folder_.path()) {}
+    : options_(options), folder_(std::move(folder)), snapshots_(folder_.path(), options.snapshots_kept) {}
 
 absl::StatusOr<std::unique_ptr<SqliteLog>> SqliteLog::Open(const std::string& folder,
                                                            const SqliteLogOptions& options) {
@@ -297,13 +297,56 @@ absl::Status SqliteLog::SnapshotPut(uint64_t offset, std::string_view data) {
     return absl::InvalidArgumentError(
         absl::StrCat("a snapshot at offset ", offset, " of a log that ends at ", end));
   }
+  const absl::StatusOr<ChainHash> chain = HashAt(offset);
+  if (!chain.ok()) return chain.status();
   absl::MutexLock lock(&snapshot_mutex_);
-  return snapshots_.Put(offset, data);
+  return snapshots_.Put(offset, *chain, data);
 }
 
 absl::StatusOr<std::optional<LogSnapshot>> SqliteLog::SnapshotGet(uint64_t at_most) {
+  absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> found;
+  {
+    absl::MutexLock lock(&snapshot_mutex_);
+    found = snapshots_.Get(at_most);
+  }
+  if (!found.ok()) return found.status();
+  if (!*found) return std::optional<LogSnapshot>();
+  const uint64_t offset = (*found)->content.offset;
+  const uint64_t end = CurrentHead().offset;
+  if (offset > end) {
+    return absl::DataLossError(absl::StrCat("there is a snapshot at offset ", offset, " but the log ends at ",
+                                            end, ": it is damaged or an old copy"));
+  }
+  const absl::StatusOr<ChainHash> chain = HashAt(offset);
+  if (!chain.ok()) return chain.status();
+  if (*chain != (*found)->chain) {
+    return absl::DataLossError(absl::StrCat("the snapshot at offset ", offset, " is not of this log: ",
+                                            folder_.path(), " holds files of several data folders"));
+  }
+  return std::move((*found)->content);
+}
+
+absl::StatusOr<std::vector<uint64_t>> SqliteLog::SnapshotOffsets() {
   absl::MutexLock lock(&snapshot_mutex_);
-  return snapshots_.Get(at_most);
+  return snapshots_.Offsets();
+}
+
+absl::Status SqliteLog::SnapshotDrop(uint64_t before) {
+  absl::MutexLock lock(&snapshot_mutex_);
+  return snapshots_.DropBefore(before);
+}
+
+absl::StatusOr<ChainHash> SqliteLog::HashAt(uint64_t offset) {
+  absl::MutexLock lock(&read_mutex_);
+  const HeadRow head = CurrentHead();
+  if (offset == head.offset) return head.hash;
+  if (offset < head.base_offset) {
+    return absl::OutOfRangeError(
+        absl::StrCat("log records up to ", head.base_offset, " were trimmed away, ", offset, " among them"));
+  }
+  const absl::StatusOr<Verified> at = At(offset, head);
+  if (!at.ok()) return at.status();
+  return at->hash;
 }
 
 }  // namespace docent

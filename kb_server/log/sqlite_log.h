@@ -31,6 +31,8 @@ struct SqliteLogOptions {
   int checkpoint_pages = 16000;
   // Records deleted in one transaction when trimming, so that appends wait little in between. 1 … 1000000.
   uint64_t trim_step = 5000;
+  // Snapshots that stay. 2 … 1000.
+  size_t snapshots_kept = 2;
 };
 
 class SqliteLog final : public ContextLog {
@@ -53,7 +55,11 @@ class SqliteLog final : public ContextLog {
   absl::StatusOr<uint64_t> First() override;
   absl::Status SnapshotPut(uint64_t offset, std::string_view data) override;
   absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t at_most) override;
+  absl::StatusOr<std::vector<uint64_t>> SnapshotOffsets() override;
+  absl::Status SnapshotDrop(uint64_t before) override;
   absl::Status Trim(uint64_t before) override;
+  absl::StatusOr<uint64_t> Bytes() override;
+  absl::Status Probe() override;
 
   // The name of the database file within the folder.
   static constexpr char kFileName[] = "log.sqlite";
@@ -77,6 +83,8 @@ class SqliteLog final : public ContextLog {
   void Publish(const HeadRow& head);
   HeadRow CurrentHead();
 
+  // The log's hash at `offset`, which is not trimmed away.
+  absl::StatusOr<ChainHash> HashAt(uint64_t offset);
   absl::StatusOr<std::vector<LogEntry>> ReadUpTo(const HeadRow& head, uint64_t from, size_t max)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(read_mutex_);
   // Verifies the row on which `row` stands as the record after `previous`; moves `previous` on.

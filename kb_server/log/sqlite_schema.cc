@@ -34,6 +34,23 @@ absl::Status MakeTables(sqlite3* db) {
   return status;
 }
 
+// What a file says of itself.
+struct Marks {
+  uint64_t tables = 0;
+  uint64_t application = 0;
+  uint64_t format = 0;
+};
+
+absl::StatusOr<Marks> ReadMarks(sqlite3* db) {
+  const absl::StatusOr<uint64_t> tables = OneInteger(db, "SELECT count(*) FROM sqlite_master");
+  if (!tables.ok()) return tables.status();
+  const absl::StatusOr<uint64_t> application = OneInteger(db, "PRAGMA application_id");
+  if (!application.ok()) return application.status();
+  const absl::StatusOr<uint64_t> format = OneInteger(db, "PRAGMA user_version");
+  if (!format.ok()) return format.status();
+  return Marks{*tables, *application, *format};
+}
+
 bool ReadHash(const Statement& row, int column, ChainHash* hash) {
   if (!row.IsBytes(column) || row.Bytes(column).size() != hash->size()) return false;
   std::memcpy(hash->data(), row.Bytes(column).data(), hash->size());
@@ -44,6 +61,16 @@ bool ReadHash(const Statement& row, int column, ChainHash* hash) {
 
 uint32_t HeadRow::Crc() const {
   return Crc32c().Add(offset).Add(epoch).Add(AsBytes(hash)).Add(base_offset).Add(AsBytes(base_hash)).value();
+}
+
+absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path) {
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+  DatabaseHandle db(raw);
+  if (code != SQLITE_OK) return SqliteError(raw, code, absl::StrCat("cannot open the log ", path));
+  sqlite3_extended_result_codes(raw, 1);
+  sqlite3_busy_timeout(raw, 10000);
+  return db;
 }
 
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
@@ -67,24 +94,26 @@ absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
 }
 
 absl::Status PrepareSchema(sqlite3* db, const std::string& path) {
-  const absl::StatusOr<uint64_t> tables = OneInteger(db, "SELECT count(*) FROM sqlite_master");
-  if (!tables.ok()) return tables.status();
-  const absl::StatusOr<uint64_t> application = OneInteger(db, "PRAGMA application_id");
-  if (!application.ok()) return application.status();
-  const absl::StatusOr<uint64_t> format = OneInteger(db, "PRAGMA user_version");
-  if (!format.ok()) return format.status();
-  if (*tables == 0 && *application == 0 && *format == 0) return MakeTables(db);
-  if (*application != kLogApplicationId) {
+  const absl::StatusOr<Marks> marks = ReadMarks(db);
+  if (!marks.ok()) return marks.status();
+  if (marks->tables == 0 && marks->application == 0 && marks->format == 0) return MakeTables(db);
+  return CheckFormat(db, path);
+}
+
+absl::Status CheckFormat(sqlite3* db, const std::string& path) {
+  const absl::StatusOr<Marks> marks = ReadMarks(db);
+  if (!marks.ok()) return marks.status();
+  if (marks->application != kLogApplicationId) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path, " is not a Docent log (application id ", *application, ")"));
+        absl::StrCat(path, " is not a Docent log (application id ", marks->application, ")"));
   }
-  if (*format > kLogFormat) {
+  if (marks->format > kLogFormat) {
     return absl::FailedPreconditionError(
-        absl::StrCat("the log ", path, " has format ", *format,
+        absl::StrCat("the log ", path, " has format ", marks->format,
                      ", written by a newer Docent; this one knows formats up to ", kLogFormat,
                      ": start the newer version"));
   }
-  if (*format == 0)
+  if (marks->format == 0)
     return absl::DataLossError(absl::StrCat("the log ", path, " is damaged: it has no format number"));
   return absl::OkStatus();
 }

@@ -51,6 +51,28 @@ absl::Status SqliteLog::TrimStep(const Verified& last_dropped) {
   return status;
 }
 
+absl::StatusOr<uint64_t> SqliteLog::Bytes() {
+  absl::MutexLock lock(&read_mutex_);
+  uint64_t numbers[3];
+  const char* const questions[] = {"PRAGMA page_count", "PRAGMA freelist_count", "PRAGMA page_size"};
+  for (int i = 0; i < 3; ++i) {
+    absl::StatusOr<Statement> statement = Statement::Prepare(reader_.get(), questions[i]);
+    if (!statement.ok()) return statement.status();
+    const absl::StatusOr<bool> row = statement->Step("cannot read the log's size");
+    if (!row.ok()) return row.status();
+    numbers[i] = *row ? statement->Integer(0) : 0;
+  }
+  return (numbers[0] - std::min(numbers[0], numbers[1])) * numbers[2];
+}
+
+absl::Status SqliteLog::Probe() {
+  absl::MutexLock lock(&append_mutex_);
+  const HeadRow head = CurrentHead();
+  absl::Status status = begin_.Run("cannot append to the log");
+  if (!status.ok()) return status;
+  return Finish(StoreHead(head, head));
+}
+
 void SqliteLog::StartCheckpoints() {
   {
     absl::MutexLock lock(&head_mutex_);

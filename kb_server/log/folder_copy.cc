@@ -1,0 +1,133 @@
+#include "kb_server/log/folder_copy.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "kb_server/log/data_folder.h"
+#include "kb_server/log/snapshot_files.h"
+#include "kb_server/log/sqlite_handles.h"
+#include "kb_server/log/sqlite_log.h"
+#include "kb_server/log/sqlite_schema.h"
+
+namespace docent {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A snapshot that the server drops between the copy of the log and its own makes another attempt needed.
+constexpr int kAttempts = 3;
+
+absl::Status Sync(const std::string& path, int flags) {
+  FileHandle file(open(path.c_str(), flags | O_CLOEXEC));
+  if (!file.valid() || fsync(file.fd()) != 0) return FileError(errno, absl::StrCat("cannot write ", path));
+  return absl::OkStatus();
+}
+
+// SQLite's online backup in one step: all pages of one moment, the write-ahead log's among them.
+absl::Status CopyDatabase(const std::string& from, const std::string& to) {
+  absl::StatusOr<DatabaseHandle> source = OpenReadOnly(from);
+  if (!source.ok()) return source.status();
+  sqlite3* raw = nullptr;
+  int code = sqlite3_open_v2(to.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  DatabaseHandle target(raw);
+  const std::string what = absl::StrCat("cannot copy the log ", from, " to ", to);
+  if (code != SQLITE_OK) return SqliteError(raw, code, what);
+  sqlite3_backup* backup = sqlite3_backup_init(target.get(), "main", source->get(), "main");
+  if (backup == nullptr) return SqliteError(target.get(), sqlite3_errcode(target.get()), what);
+  code = sqlite3_backup_step(backup, -1);
+  const int finished = sqlite3_backup_finish(backup);
+  if (code != SQLITE_DONE) return SqliteError(target.get(), code, what);
+  if (finished != SQLITE_OK) return SqliteError(target.get(), finished, what);
+  return absl::OkStatus();
+}
+
+absl::Status CopySnapshots(const std::string& from, const std::string& to, const HeadRow& head) {
+  const SnapshotFiles source(from, SIZE_MAX);
+  const SnapshotFiles target(to, SIZE_MAX);
+  const absl::StatusOr<std::vector<uint64_t>> offsets = source.Offsets();
+  if (!offsets.ok()) return offsets.status();
+  for (const uint64_t offset : *offsets) {
+    if (offset > head.offset) continue;
+    std::error_code error;
+    fs::copy_file(source.Path(offset), target.Path(offset), error);
+    if (error == std::errc::no_such_file_or_directory) continue;  // dropped meanwhile
+    if (error) return FileError(error.value(), absl::StrCat("cannot copy ", source.Path(offset)));
+    if (absl::Status status = Sync(target.Path(offset), O_RDONLY); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<HeadRow> HeadOf(const std::string& database) {
+  absl::StatusOr<DatabaseHandle> db = OpenReadOnly(database);
+  if (!db.ok()) return db.status();
+  if (absl::Status status = CheckFormat(db->get(), database); !status.ok()) return status;
+  return ReadHead(db->get());
+}
+
+absl::StatusOr<FolderReport> CopyOnce(const std::string& from, const std::string& to) {
+  std::error_code error;
+  fs::remove_all(to, error);
+  fs::create_directories(to, error);
+  if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", to));
+  const std::string database = absl::StrCat(to, "/", SqliteLog::kFileName);
+  absl::Status status = CopyDatabase(absl::StrCat(from, "/", SqliteLog::kFileName), database);
+  if (!status.ok()) return status;
+  const absl::StatusOr<HeadRow> head = HeadOf(database);
+  if (!head.ok()) return head.status();
+  status = CopySnapshots(from, to, *head);
+  if (status.ok()) status = DataFolder::WriteMark(absl::StrCat(to, "/", DataFolder::kMarkName), head->offset);
+  if (!status.ok()) return status;
+  absl::StatusOr<FolderReport> report = CheckFolder(to, nullptr);
+  if (!report.ok()) return report.status();
+  status = Sync(database, O_RDONLY);
+  if (status.ok()) status = Sync(to, O_RDONLY | O_DIRECTORY);
+  if (!status.ok()) return status;
+  return report;
+}
+
+}  // namespace
+
+absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::string& to) {
+  std::error_code error;
+  if (!fs::exists(absl::StrCat(from, "/", SqliteLog::kFileName), error)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(from, " is not a data folder: it has no file ", SqliteLog::kFileName));
+  }
+  if (fs::exists(to, error) && !(fs::is_directory(to, error) && fs::is_empty(to, error))) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(to, " is there already and not an empty folder; choose another place"));
+  }
+  fs::path place = fs::absolute(to, error).lexically_normal();
+  if (place.filename().empty()) place = place.parent_path();
+  const std::string unfinished = absl::StrCat(place.string(), ".unfinished");
+  absl::StatusOr<FolderReport> report;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    report = CopyOnce(from, unfinished);
+    if (!report.ok() || report->sound()) break;
+  }
+  if (report.ok() && !report->sound()) {
+    report = absl::DataLossError(absl::StrCat("the copy has faults, so ", from, " is damaged:\n",
+                                              absl::StrJoin(report->faults, "\n")));
+  }
+  if (!report.ok()) {
+    fs::remove_all(unfinished, error);
+    return report;
+  }
+  fs::remove(place, error);  // an empty folder
+  fs::rename(unfinished, place, error);
+  if (error)
+    return FileError(error.value(), absl::StrCat("cannot rename ", unfinished, " to ", place.string()));
+  if (absl::Status status = Sync(place.parent_path().string(), O_RDONLY | O_DIRECTORY); !status.ok())
+    return status;
+  report->database = absl::StrCat(place.string(), "/", SqliteLog::kFileName);
+  return report;
+}
+
+}  // namespace docent
