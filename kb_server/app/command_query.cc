@@ -20,6 +20,7 @@ struct QueryArguments {
   std::string query;
   std::string file;
   std::string format;
+  std::string as_of;
   uint32_t timeout_ms = 0;
   bool explain = false;
 };
@@ -147,6 +148,7 @@ int RunQuery(const QueryArguments& arguments) {
   request.set_query(query);
   request.set_timeout_ms(arguments.timeout_ms);
   request.set_explain(arguments.explain);
+  request.set_as_of(arguments.as_of);
   auto reader = stub->Query(&context, request);
   int code = PrintAnswer(reader.get(), arguments);
   grpc::Status status = reader->Finish();
@@ -167,6 +169,8 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
   command->add_option("--timeout-ms", arguments->timeout_ms,
                       "Give up after this time (default: the server's limit)");
+  command->add_option("--as-of", arguments->as_of,
+                      "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z");
   command->add_flag("--explain", arguments->explain,
                     "Run it and print its plan instead: estimated and real rows and the time of each operator");
   command->callback([arguments, exit_code] {

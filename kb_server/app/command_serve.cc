@@ -14,15 +14,6 @@
 namespace docent {
 namespace {
 
-// $XDG_STATE_HOME/docent, else ~/.local/state/docent.
-std::string DefaultDataFolder() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
-    return std::string(state) + "/docent";
-  }
-  const char* home = std::getenv("HOME");
-  return std::string(home != nullptr ? home : ".") + "/.local/state/docent";
-}
-
 void ShowProgress(uint64_t done, uint64_t all) {
   if (isatty(STDERR_FILENO) == 0) return;
   std::cerr << "\rreplaying the log: " << done << " of " << all << (done == all ? "\n" : "") << std::flush;
@@ -56,6 +47,14 @@ int Serve(const ServerSettings& settings) {
 
 }  // namespace
 
+std::string DefaultDataFolder() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
+    return std::string(state) + "/docent";
+  }
+  const char* home = std::getenv("HOME");
+  return std::string(home != nullptr ? home : ".") + "/.local/state/docent";
+}
+
 void AddServeCommand(CLI::App* app, int* exit_code) {
   auto settings = std::make_shared<ServerSettings>();
   settings->data_folder = DefaultDataFolder();
@@ -77,6 +76,16 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   command->add_option("--allow", settings->allow,
                       "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, "
                       "file:///…; none by default");
+  command->add_option("--snapshot-records", settings->limits.snapshot_records,
+                      "Turns after which the state is written as a snapshot, so that a start replays fewer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
+                      "About how much of the log is kept; what is older than that and than a snapshot goes")
+      ->capture_default_str();
+  command->add_option("--history-bytes", settings->limits.history_bytes,
+                      "Memory of past graph versions for as-of queries; older ones are made again from the log")
+      ->capture_default_str();
   command->add_flag("--insecure", settings->insecure,
                     "Allow addresses other than loopback although nothing authenticates clients");
   command->callback([settings, default_graph, exit_code] {

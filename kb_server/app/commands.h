@@ -3,6 +3,8 @@
 #ifndef DOCENT_KB_SERVER_APP_COMMANDS_H_
 #define DOCENT_KB_SERVER_APP_COMMANDS_H_
 
+#include <string>
+
 #include "CLI/App.hpp"
 
 namespace docent {
@@ -17,6 +19,12 @@ void AddRunCommand(CLI::App* app, int* exit_code);
 void AddRunsCommand(CLI::App* app, int* exit_code);
 void AddRobotsCommand(CLI::App* app, int* exit_code);
 void AddServicesCommand(CLI::App* app, int* exit_code);
+void AddVerifyCommand(CLI::App* app, int* exit_code);
+void AddBackupCommand(CLI::App* app, int* exit_code);
+void AddRestoreCommand(CLI::App* app, int* exit_code);
+
+// $XDG_STATE_HOME/docent, else ~/.local/state/docent.
+std::string DefaultDataFolder();
 
 }  // namespace docent
 

@@ -51,6 +51,14 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
   return absl::OkStatus();
 }
 
+absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& requests,
+                                    const GraphVersion& version, TimeMicros now_us) {
+  absl::Status status = Arm(requests, version, now_us);
+  gathered_.clear();
+  gathered_at_.clear();
+  return status;
+}
+
 void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
   for (ConditionHandle handle : handles) {
     auto it = conditions_.find(handle);

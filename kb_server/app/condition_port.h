@@ -30,6 +30,9 @@ class ConditionPort final : public ConditionView {
   absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
                    TimeMicros now_us);
   void Disarm(const std::vector<ConditionHandle>& handles);
+  // As Arm, for conditions whose edges the engine has had (a start from a snapshot).
+  absl::Status Restore(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
+                       TimeMicros now_us);
   // Adds the edges of these changes to the next round's.
   void Take(const std::vector<ConstraintChange>& changes);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.

@@ -161,11 +161,26 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         break;
     }
     if (!status.ok()) return status;
-    if (document.action == Document::Action::kPut)
-      entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision};
-    else
+    if (document.action == Document::Action::kRemove) {
       entries_.erase({document.kind, name});
+      continue;
+    }
+    std::shared_ptr<const std::string> text;
+    if (document.kind == Document::Kind::kRules) text = std::make_shared<const std::string>(document.text);
+    entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision,
+                                       std::move(text)};
   }
+  return absl::OkStatus();
+}
+
+absl::Status Documents::Restore(std::map<Key, Entry> entries, RuleEngine* rules) {
+  for (auto& [key, entry] : entries) {
+    if (key.first != Document::Kind::kRules) continue;
+    entry.fingerprint = std::hash<std::string>()(*entry.text);
+    const Diagnostics diagnostics = rules->PutRules(key.second, *entry.text);
+    if (HasErrors(diagnostics)) return ToStatus(diagnostics, *entry.text);
+  }
+  entries_ = std::move(entries);
   return absl::OkStatus();
 }
 

@@ -30,17 +30,21 @@ class Documents {
   void Commit() { undo_.reset(); }
   void Rollback();
 
-  // The picture for people and clients.
-  std::shared_ptr<const Catalog> MakeCatalog(const Engine& engine) const;
-
- private:
   using Key = std::pair<Document::Kind, std::string>;
   struct Entry {
     uint64_t size = 0;
     uint64_t fingerprint = 0;
     Revision revision;
+    std::shared_ptr<const std::string> text;  // of rules; other stages keep their documents themselves
   };
+  // What is there, for snapshots; and the same put back into a fresh object, whose rules are given to `rules`.
+  const std::map<Key, Entry>& entries() const { return entries_; }
+  absl::Status Restore(std::map<Key, Entry> entries, RuleEngine* rules);
 
+  // The picture for people and clients.
+  std::shared_ptr<const Catalog> MakeCatalog(const Engine& engine) const;
+
+ private:
   absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary,
                              const GraphVersion& version, WriteBatch* batch);
   absl::Status ApplyRules(const Document& document, RuleEngine* rules);

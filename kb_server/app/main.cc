@@ -21,6 +21,9 @@ int main(int argc, char** argv) {
   docent::AddRunsCommand(&app, &exit_code);
   docent::AddRobotsCommand(&app, &exit_code);
   docent::AddServicesCommand(&app, &exit_code);
+  docent::AddVerifyCommand(&app, &exit_code);
+  docent::AddBackupCommand(&app, &exit_code);
+  docent::AddRestoreCommand(&app, &exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

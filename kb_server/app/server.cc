@@ -93,12 +93,17 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   }
   std::unique_ptr<Server> server(new Server(settings));
   Server& s = *server;
-  auto log = SqliteLog::Open(settings.data_folder);
+  SqliteLogOptions log_options;
+  log_options.snapshots_kept = settings.limits.snapshots_kept;
+  auto log = SqliteLog::Open(settings.data_folder, log_options);
   if (!log.ok()) return log.status();
   s.log_ = *std::move(log);
   s.proxies_ = std::make_unique<RobotProxies>(
       [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); }, ProxySettings{},
       &s.clock_);
+  s.snapshots_ = std::make_unique<SnapshotKeeper>(s.log_.get(), &s.dictionary_, settings.limits);
+  s.history_ =
+      std::make_unique<History>(s.log_.get(), &s.queries_, &s.dictionary_, &s.functions_, settings.limits);
   Writer::Ports ports;
   ports.inbox = &s.inbox_;
   ports.log = s.log_.get();
@@ -106,6 +111,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   ports.catalog = &s.catalog_;
   ports.feed = &s.feed_;
   ports.proxies = s.proxies_.get();
+  ports.snapshots = s.snapshots_.get();
+  ports.history = s.history_.get();
   ports.dictionary = &s.dictionary_;
   ports.functions = &s.functions_;
   ports.limits = settings.limits;
@@ -121,6 +128,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.catalog = &s.catalog_;
   s.ports_.feed = &s.feed_;
   s.ports_.workers = s.workers_.get();
+  s.ports_.history = s.history_.get();
   s.ports_.updates = &s.updates_;
   s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits);
   s.ports_.remote = s.remote_.get();
@@ -149,10 +157,19 @@ Server::~Server() {
   http_server_.reset();
   if (grpc_server_) grpc_server_->Shutdown(deadline);
   inbox_.Close();
-  if (writer_thread_.joinable()) writer_thread_.join();
+  if (writer_thread_.joinable()) {
+    writer_thread_.join();
+    LeaveSnapshot();
+  }
   proxies_.reset();  // after the writer, which sends to the last
   workers_.reset();
   grpc_server_.reset();
+}
+
+void Server::LeaveSnapshot() {
+  if (absl::Status ended = status(); !ended.ok()) return;  // whatever stopped it is for people to look at
+  absl::Status written = snapshots_->TakeLast(writer_->State());
+  if (!written.ok()) spdlog::error("no snapshot at the end: {}", std::string(written.message()));
 }
 
 absl::Status Server::StartGrpc() {
@@ -235,6 +252,17 @@ void Server::RegisterMetrics() {
                             [this] { return static_cast<double>(queries_.Newest()->size()); });
   metrics_.AddGaugeFunction("docent_revision", "Revision of the newest version",
                             [this] { return static_cast<double>(queries_.Newest()->revision().value()); });
+  const SnapshotKeeper::Counters* snapshots = &snapshots_->counters();
+  add("docent_snapshots_total", "Snapshots written", &snapshots->written);
+  add("docent_snapshots_failed_total", "Snapshots that could not be written", &snapshots->failed);
+  metrics_.AddGaugeFunction("docent_snapshot_offset", "Offset of the newest snapshot that this process wrote",
+                            [snapshots] { return static_cast<double>(snapshots->newest_offset.load()); });
+  metrics_.AddGaugeFunction("docent_snapshot_bytes", "Size of that snapshot",
+                            [snapshots] { return static_cast<double>(snapshots->newest_bytes.load()); });
+  metrics_.AddGaugeFunction("docent_history_versions", "Past graph versions kept in memory",
+                            [this] { return static_cast<double>(history_->kept_versions()); });
+  metrics_.AddGaugeFunction("docent_history_bytes", "Memory that these versions alone hold",
+                            [this] { return static_cast<double>(history_->kept_bytes()); });
   metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary",
                             [this] { return static_cast<double>(dictionary_.bytes()); });
 }

@@ -43,7 +43,8 @@ class Server {
   // replay.
   static absl::StatusOr<std::unique_ptr<Server>> Start(
       const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress);
-  // Stops: no new requests, batches that wait are answered, what is written is durable.
+  // Stops: no new requests, batches that wait are answered, what is written is durable; the state is left as a
+  // snapshot, so that the next start replays nothing.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -59,6 +60,7 @@ class Server {
  private:
   explicit Server(const ServerSettings& settings);
   absl::Status OpenLog();
+  void LeaveSnapshot();
   absl::Status StartGrpc();
   absl::Status StartHttp();
   absl::Status LoadFiles();
@@ -78,6 +80,8 @@ class Server {
   FleetLeases leases_;
   Metrics metrics_;
   std::unique_ptr<RobotProxies> proxies_;
+  std::unique_ptr<SnapshotKeeper> snapshots_;
+  std::unique_ptr<History> history_;
   std::unique_ptr<Writer> writer_;
   std::unique_ptr<WorkerPool> workers_;
   ServicePorts ports_;

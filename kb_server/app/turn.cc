@@ -133,7 +133,7 @@ absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t of
     return status;
   }
   stages->Commit();
-  result.version = stages->writer.Freeze(Revision(offset));
+  if (stages->freezes) result.version = stages->writer.Freeze(Revision(offset));
   return result;
 }
 

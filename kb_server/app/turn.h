@@ -54,6 +54,9 @@ struct Stages {
   GraphRobotDirectory robots;
   Engine engine;
   Documents documents;
+  // Whether each turn makes an immutable version. Replay needs none and is quicker without; its caller freezes
+  // the last one.
+  bool freezes = true;
 
   void Commit();
   void Rollback();

@@ -14,6 +14,7 @@ namespace {
 // A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at
 // once.
 constexpr TimeMicros kTickPauseUs = 1'000'000;
+constexpr uint64_t kTurnsPerProgress = 10000;
 
 // What its client is told of a turn.
 BatchOutcome OutcomeOf(const TurnResult& result) {
@@ -45,37 +46,61 @@ absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& prog
 
 absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progress) {
   changes_.Clear();
-  stages_ = std::make_unique<Stages>(ports_.dictionary, ports_.functions, ports_.limits);
+  if (ports_.history != nullptr) ports_.history->Clear();
   auto head = ports_.log->Head();
   if (!head.ok()) return head.status();
   epoch_ = std::max<uint64_t>(head->epoch, 1);
-  head_ = 0;
-  ports_.feed->BeginAfter(Revision(head_));
-  while (head_ < head->offset) {
-    auto entries = ports_.log->Read(head_ + 1, 10000);
-    if (!entries.ok()) return entries.status();
-    for (const LogEntry& entry : *entries) {
-      auto recorded = DecodeTurnRecord(entry.offset, entry.data);
-      if (!recorded.ok()) return recorded.status();
-      auto derived = RunTurn(stages_.get(), recorded->batch, entry.offset);
-      if (!derived.ok()) {
-        return absl::DataLossError(
-            absl::StrCat("log offset ", entry.offset,
-                         ": the recorded batch is refused on replay: ", derived.status().message()));
-      }
-      if (auto difference = DecisionDifference(*recorded, derived->record)) {
-        return absl::DataLossError(absl::StrCat(
-            "log offset ", entry.offset, ": replay decides otherwise (recorded by engine version ",
-            recorded->engine_version, ", this is ", kEngineVersion, ")\n", *difference));
-      }
-      requests_.Remember(recorded->batch.request_id, OutcomeOf(*derived));
-      ports_.inbox->StartAfter(recorded->time_us);
-      ports_.feed->Keep(EventsOf(derived->record));
-      head_ = entry.offset;
-    }
-    if (progress) progress(head_, head->offset);
-  }
+  auto start = FindStart(ports_.log, head->offset, ports_.dictionary, ports_.functions, ports_.limits);
+  if (!start.ok()) return start.status();
+  stages_ = std::move(start->stages);
+  head_ = start->offset;
+  newest_time_us_ = start->time_us;
+  for (const RememberedRequestPtr& request : start->requests) requests_.Remember(request->id, request->outcome);
+  ports_.inbox->StartAfter(newest_time_us_);
+  FillFeed(head_);
+  uint64_t bytes = 0;
+  absl::Status status = ReplayTurns(
+      ports_.log, head_ + 1, head->offset, stages_.get(), [&](TurnResult turn, size_t record_bytes) {
+        requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn));
+        newest_time_us_ = turn.record.time_us;
+        ports_.feed->Keep(EventsOf(turn.record));
+        head_ = turn.record.offset;
+        bytes += record_bytes;
+        if (progress && head_ % kTurnsPerProgress == 0) progress(head_, head->offset);
+        return absl::OkStatus();
+      });
+  if (!status.ok()) return status;
+  ports_.inbox->StartAfter(newest_time_us_);
+  if (progress && head_ > start->offset) progress(head_, head->offset);
+  if (ports_.snapshots != nullptr) ports_.snapshots->Recovered(head_ - start->offset, bytes);
   return absl::OkStatus();
+}
+
+// What watchers may ask for of the turns that a snapshot stands for, as far as the log still has them. The feed
+// knows them already where this is not the first recovery.
+void Writer::FillFeed(uint64_t up_to) {
+  const uint64_t wanted = std::min<uint64_t>(up_to, ports_.limits.run_events_kept);
+  const absl::StatusOr<uint64_t> first = ports_.log->First();
+  const uint64_t from = std::max<uint64_t>(up_to - wanted + 1, first.ok() ? *first : up_to + 1);
+  std::vector<std::vector<RunEvent>> turns;
+  for (uint64_t next = from; next <= up_to;) {
+    auto entries = ports_.log->Read(next, up_to - next + 1);
+    if (!entries.ok() || entries->empty()) break;
+    for (const LogEntry& entry : *entries) {
+      auto record = DecodeTurnRecord(entry.offset, entry.data);
+      if (!record.ok()) break;
+      turns.push_back(EventsOf(*record));
+      next = entry.offset + 1;
+    }
+    if (entries->back().offset + 1 != next) break;
+  }
+  if (from + turns.size() <= up_to) turns.clear();  // not readable: the state needs none of it
+  ports_.feed->BeginAfter(Revision(up_to - turns.size()));
+  for (const std::vector<RunEvent>& events : turns) ports_.feed->Keep(events);
+}
+
+ServerState Writer::State() const {
+  return TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(head_)), newest_time_us_);
 }
 
 void Writer::ResumeCommands() {
@@ -95,12 +120,27 @@ absl::Status Writer::Run() {
       ports_.inbox->Push(std::move(tick), nullptr);
       continue;
     }
+    if (refused_ && LogTakesNothing(&batches)) continue;
     TakeGroup(std::move(batches));
   }
   teller_.WaitUntilTold();
   ports_.inbox->Close();
   for (PendingBatch& pending : ports_.inbox->PopAll(0, SIZE_MAX)) pending.done(fatal_);
   return fatal_;
+}
+
+// After a refusal, whether the log still refuses: then these are refused, too, before anything is decided that
+// would have to be undone by a recovery.
+bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
+  const absl::Status status = ports_.log->Probe();
+  refused_ = !status.ok();
+  if (status.ok()) return false;
+  for (PendingBatch& pending : *batches) {
+    if (pending.batch.clock_tick) next_tick_us_ = pending.batch.time_us + kTickPauseUs;
+    ++counters_.refused;
+    pending.done(status);
+  }
+  return true;
 }
 
 void Writer::TakeGroup(std::vector<PendingBatch> batches) {
@@ -136,6 +176,7 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
       pending.done(result.status());
       continue;
     }
+    newest_time_us_ = time_us;
     changes_.Add(Revision(offset), result->delta);
     BatchOutcome outcome = OutcomeOf(*result);
     group.push_back({{*std::move(result), std::move(outcome), std::move(pending.done)}, std::move(record)});
@@ -156,7 +197,11 @@ void Writer::TakeGroup(std::vector<PendingBatch> batches) {
 
 absl::Status Writer::Commit(std::vector<Decided> group) {
   std::vector<std::string> records;
-  for (Decided& decided : group) records.push_back(std::move(decided.record));
+  size_t bytes = 0;
+  for (Decided& decided : group) {
+    bytes += decided.record.size();
+    records.push_back(std::move(decided.record));
+  }
   auto appended = ports_.log->Append(records, epoch_, head_);
   if (!appended.ok()) return Reconcile(std::move(group), appended.status());
   if (appended->outcome != AppendResult::Outcome::kAppended) {
@@ -169,7 +214,14 @@ absl::Status Writer::Commit(std::vector<Decided> group) {
   head_ += records.size();
   ++counters_.commits;
   counters_.turns += group.size();
+  GraphVersionPtr newest = group.back().result.version;
   Release(std::move(group));
+  if (ports_.snapshots != nullptr) {
+    ports_.snapshots->Appended(records.size(), bytes);
+    if (ports_.snapshots->Due()) {
+      ports_.snapshots->Take(TakeState(*stages_, requests_, std::move(newest), newest_time_us_));
+    }
+  }
   return absl::OkStatus();
 }
 
@@ -180,6 +232,8 @@ absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& r
   next_tick_us_ = group.back().turn.result.record.time_us + kTickPauseUs;
   const uint64_t head_before = head_;
   teller_.WaitUntilTold();
+  refused_ = true;
+  if (ports_.snapshots != nullptr) ports_.snapshots->Discard();
   absl::Status recovered = Recover(nullptr);
   if (recovered.ok() && head_ > head_before) ResumeCommands();
   for (Decided& decided : group) {
@@ -198,6 +252,11 @@ absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& r
 
 // The records are durable: now the world may know.
 void Writer::Release(std::vector<Decided> group) {
+  if (ports_.history != nullptr) {
+    for (const Decided& decided : group) {
+      ports_.history->Keep(decided.turn.result.version, decided.turn.result.record.time_us);
+    }
+  }
   ports_.queries->Publish(group.back().turn.result.version);
   if (std::any_of(group.begin(), group.end(), [](const Decided& d) { return d.turn.result.documents_changed; })) {
     ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));

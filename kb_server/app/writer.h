@@ -16,6 +16,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "kb_server/app/history.h"
+#include "kb_server/app/recovery.h"
+#include "kb_server/app/snapshot_keeper.h"
 #include "kb_server/app/turn.h"
 #include "kb_server/app/turn_teller.h"
 #include "kb_server/door/inbox.h"
@@ -43,7 +46,8 @@ struct WriterCounters {
 
 class Writer {
  public:
-  // Everything must outlive the writer. `proxies` may be null (nothing is sent: tools, tests).
+  // Everything must outlive the writer. These may be null: `proxies` (nothing is sent: tools, tests), `snapshots`
+  // and `history` (none are kept).
   struct Ports {
     Inbox* inbox = nullptr;
     ContextLog* log = nullptr;
@@ -51,21 +55,25 @@ class Writer {
     CatalogPort* catalog = nullptr;
     RunFeed* feed = nullptr;
     RobotProxies* proxies = nullptr;
+    SnapshotKeeper* snapshots = nullptr;
+    History* history = nullptr;
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
   };
   explicit Writer(const Ports& ports);
 
-  // Replays the log and publishes the newest version. DATA_LOSS naming the offset when the log is damaged, or
-  // when this engine decides otherwise than the one that wrote it. `progress(done, all)` is called now and
-  // then.
+  // Makes the newest state from the newest good snapshot and the log after it, and publishes its version. Errors:
+  // see FindStart and ReplayTurns. `progress(done, all)` is called now and then.
   absl::Status Recover(const std::function<void(uint64_t, uint64_t)>& progress);
   // Tells the adapters of commands that were open when the server ended. After Recover.
   void ResumeCommands();
   // Serves until the inbox is closed and empty. OK, or why it cannot go on. The thread that calls it is the
   // writer.
   absl::Status Run();
+
+  // What a snapshot would hold now. Not while Run runs.
+  ServerState State() const;
 
   const WriterCounters& counters() const { return counters_; }
 
@@ -76,6 +84,8 @@ class Writer {
   };
 
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
+  void FillFeed(uint64_t up_to);
+  bool LogTakesNothing(std::vector<PendingBatch>* batches);
   void TakeGroup(std::vector<PendingBatch> batches);
   absl::Status Commit(std::vector<Decided> group);
   absl::Status Reconcile(std::vector<Decided> group, const absl::Status& refusal);
@@ -88,6 +98,8 @@ class Writer {
   RecentChanges changes_;  // of the turns, durable or not yet
   uint64_t head_ = 0;      // offset of the newest durable record
   uint64_t epoch_ = 0;
+  TimeMicros newest_time_us_ = 0;  // of the newest turn, durable or not yet
+  bool refused_ = false;           // by the log, the last time
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;  // no clock tick before this time
   // A repeat of a batch of the running group is answered after it.

@@ -1,8 +1,8 @@
-// Context.Query: SPARQL on the newest version, rows as they are found.
+// Context.Query: SPARQL on the newest version or a past one, rows as they are found.
 #include "absl/strings/str_cat.h"
-#include "kb_server/service/await_version.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/history_port.h"
 #include "kb_server/service/remote_access.h"
 #include "kb_server/service/stream_reactor.h"
 #include "kb_server/sparql/describe.h"
@@ -29,8 +29,10 @@ struct Output {
 };
 
 // The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool explain, const GraphVersion& version,
+absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool explain, const QueryGraph& graph,
                       Cancellation* cancellation, const Output& out) {
+  const GraphVersion& version = *graph.version;
+  const Dictionary& dictionary = *graph.dictionary;
   sparql::PrepareOptions options;
   options.default_graph = ports.default_graph;
   options.functions = ports.functions;
@@ -40,10 +42,9 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool expl
   run_options.cancellation = cancellation;
   run_options.now_us = ports.clock->Now();
   run_options.seed = static_cast<uint64_t>(run_options.now_us);
-  absl::Status resolved =
-      sparql::ResolveServices(&query, ports.remote, *ports.dictionary, options, run_options);
+  absl::Status resolved = sparql::ResolveServices(&query, ports.remote, dictionary, options, run_options);
   if (!resolved.ok()) return resolved;
-  auto prepared = sparql::PreparedQuery::Prepare(query, *ports.dictionary, options);
+  auto prepared = sparql::PreparedQuery::Prepare(query, dictionary, options);
   if (!prepared.ok()) return prepared.status();
   sparql::PreparedQuery& run = **prepared;
 
@@ -65,7 +66,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool expl
     return absl::OkStatus();
   }
   if (query.form != sparql::Query::Form::kSelect) {
-    auto triples = sparql::AnswerGraph(run, query, *ports.dictionary, options, run_options);
+    auto triples = sparql::AnswerGraph(run, query, dictionary, options, run_options);
     if (!triples.ok()) return triples.status();
     out.Send(std::move(header));
     for (const TermQuad& triple : *triples) {
@@ -101,9 +102,10 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   options.limits = ports.limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
-  auto version = AwaitVersion(ports, Revision(request.min_revision()), out.deadline, cancellation);
-  if (!version.ok()) return version.status();
-  return Evaluate(ports, parsed.query, request.explain(), **version, cancellation, out);
+  auto graph =
+      GraphForQuery(ports, Revision(request.min_revision()), request.as_of(), out.deadline, cancellation);
+  if (!graph.ok()) return graph.status();
+  return Evaluate(ports, parsed.query, request.explain(), *graph, cancellation, out);
 }
 
 }  // namespace

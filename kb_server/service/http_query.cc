@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "kb_server/rdf/serializer.h"
-#include "kb_server/service/await_version.h"
+#include "kb_server/service/history_port.h"
 #include "kb_server/service/http_formats.h"
 #include "kb_server/service/remote_access.h"
 #include "kb_server/sparql/describe.h"
@@ -54,23 +54,23 @@ class QueryAnswer {
       parsed.query.from = request_.default_graphs;
       parsed.query.from_named = request_.named_graphs;
     }
-    auto version = AwaitVersion(ports_, request_.min_revision,
-                                absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
-    if (!version.ok()) return version.status();
-    version_ = *std::move(version);
+    auto graph = GraphForQuery(ports_, request_.min_revision, request_.as_of,
+                               absl::Now() + absl::Milliseconds(request_.timeout_ms), &cancellation_);
+    if (!graph.ok()) return graph.status();
+    graph_ = *std::move(graph);
 
     sparql::PrepareOptions options;
     options.default_graph = ports_.default_graph;
     options.functions = ports_.functions;
     options.memory_bytes = ports_.limits.query_memory_bytes;
-    run_options_.version = version_.get();
+    run_options_.version = graph_.version.get();
     run_options_.cancellation = &cancellation_;
     run_options_.now_us = ports_.clock->Now();
     run_options_.seed = static_cast<uint64_t>(run_options_.now_us);
     absl::Status resolved =
-        sparql::ResolveServices(&parsed.query, ports_.remote, *ports_.dictionary, options, run_options_);
+        sparql::ResolveServices(&parsed.query, ports_.remote, *graph_.dictionary, options, run_options_);
     if (!resolved.ok()) return resolved;
-    auto prepared = sparql::PreparedQuery::Prepare(parsed.query, *ports_.dictionary, options);
+    auto prepared = sparql::PreparedQuery::Prepare(parsed.query, *graph_.dictionary, options);
     if (!prepared.ok()) return prepared.status();
     switch (parsed.query.form) {
       case sparql::Query::Form::kAsk:
@@ -122,7 +122,7 @@ class QueryAnswer {
     const GraphType* type = ChooseGraphType(exchange_->request().Header("accept"));
     if (type == nullptr) return Respond(NoGraphType());
     const absl::StatusOr<std::vector<TermQuad>> triples =
-        sparql::AnswerGraph(prepared, query, *ports_.dictionary, options, run_options_);
+        sparql::AnswerGraph(prepared, query, *graph_.dictionary, options, run_options_);
     if (!triples.ok()) return triples.status();
     absl::StatusOr<std::string> text = SerializeRdf(*triples, type->format, query.prefixes);
     if (!text.ok()) return text.status();
@@ -133,7 +133,7 @@ class QueryAnswer {
     HttpResponse response;
     response.content_type = content_type;
     response.body = std::move(body);
-    response.headers = {{"Docent-Revision", absl::StrCat(version_->revision().value())},
+    response.headers = {{"Docent-Revision", absl::StrCat(graph_.version->revision().value())},
                         {"Cache-Control", "no-cache"}};
     return response;
   }
@@ -163,7 +163,7 @@ class QueryAnswer {
   const SparqlRequest request_;
   const std::shared_ptr<HttpExchange> exchange_;
   Cancellation& cancellation_;
-  GraphVersionPtr version_;
+  QueryGraph graph_;
   sparql::RunOptions run_options_;
   bool begun_ = false;  // part of the answer is sent
   int status_ = 200;

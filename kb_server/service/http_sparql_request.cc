@@ -52,7 +52,8 @@ std::optional<HttpResponse> ReadOption(const std::string& name, const std::strin
   } else if (name == "request-id") {
     request->request_id = value;
   } else if (name == "as-of") {
-    return TextResponse(501, "as-of is not supported: only the newest version can be queried");
+    if (!query) return TextResponse(400, "as-of does not go with an update: the past stays as it was");
+    request->as_of = value;
   }
   return std::nullopt;
 }

@@ -23,6 +23,7 @@ struct SparqlRequest {
   std::string request_id;            // kUpdate: a repeat is not applied again
   int timeout_ms = 0;
   Revision min_revision;
+  std::string as_of;  // kQuery: ParseAsOf; empty: the newest version
 };
 
 // The request, or the refusal: 400 (a parameter is wrong or missing), 405, 413 (too long, the limit is

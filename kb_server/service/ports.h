@@ -15,6 +15,7 @@
 
 namespace docent {
 
+class HistoryPort;
 class RemoteAccess;
 class UpdateRunner;
 
@@ -27,6 +28,7 @@ struct ServicePorts {
   RunFeed* feed = nullptr;
   WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
   UpdateRunner* updates = nullptr;
+  HistoryPort* history = nullptr;  // null: only the newest version is there
   RemoteAccess* remote = nullptr;  // null: nothing is fetched
   const Clock* clock = nullptr;
   Limits limits;

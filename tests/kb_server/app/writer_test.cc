@@ -50,7 +50,14 @@ class FakeLog final : public ContextLog {
   absl::StatusOr<uint64_t> First() override { return 1; }
   absl::Status SnapshotPut(uint64_t, std::string_view) override { return absl::OkStatus(); }
   absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t) override { return std::nullopt; }
+  absl::StatusOr<std::vector<uint64_t>> SnapshotOffsets() override { return std::vector<uint64_t>(); }
+  absl::Status SnapshotDrop(uint64_t) override { return absl::OkStatus(); }
   absl::Status Trim(uint64_t) override { return absl::OkStatus(); }
+  absl::StatusOr<uint64_t> Bytes() override { return size(); }
+  absl::Status Probe() override {
+    absl::MutexLock lock(&mutex_);
+    return refusal;
+  }
 
   uint64_t size() const {
     absl::MutexLock lock(&mutex_);

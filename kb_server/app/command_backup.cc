@@ -1,0 +1,52 @@
+// docent backup TARGET and docent restore SOURCE: consistent copies of a data folder.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+
+#include "kb_server/app/client.h"
+#include "kb_server/app/commands.h"
+#include "kb_server/log/folder_copy.h"
+
+namespace docent {
+namespace {
+
+struct CopyArguments {
+  std::string data;
+  std::string place;  // target of a backup, source of a restore
+};
+
+int Copy(const std::string& from, const std::string& to) {
+  const absl::StatusOr<FolderReport> report = CopyFolder(from, to);
+  if (!report.ok()) return Fail(report.status());
+  std::cout << to << ": records " << report->first << " to " << report->last << ", "
+            << report->snapshots.size() << (report->snapshots.size() == 1 ? " snapshot" : " snapshots")
+            << "; all of it checked\n";
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddBackupCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<CopyArguments>();
+  arguments->data = DefaultDataFolder();
+  CLI::App* command = app->add_subcommand(
+      "backup", "Copy a data folder as of this moment, while its server goes on, and check the copy");
+  command->add_option("target", arguments->place, "A folder that is not there yet, or empty")->required();
+  command->add_option("--data", arguments->data, "The data folder of the server")->capture_default_str();
+  command->callback([arguments, exit_code] { *exit_code = Copy(arguments->data, arguments->place); });
+}
+
+void AddRestoreCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<CopyArguments>();
+  arguments->data = DefaultDataFolder();
+  CLI::App* command =
+      app->add_subcommand("restore", "Put a backup into the place of a data folder, and check it");
+  command->add_option("source", arguments->place, "The backup")->required();
+  command
+      ->add_option("--data", arguments->data,
+                   "The data folder that a server is to use; not there yet, or empty: move the old one away")
+      ->capture_default_str();
+  command->callback([arguments, exit_code] { *exit_code = Copy(arguments->place, arguments->data); });
+}
+
+}  // namespace docent
