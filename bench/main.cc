@@ -6,6 +6,7 @@
 #include "bench/kb_bench.h"
 #include "bench/localisation_bench.h"
 #include "bench/reaction_bench.h"
+#include "bench/recovery_bench.h"
 
 namespace {
 
@@ -19,6 +20,7 @@ constexpr Benchmark kBenchmarks[] = {
     {"reaction", "from Assert to Invoke, and standing constraints beside re-running them", docent::bench::RunReactionBench},
     {"kb", "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
      docent::bench::RunKbBench},
+    {"recovery", "a start from a snapshot and the log after it", docent::bench::RunRecoveryBench},
     {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
 };
 
