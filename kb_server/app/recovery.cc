@@ -1,8 +1,11 @@
 #include "kb_server/app/recovery.h"
 
+#include <algorithm>
+#include <future>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/log/record_codec.h"
@@ -11,7 +14,7 @@
 namespace docent {
 namespace {
 
-constexpr size_t kRecordsRead = 10000;  // of the log at a time
+constexpr size_t kRecordsRead = 2000;  // of the log at a time
 
 absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& difference) {
   const std::string text =
@@ -25,19 +28,41 @@ absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& dif
       "one goes on"));
 }
 
-absl::Status ReplayTurn(const LogEntry& entry, Stages* stages, const ReplayedTurn& done) {
-  absl::StatusOr<TurnRecord> recorded = DecodeTurnRecord(entry.offset, entry.data);
-  if (!recorded.ok()) return recorded.status();
-  absl::StatusOr<TurnResult> derived = RunTurn(stages, std::move(recorded->batch), entry.offset);
+// A record as it was read.
+struct Recorded {
+  TurnRecord turn;
+  size_t bytes = 0;
+};
+
+// At least one record of `from` … `to`, more as they fit.
+absl::StatusOr<std::vector<Recorded>> ReadRecords(ContextLog* log, uint64_t from, uint64_t to) {
+  absl::StatusOr<std::vector<LogEntry>> entries =
+      log->Read(from, std::min<uint64_t>(kRecordsRead, to - from + 1));
+  if (!entries.ok()) return entries.status();
+  if (entries->empty()) return absl::DataLossError(absl::StrCat("the log has no record at offset ", from));
+  std::vector<Recorded> records;
+  records.reserve(entries->size());
+  for (const LogEntry& entry : *entries) {
+    absl::StatusOr<TurnRecord> turn = DecodeTurnRecord(entry.offset, entry.data);
+    // those before it can be replayed
+    if (!turn.ok() && !records.empty()) break;
+    if (!turn.ok()) return turn.status();
+    records.push_back({*std::move(turn), entry.data.size()});
+  }
+  return records;
+}
+
+absl::Status ReplayTurn(Recorded recorded, Stages* stages, const ReplayedTurn& done) {
+  const uint64_t offset = recorded.turn.offset;
+  absl::StatusOr<TurnResult> derived = RunTurn(stages, std::move(recorded.turn.batch), offset);
   if (!derived.ok()) {
-    return absl::DataLossError(
-        absl::StrCat("log offset ", entry.offset,
-                     ": the recorded batch is refused on replay: ", derived.status().message()));
+    return absl::DataLossError(absl::StrCat(
+        "log offset ", offset, ": the recorded batch is refused on replay: ", derived.status().message()));
   }
-  if (std::optional<std::string> difference = DecisionDifference(*recorded, derived->record)) {
-    return DecidedOtherwise(*recorded, *difference);
+  if (std::optional<std::string> difference = DecisionDifference(recorded.turn, derived->record)) {
+    return DecidedOtherwise(recorded.turn, *difference);
   }
-  return done(*std::move(derived), entry.data.size());
+  return done(*std::move(derived), recorded.bytes);
 }
 
 }  // namespace
@@ -82,20 +107,26 @@ absl::Status ReplayTurns(ContextLog* log, uint64_t from, uint64_t to, Stages* st
                          const ReplayedTurn& done) {
   const bool freezes = std::exchange(stages->freezes, false);
   absl::Status status;
+  // The next records are read and decoded while those before them are replayed.
+  const auto read = [log, to](uint64_t next) {
+    return std::async(std::launch::async, ReadRecords, log, next, to);
+  };
+  std::future<absl::StatusOr<std::vector<Recorded>>> reading;
+  if (from <= to) reading = read(from);
   for (uint64_t next = from; next <= to && status.ok();) {
-    absl::StatusOr<std::vector<LogEntry>> entries =
-        log->Read(next, std::min<uint64_t>(kRecordsRead, to - next + 1));
-    if (!entries.ok()) return entries.status();
-    if (entries->empty()) return absl::DataLossError(absl::StrCat("the log has no record at offset ", next));
-    for (const LogEntry& entry : *entries) {
-      status = ReplayTurn(entry, stages, done);
+    absl::StatusOr<std::vector<Recorded>> records = reading.get();
+    status = records.status();
+    if (!status.ok()) break;
+    next += records->size();
+    if (next <= to) reading = read(next);
+    for (Recorded& recorded : *records) {
+      status = ReplayTurn(std::move(recorded), stages, done);
       if (!status.ok()) break;
-      next = entry.offset + 1;
     }
   }
   stages->freezes = freezes;
   if (status.ok()) stages->writer.Freeze(Revision(to));
-  return status;
+  return status;  // what is still being read is waited for
 }
 
 }  // namespace docent
