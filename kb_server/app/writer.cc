@@ -214,7 +214,7 @@ absl::Status Writer::Commit(std::vector<Decided> group) {
   head_ += records.size();
   ++counters_.commits;
   counters_.turns += group.size();
-  GraphVersionPtr newest = group.back().result.version;
+  GraphVersionPtr newest = group.back().turn.result.version;
   Release(std::move(group));
   if (ports_.snapshots != nullptr) {
     ports_.snapshots->Appended(records.size(), bytes);
