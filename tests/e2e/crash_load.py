@@ -83,15 +83,17 @@ class Load:
         return sum(len(w.acknowledged) + w.raised for w in self.writers)
 
     def faults(self):
-        """What is wrong, in words; empty: everything acknowledged is there, and nothing is half there."""
+        """What is wrong, in words; empty: everything acknowledged is there, and nothing is half there. The load may go on."""
+        before = [(w, list(w.acknowledged), w.raised) for w in self.writers]
         rows = self.server.select("SELECT ?s (COUNT(*) AS ?n) { ?s <urn:load:part> ?p } GROUP BY ?s")
         parts = {row["s"]: int(row["n"]) for row in rows}
         counters = {row["s"]: int(row["n"]) for row in self.server.select("SELECT ?s ?n { ?s <urn:load:count> ?n }")}
         faults = [f"{s} is half there: {n} of {BATCH} facts" for s, n in parts.items() if n != BATCH]
-        for writer in self.writers:
-            lost = [n for n in writer.acknowledged if f"urn:load:{writer.name}:{n}" not in parts]
+        for writer, acknowledged, raised in before:
+            lost = [n for n in acknowledged if f"urn:load:{writer.name}:{n}" not in parts]
             faults += [f"{writer.name}: batch {n} was acknowledged and is not there" for n in lost]
-            count, open_one = counters.get(f"urn:load:{writer.name}", 0), 1  # the last may be there without an answer
-            if not writer.raised <= count <= writer.raised + open_one:
-                faults.append(f"{writer.name}: counted {count}, acknowledged {writer.raised}")
+            count = counters.get(f"urn:load:{writer.name}", 0)
+            most = writer.raised + 1  # the last may be there without an answer
+            if not raised <= count <= most:
+                faults.append(f"{writer.name}: counted {count}, acknowledged {raised} to {most - 1}")
         return faults
