@@ -140,11 +140,12 @@ absl::Status SnapshotKeeper::Trim() {
   const uint64_t wanted = head->offset - static_cast<uint64_t>(kept);
   const absl::StatusOr<std::vector<uint64_t>> offsets = log_->SnapshotOffsets();
   if (!offsets.ok()) return offsets.status();
-  std::optional<uint64_t> start;
+  // With one snapshot alone a damaged byte in it would cost everything.
+  if (offsets->size() < 2) return absl::OkStatus();
+  uint64_t start = offsets->front();
   for (size_t i = 0; i + 1 < offsets->size() && (*offsets)[i] <= wanted; ++i) start = (*offsets)[i];
-  if (!start) return absl::OkStatus();
-  const absl::Status status = log_->SnapshotDrop(*start);
-  return status.ok() ? log_->Trim(*start + 1) : status;
+  const absl::Status status = log_->SnapshotDrop(start);
+  return status.ok() ? log_->Trim(start + 1) : status;
 }
 
 }  // namespace docent
