@@ -94,11 +94,6 @@ bool IsAbsoluteIri(std::string_view iri) {
   return false;
 }
 
-bool IsForbiddenInIri(char32_t c) {
-  if (c <= 0x20) return true;
-  return c < 0x80 && std::string_view("<>\"{}|^`\\").find(static_cast<char>(c)) != std::string_view::npos;
-}
-
 bool IsValidTermIri(std::string_view iri) {
   if (!IsAbsoluteIri(iri)) return false;
   for (char c : iri) {

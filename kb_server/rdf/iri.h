@@ -3,6 +3,7 @@
 #ifndef DOCENT_KB_SERVER_RDF_IRI_H_
 #define DOCENT_KB_SERVER_RDF_IRI_H_
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,7 +13,11 @@ namespace docent {
 bool IsAbsoluteIri(std::string_view iri);
 
 // Whether `c` may not stand in an IRI reference (Turtle production IRIREF): controls, space and <>"{}|^`\.
-bool IsForbiddenInIri(char32_t c);
+inline bool IsForbiddenInIri(char32_t c) {
+  // of the characters up to 0x7F, by bit: 0 to 0x20, and < > " { } | ^ ` backslash
+  constexpr uint64_t kForbidden[2] = {0x50000005FFFFFFFF, 0x3800000150000000};
+  return c < 0x80 && (kForbidden[c >> 6] >> (c & 63) & 1) != 0;
+}
 
 // Absolute, and no forbidden character: what may be the IRI of a term in the store.
 bool IsValidTermIri(std::string_view iri);

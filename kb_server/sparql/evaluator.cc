@@ -136,7 +136,7 @@ absl::Status PreparedQuery::Impl::Lower() {
   for (const Term& graph : query.from_named) from_named.push_back(lowering.ConstantOf(graph));
   plan = lowering.LowerQuery(*query.algebra);
   slots = lowering.slots();
-  constants = lowering.constants();
+  constants = lowering.TakeConstants();
   return lowering.status();
 }
 
@@ -361,7 +361,7 @@ absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
   impl->source = expression.Clone();
   impl->expression = lowering.LowerExpression(*impl->source);
   if (!lowering.status().ok()) return lowering.status();
-  impl->constants = lowering.constants();
+  impl->constants = lowering.TakeConstants();
   impl->base.assign(lowering.slots(), TermId());
   return std::unique_ptr<PreparedExpression>(new PreparedExpression(std::move(impl)));
 }

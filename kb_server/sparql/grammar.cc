@@ -14,25 +14,23 @@ constexpr size_t kMaxErrors = 20;  // more in one text are of no use to a person
 }  // namespace
 
 Grammar::Grammar(std::string_view text, const ParseOptions& options)
-    : options_(options), lexer_(text), base_iri_(options.base_iri) {
-  for (const auto& [prefix, iri] : options.prefixes) known_[prefix] = iri;
-}
+    : options_(options), lexer_(text), base_iri_(options.base_iri) {}
 
 const Token& Grammar::ReadAhead(size_t ahead) {
   while (ahead_count_ <= ahead) {
-    Token token = lexer_.Next();
+    const Token token = lexer_.Next();
     if (token.kind == TokenKind::kError) {
-      Error(token.span, token.text, token.prefix);
+      Error(token.span, std::string(token.text), std::string(token.prefix));
       continue;
     }
-    ahead_[(first_ahead_ + ahead_count_++) % 2] = std::move(token);
+    ahead_[(first_ahead_ + ahead_count_++) % 2] = token;
   }
   return ahead_[(first_ahead_ + ahead) % 2];
 }
 
 Token Grammar::Take() {
   Peek();
-  Token token = std::move(ahead_[first_ahead_]);
+  const Token token = ahead_[first_ahead_];
   first_ahead_ = (first_ahead_ + 1) % 2;
   --ahead_count_;
   return token;
@@ -80,19 +78,19 @@ std::string Grammar::Describe(const Token& token) const {
     case TokenKind::kEnd:
       return "the end of the text";
     case TokenKind::kIri:
-      return "<" + token.text + ">";
+      return Concat({"<", token.text, ">"});
     case TokenKind::kPrefixedName:
-      return token.prefix + ":" + token.text;
+      return Concat({token.prefix, ":", token.text});
     case TokenKind::kBlankLabel:
-      return "_:" + token.text;
+      return Concat({"_:", token.text});
     case TokenKind::kVariable:
-      return "?" + token.text;
+      return Concat({"?", token.text});
     case TokenKind::kString:
-      return "the string \"" + token.text.substr(0, 40) + "\"";
+      return Concat({"the string \"", token.text.substr(0, 40), "\""});
     case TokenKind::kLanguage:
-      return "@" + token.text;
+      return Concat({"@", token.text});
     default:
-      return "'" + token.text + "'";
+      return Concat({"'", token.text, "'"});
   }
 }
 
@@ -131,9 +129,9 @@ void Grammar::SkipPastBrace() {
 }
 
 std::optional<std::string> Grammar::Resolve(const Token& iri) {
-  if (IsAbsoluteIri(iri.text)) return iri.text;
+  if (IsAbsoluteIri(iri.text)) return std::string(iri.text);
   if (base_iri_.empty()) {
-    Error(iri.span, "<" + iri.text + "> is relative and no BASE is known",
+    Error(iri.span, Concat({"<", iri.text, "> is relative and no BASE is known"}),
           iri.text.find(':') == std::string::npos
               ? "write BASE <http://…/> before the query, or the whole IRI"
               : "");
@@ -143,20 +141,24 @@ std::optional<std::string> Grammar::Resolve(const Token& iri) {
 }
 
 std::optional<std::string> Grammar::Expand(const Token& name) {
-  const auto it = known_.find(name.prefix);
-  if (it != known_.end()) return it->second + name.text;
+  const auto it = declared_.find(name.prefix);
+  if (it != declared_.end()) return Concat({it->second, name.text});
   std::vector<std::string> names;
-  for (const auto& [prefix, iri] : known_) names.push_back(prefix);
+  for (const auto& [prefix, iri] : options_.prefixes) {
+    if (prefix == name.prefix) return Concat({iri, name.text});
+    names.push_back(prefix);
+  }
+  for (const auto& [prefix, iri] : declared_) names.push_back(prefix);
   std::string hint;
   if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
     hint = "did you mean " + near + ":?";
   } else {
-    hint = "declare it: PREFIX " + name.prefix + ": <…>";
+    hint = Concat({"declare it: PREFIX ", name.prefix, ": <…>"});
     for (const auto& [prefix, iri] : kWellKnownPrefixes) {
       if (prefix == name.prefix) hint = Concat({"declare it: PREFIX ", prefix, ": <", iri, ">"});
     }
   }
-  Error(name.span, "the prefix '" + name.prefix + ":' is not declared", hint);
+  Error(name.span, Concat({"the prefix '", name.prefix, ":' is not declared"}), hint);
   return std::nullopt;
 }
 
@@ -177,19 +179,19 @@ std::optional<std::string> Grammar::String() {
     Expected("a string");
     return std::nullopt;
   }
-  return Take().text;
+  return std::string(Take().text);
 }
 
 std::optional<Term> Grammar::LiteralTail(const Token& string) {
-  if (Peek().kind == TokenKind::kLanguage) return Term::LangString(string.text, LowerAscii(Take().text));
-  if (!Accept("^^")) return Term::Literal(string.text);
+  if (Peek().kind == TokenKind::kLanguage) return Term::LangString(std::string(string.text), LowerAscii(Take().text));
+  if (!Accept("^^")) return Term::Literal(std::string(string.text));
   std::optional<Term> datatype = Iri();
   if (!datatype) return std::nullopt;
-  return Term::Literal(string.text, datatype->lexical);
+  return Term::Literal(std::string(string.text), datatype->lexical);
 }
 
 std::optional<Term> Grammar::NumericLiteral() {
-  std::string sign;
+  std::string_view sign;
   if (At("+") || At("-")) {
     const Token token = Take();
     if (Peek().span.offset != token.span.offset + 1) {
@@ -213,7 +215,7 @@ std::optional<Term> Grammar::NumericLiteral() {
       Expected("a number");
       return std::nullopt;
   }
-  return Term::Literal(sign + Take().text, std::string(datatype));
+  return Term::Literal(Concat({sign, Take().text}), std::string(datatype));
 }
 
 std::optional<Term> Grammar::GroundTerm() {

@@ -26,6 +26,7 @@ namespace docent::sparql {
 
 class Grammar {
  public:
+  // Both must outlive it.
   Grammar(std::string_view text, const ParseOptions& options);
 
   // grammar_query.cc
@@ -158,6 +159,7 @@ class Grammar {
     bool template_mode = false;  // blank nodes stay terms, no paths
   };
   bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
+  bool AtPlainVerb();
   bool PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink);  // [77] [83]
   bool ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb,
                   TriplesSink* sink);
@@ -218,13 +220,13 @@ class Grammar {
   std::optional<std::string> Expand(const Token& name);
   std::string Describe(const Token& token) const;
 
-  ParseOptions options_;
+  const ParseOptions& options_;
   Lexer lexer_;
   std::array<Token, 2> ahead_;  // a ring: tokens read but not taken
   size_t first_ahead_ = 0, ahead_count_ = 0;
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
-  std::map<std::string, std::string, std::less<>> known_;      // all known
+  std::map<std::string, std::string, std::less<>> declared_;   // the same, the last of each name
   Diagnostics diagnostics_;
   int depth_ = 0;
   size_t elements_ = 0;

@@ -119,7 +119,7 @@ ExpressionPtr Grammar::PrimaryExpression() {
   switch (token.kind) {
     case TokenKind::kVariable: {
       auto e = std::make_unique<Expression>(Kind::kVariable, token.span);
-      e->variable = Variable{Take().text};
+      e->variable = Variable{std::string(Take().text)};
       return e;
     }
     case TokenKind::kIri:
@@ -169,7 +169,7 @@ ExpressionPtr Grammar::BuiltinCall() {
   const BuiltinInfo* info = FindBuiltin(word.text);
   if (info == nullptr) {
     const std::string near = Nearest(word.text, BuiltinNames());
-    Error(word.span, "'" + word.text + "' is no function of SPARQL",
+    Error(word.span, Concat({"'", word.text, "' is no function of SPARQL"}),
           near.empty() ? "a variable begins with '?', a name needs a prefix and ':'"
                        : "did you mean " + near + "?");
     return nullptr;
@@ -202,7 +202,7 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   const Token word = Take();
   if (aggregates_ == nullptr || in_aggregate_) {
     Error(word.span,
-          in_aggregate_ ? "an aggregate cannot stand inside another" : word.text + " cannot stand here",
+          in_aggregate_ ? "an aggregate cannot stand inside another" : Concat({word.text, " cannot stand here"}),
           "aggregates stand in SELECT, HAVING and ORDER BY");
     return nullptr;
   }

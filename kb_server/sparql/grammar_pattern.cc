@@ -117,13 +117,14 @@ bool Grammar::TriplesBlock(OpenGroup* group) {
   const SourceSpan span = Peek().span;
   while (true) {
     TriplesSink sink;
+    if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);  // these go on
     if (!TriplesSameSubject(&sink)) return false;
     if (!sink.triples.empty() && group->bgp == nullptr) {
       auto bgp = std::make_unique<Algebra>(Kind::kBgp, span);
       group->bgp = bgp.get();
       AddToGroup(group, std::move(bgp));
     }
-    for (TriplePattern& t : sink.triples) group->bgp->triples.push_back(std::move(t));
+    if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);
     for (AlgebraPtr& path : sink.paths) AddToGroup(group, std::move(path));
     const bool dot = Accept(".");
     const Token& next = Peek();
@@ -225,7 +226,7 @@ bool Grammar::BindElement(OpenGroup* group) {
   }
   auto extend = std::make_unique<Algebra>(Kind::kExtend, span);
   extend->children.push_back(std::move(group->pattern));
-  extend->variable = Variable{variable.text};
+  extend->variable = Variable{std::string(variable.text)};
   extend->expression = std::move(expression);
   group->pattern = std::move(extend);
   Accept(".");
@@ -268,7 +269,7 @@ AlgebraPtr Grammar::DataBlock() {
   auto values = std::make_unique<Algebra>(Kind::kValues, Peek().span);
   const bool one = Peek().kind == TokenKind::kVariable;
   if (one) {
-    values->variables.push_back(Variable{Take().text});
+    values->variables.push_back(Variable{std::string(Take().text)});
   } else {
     if (!Expect("(", "or a variable after VALUES")) return nullptr;
     while (Peek().kind == TokenKind::kVariable) {
@@ -276,7 +277,7 @@ AlgebraPtr Grammar::DataBlock() {
       for (const Variable& v : values->variables) {
         if (v.name == token.text) Error(token.span, "?" + v.name + " stands twice in VALUES");
       }
-      values->variables.push_back(Variable{token.text});
+      values->variables.push_back(Variable{std::string(token.text)});
     }
     if (!Expect(")", "after the variables of VALUES")) return nullptr;
   }

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/grammar.h"
 #include "kb_server/sparql/text.h"
 
@@ -52,7 +53,7 @@ bool Grammar::Prologue() {
       std::optional<std::string> resolved = Resolve(iri);
       if (!resolved) return false;
       prefixes_.emplace_back(name.prefix, *resolved);
-      known_[name.prefix] = *std::move(resolved);
+      declared_[std::string(name.prefix)] = *std::move(resolved);
     } else {
       return true;
     }
@@ -141,10 +142,10 @@ std::optional<Grammar::SelectClause> Grammar::ParseSelectClause() {
         return std::nullopt;
       }
       item.span = Peek().span;
-      item.variable = Variable{Take().text};
+      item.variable = Variable{std::string(Take().text)};
       if (!Expect(")", "after the variable")) return std::nullopt;
     } else {
-      item.variable = Variable{Take().text};
+      item.variable = Variable{std::string(Take().text)};
     }
     select.items.push_back(std::move(item));
   }
@@ -282,7 +283,7 @@ bool Grammar::GroupClause(Modifiers* out) {
                       !AtWord("LIMIT") && !AtWord("OFFSET") && !AtWord("VALUES");
     GroupKey key;
     if (token.kind == TokenKind::kVariable) {
-      key.variable = Variable{Take().text};
+      key.variable = Variable{std::string(Take().text)};
       key.expression = std::make_unique<Expression>(Expression::Kind::kVariable, token.span);
       key.expression->variable = key.variable;
     } else if (token.Is("(")) {
@@ -294,7 +295,7 @@ bool Grammar::GroupClause(Modifiers* out) {
           Expected("a variable after AS");
           return false;
         }
-        key.variable = Variable{Take().text};
+        key.variable = Variable{std::string(Take().text)};
       } else {
         key.variable = Variable{".k" + std::to_string(counter_++)};
       }
@@ -340,7 +341,7 @@ bool Grammar::OrderClause(Modifiers* out) {
       condition.expression = BracketedExpression();
     } else if (token.kind == TokenKind::kVariable) {
       condition.expression = std::make_unique<Expression>(Expression::Kind::kVariable, token.span);
-      condition.expression->variable = Variable{Take().text};
+      condition.expression->variable = Variable{std::string(Take().text)};
     } else if (token.Is("(") || token.kind == TokenKind::kIri || token.kind == TokenKind::kPrefixedName ||
                (token.kind == TokenKind::kWord && !AtWord("LIMIT") && !AtWord("OFFSET") &&
                 !AtWord("VALUES"))) {
@@ -364,14 +365,14 @@ bool Grammar::LimitOffsetClauses(Modifiers* out) {
     const Token word = Take();
     const bool limit = EqualsIgnoreCase(word.text, "LIMIT");
     if (limit ? out->limit.has_value() : std::exchange(has_offset, true)) {
-      Error(word.span, word.text + " stands twice");
+      Error(word.span, Concat({word.text, " stands twice"}));
       return false;
     }
     const Token number = Peek();
     uint64_t value = 0;
     const auto parsed = std::from_chars(number.text.data(), number.text.data() + number.text.size(), value);
     if (number.kind != TokenKind::kInteger || parsed.ec != std::errc()) {
-      Expected("a whole number after " + word.text);
+      Expected(Concat({"a whole number after ", word.text}));
       return false;
     }
     Take();
@@ -428,9 +429,11 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
 // Section 18.2.4 and 18.2.5, in its order.
 AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers,
                                    std::vector<Aggregate> aggregates, std::vector<Variable>* projection) {
-  std::set<std::string> in_scope;
-  const std::vector<Variable> visible = InScopeVariables(*where);
-  for (const Variable& v : visible) in_scope.insert(v.name);
+  std::set<std::string> in_scope;  // that (expression AS ?name) may not name
+  if (select != nullptr && std::any_of(select->items.begin(), select->items.end(),
+                                       [](const SelectItem& item) { return item.expression != nullptr; })) {
+    for (Variable& v : InScopeVariables(*where)) in_scope.insert(std::move(v.name));
+  }
   AlgebraPtr a = std::move(where);
   const bool grouped = modifiers.grouped || !aggregates.empty() || !modifiers.having.empty();
   if (grouped) a = ApplyGroup(std::move(a), select, &modifiers, std::move(aggregates));
@@ -445,7 +448,7 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     a = std::move(join);
   }
   if (select != nullptr) {
-    std::set<std::string> named;
+    absl::flat_hash_set<std::string> named;
     for (SelectItem& item : select->items) {
       if (item.expression) {
         if (in_scope.contains(item.variable.name) || named.contains(item.variable.name)) {

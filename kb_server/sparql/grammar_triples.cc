@@ -58,14 +58,14 @@ PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
 }
 
 std::optional<PatternTerm> Grammar::LabelledBlank(const Token& token, bool template_mode) {
-  if (template_mode) return PatternTerm::Of(Term::Blank(token.text), token.span);
-  const auto [it, added] = blank_bgp_.emplace(token.text, bgp_);
+  if (template_mode) return PatternTerm::Of(Term::Blank(std::string(token.text)), token.span);
+  const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
   if (it->second != bgp_) {
-    Error(token.span, "_:" + token.text + " was used in another basic graph pattern",
+    Error(token.span, Concat({"_:", token.text, " was used in another basic graph pattern"}),
           "a blank node means something within one block of triples only; use a variable");
     return std::nullopt;
   }
-  return PatternTerm::Of(Variable{".b" + token.text}, token.span);
+  return PatternTerm::Of(Variable{Concat({".b", token.text})}, token.span);
 }
 
 bool Grammar::TriplesSameSubject(TriplesSink* sink) {
@@ -78,17 +78,24 @@ bool Grammar::TriplesSameSubject(TriplesSink* sink) {
   return PropertyListNotEmpty(*subject, sink);
 }
 
+// An IRI that no path operator follows.
+bool Grammar::AtPlainVerb() {
+  if (Peek().kind != TokenKind::kIri && Peek().kind != TokenKind::kPrefixedName) return false;
+  const Token& next = Peek(1);
+  return next.kind != TokenKind::kPunctuation || std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
+}
+
 bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink) {
   while (true) {
     const SourceSpan span = Peek().span;
     Path path;
     std::optional<PatternTerm> verb;  // where the predicate is a variable or plain IRI
     if (Peek().kind == TokenKind::kVariable) {
-      verb = PatternTerm::Of(Variable{Take().text}, span);
+      verb = PatternTerm::Of(Variable{std::string(Take().text)}, span);
     } else if (AtWord("a") && Peek().text == "a" && sink->template_mode) {
       Take();
       verb = PatternTerm::Of(Term::Iri(std::string(kRdfType)), span);
-    } else if (sink->template_mode) {
+    } else if (sink->template_mode || AtPlainVerb()) {
       std::optional<Term> iri = Iri();
       if (!iri) return false;
       verb = PatternTerm::Of(*std::move(iri), span);
@@ -117,6 +124,7 @@ bool Grammar::ObjectList(const PatternTerm& subject, const Path& path, const std
     std::optional<PatternTerm> object = GraphNode(sink);
     if (!object) return false;
     if (verb) {
+      if (sink->triples.empty()) sink->triples.reserve(8);
       sink->triples.push_back({subject, *verb, *std::move(object)});
     } else {
       TranslatePath(subject, path, *object, sink);
@@ -163,7 +171,7 @@ std::optional<PatternTerm> Grammar::VarOrTerm(TriplesSink* sink) {
   const SourceSpan span = token.span;
   switch (token.kind) {
     case TokenKind::kVariable:
-      return PatternTerm::Of(Variable{Take().text}, span);
+      return PatternTerm::Of(Variable{std::string(Take().text)}, span);
     case TokenKind::kBlankLabel: {
       const Token label = Take();
       return LabelledBlank(label, sink->template_mode);
@@ -204,7 +212,7 @@ std::optional<PatternTerm> Grammar::VarOrTerm(TriplesSink* sink) {
 
 std::optional<PatternTerm> Grammar::VarOrIri() {
   const SourceSpan span = Peek().span;
-  if (Peek().kind == TokenKind::kVariable) return PatternTerm::Of(Variable{Take().text}, span);
+  if (Peek().kind == TokenKind::kVariable) return PatternTerm::Of(Variable{std::string(Take().text)}, span);
   std::optional<Term> iri = Iri();
   if (!iri) return std::nullopt;
   return PatternTerm::Of(*std::move(iri), span);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "kb_server/sparql/evaluation_context.h"
 #include "kb_server/sparql/plan.h"
 
@@ -39,7 +40,7 @@ class JoinOrder {
   };
   struct Pattern {
     double matches = 0;
-    std::vector<Use> uses;
+    absl::InlinedVector<Use, 4> uses;
     uint64_t variables = 0;  // as bits
   };
   struct Filter {

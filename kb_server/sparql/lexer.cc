@@ -1,6 +1,9 @@
 #include "kb_server/sparql/lexer.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -18,6 +21,21 @@ bool IsHex(char c) {
 }
 uint32_t HexValue(char c) {
   return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10;
+}
+
+// What an ASCII character may be part of.
+enum : uint8_t { kInName = 1, kInIri = 2 };
+constexpr std::array<uint8_t, 256> kClasses = [] {
+  std::array<uint8_t, 256> classes{};
+  for (int c = 0; c < 256; ++c) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (letter || (c >= '0' && c <= '9') || c == '_' || c == '-') classes[c] |= kInName;
+    if (c > 0x20 && std::string_view("<>\"{}|^`\\").find(static_cast<char>(c)) == std::string_view::npos) classes[c] |= kInIri;
+  }
+  return classes;
+}();
+bool Is(char c, uint8_t part) {
+  return (kClasses[static_cast<uint8_t>(c)] & part) != 0;
 }
 
 // The code point at `at` of valid UTF-8 and its length.
@@ -108,6 +126,15 @@ bool AppendUtf8(uint32_t code, std::string* out) {
 
 size_t FindInvalidUtf8(std::string_view text) {
   for (size_t i = 0; i < text.size();) {
+    uint64_t eight;  // mostly ASCII
+    if (i + sizeof(eight) <= text.size()) {
+      std::memcpy(&eight, text.data() + i, sizeof(eight));
+      constexpr uint64_t kOnes = 0x0101010101010101, kHigh = 0x8080808080808080;
+      if (((eight | (eight - kOnes)) & kHigh) == 0) {  // no byte above 0x7F, and none that is 0
+        i += sizeof(eight);
+        continue;
+      }
+    }
     const uint8_t lead = static_cast<uint8_t>(text[i]);
     const size_t length = lead < 0x80                   ? 1
                           : lead >= 0xC2 && lead < 0xE0 ? 2
@@ -126,10 +153,13 @@ size_t FindInvalidUtf8(std::string_view text) {
   return std::string_view::npos;
 }
 
+Lexer::Lexer(std::string_view text)
+    : text_(text), ascii_(std::all_of(text.begin(), text.end(), [](char c) { return static_cast<uint8_t>(c) < 0x80; })) {}
+
 void Lexer::Advance(size_t bytes) {
-  if (bytes == 1 && text_[at_] != '\n' && static_cast<uint8_t>(text_[at_]) < 0x80) {
-    ++at_;
-    ++column_;
+  if (ascii_ && std::memchr(text_.data() + at_, '\n', bytes) == nullptr) {
+    at_ += bytes;
+    column_ += static_cast<int>(bytes);
     return;
   }
   for (const size_t end = at_ + bytes; at_ < end; ++at_) {
@@ -147,21 +177,26 @@ SourceSpan Lexer::SpanOf(size_t length) const {
   return {line_, column_, at_, length};
 }
 
-Token Lexer::Make(TokenKind kind, size_t length, std::string text, std::string prefix) {
-  Token token{kind, SpanOf(length), std::move(text), std::move(prefix)};
+Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
+  const Token token{kind, SpanOf(length), text, prefix};
   Advance(length);
   return token;
 }
 
-Token Lexer::Error(size_t length, std::string message, std::string hint) {
-  return Make(TokenKind::kError, length, std::move(message), std::move(hint));
+Token Lexer::Error(size_t length, std::string message, std::string_view hint) {
+  return Make(TokenKind::kError, length, Keep(std::move(message)), hint);
 }
 
 void Lexer::SkipSpaceAndComments() {
   while (at_ < text_.size()) {
     const char c = text_[at_];
-    if (c == ' ' || c == '\t' || c == '\n' || c == '\r') {
-      Advance(1);
+    if (c == ' ' || c == '\t' || c == '\r') {
+      ++at_;
+      ++column_;
+    } else if (c == '\n') {
+      ++at_;
+      ++line_;
+      column_ = 1;
     } else if (c == '#') {
       size_t end = text_.find_first_of("\n\r", at_);
       Advance((end == std::string_view::npos ? text_.size() : end) - at_);
@@ -180,11 +215,15 @@ Token Lexer::Next() {
   if (IsDigit(c) || (c == '.' && IsDigit(next))) return LexNumber();
   if (c == '_' && next == ':') return LexBlankLabel();
   if (c == '<') {
-    if (IriLength() > 0) return LexPunctuation();
+    if (const size_t length = IriLength()) return LexIri(length);
   }
   if (c == '?' || c == '$') {
     size_t end = at_ + 1;
     while (end < text_.size()) {  // [166] VARNAME
+      if (Is(text_[end], kInName) && text_[end] != '-') {
+        ++end;
+        continue;
+      }
       const auto [code, length] = CodePointAt(text_, end);
       const bool part =
           (IsNameChar(code) && code != '-') || (code < 0x80 && IsDigit(static_cast<char>(code)));
@@ -192,7 +231,7 @@ Token Lexer::Next() {
       end += length;
     }
     if (end > at_ + 1) {
-      return Make(TokenKind::kVariable, end - at_, std::string(text_.substr(at_ + 1, end - at_ - 1)));
+      return Make(TokenKind::kVariable, end - at_, text_.substr(at_ + 1, end - at_ - 1));
     }
     return LexPunctuation();
   }
@@ -206,7 +245,7 @@ Token Lexer::Next() {
       ++end;
       while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
     }
-    return Make(TokenKind::kLanguage, end - at_, std::string(text_.substr(at_ + 1, end - at_ - 1)));
+    return Make(TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
   }
   if (c == ':' || c == '\\' || IsNameStart(CodePointAt(text_, at_).first)) return LexWordOrName();
   return LexPunctuation();
@@ -215,15 +254,9 @@ Token Lexer::Next() {
 size_t Lexer::IriLength() const {
   for (size_t i = at_ + 1; i < text_.size(); ++i) {
     const char c = text_[i];
+    if (Is(c, kInIri)) continue;
     if (c == '>') return i + 1 - at_;
-    if (c == '\\') {
-      if (!CodePointEscape(text_, i)) return 0;
-      continue;
-    }
-    if (static_cast<uint8_t>(c) <= 0x20 || c == '<' || c == '"' || c == '{' || c == '}' || c == '|' ||
-        c == '^' || c == '`') {
-      return 0;
-    }
+    if (c != '\\' || !CodePointEscape(text_, i)) return 0;
   }
   return 0;
 }
@@ -231,8 +264,10 @@ size_t Lexer::IriLength() const {
 Token Lexer::LexString() {
   const char quote = text_[at_];
   const bool is_long = text_.substr(at_, 3) == std::string(3, quote);
-  size_t i = at_ + (is_long ? 3 : 1);
-  std::string value;
+  const size_t begin = at_ + (is_long ? 3 : 1);
+  size_t i = begin;
+  std::string value;    // up to the last escape
+  size_t rest = begin;  // after it
   std::optional<std::pair<size_t, std::string>> bad_escape;  // where, what
   while (true) {
     if (i >= text_.size() || (!is_long && (text_[i] == '\n' || text_[i] == '\r'))) {
@@ -243,10 +278,10 @@ Token Lexer::LexString() {
     const char c = text_[i];
     if (c == quote && (!is_long || text_.substr(i, 3) == std::string(3, quote))) break;
     if (c != '\\') {
-      value.push_back(c);
       ++i;
       continue;
     }
+    value.append(text_.substr(rest, i - rest));
     if (const auto escape = CodePointEscape(text_, i)) {
       if (!AppendUtf8(escape->first, &value) && !bad_escape) bad_escape = {i, "is not a Unicode character"};
       i += escape->second;
@@ -257,6 +292,7 @@ Token Lexer::LexString() {
       if (!bad_escape) bad_escape = {i, "is not an escape of SPARQL"};
       ++i;
     }
+    rest = i;
   }
   const size_t length = i + (is_long ? 3 : 1) - at_;
   if (bad_escape) {
@@ -265,7 +301,9 @@ Token Lexer::LexString() {
         "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
         "a backslash itself is written \\\\");
   }
-  return Make(TokenKind::kString, length, std::move(value));
+  if (rest == begin) return Make(TokenKind::kString, length, text_.substr(begin, i - begin));
+  value.append(text_.substr(rest, i - rest));
+  return Make(TokenKind::kString, length, Keep(std::move(value)));
 }
 
 Token Lexer::LexNumber() {
@@ -293,7 +331,7 @@ Token Lexer::LexNumber() {
     end += length;
     kind = TokenKind::kDouble;
   }
-  return Make(kind, end - at_, std::string(text_.substr(at_, end - at_)));
+  return Make(kind, end - at_, text_.substr(at_, end - at_));
 }
 
 Token Lexer::LexBlankLabel() {
@@ -310,22 +348,32 @@ Token Lexer::LexBlankLabel() {
     if (code != '.') good = end;
   }
   if (good == at_ + 2) return Error(2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
-  return Make(TokenKind::kBlankLabel, good - at_, std::string(text_.substr(at_ + 2, good - at_ - 2)));
+  return Make(TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
 }
 
 Token Lexer::LexWordOrName() {
   size_t end = at_;
   while (end < text_.size()) {
+    if (end > at_ && Is(text_[end], kInName)) {
+      ++end;
+      continue;
+    }
     const auto [code, length] = CodePointAt(text_, end);
     if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
     end += length;
   }
   if (end < text_.size() && text_[end] == ':' && (end == at_ || text_[end - 1] != '.'))
     return LexLocalName(end - at_);
+  for (end = at_; end < text_.size() && (Is(text_[end], kInName) && text_[end] != '-');) ++end;
+  if (end == text_.size() || text_[end] != '\\') {
+    if (end > at_) return Make(TokenKind::kWord, end - at_, text_.substr(at_, end - at_));
+    const size_t length = CodePointAt(text_, at_).second;
+    return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+  }
   // a keyword; in it code point escapes are allowed as everywhere (section 19.2)
   std::string word;
   for (end = at_; end < text_.size();) {
-    if (IsAlpha(text_[end]) || IsDigit(text_[end]) || text_[end] == '_') {
+    if (Is(text_[end], kInName) && text_[end] != '-') {
       word.push_back(text_[end++]);
     } else if (const auto escape = CodePointEscape(text_, end); escape && AppendUtf8(escape->first, &word)) {
       end += escape->second;
@@ -333,16 +381,22 @@ Token Lexer::LexWordOrName() {
       break;
     }
   }
-  if (end == at_) {
-    const size_t length = CodePointAt(text_, at_).second;
-    return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
-  }
-  return Make(TokenKind::kWord, end - at_, std::move(word));
+  if (end == at_) return Error(1, "'\\' cannot stand here");
+  return Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
+}
+
+Token Lexer::LexLocalName(size_t prefix_length) {
+  const size_t begin = at_ + prefix_length + 1;
+  size_t end = begin;
+  while (end < text_.size() && Is(text_[end], kInName) && !(end == begin && text_[end] == '-')) ++end;
+  const char next = end < text_.size() ? text_[end] : ' ';
+  const bool plain = static_cast<uint8_t>(next) < 0x80 && next != '.' && next != '%' && next != '\\' && next != ':';
+  if (!plain) return LexEscapedLocalName(prefix_length);
+  return Make(TokenKind::kPrefixedName, end - at_, text_.substr(begin, end - begin), text_.substr(at_, prefix_length));
 }
 
 // [169] PN_LOCAL after `prefix_length` bytes and a colon
-Token Lexer::LexLocalName(size_t prefix_length) {
-  std::string prefix(text_.substr(at_, prefix_length));
+Token Lexer::LexEscapedLocalName(size_t prefix_length) {
   std::string local;
   size_t end = at_ + prefix_length + 1;
   size_t good_end = end, good_size = 0;  // the name does not end with '.'
@@ -380,37 +434,35 @@ Token Lexer::LexLocalName(size_t prefix_length) {
     good_size = local.size();
   }
   local.resize(good_size);
-  return Make(TokenKind::kPrefixedName, good_end - at_, std::move(local), std::move(prefix));
+  return Make(TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), text_.substr(at_, prefix_length));
+}
+
+Token Lexer::LexIri(size_t length) {
+  const std::string_view inside = text_.substr(at_ + 1, length - 2);
+  if (inside.find('\\') == std::string_view::npos) return Make(TokenKind::kIri, length, inside);
+  std::string iri;
+  for (size_t i = at_ + 1; i + 1 < at_ + length;) {
+    if (text_[i] != '\\') {
+      iri.push_back(text_[i++]);
+      continue;
+    }
+    const auto escape = CodePointEscape(text_, i);  // IriLength saw that it is one
+    if (escape->first <= 0x20 || !AppendUtf8(escape->first, &iri)) {
+      return Error(length, "an escape in this IRI is not a character that an IRI may hold");
+    }
+    i += escape->second;
+  }
+  return Make(TokenKind::kIri, length, Keep(std::move(iri)));
 }
 
 Token Lexer::LexPunctuation() {
-  if (text_[at_] == '<') {
-    if (const size_t length = IriLength()) {
-      const std::string_view inside = text_.substr(at_ + 1, length - 2);
-      if (inside.find('\\') == std::string_view::npos) return Make(TokenKind::kIri, length, std::string(inside));
-      std::string iri;
-      for (size_t i = at_ + 1; i + 1 < at_ + length;) {
-        if (text_[i] != '\\') {
-          iri.push_back(text_[i++]);
-          continue;
-        }
-        const auto escape = CodePointEscape(text_, i);  // IriLength saw that it is one
-        if (escape->first <= 0x20 || !AppendUtf8(escape->first, &iri)) {
-          return Error(length, "an escape in this IRI is not a character that an IRI may hold");
-        }
-        i += escape->second;
-      }
-      return Make(TokenKind::kIri, length, std::move(iri));
-    }
-  }
-  static constexpr std::string_view kTwo[] = {"^^", "&&", "||", "!=", "<=", ">="};
-  for (const std::string_view two : kTwo) {
-    if (text_.substr(at_, 2) == two) return Make(TokenKind::kPunctuation, 2, std::string(two));
+  const char c = text_[at_], next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
+  const bool doubled = c == next && (c == '^' || c == '&' || c == '|');
+  if (doubled || (next == '=' && (c == '!' || c == '<' || c == '>'))) {
+    return Make(TokenKind::kPunctuation, 2, text_.substr(at_, 2));
   }
   static constexpr std::string_view kOne = "{}()[].,;=<>!*/+-|^?";
-  if (kOne.find(text_[at_]) != std::string_view::npos) {
-    return Make(TokenKind::kPunctuation, 1, std::string(1, text_[at_]));
-  }
+  if (kOne.find(c) != std::string_view::npos) return Make(TokenKind::kPunctuation, 1, text_.substr(at_, 1));
   const size_t length = CodePointAt(text_, at_).second;
   return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
 }

@@ -3,6 +3,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_LEXER_H_
 #define DOCENT_KB_SERVER_SPARQL_LEXER_H_
 
+#include <deque>
 #include <string>
 #include <string_view>
 
@@ -26,11 +27,12 @@ enum class TokenKind {
   kError,         // text: what is wrong; prefix: hint
 };
 
+// Lives as long as the lexer that made it: its texts lie in the query's text, or, where there were escapes, in the lexer.
 struct Token {
   TokenKind kind = TokenKind::kEnd;
   SourceSpan span;
-  std::string text;
-  std::string prefix;
+  std::string_view text;
+  std::string_view prefix;
 
   bool Is(std::string_view punctuation) const {
     return kind == TokenKind::kPunctuation && text.size() == punctuation.size() && text[0] == punctuation[0] &&
@@ -41,7 +43,7 @@ struct Token {
 class Lexer {
  public:
   // `text` must outlive it and be valid UTF-8 (see FindInvalidUtf8).
-  explicit Lexer(std::string_view text) : text_(text) {}
+  explicit Lexer(std::string_view text);
 
   // The next token; kEnd for ever after the last.
   Token Next();
@@ -50,18 +52,24 @@ class Lexer {
   void SkipSpaceAndComments();
   void Advance(size_t bytes);
   SourceSpan SpanOf(size_t length) const;
-  Token Make(TokenKind kind, size_t length, std::string text, std::string prefix = "");
-  Token Error(size_t length, std::string message, std::string hint = "");
+  Token Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  Token Error(size_t length, std::string message, std::string_view hint = {});
+  // The same text in the lexer's keeping.
+  std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
   Token LexString();
   Token LexNumber();
   Token LexWordOrName();
   Token LexLocalName(size_t prefix_length);
   Token LexBlankLabel();
+  Token LexEscapedLocalName(size_t prefix_length);
   Token LexPunctuation();
+  Token LexIri(size_t length);
   // Length of `<…>` from the current place, or 0 if it is not an IRI.
   size_t IriLength() const;
 
   std::string_view text_;
+  bool ascii_;                    // all of the text
+  std::deque<std::string> kept_;  // texts of tokens with escapes
   size_t at_ = 0;
   int line_ = 1;
   int column_ = 1;

@@ -1,5 +1,6 @@
 #include "kb_server/sparql/lowering.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "kb_server/sparql/text.h"
@@ -64,6 +65,18 @@ int Lowering::SlotOf(const std::string& variable, Scope& scope) {
 }
 
 int Lowering::ConstantOf(const Term& term) {
+  constexpr size_t kFew = 16;  // so few are found soonest by looking at each
+  if (constants_.size() <= kFew) {
+    const auto place = std::find(constants_.begin(), constants_.end(), term) - constants_.begin();
+    if (place == std::ssize(constants_)) {
+      if (constants_.empty()) constants_.reserve(kFew);
+      constants_.push_back(term);
+    }
+    return static_cast<int>(place);
+  }
+  if (constant_numbers_.empty()) {
+    for (size_t i = 0; i < constants_.size(); ++i) constant_numbers_.emplace(constants_[i], static_cast<int>(i));
+  }
   const auto [it, added] = constant_numbers_.emplace(term, static_cast<int>(constants_.size()));
   if (added) constants_.push_back(term);
   return it->second;

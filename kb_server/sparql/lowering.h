@@ -4,7 +4,6 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_LOWERING_H_
 #define DOCENT_KB_SERVER_SPARQL_LOWERING_H_
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -33,13 +32,13 @@ class Lowering {
 
   const absl::Status& status() const { return status_; }
   size_t slots() const { return static_cast<size_t>(next_slot_); }
-  // The constants by number.
-  const std::vector<Term>& constants() const { return constants_; }
+  // The constants by number, when all is lowered; the lowering has none afterwards.
+  std::vector<Term> TakeConstants() { return std::move(constants_); }
   int ConstantOf(const Term& term);
   const SlotSet& bound() const { return bound_; }
 
  private:
-  using Scope = std::map<std::string, int>;
+  using Scope = absl::flat_hash_map<std::string, int>;
 
   int SlotOf(const std::string& variable, Scope& scope);
   PlanTerm TermOf(const PatternTerm& term, Scope& scope);
@@ -66,7 +65,7 @@ class Lowering {
   SlotSet bound_;
   int next_slot_ = 0;
   std::vector<Term> constants_;
-  absl::flat_hash_map<Term, int> constant_numbers_;
+  absl::flat_hash_map<Term, int> constant_numbers_;  // where there are many
   absl::Status status_;
 };
 

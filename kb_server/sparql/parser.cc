@@ -76,10 +76,11 @@ ParsedExpression ParseExpression(std::string_view text, const ParseOptions& opti
 }
 
 struct ProductionParser::Impl {
-  Impl(std::string_view text, const ParseOptions& options)
-      : refused(Refuse(text, options)), grammar(refused ? std::string_view() : text, options) {
+  Impl(std::string_view text, const ParseOptions& given)
+      : options(given), refused(Refuse(text, options)), grammar(refused ? std::string_view() : text, options) {
     if (refused) grammar.Error(refused->span, refused->message, refused->hint);
   }
+  const ParseOptions options;
   std::optional<Diagnostic> refused;
   mutable Grammar grammar;  // looking ahead fills its buffer
 };
