@@ -31,7 +31,7 @@ struct Hall {
             {who, iri("reading" + std::to_string(k)), dictionary.Intern(Term::Integer(i * 7 + k)), graph});
       }
     }
-    writer.BulkLoad(quads);
+    writer.AddAll(quads);
     version = writer.Freeze(Revision(1));
   }
   std::unique_ptr<PreparedQuery> Prepare(const std::string& text, std::vector<std::string> bound = {}) {

@@ -67,7 +67,7 @@ void BM_BulkLoad(benchmark::State& state) {
   std::vector<Quad> quads = RandomQuads(static_cast<size_t>(state.range(0)));
   for (auto _ : state) {
     GraphWriter writer(nullptr);
-    writer.BulkLoad(quads);
+    writer.AddAll(quads);
     GraphVersionPtr version = writer.Freeze(Revision(1));
     state.counters["bytes_per_triple"] =
         static_cast<double>(version->bytes()) / static_cast<double>(version->size());

@@ -1,6 +1,8 @@
 #include "kb_server/store/batch_applier.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/term_check.h"
@@ -17,6 +19,14 @@ constexpr TimeMicros kNever = TimeMicros{1} << 54;
 
 absl::Status At(absl::string_view place, const absl::Status& status) {
   return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+}
+
+// Many plain additions, which go into the indexes sorted.
+bool IsBulk(const WriteBatch& batch) {
+  constexpr size_t kBulk = 256;
+  return batch.mode == WriteBatch::Mode::kLoad && batch.operations.size() >= kBulk &&
+         std::all_of(batch.operations.begin(), batch.operations.end(),
+                     [](const QuadOperation& o) { return o.kind == QuadOperation::Kind::kAdd; });
 }
 
 std::optional<TimeMicros> EndOfLifetime(TimeMicros from_us, uint64_t lifetime_ms) {
@@ -58,6 +68,24 @@ Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
   return {dictionary_.Intern(quad.subject), dictionary_.Intern(quad.predicate),
           dictionary_.Intern(quad.object),
           quad.graph.lexical.empty() ? default_graph : dictionary_.Intern(quad.graph)};
+}
+
+// Neighbours in a file mostly share subject, predicate and graph.
+std::vector<Quad> BatchApplier::InternAll(const std::vector<QuadOperation>& operations, TermId default_graph) {
+  std::vector<Quad> quads;
+  quads.reserve(operations.size());
+  const TermQuad* last = nullptr;
+  for (const QuadOperation& operation : operations) {
+    const TermQuad& quad = operation.quad;
+    const auto id = [&](const Term TermQuad::*term, TermId Quad::*known) {
+      return last != nullptr && last->*term == quad.*term ? quads.back().*known : dictionary_.Intern(quad.*term);
+    };
+    quads.push_back({id(&TermQuad::subject, &Quad::subject), id(&TermQuad::predicate, &Quad::predicate),
+                     dictionary_.Intern(quad.object),
+                     quad.graph.lexical.empty() ? default_graph : id(&TermQuad::graph, &Quad::graph)});
+    last = &quad;
+  }
+  return quads;
 }
 
 std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_graph) const {
@@ -112,6 +140,12 @@ void BatchApplier::Add(const Quad& quad, const WriteBatch& batch, GraphWriter& w
   if (end || !deadlines_.empty()) SetDeadline(quad, end);
 }
 
+void BatchApplier::AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum) {
+  std::vector<Quad> quads = InternAll(batch.operations, default_graph);
+  for (size_t i = 0; i < quads.size() && !deadlines_.empty(); ++i) SetDeadline(quads[i], std::nullopt);
+  for (const Quad& quad : writer.AddAll(std::move(quads))) sum->Added(quad);
+}
+
 void BatchApplier::Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum) {
   if (writer.Remove(quad)) sum->Removed(quad);
   if (!deadlines_.empty()) SetDeadline(quad, std::nullopt);
@@ -134,7 +168,10 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
   Expire(batch.time_us, writer, &sum);
   TermId graph = batch.source.empty() ? default_graph_ : dictionary_.InternIri(batch.source);
   const std::vector<QuadOperation>& readings = *read;
+  const bool bulk = IsBulk(batch);
+  if (bulk) AddAll(batch, graph, writer, &sum);
   for (const std::vector<QuadOperation>* operations : {&batch.operations, &readings}) {
+    if (bulk && operations == &batch.operations) continue;
     for (const QuadOperation& operation : *operations) {
       if (operation.kind == QuadOperation::Kind::kAdd) {
         Add(Intern(operation.quad, graph), batch, writer, &sum);

@@ -57,9 +57,11 @@ class BatchApplier {
 
   absl::Status Check(const WriteBatch& batch) const;
   Quad Intern(const TermQuad& quad, TermId default_graph);
+  std::vector<Quad> InternAll(const std::vector<QuadOperation>& operations, TermId default_graph);
   // Nothing if a term of it was never interned, so that the graph cannot hold it.
   std::optional<Quad> Find(const TermQuad& quad, TermId default_graph) const;
   void Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum);
+  void AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum);
   void Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum);
   void Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum);
   void SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline);

@@ -28,7 +28,7 @@ Diagnostics BulkLoader::Add(std::string_view text, RdfFormat format, const Parse
 }
 
 void BulkLoader::Build(GraphWriter& writer) {
-  writer.BulkLoad(std::exchange(quads_, {}));
+  writer.AddAll(std::exchange(quads_, {}));
 }
 
 void BulkLoader::Take(const TermQuad& quad) {

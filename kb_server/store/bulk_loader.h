@@ -1,4 +1,4 @@
-// Large files into an empty graph: statements are interned as they are parsed, and the indexes are built sorted, at once.
+// Large files into a graph: statements are interned as they are parsed, and the indexes are built sorted, at once.
 // Writer thread only.
 #ifndef DOCENT_KB_SERVER_STORE_BULK_LOADER_H_
 #define DOCENT_KB_SERVER_STORE_BULK_LOADER_H_
@@ -22,7 +22,7 @@ class BulkLoader {
   Diagnostics Add(std::string_view text, RdfFormat format, const ParseRdfOptions& options);
   // Statements so far, repeats included.
   size_t size() const { return quads_.size(); }
-  // Puts all of them into the empty graph of `writer`; the loader is empty afterwards.
+  // Puts all of them into the graph of `writer`; the loader is empty afterwards.
   void Build(GraphWriter& writer);
 
  private:

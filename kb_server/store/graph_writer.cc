@@ -1,11 +1,11 @@
 #include "kb_server/store/graph_writer.h"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "kb_server/store/index_order.h"
+#include "kb_server/store/quad_tree_edit.h"
 
 namespace docent {
 
@@ -47,16 +47,34 @@ Delta GraphWriter::Apply(const std::vector<Quad>& add, const std::vector<Quad>& 
   return delta;
 }
 
-void GraphWriter::BulkLoad(std::vector<Quad> quads) {
-  assert(version_->size() == 0);
-  std::sort(quads.begin(), quads.end());
-  quads.erase(std::unique(quads.begin(), quads.end()), quads.end());
-  std::vector<QuadTree::Key> keys(quads.size());
-  for (int i = 0; i < kIndexOrders; ++i) {
-    for (size_t j = 0; j < quads.size(); ++j) keys[j] = KeyOf(quads[j], IndexOrder(i));
-    if (i > 0) std::sort(keys.begin(), keys.end());
-    version_->trees_[i] = QuadTree::Build(keys, epoch_);
+std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
+  using Placed = std::pair<Quad, size_t>;
+  std::vector<Placed> fresh;
+  fresh.reserve(quads.size());
+  for (size_t i = 0; i < quads.size(); ++i) fresh.emplace_back(quads[i], i);
+  std::sort(fresh.begin(), fresh.end());
+  const auto repeats = std::unique(fresh.begin(), fresh.end(),
+                                   [](const Placed& a, const Placed& b) { return a.first == b.first; });
+  fresh.erase(repeats, fresh.end());
+  if (version_->size() > 0) {
+    QuadCursor cursor;
+    std::erase_if(fresh, [&](const Placed& placed) {
+      const Quad& quad = placed.first;
+      version_->Rescan({quad.subject, quad.predicate, quad.object, quad.graph}, &cursor);
+      return cursor.Valid();
+    });
   }
+  std::vector<QuadTree::Key> keys(fresh.size());
+  for (int i = 0; i < kIndexOrders; ++i) {
+    for (size_t j = 0; j < fresh.size(); ++j) keys[j] = KeyOf(fresh[j].first, IndexOrder(i));
+    if (i > 0) std::sort(keys.begin(), keys.end());
+    QuadTree::Edit::InsertSorted(&version_->trees_[i], keys, epoch_);
+  }
+  if (fresh.size() == quads.size()) return quads;
+  std::sort(fresh.begin(), fresh.end(), [](const Placed& a, const Placed& b) { return a.second < b.second; });
+  quads.clear();
+  for (const Placed& placed : fresh) quads.push_back(placed.first);
+  return quads;
 }
 
 GraphVersionPtr GraphWriter::Freeze(Revision revision) {

@@ -29,9 +29,9 @@ class GraphWriter {
   bool Remove(const Quad& quad);
   // Adds then removes as listed, returns the net change. A quad in both lists ends up absent.
   Delta Apply(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  // Fills the empty graph with these quads at once: sorts, drops repeats and builds full nodes; several times
-  // faster than Add. Requires current().size() == 0.
-  void BulkLoad(std::vector<Quad> quads);
+  // Adds many quads and returns those that were new, once each, in the order given: what Add for each of them does, but
+  // sorted and each index gone through once, which is several times faster where there are thousands.
+  std::vector<Quad> AddAll(std::vector<Quad> quads);
 
   const GraphVersion& current() const { return *version_; }
 

@@ -63,36 +63,8 @@ QuadTree::~QuadTree() {
 }
 
 QuadTree QuadTree::Build(const std::vector<Key>& keys, uint64_t epoch) {
-  // Nodes an eighth empty, so that the first insert into each does not split it.
-  constexpr size_t kLeafFill = Leaf::kMaxKeys * 7 / 8;
-  constexpr size_t kInnerFill = Inner::kMaxChildren * 7 / 8;
   QuadTree tree;
-  if (keys.empty()) return tree;
-  Edit edit(epoch);
-  std::vector<Edit::Right> level;
-  for (size_t i = 0; i < keys.size(); i += kLeafFill) {
-    std::span<const Key> run(keys.data() + i, std::min(kLeafFill, keys.size() - i));
-    level.push_back({edit.NewLeaf(run, 0), run[0], run.size()});
-  }
-  while (level.size() > 1) {
-    std::vector<Edit::Right> above;
-    for (size_t i = 0; i < level.size(); i += kInnerFill) {
-      Inner* inner = edit.NewInner();
-      uint64_t size = 0;
-      for (size_t j = i; j < std::min(i + kInnerFill, level.size()); ++j) {
-        inner->keys[inner->count] = level[j].first;
-        inner->counts[inner->count] = level[j].size;
-        inner->children[inner->count++] = level[j].node;
-        size += level[j].size;
-      }
-      above.push_back({inner, level[i].first, size});
-    }
-    level = std::move(above);
-    ++tree.height_;
-  }
-  tree.root_ = level[0].node;
-  tree.size_ = keys.size();
-  tree.bytes_ = static_cast<size_t>(edit.bytes_change());
+  Edit::InsertSorted(&tree, keys, epoch);
   return tree;
 }
 

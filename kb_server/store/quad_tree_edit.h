@@ -1,9 +1,10 @@
 // Making, sharing and changing the nodes of a QuadTree: the steps of Insert, Erase and Build.
-// Included only by quad_tree*.cc. Writer thread of the tree.
+// Included only by quad_tree*.cc and graph_writer.cc. Writer thread of the tree.
 #ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_EDIT_H_
 #define DOCENT_KB_SERVER_STORE_QUAD_TREE_EDIT_H_
 
 #include <span>
+#include <vector>
 
 #include "kb_server/store/quad_tree_node.h"
 
@@ -44,11 +45,25 @@ class QuadTree::Edit {
   // If child `index` of a writable node is small and fits together with a neighbour, makes one of the two.
   void MergeChild(Inner* inner, int index);
 
+  // Inserts all of these keys, which must be sorted and distinct; those that the tree has already stay. Goes down once to
+  // each leaf that gets some, so that many keys cost much less than as many Insert. Iterators as after Insert.
+  static void InsertSorted(QuadTree* tree, std::span<const Key> keys, uint64_t epoch);
+
+  // Well filled leaves of these keys, appended to `out`.
+  void MakeLeaves(std::span<const Key> keys, std::vector<Right>* out);
+  // Well filled inner nodes over these children, appended to `out`.
+  void MakeInners(std::span<const Right> children, std::vector<Right>* out);
+  // `node`, which has `levels` inner levels beneath and including it, with the sorted `keys` put in, as one node or several
+  // in order. Takes over the reference of `node`; `first` is the smallest key that belongs there.
+  void InsertRun(Node* node, int levels, const Key& first, std::span<const Key> keys, std::vector<Right>* out);
+
   int64_t bytes_change() const { return bytes_change_; }
   // Bytes of the nodes of other epochs that left the tree: what older versions alone hold from now on.
   size_t replaced_bytes() const { return replaced_bytes_; }
 
  private:
+  static Right Fill(Inner* inner, std::span<const Right> children);
+  void InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<const Key> keys, std::vector<Right>* out);
   // Forgets a node that left the tree.
   void Drop(Node* node);
   Leaf* Allocate(size_t capacity, size_t stride);

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "kb_server/store/quad_tree.h"
+#include "kb_server/store/quad_tree_edit.h"
 
 namespace docent {
 namespace {
@@ -101,6 +101,19 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
   for (int round = 0; round < 60; ++round) {
     bool growing = source.random() % 3 != 0;
     int changes = static_cast<int>(source.random() % 400);
+    if (round % 4 == 3) {  // many at once, of one neighbourhood or from everywhere
+      std::set<Key> run;
+      const size_t count = source.random() % (round % 8 == 3 ? 3000 : 40);
+      for (size_t i = 0; i < count; ++i) {
+        Key key = source.Next();
+        if (round % 12 == 3 && !run.empty()) key[0] = (*run.begin())[0];
+        run.insert(key);
+      }
+      QuadTree::Edit::InsertSorted(&tree, std::vector<Key>(run.begin(), run.end()), epoch);
+      model.insert(run.begin(), run.end());
+      tree.CheckInvariants();
+      ASSERT_EQ(All(tree), std::vector<Key>(model.begin(), model.end()));
+    }
     for (int i = 0; i < changes; ++i) {
       Key key = source.Next();
       if (!growing && !model.empty() && i % 4 != 0) {

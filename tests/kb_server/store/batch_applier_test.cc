@@ -121,6 +121,81 @@ TEST_F(BatchApplierTest, LoadingKeepsSetSemantics) {
   EXPECT_EQ(All().size(), 2u);
 }
 
+TEST_F(BatchApplierTest, ALargeLoadIsWhatItsPartsAre) {
+  // The same statements once in a batch that goes into the indexes sorted, once in small ones.
+  std::string text;
+  for (int i = 0; i < 700; ++i) {
+    const int n = i * 37 % 300;
+    text += " <http://e/g" + std::to_string(n % 2) + "> { e:s" + std::to_string(n % 20) + " e:p" + std::to_string(n % 3) +
+            " " + std::to_string(n) + " . }";
+  }
+  text += " e:s1 docent:at e:A . e:s1 docent:at e:B .";  // no state is replaced
+  const WriteBatch all = [&] {
+    WriteBatch batch = Batch(text);
+    batch.mode = WriteBatch::Mode::kLoad;
+    batch.source = "http://e/source";
+    return batch;
+  }();
+  auto added = Turn(all);
+  ASSERT_TRUE(added.ok()) << added.status();
+  Dictionary dictionary;
+  BatchApplier applier(dictionary, limits_);
+  GraphWriter writer(nullptr);
+  std::vector<std::string> expected;
+  for (const QuadOperation& operation : all.operations) {
+    WriteBatch one = all;
+    one.operations = {operation};
+    const absl::StatusOr<Delta> delta = applier.Apply(one, writer);
+    ASSERT_TRUE(delta.ok()) << delta.status();
+    for (const Quad& quad : delta->added) {
+      expected.push_back(ToDisplay(dictionary.Decode(quad.subject)) + " " + ToDisplay(dictionary.Decode(quad.predicate)) + " " +
+                         ToDisplay(dictionary.Decode(quad.object)) + " " + ToDisplay(dictionary.Decode(quad.graph)));
+    }
+  }
+  EXPECT_EQ(added->first, expected);
+  writer_.current().CheckInvariants();
+}
+
+TEST_F(BatchApplierTest, ALargeLoadMakesItsFactsStay) {
+  WriteBatch brief = Batch("e:s7 e:p 7 .", 1000);
+  brief.lifetime_ms = 1;
+  ASSERT_TRUE(Turn(brief).ok());
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += "e:s" + std::to_string(i) + " e:p " + std::to_string(i) + " . ";
+  WriteBatch all = Batch(text, 1500);
+  all.mode = WriteBatch::Mode::kLoad;
+  ASSERT_TRUE(Turn(all).ok());
+  EXPECT_EQ(applier_.NextDeadline(), std::nullopt);
+  auto later = Turn(Batch("", 1'000'000));
+  ASSERT_TRUE(later.ok());
+  EXPECT_THAT(later->second, testing::IsEmpty());
+}
+
+TEST_F(BatchApplierTest, AStreamOfPosesGrowsNeitherDictionaryNorIndex) {
+  ASSERT_TRUE(Turn(Batch("docent:x a docent:StateProperty . docent:t a docent:StateProperty .")).ok());
+  size_t terms = 0, bytes = 0;
+  for (int n = 0; n < 20000; ++n) {
+    WriteBatch pose;
+    pose.time_us = n;
+    const std::string robot = "http://e/r" + std::to_string(n % 100);
+    const auto tell = [&](const char* property, std::string value, std::string_view type) {
+      pose.operations.push_back({QuadOperation::Kind::kAdd,
+                                 {Term::Iri(robot), Term::Iri(DocentIri(property)),
+                                  Term::Literal(std::move(value), std::string(type)), Term()}});
+    };
+    tell("x", std::to_string(n / 1000) + "." + std::to_string(100 + n % 900), kXsdDecimal);
+    tell("t", "2026-11-21T12:" + std::to_string(10 + n / 1000) + ":00." + std::to_string(100 + n % 900) + "Z", kXsdDateTime);
+    ASSERT_TRUE(Turn(pose).ok());
+    if (n == 1000) {
+      terms = dictionary_.size();
+      bytes = writer_.current().bytes();
+    }
+  }
+  EXPECT_EQ(dictionary_.size(), terms);
+  EXPECT_LE(writer_.current().bytes(), bytes * 11 / 10);
+  EXPECT_EQ(writer_.current().Count({{}, *dictionary_.FindIri(DocentIri("x")), {}, {}}), 100u);
+}
+
 TEST_F(BatchApplierTest, StatePropertiesAreThoseOfTheGraphBeforeTheBatch) {
   ASSERT_TRUE(Turn(Batch("e:q a docent:StateProperty . e:r e:q 1 .")).ok());
   ASSERT_TRUE(Turn(Batch("e:r e:q 2 .")).ok());

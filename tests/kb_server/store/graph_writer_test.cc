@@ -82,19 +82,29 @@ TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
   EXPECT_EQ(start->size(), 1000u);
 }
 
-TEST(GraphWriterTest, BulkLoadEqualsAdding) {
+TEST(GraphWriterTest, AddingManyAtOnceEqualsAddingEach) {
   std::mt19937_64 random(2);
-  std::vector<Quad> quads;
-  for (int i = 0; i < 20000; ++i)
-    quads.push_back(Q(random() % 500, random() % 9, random() % 900, random() % 3 + 1));
   GraphWriter bulk(nullptr), one_by_one(nullptr);
-  bulk.BulkLoad(quads);
-  for (const Quad& quad : quads) one_by_one.Add(quad);
-  bulk.current().CheckInvariants();
-  ASSERT_EQ(bulk.current().size(), one_by_one.current().size());
-  for (const Quad& quad : quads) ASSERT_TRUE(bulk.current().Contains(quad));
+  uint64_t revision = 0;
+  std::vector<GraphVersionPtr> versions;
+  for (size_t count : {20000u, 1u, 300u, 5000u, 0u, 3u, 9000u}) {
+    std::vector<Quad> quads, expected;
+    for (size_t i = 0; i < count; ++i) {
+      quads.push_back(Q(random() % 500, random() % 9, random() % 900, random() % 3 + 1));
+      if (i % 7 == 0) quads.push_back(quads[random() % quads.size()]);
+    }
+    for (const Quad& quad : quads) {
+      if (one_by_one.Add(quad)) expected.push_back(quad);
+    }
+    EXPECT_EQ(bulk.AddAll(quads), expected) << count;
+    bulk.current().CheckInvariants();
+    ASSERT_EQ(bulk.current().size(), one_by_one.current().size());
+    for (const Quad& quad : quads) ASSERT_TRUE(bulk.current().Contains(quad));
+    if (count % 2 == 0) versions.push_back(bulk.Freeze(Revision(++revision)));
+  }
   EXPECT_TRUE(bulk.Add(Q(1000, 1, 1)));
   bulk.current().CheckInvariants();
+  for (const GraphVersionPtr& version : versions) version->CheckInvariants();
 }
 
 TEST(DeltaSumTest, WhatWasUndoneDidNotHappen) {
