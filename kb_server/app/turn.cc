@@ -22,18 +22,22 @@ void Record(const EngineOutput& output, TurnResult* result) {
   result->started.insert(result->started.end(), output.started.begin(), output.started.end());
 }
 
-absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
-  for (const RunRequest& request : batch.run_requests) {
-    if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
-  }
-
+absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
+  if (batch.documents.empty()) return stages->applier.Apply(batch, stages->writer);
   WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
   absl::Status documents =
       stages->documents.Apply(&input, Revision(offset), stages->dictionary, stages->writer.current(),
                               &stages->rules, &stages->engine, stages->limits);
   if (!documents.ok()) return documents;
+  return stages->applier.Apply(input, stages->writer);
+}
 
-  absl::StatusOr<Delta> delta = stages->applier.Apply(input, stages->writer);  // store
+absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
+  for (const RunRequest& request : batch.run_requests) {
+    if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
+  }
+
+  absl::StatusOr<Delta> delta = ApplyToStore(stages, batch, offset);  // store
   if (!delta.ok()) return delta.status();
 
   DeltaSum sum;

@@ -2,9 +2,11 @@
 
 #include <google/protobuf/arena.h>
 
+#include <deque>
 #include <limits>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/hash/hash.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/log/record.pb.h"
 
@@ -20,24 +22,24 @@ static_assert(static_cast<int>(Document::Action::kRemove) == 1);
 static_assert(static_cast<int>(CommandReport::Outcome::kUnreachable) == 6);
 static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
 
-// Gives each distinct term of a record its number.
+// Gives each distinct term of a record its number. The terms must outlive the table.
 class TermTable {
  public:
   explicit TermTable(log::Turn* turn) : turn_(turn) {}
 
   uint32_t Number(const Term& term) {
     if (term == Term{}) return 0;
-    const auto found = numbers_.find(term);
-    if (found != numbers_.end()) return found->second;
+    const auto [place, added] = numbers_.try_emplace(&term, 0);
+    if (!added) return place->second;
     // The datatype first: a term refers only to terms before it.
-    const uint32_t datatype = term.datatype.empty() ? 0 : Number(Term::Iri(term.datatype));
+    const uint32_t datatype = term.datatype.empty() ? 0 : NumberOfDatatype(term.datatype);
     log::TermEntry* entry = turn_->add_terms();
     entry->set_kind(static_cast<log::TermEntry::Kind>(term.kind));
     entry->set_lexical(term.lexical);
     entry->set_datatype(datatype);
     entry->set_language(term.language);
     const uint32_t number = static_cast<uint32_t>(turn_->terms_size());
-    numbers_.emplace(term, number);
+    numbers_[&term] = number;  // the number of the datatype may have moved the place
     return number;
   }
 
@@ -51,8 +53,24 @@ class TermTable {
   }
 
  private:
+  struct HashTerm {
+    size_t operator()(const Term* term) const { return absl::HashOf(*term); }
+  };
+  struct SameTerm {
+    bool operator()(const Term* a, const Term* b) const { return *a == *b; }
+  };
+
+  uint32_t NumberOfDatatype(const std::string& iri) {
+    const auto known = datatypes_.find(iri);
+    if (known != datatypes_.end()) return known->second;
+    const Term& term = owned_.emplace_back(Term::Iri(iri));
+    return datatypes_[iri] = Number(term);
+  }
+
   log::Turn* turn_;
-  absl::flat_hash_map<Term, uint32_t> numbers_;
+  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;
+  absl::flat_hash_map<std::string, uint32_t> datatypes_;
+  std::deque<Term> owned_;  // datatypes as terms
 };
 
 void EncodeBatch(const WriteBatch& batch, TermTable* terms, log::Batch* out) {
