@@ -1,16 +1,21 @@
 // docent load FILES: data, ontologies, rules, workflows and robot services into a running server.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <iostream>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/part_loader.h"
 #include "kb_server/rdf/parser.h"
 
 namespace docent {
@@ -67,6 +72,7 @@ class Loader {
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
     if (kind == "facts") return Assert(file, *text);
+    if (kind == "data" && text->size() > kPartBytes) return LoadInParts(file, *text);
     return LoadModule(file, kind, *text);
   }
 
@@ -115,9 +121,49 @@ class Loader {
     return kExitOk;
   }
 
+  // A large file: checked whole before anything of it is sent.
+  int LoadInParts(const std::string& file, const std::string& text) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto document = CutDocument(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), file);
+    if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, text));
+    const auto rate = [&](size_t bytes) {
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double share = document->bytes == 0 ? 1 : static_cast<double>(bytes) / static_cast<double>(document->bytes);
+      return absl::StrFormat("%.0f statements/s", share * static_cast<double>(document->statements) / seconds);
+    };
+    v1::LoadRequest request;
+    request.set_name(NameOf(file));
+    request.set_graph(arguments_.graph);
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
+      if (terminal) std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
+    });
+    if (terminal) std::cerr << "\n";
+    if (!outcome.status.ok()) {
+      std::cerr << file << ": " << outcome.parts << " of " << document->parts.size() << " parts are loaded ("
+                << outcome.added << " statements were new); loading the file again adds the rest\n";
+      return Fail(outcome.status, arguments_.client);
+    }
+    std::cout << file << ": data, " << outcome.added << " added, " << outcome.removed << " removed, "
+              << outcome.inferred << " inferred, revision " << outcome.revision << " (" << document->parts.size()
+              << " parts, " << rate(document->bytes) << ")\n";
+    return kExitOk;
+  }
+
+  static std::string NameOf(const std::string& file) {
+    return file == "-" ? "stdin" : std::filesystem::path(file).filename().string();
+  }
+
+  static std::string ProgressBar(size_t done, size_t all) {
+    constexpr size_t kWidth = 30;
+    const size_t filled = all == 0 ? kWidth : done * kWidth / all;
+    return absl::StrCat("[", std::string(filled, '#'), std::string(kWidth - filled, '.'), "] ",
+                        all == 0 ? 100 : done * 100 / all, " %");
+  }
+
   int LoadModule(const std::string& file, const std::string& kind, const std::string& text) {
     v1::LoadRequest request;
-    request.set_name(file == "-" ? "stdin" : std::filesystem::path(file).filename().string());
+    request.set_name(NameOf(file));
     request.set_kind(kind == "rules"      ? v1::LoadRequest::RULES
                      : kind == "ontology" ? v1::LoadRequest::ONTOLOGY
                                           : v1::LoadRequest::DATA);

@@ -1,5 +1,6 @@
 // Ontologies: modules, rule sets and data files.
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/line_parser.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
@@ -31,12 +32,18 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   options.file = request.name();
   options.limits = limits;
   options.blank_node_scope = absl::StrCat(request.name(), "_");
-  ParsedRdf parsed = ParseRdf(request.text(), *format, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
-  for (TermQuad& quad : parsed.quads) {
+  const auto add = [&](TermQuad quad) {
     if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
     batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    return true;
+  };
+  if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
+    return ToStatus(ParseLines(request.text(), *format, options, add), request.text());
   }
+  ParsedRdf parsed = ParseRdf(request.text(), *format, options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
+  batch->operations.reserve(parsed.quads.size());
+  for (TermQuad& quad : parsed.quads) add(std::move(quad));
   return absl::OkStatus();
 }
 
