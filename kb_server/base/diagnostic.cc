@@ -46,6 +46,31 @@ Excerpt ExcerptOf(std::string_view line, int column) {
   return excerpt;
 }
 
+// Length of the character at `at` of what may be no UTF-8 (RFC 3629, section 4); 0 if none begins there.
+size_t CharacterAt(std::string_view text, size_t at) {
+  const auto byte = [&](size_t i) { return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0u; };
+  const unsigned lead = byte(0), second = byte(1);
+  const size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : (lead & 0xF0) == 0xE0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+  for (size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  }
+  const bool overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
+  const bool surrogate = lead == 0xED && second >= 0xA0, beyond = lead == 0xF4 && second >= 0x90;
+  return overlong || surrogate || beyond ? 0 : length;
+}
+
+// The text as a terminal and an HTTP client can take it: U+FFFD for bytes that are no UTF-8 and for control characters.
+std::string Printable(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size();) {
+    const size_t length = CharacterAt(text, i);
+    const bool control = length == 1 && static_cast<unsigned char>(text[i]) < 0x20 && text[i] != '\n' && text[i] != '\t';
+    out += length == 0 || control ? std::string_view("\uFFFD") : text.substr(i, length);
+    i += std::max<size_t>(length, 1);
+  }
+  return out;
+}
+
 // Edits (insert, delete, replace, swap of neighbours) from `a` to `b`: the optimal string alignment distance.
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -94,7 +119,7 @@ std::string Render(const Diagnostics& diagnostics, std::string_view source) {
     }
     if (!d.hint.empty()) absl::StrAppend(&out, "  hint: ", d.hint, "\n");
   }
-  return out;
+  return Printable(out);
 }
 
 absl::Status ToStatus(const Diagnostics& diagnostics, std::string_view source) {

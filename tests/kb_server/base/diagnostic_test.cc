@@ -58,5 +58,14 @@ TEST(DiagnosticTest, NearestWord) {
   EXPECT_EQ(Nearest("colour", words), "");
 }
 
+TEST(DiagnosticTest, WhatIsNoTextIsShownAsReplacementCharacters) {
+  const std::string source = "a \xFF b \xC3( \xE2\x82\xAC \xED\xA0\x80 \x1B[2J";
+  Diagnostic diagnostic;
+  diagnostic.span = {1, 3, 2, 1};
+  diagnostic.message = "this byte is not UTF-8";
+  EXPECT_EQ(Render({diagnostic}, source),
+            "1:3: error: this byte is not UTF-8\n  a \uFFFD b \uFFFD( \u20AC \uFFFD\uFFFD\uFFFD \uFFFD[2J\n    ^\n");
+}
+
 }  // namespace
 }  // namespace docent
