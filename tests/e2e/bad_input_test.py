@@ -85,6 +85,14 @@ class Documents(StageTest):
         file = self.file("bad.rsel.xml", '<rsel name="x">\n  <process>\n    <invoke/>\n  </process>\n</rsel>\n')
         self.assert_place(self.server.run("load", file), "bad.rsel.xml:2:", "name")
 
+    def test_a_mistake_at_the_end_of_a_large_file(self):
+        """A file that goes to the server in parts is checked whole first."""
+        lines = "".join(f'<http://example.org/{i}> <http://example.org/bad> "{"x" * 100}" .\n' for i in range(40_000))
+        self.assert_place(self.server.run("load", self.file("large.nt", lines + "<http://example.org/a> oops .\n")),
+                          "large.nt:40001:", "^")
+        turtle = "@prefix : <http://example.org/> .\n" + "".join(f':a :bad "{i}{"x" * 100}" .\n' for i in range(45_000))
+        self.assert_place(self.server.run("load", self.file("large.ttl", turtle + ":a :bad nope:c .\n")), "large.ttl:45002:")
+
     def test_a_batch_beyond_the_limit_is_refused_whole(self):
         lines = "".join(f"<http://example.org/a> <http://example.org/bad> {i} .\n" for i in range(100_001))
         done = self.server.run("load", "--as", "facts", self.file("large.ttl", lines))
