@@ -4,9 +4,12 @@
 #include <vector>
 
 #include "bench/kb_bench.h"
+#include "bench/load_bench.h"
 #include "bench/localisation_bench.h"
+#include "bench/poses_bench.h"
 #include "bench/reaction_bench.h"
 #include "bench/recovery_bench.h"
+#include "bench/writes_bench.h"
 
 namespace {
 
@@ -21,6 +24,9 @@ constexpr Benchmark kBenchmarks[] = {
     {"kb", "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
      docent::bench::RunKbBench},
     {"recovery", "a start from a snapshot and the log after it", docent::bench::RunRecoveryBench},
+    {"load", "a file of N-Triples into a running server", docent::bench::RunLoadBench},
+    {"poses", "memory under a stream of poses", docent::bench::RunPosesBench},
+    {"writes", "versions and durable facts a second, and a query's latency beside them", docent::bench::RunWritesBench},
     {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
 };
 

@@ -21,6 +21,8 @@ class ServerProcess {
 
   const std::string& grpc_address() const { return grpc_address_; }
   const std::string& http_address() const { return http_address_; }
+  // That the server has used so far.
+  double CpuSeconds() const;
 
  private:
   ServerProcess() = default;
