@@ -1,6 +1,7 @@
 // Runs a fuzz target without libFuzzer: first each corpus file as it is, then seeded mutations of them.
 //
 //   fuzz_cawl MUTATIONS SEED PATH…     PATH: a file, or a folder whose files are taken at any depth
+//                                      MUTATIONS like 600s: as many as go in so many seconds
 //
 // A finding ends the program; the text that caused it stands in fuzz_finding.txt in the working folder.
 #include <fcntl.h>
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -86,13 +88,17 @@ int main(int argc, char** argv) {
   signal(SIGSEGV, KeepFinding);
   signal(SIGTERM, KeepFinding);  // a test that ran out of time: what it was at
   for (const std::string& text : corpus) RunOne(text);
-  long mutations = std::atol(argv[1]);
+  char* unit = nullptr;
+  const long number = std::strtol(argv[1], &unit, 10);
+  const bool seconds = *unit == 's';
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds ? number : 0);
   uint32_t seed = static_cast<uint32_t>(std::strtoul(argv[2], nullptr, 10));
   docent::fuzz::Mutator mutator(seed, corpus,
                                 {"<", ">", "</", "/>", "\"", "&lt;", "&#x0;", "&#10;", "<![CDATA[", "]]>", "<!--", "-->", "<?x?>",
                                  "<!DOCTYPE a [", "xmlns:x=\"urn:x\"", " name=\"\"", "$user", "?x", "not (", " or ", " and ",
-                                 "prefix:", "<urn:x>", "\xC3\xA9", "\xFF", std::string(1, '\0'), "{", "}", "ASK", "."});
-  for (long i = 0; i < mutations; ++i) RunOne(mutator.Next());
+                                 "prefix:", "RULE {", "} WHERE {", "FILTER NOT EXISTS {", "OPTIONAL {", "BIND(", "?x", "<urn:x>", "\xC3\xA9", "\xFF", std::string(1, '\0'), "{", "}", "ASK", "."});
+  long mutations = 0;
+  for (; seconds ? std::chrono::steady_clock::now() < end : mutations < number; ++mutations) RunOne(mutator.Next());
   std::printf("%zu corpus files, %ld mutations of seed %u: nothing found\n", corpus.size(), mutations, seed);
   return 0;
 }
