@@ -1,6 +1,7 @@
 #include "bench/poses_bench.h"
 
 #include <malloc.h>
+#include <time.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
