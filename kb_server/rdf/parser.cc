@@ -7,6 +7,8 @@
 #include "absl/strings/str_format.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/line_parser.h"
+#include "kb_server/rdf/located_parser.h"
+#include "kb_server/rdf/place_recorder.h"
 #include "kb_server/rdf/rdf_xml.h"
 #include "kb_server/rdf/turtle_parser.h"
 #include "kb_server/rdf/utf8.h"
@@ -89,6 +91,19 @@ ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOption
   if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return *std::move(refused);
   if (format == RdfFormat::kRdfXml) return ParseRdfXml(text, options);
   return ParseTurtleFamily(text, format, options);
+}
+
+LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
+  LocatedRdf located;
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) {
+    located.rdf = *std::move(refused);
+    return located;
+  }
+  PlaceRecorder places;
+  located.rdf = format == RdfFormat::kRdfXml ? ParseRdfXml(text, options, &places)
+                                             : ParseTurtleFamily(text, format, options, &places);
+  places.Finish(text, &located);
+  return located;
 }
 
 Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,

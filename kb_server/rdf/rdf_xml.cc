@@ -11,6 +11,7 @@
 #include "kb_server/rdf/quad_collector.h"
 #include "kb_server/rdf/raptor_world.h"
 #include "kb_server/rdf/term_check.h"
+#include "kb_server/rdf/xml_entities.h"
 
 namespace docent {
 namespace {
@@ -37,27 +38,6 @@ std::optional<size_t> FindForeignEncoding(std::string_view text) {
   std::string name = absl::AsciiStrToLower(ToAbsl(declaration.substr(open + 1, close - open - 1)));
   if (name == "utf-8" || name == "utf8" || name == "us-ascii" || name == "ascii") return std::nullopt;
   return open + 1;
-}
-
-// The offset of a document type definition, which can stand only before the first element.
-std::optional<size_t> FindDoctype(std::string_view text) {
-  size_t at = 0;
-  while (true) {
-    at = text.find_first_not_of(" \t\r\n", at);
-    if (at == std::string_view::npos) return std::nullopt;
-    std::string_view rest = text.substr(at);
-    std::string_view end;
-    if (rest.starts_with("<!DOCTYPE")) return at;
-    if (rest.starts_with("<?"))
-      end = "?>";
-    else if (rest.starts_with("<!--"))
-      end = "-->";
-    else
-      return std::nullopt;
-    at = text.find(end, at + 2);
-    if (at == std::string_view::npos) return std::nullopt;
-    at += end.size();
-  }
 }
 
 // The end of the start tag at `at`: the offset of its '>', outside of quotes.
@@ -104,9 +84,10 @@ std::optional<size_t> FindTooDeep(std::string_view text, int limit) {
 // One document on its way through Raptor.
 class RdfXmlReader {
  public:
-  RdfXmlReader(std::string_view text, const ParseRdfOptions& options)
+  RdfXmlReader(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places)
       : text_(text),
         options_(options),
+        places_(places),
         collector_(options.blank_node_scope),
         world_([this](const raptor_log_message& message) { OnMessage(message); }) {}
 
@@ -212,6 +193,9 @@ class RdfXmlReader {
       return;
     }
     collector_.Add(std::move(quad));
+    if (places_ == nullptr) return;
+    raptor_locator* locator = raptor_parser_get_locator(parser_);
+    places_->AddPlace({std::max(raptor_locator_line(locator), 1), std::max(raptor_locator_column(locator), 1), 0, 0});
   }
 
   bool Convert(const raptor_term* from, Term* to) {
@@ -275,6 +259,7 @@ class RdfXmlReader {
 
   std::string_view text_;
   const ParseRdfOptions& options_;
+  PlaceRecorder* places_;  // may be null
   QuadCollector collector_;
   RaptorWorld world_;
   raptor_parser* parser_ = nullptr;
@@ -284,19 +269,16 @@ class RdfXmlReader {
 
 }  // namespace
 
-ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options) {
+ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places) {
   ParsedRdf refused;
   if (std::optional<size_t> at = FindForeignEncoding(text)) {
     refused.diagnostics.push_back({options.file, SpanAt(text, *at, 1), "only the encoding UTF-8 is read",
                                    "save the document as UTF-8 and declare that"});
     return refused;
   }
-  if (std::optional<size_t> at = FindDoctype(text)) {
-    refused.diagnostics.push_back({options.file, SpanAt(text, *at, 9),
-                                   "a document type definition is refused: it could expand or fetch entities",
-                                   "remove <!DOCTYPE …> and write its entities out"});
-    return refused;
-  }
+  const std::optional<std::string> expanded = ExpandEntities(text, options, &refused.diagnostics);
+  if (!refused.ok()) return refused;
+  if (expanded) text = *expanded;
   if (std::optional<size_t> at = FindTooDeep(text, options.limits.xml_nesting)) {
     refused.diagnostics.push_back(
         {options.file, SpanAt(text, *at, 1),
@@ -304,7 +286,7 @@ ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options) {
          "give inner nodes an rdf:nodeID or rdf:about, and describe them at the top"});
     return refused;
   }
-  return RdfXmlReader(text, options).Run();
+  return RdfXmlReader(text, options, places).Run();
 }
 
 }  // namespace docent

@@ -13,12 +13,14 @@
 
 #include "absl/status/statusor.h"
 #include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/place_recorder.h"
 
 namespace docent {
 
-// `text` must be well-formed UTF-8. Refused before Raptor sees it: a document type definition (entity
-// expansion, external entities) and any declared encoding but UTF-8 (another could hide one).
-ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options);
+// `text` must be well-formed UTF-8. Raptor sees no document type definition: one that only declares entities by their
+// text, as OWL editors write it, is expanded before (xml_entities.h), any other is refused. Refused is any declared
+// encoding but UTF-8, too (another could hide one). `places`: where quads are recorded, if it is not null.
+ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places = nullptr);
 
 // INVALID_ARGUMENT where RDF/XML cannot say it: a named graph, or a predicate whose end is not an XML name.
 absl::StatusOr<std::string> WriteRdfXml(const std::vector<TermQuad>& quads,

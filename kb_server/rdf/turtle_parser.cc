@@ -17,14 +17,15 @@ namespace {
 // which is in scan_.failure(); the statement loop reports it.
 class TurtleParser {
  public:
-  TurtleParser(std::string_view text, RdfFormat format, const ParseRdfOptions& options)
+  TurtleParser(std::string_view text, RdfFormat format, const ParseRdfOptions& options, PlaceRecorder* places)
       : text_(text),
         options_(options),
         line_based_(format == RdfFormat::kNTriples || format == RdfFormat::kNQuads),
         graphs_(format == RdfFormat::kTriG || format == RdfFormat::kNQuads),
         scan_(text, line_based_, options.limits.term_bytes),
         collector_(options.blank_node_scope),
-        base_(options.base_iri) {}
+        base_(options.base_iri),
+        places_(places) {}
 
   ParsedRdf Run() {
     ParsedRdf parsed;
@@ -56,11 +57,14 @@ class TurtleParser {
   bool LineStatement() {
     TermQuad& quad = line_;
     quad.graph.lexical.clear();
+    const size_t subject_at = scan_.position();
     if (!ReadSubjectTerm(&quad.subject, "a subject (an IRI or a blank node)")) return false;
     scan_.SkipSpace();
     if (scan_.Peek() != '<') return scan_.Fail("expected the IRI of the predicate", "", true);
+    const size_t predicate_at = scan_.position();
     if (!ReadIriTerm(&quad.predicate)) return false;
     scan_.SkipSpace();
+    const size_t object_at = scan_.position();
     if (!ReadObjectTerm(&quad.object)) return false;
     scan_.SkipSpace();
     if (graphs_ && scan_.Peek() != '.') {
@@ -75,7 +79,7 @@ class TurtleParser {
                         true);
     }
     if (visit_ == nullptr) {
-      collector_.Add(std::move(quad));
+      Add(std::move(quad), subject_at, predicate_at, object_at);
       quad = TermQuad();
     } else if (!(*visit_)(quad)) {
       scan_.SkipAll();
@@ -119,9 +123,11 @@ class TurtleParser {
     std::string_view prefix;
     std::string iri;
     scan_.SkipSpace();
+    const size_t at = scan_.position();
     if (!scan_.ReadPrefix(&prefix)) return false;
     scan_.SkipSpace();
     if (!ReadResolvedIri(&iri) || !EndDirective(dot)) return false;
+    if (places_ != nullptr) places_->DeclarePrefix(prefix, iri, at);
     std::string& known = prefixes_[std::string(prefix)];
     std::erase_if(declared_, [&](const auto& entry) { return entry.first == prefix; });
     declared_.emplace_back(prefix, iri);
@@ -186,6 +192,7 @@ class TurtleParser {
   // Turtle [6] triples '.', or TriG [3g]: a label with a graph block behind it.
   bool TriplesOrGraph() {
     if (graphs_ && scan_.Peek() != '(') {
+      const size_t at = scan_.position();
       Term first;
       bool anonymous = scan_.Peek() == '[';
       bool property_list = false;
@@ -196,7 +203,7 @@ class TurtleParser {
         return GraphBlock();
       }
       bool may_end = property_list && scan_.Peek() == '.';
-      if (!may_end && !PredicateObjectList(first)) return false;
+      if (!may_end && !PredicateObjectList(first, at)) return false;
     } else if (!Triples()) {
       return false;
     }
@@ -208,6 +215,7 @@ class TurtleParser {
 
   // Turtle [6] triples, without the '.'.
   bool Triples() {
+    const size_t at = scan_.position();
     Term subject;
     bool property_list = false;
     if (scan_.Peek() == '[') {
@@ -219,7 +227,7 @@ class TurtleParser {
     }
     scan_.SkipSpace();
     if (property_list && (scan_.Peek() == '.' || scan_.Peek() == '}')) return true;
-    return PredicateObjectList(subject);
+    return PredicateObjectList(subject, at);
   }
 
   bool ReadSubject(Term* subject) {
@@ -230,8 +238,9 @@ class TurtleParser {
   }
 
   // Turtle [7]: verb objectList (';' (verb objectList)?)*
-  bool PredicateObjectList(const Term& subject) {
+  bool PredicateObjectList(const Term& subject, size_t subject_at) {
     while (true) {
+      const size_t predicate_at = scan_.position();
       Term predicate;
       if (scan_.TakeKeyword("a", false)) {
         predicate = Term::Iri(std::string(kRdfType));
@@ -244,7 +253,7 @@ class TurtleParser {
       }
       do {
         scan_.SkipSpace();
-        if (!Object(subject, predicate)) return false;
+        if (!Object(subject, predicate, subject_at, predicate_at)) return false;
         scan_.SkipSpace();
       } while (scan_.Take(','));
       if (scan_.Peek() != ';') return true;
@@ -254,11 +263,17 @@ class TurtleParser {
     }
   }
 
-  bool Object(const Term& subject, const Term& predicate) {
+  bool Object(const Term& subject, const Term& predicate, size_t subject_at, size_t predicate_at) {
+    const size_t object_at = scan_.position();
     Term object;
     if (!ReadObject(&object)) return false;
-    collector_.Add({subject, predicate, std::move(object), graph_});
+    Add({subject, predicate, std::move(object), graph_}, subject_at, predicate_at, object_at);
     return true;
+  }
+
+  void Add(TermQuad quad, size_t subject_at, size_t predicate_at, size_t object_at) {
+    collector_.Add(std::move(quad));
+    if (places_ != nullptr) places_->AddQuad(subject_at, predicate_at, object_at);
   }
 
   bool ReadObject(Term* object) {
@@ -288,11 +303,12 @@ class TurtleParser {
   // Turtle [14]: '[' predicateObjectList ']', or ANON: '[' ']'.
   bool BlankNodePropertyList(Term* node, bool* property_list) {
     if (!Deeper()) return false;
+    const size_t at = scan_.position();
     scan_.Take('[');
     scan_.SkipSpace();
     *node = collector_.NewBlank();
     *property_list = scan_.Peek() != ']';
-    if (*property_list && !PredicateObjectList(*node)) return false;
+    if (*property_list && !PredicateObjectList(*node, at)) return false;
     scan_.SkipSpace();
     --depth_;
     return scan_.Take(']') || scan_.Fail("expected ']'", "", true);
@@ -309,16 +325,18 @@ class TurtleParser {
     *head = nil;
     while (!scan_.Take(')')) {
       if (scan_.AtEnd()) return scan_.Fail("expected ')' at the end of the collection");
+      const size_t at = scan_.position();
       Term node = collector_.NewBlank();
       if (last.lexical.empty())
         *head = node;
       else
-        collector_.Add({last, rest, node, graph_});
+        Add({last, rest, node, graph_}, at, at, at);
       last = node;
-      if (!Object(node, first)) return false;
+      if (!Object(node, first, at, at)) return false;
       scan_.SkipSpace();
     }
-    if (!last.lexical.empty()) collector_.Add({last, rest, nil, graph_});
+    const size_t end = scan_.position();
+    if (!last.lexical.empty()) Add({last, rest, nil, graph_}, end, end, end);
     --depth_;
     return true;
   }
@@ -375,6 +393,7 @@ class TurtleParser {
     if (!scan_.ReadPrefixedName(&prefix, &local)) return false;
     auto known = prefixes_.find(std::string(prefix));
     if (known == prefixes_.end()) return UnknownPrefix(at, prefix);
+    if (places_ != nullptr) places_->UsePrefix(prefix);
     term->lexical = known->second + local;
     return true;
   }
@@ -417,6 +436,7 @@ class TurtleParser {
   TurtleScanner scan_;
   QuadCollector collector_;
   std::string base_;
+  PlaceRecorder* places_;  // may be null
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
   Term graph_;  // of the block that we are in; empty outside
@@ -427,13 +447,14 @@ class TurtleParser {
 
 }  // namespace
 
-ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
-  return TurtleParser(text, format, options).Run();
+ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                            PlaceRecorder* places) {
+  return TurtleParser(text, format, options, places).Run();
 }
 
 Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
                              const std::function<bool(const TermQuad&)>& visit) {
-  return TurtleParser(text, format, options).RunLines(visit);
+  return TurtleParser(text, format, options, nullptr).RunLines(visit);
 }
 
 }  // namespace docent

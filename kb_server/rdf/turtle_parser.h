@@ -11,12 +11,15 @@
 #include <string_view>
 
 #include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/place_recorder.h"
 
 namespace docent {
 
 // `text` must be well-formed UTF-8. After a mistake parsing goes on at the next statement, to find them all
 // (up to Limits::document_diagnostics).
-ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options);
+// `places`: where quads and prefixes are recorded, if it is not null.
+ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                            PlaceRecorder* places = nullptr);
 // As ParseLines (line_parser.h).
 Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
                              const std::function<bool(const TermQuad& quad)>& visit);
