@@ -196,11 +196,37 @@ TEST(ParserTest, RdfXml) {
   EXPECT_THAT(parsed.prefixes, ElementsAre(Pair("rdf", std::string(kRdfNs)), Pair("e", "http://e/")));
 }
 
+TEST(ParserTest, EntitiesOfTheDocumentTypeGrowToTheLimitAndNoFurther) {
+  const std::string text = "<!DOCTYPE rdf:RDF [<!ENTITY e \"http://e/\">]>" +
+                           RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;&other</e:p></rdf:Description>");
+  EXPECT_FALSE(ParseRdf(text, RdfFormat::kRdfXml).ok()) << "&other is no entity";
+  const std::string good = "<!DOCTYPE rdf:RDF [<!-- c --><!ENTITY e 'http://e/' >\n] >" +
+                           RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;</e:p></rdf:Description>");
+  ParsedRdf parsed = ParseRdf(good, RdfFormat::kRdfXml);
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, good);
+  EXPECT_EQ(parsed.quads[0], (TermQuad{E("s"), E("p"), Term::Literal("http://e/<"), kNoGraph}));
+  std::string many = "<!DOCTYPE rdf:RDF [<!ENTITY e \"" + std::string(1000, 'a') + "\">]>";
+  std::string uses;
+  for (int i = 0; i < 500; ++i) uses += "&e;";
+  many += RdfXml("<rdf:Description rdf:about=\"http://e/s\"><e:p>" + uses + "</e:p></rdf:Description>");
+  ParseRdfOptions options;
+  options.limits.document_bytes = 500 * 1000 + 1000;
+  EXPECT_TRUE(ParseRdf(many, RdfFormat::kRdfXml, options).ok());
+  options.limits.document_bytes = 499 * 1000;
+  EXPECT_THAT(Render(ParseRdf(many, RdfFormat::kRdfXml, options).diagnostics, ""), HasSubstr("document_bytes = 499000"));
+}
+
 TEST(ParserTest, RdfXmlMistakes) {
-  EXPECT_THAT(
-      Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF [<!ENTITY x \"y\">]>" + RdfXml(""),
-               RdfFormat::kRdfXml),
-      HasSubstr("2:11: error: a document type definition is refused"));
+  const auto with_doctype = [](const std::string& rest) {
+    return Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF " + rest + RdfXml(""), RdfFormat::kRdfXml);
+  };
+  EXPECT_THAT(with_doctype("SYSTEM \"file:///etc/passwd\">"),
+              HasSubstr("2:29: error: a document type definition is refused where it names an external subset"));
+  EXPECT_THAT(with_doctype("[<!ENTITY x SYSTEM \"file:///etc/passwd\">]>"), HasSubstr("an external entity"));
+  EXPECT_THAT(with_doctype("[<!ENTITY a \"aa\"><!ENTITY b \"&a;&a;\">]>"), HasSubstr("an entity that holds & % or <"));
+  EXPECT_THAT(with_doctype("[<!ENTITY % a \"aa\">]>"), HasSubstr("a parameter entity"));
+  EXPECT_THAT(with_doctype("[<!ELEMENT a (b)>]>"), HasSubstr("holds anything but entities"));
+  EXPECT_THAT(with_doctype("[<!ENTITY a \"a\""), HasSubstr("goes on after an entity's text"));
   EXPECT_THAT(Mistakes("<?xml version=\"1.0\" encoding='UTF-7'?>" + RdfXml(""), RdfFormat::kRdfXml),
               HasSubstr("only the encoding UTF-8"));
   EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"x\"/>"), RdfFormat::kRdfXml), HasSubstr("<x> is relative"));

@@ -1,0 +1,51 @@
+// What a check of documents finds. Values; any thread.
+#ifndef DOCENT_REASONER_ONTOLOGY_FINDING_H_
+#define DOCENT_REASONER_ONTOLOGY_FINDING_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "kb_server/base/diagnostic.h"
+
+namespace docent::ontology {
+
+struct Finding {
+  std::string rule;  // a name that does not change: "undefined-term", "unused-prefix" …
+  Diagnostic diagnostic;
+};
+
+// Findings of one file, at most `limit`; the rest are counted.
+class Findings {
+ public:
+  Findings(std::string file, size_t limit) : file_(std::move(file)), limit_(limit) {}
+
+  void Error(const std::string& rule, const SourceSpan& span, std::string message, std::string hint) {
+    Add(rule, span, std::move(message), std::move(hint), Diagnostic::Severity::kError);
+  }
+  void Warning(const std::string& rule, const SourceSpan& span, std::string message, std::string hint) {
+    Add(rule, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning);
+  }
+  // In order of the text.
+  std::vector<Finding> Take();
+  size_t left_out() const { return left_out_; }
+
+ private:
+  void Add(const std::string& rule, const SourceSpan& span, std::string message, std::string hint,
+           Diagnostic::Severity severity) {
+    if (findings_.size() >= limit_) {
+      ++left_out_;
+      return;
+    }
+    findings_.push_back({rule, {file_, span, std::move(message), std::move(hint), severity}});
+  }
+
+  const std::string file_;
+  const size_t limit_;
+  size_t left_out_ = 0;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace docent::ontology
+
+#endif  // DOCENT_REASONER_ONTOLOGY_FINDING_H_

@@ -1,0 +1,206 @@
+#include "reasoner/ontology/meaning_check.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/ontology/hierarchy.h"
+#include "reasoner/shapes/datatype_check.h"
+
+namespace docent::ontology {
+namespace {
+
+std::string Show(std::string_view iri) { return ToDisplay(Term::Iri(std::string(iri))); }
+
+std::string DatatypeOf(const Term& literal) {
+  if (!literal.language.empty()) return std::string(kRdfLangString);
+  return literal.datatype.empty() ? std::string(kXsdString) : literal.datatype;
+}
+
+class MeaningCheck {
+ public:
+  MeaningCheck(const LocatedRdf& document, const Vocabulary& vocabulary, std::set<std::string>* cycles,
+               Findings& findings)
+      : document_(document), vocabulary_(vocabulary), cycles_(*cycles), findings_(findings) {}
+
+  void Run() {
+    for (size_t i = 0; i < document_.rdf.quads.size(); ++i) {
+      const TermQuad& q = document_.rdf.quads[i];
+      const QuadPlace& at = document_.places[i];
+      if (q.object.IsLiteral()) CheckLiteral(q.object, at.object);
+      if (q.predicate.lexical == kRdfType) {
+        CheckDeclaration(q, at);
+      } else if (!IsSchemaWord(q.predicate.lexical)) {
+        CheckDomain(q, at);
+        CheckRange(q, at);
+      }
+      CheckEdge(q, at);
+    }
+  }
+
+ private:
+  // Words that speak of words: their domains and ranges are those of RDF Schema and OWL, which declare no literals.
+  static bool IsSchemaWord(std::string_view iri) {
+    return iri.starts_with(kRdfNs) || iri.starts_with(kRdfsNs) || iri.starts_with(kOwlNs);
+  }
+
+  void CheckLiteral(const Term& literal, const SourceSpan& span) {
+    if (shapes::IsValidLexicalForm(literal.lexical, DatatypeOf(literal)).value_or(true)) return;
+    findings_.Error("bad-literal", span,
+                    Concat("\"", literal.lexical.substr(0, 100), "\" is not a text that ", Show(literal.datatype), " allows"),
+                    "correct the text, or its datatype");
+  }
+
+  void CheckDeclaration(const TermQuad& q, const QuadPlace& at) {
+    if (!q.subject.IsIri() || !q.object.IsIri()) return;
+    const std::string& iri = q.subject.lexical;
+    const bool declares = vocabulary_.IsClass(iri) || vocabulary_.IsProperty(iri);
+    if (declares && IsSchemaWord(q.object.lexical) && declared_.insert(iri).second) {
+      if (!vocabulary_.HasLabel(iri)) {
+        findings_.Warning("missing-label", at.subject, Concat(Show(iri), " has no label"),
+                          "add rdfs:label \"…\", the word that people see");
+      }
+      if (!vocabulary_.HasComment(iri)) {
+        findings_.Warning("missing-comment", at.subject, Concat(Show(iri), " has no comment"),
+                          "add rdfs:comment \"…\", what it means and when it holds");
+      }
+    }
+    CheckTypes(iri, vocabulary_.TypesOf(iri), at.subject, "is");
+  }
+
+  // Two disjoint classes among those that a resource is in, or a class is below.
+  void CheckTypes(const std::string& iri, const Words& types, const SourceSpan& span, const char* verb) {
+    if (!judged_.insert({iri, verb}).second) return;
+    const auto [one, other] = vocabulary_.DisjointAmong(types);
+    if (one.empty()) return;
+    findings_.Error("disjoint-types", span,
+                    Concat(Show(iri), " ", verb, " ", Show(one), " and ", Show(other), ", which are disjoint"),
+                    "remove one of them, or the owl:disjointWith");
+  }
+
+  // How the types of a resource stand to a class that it has to be in.
+  enum class Fit { kUnknown, kIs, kMismatch, kClash };
+  Fit FitOf(const Term& node, const std::string& cls, std::string* why) const {
+    if (!node.IsIri() || cls == Concat(kOwlNs, "Thing") || cls == Concat(kRdfsNs, "Resource")) return Fit::kUnknown;
+    const Words& types = vocabulary_.TypesOf(node.lexical);
+    Fit fit = Fit::kUnknown;
+    for (const std::string& type : types) {
+      if (vocabulary_.ClassesAbove(type)->contains(cls)) return Fit::kIs;
+      if (type == Concat(kOwlNs, "NamedIndividual")) continue;
+      const auto [one, other] = vocabulary_.Disjoint(type, cls);
+      if (!one.empty()) {
+        *why = Concat(Show(one), " is disjoint with ", Show(other));
+        return Fit::kClash;
+      }
+      *why = Concat("it is ", Show(type));
+      fit = Fit::kMismatch;
+    }
+    return fit;
+  }
+
+  void Judge(const Term& node, const std::string& cls, const std::string& property, const char* side,
+             const SourceSpan& span) {
+    std::string why;
+    const Fit fit = FitOf(node, cls, &why);
+    const std::string rule = side;
+    if (fit == Fit::kClash) {
+      findings_.Error(rule + "-clash", span,
+                      Concat(ToDisplay(node), " cannot be ", Show(cls), ", the ", side, " of ", Show(property), ": ", why),
+                      Concat("use another property, or correct the type of ", ToDisplay(node)));
+    } else if (fit == Fit::kMismatch) {
+      findings_.Warning(rule + "-mismatch", span,
+                        Concat(ToDisplay(node), " is taken for ", Show(cls), ", the ", side, " of ", Show(property), "; ", why),
+                        Concat("say that it is ", Show(cls), ", too, or use another property"));
+    }
+  }
+
+  void CheckDomain(const TermQuad& q, const QuadPlace& at) {
+    const PropertyFacts* facts = vocabulary_.Property(q.predicate.lexical);
+    if (facts == nullptr) return;
+    for (const std::string& domain : facts->domains) Judge(q.subject, domain, q.predicate.lexical, "domain", at.subject);
+  }
+
+  void CheckRange(const TermQuad& q, const QuadPlace& at) {
+    const std::string& property = q.predicate.lexical;
+    const PropertyFacts* facts = vocabulary_.Property(property);
+    if (facts == nullptr || facts->annotation) return;
+    if (q.object.IsLiteral()) {
+      CheckLiteralRange(q, *facts, at.object);
+      return;
+    }
+    const bool data_range = std::any_of(facts->ranges.begin(), facts->ranges.end(),
+                                        [this](const std::string& r) { return vocabulary_.IsDatatype(r); });
+    if ((facts->data && !facts->object) || data_range) {
+      findings_.Error("range-clash", at.object,
+                      Concat(Show(property), " has a literal as value, and ", ToDisplay(q.object), " is a resource"),
+                      "write a literal, or use a property that leads to resources");
+      return;
+    }
+    for (const std::string& range : facts->ranges) Judge(q.object, range, property, "range", at.object);
+  }
+
+  void CheckLiteralRange(const TermQuad& q, const PropertyFacts& facts, const SourceSpan& span) {
+    const std::string& property = q.predicate.lexical;
+    if (facts.object && !facts.data) {
+      findings_.Error("range-clash", span, Concat(Show(property), " leads to a resource, and ", ToDisplay(q.object), " is a literal"),
+                      "name the resource by its IRI, or use a property that has literals");
+      return;
+    }
+    const std::string datatype = DatatypeOf(q.object);
+    for (const std::string& range : facts.ranges) {
+      const bool any = range == Concat(kRdfsNs, "Literal") || range == Concat(kRdfsNs, "Resource") ||
+                       range == Concat(kXsdNs, "anyAtomicType") || range == Concat(kXsdNs, "anySimpleType");
+      if (any || shapes::IsDerivedDatatype(datatype, range)) continue;
+      if (vocabulary_.IsDatatype(range) && !range.starts_with(kXsdNs)) continue;  // one that is defined elsewhere
+      if (vocabulary_.IsClass(range)) {
+        findings_.Error("range-clash", span, Concat(Show(property), " leads to ", Show(range), ", and ", ToDisplay(q.object), " is a literal"),
+                        "name the resource by its IRI");
+      } else if (vocabulary_.IsDatatype(range)) {
+        findings_.Error("range-clash", span,
+                        Concat(ToDisplay(q.object), " is ", Show(datatype), "; the range of ", Show(property), " is ", Show(range)),
+                        Concat("write the value as ", Show(range)));
+      }
+    }
+  }
+
+  // A class below two disjoint ones, and circles, at the first edge of this document.
+  void CheckEdge(const TermQuad& q, const QuadPlace& at) {
+    if (!q.subject.IsIri() || !q.object.IsIri()) return;
+    const bool of_classes = q.predicate.lexical == Concat(kRdfsNs, "subClassOf");
+    const bool of_properties = q.predicate.lexical == Concat(kRdfsNs, "subPropertyOf");
+    if (!of_classes && !of_properties) return;
+    if (of_classes) {
+      CheckTypes(q.subject.lexical, {q.subject.lexical}, at.subject, "is below");
+    }
+    const auto& edges = of_classes ? vocabulary_.super_classes() : vocabulary_.super_properties();
+    const std::vector<std::string> cycle = CycleThrough(edges, q.subject.lexical, q.object.lexical);
+    if (cycle.empty()) return;
+    const std::string& least = *std::min_element(cycle.begin(), cycle.end());
+    if (!cycles_.insert(least).second) return;
+    std::string text;
+    for (const std::string& word : cycle) absl::StrAppend(&text, Show(word), " → ");
+    absl::StrAppend(&text, Show(cycle.front()));
+    findings_.Warning("cycle", at.object,
+                      Concat(of_classes ? "classes" : "properties", " that are below each other: ", text),
+                      Concat("remove one of the ", of_classes ? "rdfs:subClassOf" : "rdfs:subPropertyOf", ", or write ",
+                             of_classes ? "owl:equivalentClass" : "owl:equivalentProperty", " if they mean the same"));
+  }
+
+  const LocatedRdf& document_;
+  const Vocabulary& vocabulary_;
+  std::set<std::string>& cycles_;
+  Findings& findings_;
+  std::set<std::string> declared_;
+  std::set<std::pair<std::string, std::string>> judged_;  // a resource, and as what
+};
+
+}  // namespace
+
+void CheckMeaning(const LocatedRdf& document, const Vocabulary& vocabulary, std::set<std::string>* cycles,
+                  Findings& findings) {
+  MeaningCheck(document, vocabulary, cycles, findings).Run();
+}
+
+}  // namespace docent::ontology

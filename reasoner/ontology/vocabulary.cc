@@ -1,0 +1,234 @@
+#include "reasoner/ontology/vocabulary.h"
+
+#include <deque>
+
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/ontology/standard_words.h"
+
+namespace docent::ontology {
+namespace {
+
+constexpr std::string_view kSkosNs = "http://www.w3.org/2004/02/skos/core#";
+constexpr std::string_view kTermsNs = "http://purl.org/dc/terms/";
+
+// "owl:Class" of its IRI, for the namespaces that decide what a word is.
+std::string Short(std::string_view iri) {
+  for (const auto& [prefix, name_space] :
+       {std::pair<std::string_view, std::string_view>{"rdf:", kRdfNs}, {"rdfs:", kRdfsNs}, {"owl:", kOwlNs}}) {
+    if (iri.starts_with(name_space)) return Concat(prefix, iri.substr(name_space.size()));
+  }
+  return "";
+}
+
+bool IsPropertyType(std::string_view type) {
+  static const Words* types = new Words{"rdf:Property",
+                                        "owl:ObjectProperty",
+                                        "owl:DatatypeProperty",
+                                        "owl:AnnotationProperty",
+                                        "owl:OntologyProperty",
+                                        "owl:FunctionalProperty",
+                                        "owl:InverseFunctionalProperty",
+                                        "owl:TransitiveProperty",
+                                        "owl:SymmetricProperty",
+                                        "owl:AsymmetricProperty",
+                                        "owl:ReflexiveProperty",
+                                        "owl:IrreflexiveProperty"};
+  return types->contains(type);
+}
+
+}  // namespace
+
+std::string_view NamespaceOf(std::string_view iri) {
+  const size_t end = iri.find_last_of("#/:");
+  return end == std::string_view::npos ? std::string_view() : iri.substr(0, end + 1);
+}
+
+Vocabulary::Vocabulary() {
+  for (const StandardWord& word : StandardWords()) {
+    const std::string iri = Concat(word.name_space, word.local);
+    known_.insert(iri);
+    labelled_.insert(iri);
+    explained_.insert(iri);
+    covered_.insert(std::string(word.name_space));
+    if (word.kind == StandardKind::kClass) classes_.insert(iri);
+    if (word.kind == StandardKind::kDatatype) datatypes_.insert(iri);
+    if (word.kind == StandardKind::kProperty) properties_.insert(iri);
+  }
+}
+
+void Vocabulary::AddType(const std::string& subject, const std::string& type) {
+  types_[subject].insert(type);
+  const std::string name = Short(type);
+  if (name == "owl:Class" || name == "rdfs:Class") {
+    classes_.insert(subject);
+    covered_.insert(std::string(NamespaceOf(subject)));
+  } else if (name == "rdfs:Datatype") {
+    datatypes_.insert(subject);
+  } else if (IsPropertyType(name) || type == DocentIri("StateProperty")) {
+    properties_.insert(subject);
+    covered_.insert(std::string(NamespaceOf(subject)));
+    PropertyFacts& facts = facts_[subject];
+    facts.object = facts.object || name == "owl:ObjectProperty";
+    facts.data = facts.data || name == "owl:DatatypeProperty";
+    facts.annotation = facts.annotation || name == "owl:AnnotationProperty";
+  }
+}
+
+void Vocabulary::AddPropertyFact(const TermQuad& quad) {
+  const std::string& subject = quad.subject.lexical;
+  const std::string name = Short(quad.predicate.lexical);
+  const bool to_iri = quad.object.IsIri();
+  const std::string& object = quad.object.lexical;
+  if (name == "rdfs:label" || quad.predicate.lexical == Concat(kSkosNs, "prefLabel")) {
+    labelled_.insert(subject);
+  } else if (name == "rdfs:comment" || name == "rdfs:isDefinedBy" ||
+             quad.predicate.lexical == Concat(kSkosNs, "definition") ||
+             quad.predicate.lexical == Concat(kTermsNs, "description")) {
+    explained_.insert(subject);
+  } else if (!to_iri) {
+    if (name == "rdfs:subClassOf" || name == "owl:equivalentClass") classes_.insert(subject);
+  } else if (name == "rdf:type") {
+    AddType(subject, object);
+  } else if (name == "rdfs:subClassOf") {
+    super_classes_[subject].insert(object);
+    classes_.insert(subject);
+  } else if (name == "owl:equivalentClass") {
+    equivalent_[subject].insert(object);
+    equivalent_[object].insert(subject);
+    classes_.insert(subject);
+  } else if (name == "rdfs:subPropertyOf") {
+    super_properties_[subject].insert(object);
+    properties_.insert(subject);
+  } else if (name == "rdfs:domain") {
+    facts_[subject].domains.insert(object);
+  } else if (name == "rdfs:range") {
+    facts_[subject].ranges.insert(object);
+  } else if (name == "owl:disjointWith" || name == "owl:complementOf") {
+    disjoint_[subject].insert(object);
+    disjoint_[object].insert(subject);
+  }
+}
+
+// owl:AllDisjointClasses with owl:members ( … ).
+void Vocabulary::AddList(const std::vector<TermQuad>& quads) {
+  const std::string first = Concat(kRdfNs, "first"), rest = Concat(kRdfNs, "rest");
+  const std::string members = Concat(kOwlNs, "members"), all = Concat(kOwlNs, "AllDisjointClasses");
+  std::map<std::string, const TermQuad*> firsts, rests;
+  Words disjoint_nodes;
+  for (const TermQuad& q : quads) {
+    if (!q.subject.IsBlank()) continue;
+    if (q.predicate.lexical == first) firsts[q.subject.lexical] = &q;
+    if (q.predicate.lexical == rest) rests[q.subject.lexical] = &q;
+    if (q.predicate.lexical == kRdfType && q.object.lexical == all) disjoint_nodes.insert(q.subject.lexical);
+  }
+  for (const TermQuad& q : quads) {
+    if (q.predicate.lexical != members || !disjoint_nodes.contains(q.subject.lexical)) continue;
+    std::vector<std::string> classes;
+    std::string cell = q.object.lexical;
+    for (size_t steps = 0; steps <= firsts.size() && firsts.contains(cell) && rests.contains(cell); ++steps) {
+      if (firsts[cell]->object.IsIri()) classes.push_back(firsts[cell]->object.lexical);
+      cell = rests[cell]->object.lexical;
+    }
+    for (const std::string& a : classes) {
+      for (const std::string& b : classes) {
+        if (a != b) disjoint_[a].insert(b);
+      }
+    }
+  }
+}
+
+void Vocabulary::Add(const std::vector<TermQuad>& quads) {
+  above_.clear();
+  above_size_ = 0;
+  for (const TermQuad& q : quads) {
+    if (!q.subject.IsIri()) continue;
+    known_.insert(q.subject.lexical);
+    AddPropertyFact(q);
+  }
+  AddList(quads);
+}
+
+bool Vocabulary::IsDatatype(std::string_view iri) const { return datatypes_.contains(iri); }
+
+const PropertyFacts* Vocabulary::Property(std::string_view iri) const {
+  auto it = facts_.find(iri);
+  return it == facts_.end() ? nullptr : &it->second;
+}
+
+const Words& Vocabulary::TypesOf(std::string_view iri) const {
+  static const Words* none = new Words;
+  auto it = types_.find(iri);
+  return it == types_.end() ? *none : it->second;
+}
+
+std::shared_ptr<const Words> Vocabulary::ClassesAbove(const std::string& cls) const {
+  constexpr size_t kMostAbove = 2000, kMostKept = 1'000'000;
+  if (auto it = above_.find(cls); it != above_.end()) return it->second;
+  auto above = std::make_shared<Words>();
+  std::deque<std::string> open = {cls};
+  above->insert(cls);
+  while (!open.empty() && above->size() < kMostAbove) {
+    const std::string at = std::move(open.front());
+    open.pop_front();
+    for (const auto* edges : {&super_classes_, &equivalent_}) {
+      auto next = edges->find(at);
+      if (next == edges->end()) continue;
+      for (const std::string& super : next->second) {
+        if (above->insert(super).second) open.push_back(super);
+      }
+    }
+  }
+  above_size_ += above->size();
+  if (above_size_ > kMostKept) {
+    above_.clear();
+    above_size_ = above->size();
+  }
+  above_[cls] = above;
+  return above;
+}
+
+std::pair<std::string, std::string> Vocabulary::Disjoint(const std::string& a, const std::string& b) const {
+  if (disjoint_.empty()) return {};
+  const std::shared_ptr<const Words> of_a = ClassesAbove(a), of_b = ClassesAbove(b);
+  for (const std::string& one : *of_a) {
+    auto it = disjoint_.find(one);
+    if (it == disjoint_.end()) continue;
+    for (const std::string& other : it->second) {
+      if (of_b->contains(other)) return {one, other};
+    }
+  }
+  return {};
+}
+
+std::pair<std::string, std::string> Vocabulary::DisjointAmong(const Words& classes) const {
+  if (disjoint_.empty()) return {};
+  Words all;
+  for (const std::string& cls : classes) {
+    const std::shared_ptr<const Words> above = ClassesAbove(cls);
+    all.insert(above->begin(), above->end());
+  }
+  for (const std::string& one : all) {
+    auto it = disjoint_.find(one);
+    if (it == disjoint_.end()) continue;
+    for (const std::string& other : it->second) {
+      if (all.contains(other)) return {one, other};
+    }
+  }
+  return {};
+}
+
+std::string Vocabulary::NearestWord(std::string_view iri, Kind kind) const {
+  const std::string_view name_space = NamespaceOf(iri);
+  const Words& words = kind == Kind::kClass ? classes_ : kind == Kind::kProperty ? properties_ : known_;
+  std::vector<std::string> locals;
+  for (auto it = words.lower_bound(name_space); it != words.end() && it->starts_with(name_space); ++it) {
+    std::string local = it->substr(name_space.size());
+    if (!local.empty() && *it != iri) locals.push_back(std::move(local));
+  }
+  const std::string nearest = Nearest(iri.substr(name_space.size()), locals);
+  return nearest.empty() ? "" : Concat(name_space, nearest);
+}
+
+}  // namespace docent::ontology

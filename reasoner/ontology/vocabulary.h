@@ -1,0 +1,81 @@
+// What a set of documents says of words: classes, properties, how they hang together, which resources are described. Read
+// from told triples alone; nothing is inferred but along rdfs:subClassOf, rdfs:subPropertyOf and owl:equivalentClass.
+// One thread (it remembers closures that it was asked for).
+#ifndef DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_
+#define DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "kb_server/rdf/term.h"
+
+namespace docent::ontology {
+
+using Words = std::set<std::string, std::less<>>;
+
+// The part of an IRI that words of one vocabulary share: up to the last '#', '/' or ':'.
+std::string_view NamespaceOf(std::string_view iri);
+
+struct PropertyFacts {
+  bool object = false, data = false, annotation = false;  // owl:ObjectProperty …
+  Words domains, ranges;                                  // IRIs alone
+};
+
+class Vocabulary {
+ public:
+  Vocabulary();
+
+  void Add(const std::vector<TermQuad>& quads);
+
+  bool IsClass(std::string_view iri) const { return classes_.contains(iri); }
+  bool IsDatatype(std::string_view iri) const;
+  bool IsProperty(std::string_view iri) const { return properties_.contains(iri); }
+  bool IsKnown(std::string_view iri) const { return known_.contains(iri); }
+  // Null where it is no property.
+  const PropertyFacts* Property(std::string_view iri) const;
+  // Whether words of this namespace that nothing declares are mistakes: it holds a declared class or property, or is
+  // one of rdf:, rdfs:, owl:, xsd:.
+  bool Covers(std::string_view name_space) const { return covered_.contains(name_space); }
+  const Words& covered() const { return covered_; }
+  bool HasLabel(std::string_view iri) const { return labelled_.contains(iri); }
+  // rdfs:comment, skos:definition, dcterms:description, or rdfs:isDefinedBy (it is explained elsewhere).
+  bool HasComment(std::string_view iri) const { return explained_.contains(iri); }
+
+  // The explicit types of a resource.
+  const Words& TypesOf(std::string_view iri) const;
+  // The class and those above it, the nearest first to be found; at most 2000 of them.
+  std::shared_ptr<const Words> ClassesAbove(const std::string& cls) const;
+  // A pair of disjoint classes, one above (or equal to) `a`, one above `b`; empty where there is none.
+  std::pair<std::string, std::string> Disjoint(const std::string& a, const std::string& b) const;
+  // Likewise, both above (or among) `classes`.
+  std::pair<std::string, std::string> DisjointAmong(const Words& classes) const;
+
+  // "a rdfs:subClassOf b" and "p rdfs:subPropertyOf q", between IRIs.
+  const std::map<std::string, Words, std::less<>>& super_classes() const { return super_classes_; }
+  const std::map<std::string, Words, std::less<>>& super_properties() const { return super_properties_; }
+
+  enum class Kind { kClass, kProperty, kAny };
+  // The nearest known word: of this namespace and kind by its local name, or empty.
+  std::string NearestWord(std::string_view iri, Kind kind) const;
+
+ private:
+  void AddType(const std::string& subject, const std::string& type);
+  void AddPropertyFact(const TermQuad& quad);
+  void AddList(const std::vector<TermQuad>& quads);
+
+  Words classes_, properties_, datatypes_, known_, covered_, labelled_, explained_;
+  std::map<std::string, PropertyFacts, std::less<>> facts_;
+  std::map<std::string, Words, std::less<>> types_, super_classes_, super_properties_, equivalent_;
+  std::map<std::string, Words, std::less<>> disjoint_;
+  mutable std::map<std::string, std::shared_ptr<const Words>> above_;  // by class, once asked for
+  mutable size_t above_size_ = 0;                                      // words in all of them
+};
+
+}  // namespace docent::ontology
+
+#endif  // DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_

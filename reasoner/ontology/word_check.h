@@ -1,0 +1,24 @@
+// Is every word that a document uses one that the vocabulary has, and meant for that? RDF, rules and queries. One thread.
+#ifndef DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
+#define DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
+
+#include "kb_server/rdf/located_parser.h"
+#include "kb_server/sparql/algebra.h"
+#include "reasoner/ontology/finding.h"
+#include "reasoner/ontology/vocabulary.h"
+#include "reasoner/rules/rule_parser.h"
+
+namespace docent::ontology {
+
+// Only words of namespaces that the vocabulary covers are judged; each once, at its first place.
+//  error    undefined-term      a class, property or resource of such a namespace that nothing declares or describes
+//  error    wrong-kind          a property where a class is meant, or a class where a property is
+//  warning  namespace           a namespace that is one of the covered ones but for http/https, case or its last sign
+//  warning  unused-prefix       a prefix that is declared and not used (Turtle and TriG)
+void CheckWords(const LocatedRdf& document, const Vocabulary& vocabulary, Findings& findings);
+void CheckWords(const ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings);
+void CheckWords(const sparql::Query& query, const Vocabulary& vocabulary, Findings& findings);
+
+}  // namespace docent::ontology
+
+#endif  // DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_

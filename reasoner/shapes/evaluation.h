@@ -1,0 +1,101 @@
+// One validation on its way: focus nodes, value nodes, constraints (SHACL sections 3.4 and 4). Private to this folder;
+// one thread.
+#ifndef DOCENT_REASONER_SHAPES_EVALUATION_H_
+#define DOCENT_REASONER_SHAPES_EVALUATION_H_
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/status/status.h"
+#include "reasoner/shapes/regex_test.h"
+#include "reasoner/shapes/validator.h"
+
+namespace docent::shapes {
+
+class Evaluation {
+ public:
+  Evaluation(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
+             const ValidateOptions& options);
+
+  absl::StatusOr<ValidationReport> Run();
+
+ private:
+  // Where results go: into a report, or only that there is one (does the node conform?).
+  struct Sink {
+    std::vector<ValidationResult>* results = nullptr;  // null: only `any` counts
+    bool any = false;
+    bool done() const { return any && results == nullptr; }
+  };
+  // What one constraint of one shape is checked on.
+  struct Place {
+    const Shape& shape;
+    const Constraint& constraint;
+    TermId focus;
+    const std::vector<TermId>& values;  // ascending
+    Sink& sink;
+  };
+
+  // The focus nodes of a shape's targets (section 2.1.3), ascending.
+  std::vector<TermId> FocusNodes(const Shape& shape);
+  void Check(const Shape& shape, TermId focus, Sink& sink);
+  bool Conforms(ShapeIndex shape, TermId node);
+  void CheckConstraint(const Place& place);
+
+  // constraint_checks.cc: a function a group of components
+  void CheckValueType(const Place& place);
+  void CheckCount(const Place& place);
+  void CheckRange(const Place& place);
+  void CheckString(const Place& place);
+  void CheckUniqueLang(const Place& place);
+  void CheckEquals(const Place& place);
+  void CheckDisjoint(const Place& place);
+  void CheckLess(const Place& place);
+  void CheckLogic(const Place& place);
+  void CheckNode(const Place& place);
+  void CheckProperty(const Place& place);
+  void CheckQualified(const Place& place);
+  void CheckClosed(const Place& place);
+  void CheckOthers(const Place& place);
+
+  // A result about `value` (none: about the focus node), with our message where the shape has none.
+  void Report(const Place& place, TermId value, const std::string& message);
+  void Add(const Place& place, ValidationResult result, const std::string& message);
+
+  // value_paths.cc: the nodes that a path leads to from `node`, distinct.
+  std::vector<TermId> ValueNodes(const Path& path, TermId node);
+  void Step(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
+  void StepSequence(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
+  void StepRepeated(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
+
+  bool IsInstance(TermId node, TermId cls);
+  const absl::flat_hash_set<TermId>& ClassAndSubclasses(TermId cls);
+  RegexTest& RegexOf(const Constraint& constraint);
+  TermId Id(std::string_view iri) const { return dictionary_.FindIri(iri).value_or(kAbsentTerm); }
+  std::string Show(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
+  std::string ShowPath(const Shape& shape) const;
+
+  // False once the evaluation must end; status_ says why.
+  bool Poll();
+  bool Charge(size_t bytes);
+
+  const ShapeSet& shapes_;
+  const GraphView& data_;
+  const Dictionary& dictionary_;
+  const ValidateOptions& options_;
+  const TermId type_, sub_class_of_;
+  absl::Status status_;
+  size_t memory_ = 0;
+  ValidationReport report_;
+  absl::flat_hash_map<std::pair<ShapeIndex, TermId>, bool> conforms_;
+  std::map<TermId, absl::flat_hash_set<TermId>> classes_;
+  absl::flat_hash_map<const Constraint*, std::unique_ptr<RegexTest>> regexes_;
+};
+
+}  // namespace docent::shapes
+
+#endif  // DOCENT_REASONER_SHAPES_EVALUATION_H_

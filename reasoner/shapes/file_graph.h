@@ -1,0 +1,39 @@
+// Documents as graphs with the places of their triples: what `docent validate` and `docent check` work on without a
+// server. One thread.
+#ifndef DOCENT_REASONER_SHAPES_FILE_GRAPH_H_
+#define DOCENT_REASONER_SHAPES_FILE_GRAPH_H_
+
+#include <map>
+#include <string>
+
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/located_parser.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/shapes/graph_view.h"
+#include "reasoner/shapes/source_map.h"
+
+namespace docent::shapes {
+
+class FileGraph {
+ public:
+  FileGraph() : writer_(nullptr) {}
+
+  // The quads of a document into the graph `name`, whatever graphs they have themselves. Blank nodes of two documents
+  // must have different labels (ParseRdfOptions::blank_node_scope).
+  void Add(const std::string& file, const LocatedRdf& document, const std::string& name);
+
+  const Dictionary& dictionary() const { return dictionary_; }
+  const GraphVersion& version() const { return writer_.current(); }
+  // The graph as SHACL sees it; not valid after another Add. An unknown name is an empty graph.
+  GraphView View(const std::string& name) const;
+  const SourceMap& Places(const std::string& name) const;
+
+ private:
+  Dictionary dictionary_;
+  GraphWriter writer_;
+  std::map<std::string, SourceMap> places_;
+};
+
+}  // namespace docent::shapes
+
+#endif  // DOCENT_REASONER_SHAPES_FILE_GRAPH_H_

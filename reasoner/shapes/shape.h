@@ -1,0 +1,128 @@
+// SHACL Core shapes (W3C Recommendation 20 July 2017, sections 2 to 4), read and checked: what the shape reader makes and
+// the validator evaluates. Values; any thread.
+#ifndef DOCENT_REASONER_SHAPES_SHAPE_H_
+#define DOCENT_REASONER_SHAPES_SHAPE_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kb_server/rdf/term.h"
+#include "kb_server/rdf/term_id.h"
+
+namespace docent::shapes {
+
+inline constexpr std::string_view kShaclNs = "http://www.w3.org/ns/shacl#";
+inline std::string Shacl(std::string_view local) {
+  return std::string(kShaclNs) + std::string(local);
+}
+
+// A property path (section 2.3.1).
+struct Path {
+  enum class Kind : uint8_t {
+    kPredicate,    // ex:p                         predicate
+    kInverse,      // [ sh:inversePath ex:p ]      children[0]
+    kSequence,     // ( ex:p ex:q )                children, two or more
+    kAlternative,  // [ sh:alternativePath ( … ) ] children, two or more
+    kZeroOrMore,   // [ sh:zeroOrMorePath ex:p ]   children[0]
+    kOneOrMore,    // [ sh:oneOrMorePath ex:p ]    children[0]
+    kZeroOrOne,    // [ sh:zeroOrOnePath ex:p ]    children[0]
+  };
+  Kind kind = Kind::kPredicate;
+  TermId predicate;
+  std::vector<Path> children;
+};
+
+// The constraint components of section 4, in its order.
+enum class Component : uint8_t {
+  kClass,
+  kDatatype,
+  kNodeKind,
+  kMinCount,
+  kMaxCount,
+  kMinExclusive,
+  kMinInclusive,
+  kMaxExclusive,
+  kMaxInclusive,
+  kMinLength,
+  kMaxLength,
+  kPattern,
+  kLanguageIn,
+  kUniqueLang,
+  kEquals,
+  kDisjoint,
+  kLessThan,
+  kLessThanOrEquals,
+  kNot,
+  kAnd,
+  kOr,
+  kXone,
+  kNode,
+  kProperty,
+  kQualifiedMinCount,
+  kQualifiedMaxCount,
+  kClosed,
+  kHasValue,
+  kIn,
+};
+// "MinCount" of sh:MinCountConstraintComponent, "minCount" of the parameter sh:minCount.
+std::string_view ComponentName(Component component);
+std::string ParameterName(Component component);
+inline std::string ComponentIri(Component component) {
+  return Shacl(std::string(ComponentName(component)) + "ConstraintComponent");
+}
+
+using ShapeIndex = uint32_t;
+
+// One constraint of a shape; which fields it uses depends on the component.
+struct Constraint {
+  Component component = Component::kClass;
+  TermId value;                      // class, datatype, nodeKind, ranges, property pairs, hasValue
+  int64_t number = 0;                // counts and lengths
+  Term pattern, flags;               // kPattern
+  std::vector<Term> languages;       // kLanguageIn
+  std::vector<TermId> terms;         // kIn: the members; kClosed: the properties that are allowed
+  std::vector<ShapeIndex> shapes;    // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: what they name
+  std::vector<ShapeIndex> siblings;  // kQualified… with sh:qualifiedValueShapesDisjoint
+};
+
+struct Shape {
+  TermId node;  // what names it in the shapes graph
+  bool is_property = false;
+  Path path;  // of a property shape
+  std::vector<Constraint> constraints;
+  TermId severity;               // sh:Violation where none is given
+  std::vector<TermId> messages;  // sh:message
+  bool deactivated = false;
+
+  // targets (section 2.1.3)
+  std::vector<TermId> target_nodes;
+  std::vector<TermId> target_classes;  // sh:targetClass, and the shape itself where it is a class
+  std::vector<TermId> target_subjects_of;
+  std::vector<TermId> target_objects_of;
+  bool HasTargets() const {
+    return !target_nodes.empty() || !target_classes.empty() || !target_subjects_of.empty() ||
+           !target_objects_of.empty();
+  }
+};
+
+// The shapes of a shapes graph that have targets, and all that they refer to. No shape refers to itself, directly or
+// through others.
+struct ShapeSet {
+  std::vector<Shape> shapes;  // by ShapeIndex
+  // The properties whose triples can matter for a validation; `any_property`: all (a closed shape).
+  std::vector<TermId> properties;
+  bool any_property = false;
+
+  bool HasTargets() const {
+    for (const Shape& shape : shapes) {
+      if (shape.HasTargets() && !shape.deactivated) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace docent::shapes
+
+#endif  // DOCENT_REASONER_SHAPES_SHAPE_H_

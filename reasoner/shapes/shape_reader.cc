@@ -1,0 +1,538 @@
+#include "reasoner/shapes/shape_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <functional>
+#include <tuple>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/shapes/path_reader.h"
+#include "reasoner/shapes/regex_test.h"
+#include "reasoner/shapes/shape_order.h"
+
+namespace docent::shapes {
+namespace {
+
+// What values a parameter may have, and how many.
+enum class ValueRule : uint8_t { kIri, kInteger, kLiteral, kNodeKind, kAny, kTrue, kString, kList, kShape, kShapes };
+struct Parameter {
+  Component component;
+  ValueRule values;
+  bool single;
+  bool property_only;  // has no meaning on a node shape (section 4, "scope" of the syntax rules)
+};
+constexpr std::array<Parameter, 27> kParameters = {{
+    {Component::kClass, ValueRule::kIri, false, false},
+    {Component::kDatatype, ValueRule::kIri, true, false},
+    {Component::kNodeKind, ValueRule::kNodeKind, true, false},
+    {Component::kMinCount, ValueRule::kInteger, true, true},
+    {Component::kMaxCount, ValueRule::kInteger, true, true},
+    {Component::kMinExclusive, ValueRule::kLiteral, true, false},
+    {Component::kMinInclusive, ValueRule::kLiteral, true, false},
+    {Component::kMaxExclusive, ValueRule::kLiteral, true, false},
+    {Component::kMaxInclusive, ValueRule::kLiteral, true, false},
+    {Component::kMinLength, ValueRule::kInteger, true, false},
+    {Component::kMaxLength, ValueRule::kInteger, true, false},
+    {Component::kPattern, ValueRule::kString, true, false},
+    {Component::kLanguageIn, ValueRule::kList, true, false},
+    {Component::kUniqueLang, ValueRule::kTrue, true, true},
+    {Component::kEquals, ValueRule::kIri, false, false},
+    {Component::kDisjoint, ValueRule::kIri, false, false},
+    {Component::kLessThan, ValueRule::kIri, false, true},
+    {Component::kLessThanOrEquals, ValueRule::kIri, false, true},
+    {Component::kNot, ValueRule::kShape, false, false},
+    {Component::kAnd, ValueRule::kShapes, false, false},
+    {Component::kOr, ValueRule::kShapes, false, false},
+    {Component::kXone, ValueRule::kShapes, false, false},
+    {Component::kNode, ValueRule::kShape, false, false},
+    {Component::kProperty, ValueRule::kShape, false, false},
+    {Component::kClosed, ValueRule::kTrue, true, false},
+    {Component::kHasValue, ValueRule::kAny, false, false},
+    {Component::kIn, ValueRule::kList, true, false},
+}};
+
+// Words that are no parameters of Core but may stand at a shape.
+constexpr std::array<std::string_view, 18> kOtherWords = {
+    "path",        "severity",     "message",       "deactivated",        "targetNode",
+    "targetClass", "name",         "targetSubjectsOf", "targetObjectsOf", "flags",
+    "description", "group",        "order",         "defaultValue",       "ignoredProperties",
+    "qualifiedValueShape", "qualifiedMinCount", "qualifiedMaxCount"};
+// What they would do is not done.
+constexpr std::array<std::string_view, 9> kBeyondCore = {"sparql",   "target",     "rule",     "js",
+                                                         "expression", "values", "validator", "nodeValidator",
+                                                         "propertyValidator"};
+
+class ShapeReader {
+ public:
+  ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits, const SourceMap* places)
+      : graph_(graph),
+        dictionary_(dictionary),
+        limits_(limits),
+        places_(places),
+        paths_(graph, dictionary, limits.shape_nesting),
+        type_(Id(kRdfType)) {}
+
+  ParsedShapes Run() {
+    for (const TermId node : Roots()) IndexOf(node);
+    while (!waiting_.empty()) {
+      const ShapeIndex index = waiting_.front();
+      waiting_.pop_front();
+      Read(index);
+    }
+    if (!HasErrors(parsed_.diagnostics)) CheckOrder();
+    if (!HasErrors(parsed_.diagnostics)) CollectProperties();
+    std::stable_sort(parsed_.diagnostics.begin(), parsed_.diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
+      return std::tie(a.file, a.span.line, a.span.column) < std::tie(b.file, b.span.line, b.span.column);
+    });
+    return std::move(parsed_);
+  }
+
+ private:
+  TermId Id(std::string_view iri) const { return dictionary_.FindIri(iri).value_or(kAbsentTerm); }
+  TermId Sh(std::string_view local) const { return Id(Shacl(local)); }
+  std::string Show(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
+  std::vector<TermId> Values(TermId node, std::string_view local) const { return graph_.Objects(node, Sh(local)); }
+
+  void Report(TermId node, std::string_view local, std::string message, std::string hint,
+              Diagnostic::Severity severity = Diagnostic::Severity::kError) {
+    if (parsed_.diagnostics.size() >= limits_.check_diagnostics) return;
+    Diagnostic diagnostic;
+    const SourcePlace* place = nullptr;
+    if (places_ != nullptr && !local.empty()) place = places_->Find(node, Sh(local));
+    if (places_ != nullptr && place == nullptr) place = places_->Find(node);
+    if (place != nullptr) {
+      diagnostic.file = place->file;
+      diagnostic.span = place->span;
+    }
+    diagnostic.message = Concat("shape ", Show(node), ": ", message);
+    diagnostic.hint = std::move(hint);
+    diagnostic.severity = severity;
+    parsed_.diagnostics.push_back(std::move(diagnostic));
+  }
+
+  // The nodes that are shapes by their targets or types, ascending.
+  std::vector<TermId> Roots() {
+    std::vector<TermId> roots;
+    for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf"}) {
+      graph_.ForEach(TermId(), Sh(word), TermId(), [&roots](const Quad& q) {
+        roots.push_back(q.subject);
+        return true;
+      });
+    }
+    for (const char* word : {"NodeShape", "PropertyShape"}) {
+      for (const TermId node : graph_.Subjects(type_, Sh(word))) roots.push_back(node);
+    }
+    std::sort(roots.begin(), roots.end());
+    roots.erase(std::unique(roots.begin(), roots.end()), roots.end());
+    return roots;
+  }
+
+  ShapeIndex IndexOf(TermId node) {
+    auto [it, is_new] = index_.try_emplace(node, static_cast<ShapeIndex>(parsed_.shapes.shapes.size()));
+    if (is_new) {
+      parsed_.shapes.shapes.emplace_back().node = node;
+      waiting_.push_back(it->second);
+    }
+    return it->second;
+  }
+
+  void Read(ShapeIndex index) {
+    Shape shape;
+    shape.node = parsed_.shapes.shapes[index].node;
+    if (shape.node.IsLiteral()) {
+      return Report(shape.node, "", "a literal is no shape", "name the shape by an IRI or a blank node");
+    }
+    ReadPath(&shape);
+    ReadTargets(&shape);
+    ReadOthers(&shape);
+    for (const Parameter& parameter : kParameters) ReadParameter(parameter, &shape);
+    ReadQualified(&shape);
+    CheckWords(shape.node);
+    parsed_.shapes.shapes[index] = std::move(shape);
+  }
+
+  void ReadPath(Shape* shape) {
+    const std::vector<TermId> paths = Values(shape->node, "path");
+    const bool typed = graph_.Contains(shape->node, type_, Sh("PropertyShape"));
+    if (paths.empty()) {
+      if (typed) {
+        Report(shape->node, "", "a property shape without sh:path", "add sh:path, or make it a sh:NodeShape");
+      }
+      return;
+    }
+    shape->is_property = true;
+    if (paths.size() > 1) {
+      return Report(shape->node, "path", absl::StrCat("has ", paths.size(), " sh:path; one is allowed"),
+                    "write several property shapes, or one sh:alternativePath");
+    }
+    std::optional<Path> path = paths_.Read(paths[0]);
+    if (!path) return Report(shape->node, "path", "ill-formed sh:path: " + paths_.problem(), "see SHACL section 2.3.1");
+    shape->path = *std::move(path);
+  }
+
+  void ReadTargets(Shape* shape) {
+    shape->target_nodes = Values(shape->node, "targetNode");
+    for (const TermId node : shape->target_nodes) {
+      if (node.IsBlank()) Report(shape->node, "targetNode", "a blank node is no target", "target an IRI or a literal");
+    }
+    shape->target_classes = IriValues(shape->node, "targetClass");
+    shape->target_subjects_of = IriValues(shape->node, "targetSubjectsOf");
+    shape->target_objects_of = IriValues(shape->node, "targetObjectsOf");
+    if (shape->node.IsIri() && IsClass(shape->node)) shape->target_classes.push_back(shape->node);
+  }
+
+  // Section 2.1.3.3, with owl:Class as well.
+  bool IsClass(TermId node) const {
+    for (const std::string_view name : {kRdfsNs, kOwlNs}) {
+      if (graph_.Contains(node, type_, Id(Concat(name, "Class")))) return true;
+    }
+    return false;
+  }
+
+  std::vector<TermId> IriValues(TermId node, std::string_view local) {
+    std::vector<TermId> iris;
+    for (const TermId value : Values(node, local)) {
+      if (value.IsIri()) {
+        iris.push_back(value);
+      } else {
+        Report(node, local, Concat("sh:", local, " is ", Show(value), ", which is no IRI"), "name it by its IRI");
+      }
+    }
+    return iris;
+  }
+
+  void ReadOthers(Shape* shape) {
+    const std::vector<TermId> severities = IriValues(shape->node, "severity");
+    shape->severity = severities.empty() ? Sh("Violation") : severities[0];
+    if (severities.size() > 1) {
+      Report(shape->node, "severity", "has several sh:severity; one is allowed", "keep one");
+    }
+    for (const TermId message : Values(shape->node, "message")) {
+      const std::string_view datatype = dictionary_.Datatype(message);
+      if (message.IsLiteral() && (datatype == kXsdString || datatype == kRdfLangString)) {
+        shape->messages.push_back(message);
+      } else {
+        Report(shape->node, "message", Concat("sh:message is ", Show(message), ", which is no text"), "write \"text\"");
+      }
+    }
+    const std::vector<TermId> deactivated = Values(shape->node, "deactivated");
+    shape->deactivated = IsTrue(deactivated);
+    for (const TermId value : deactivated) {
+      if (dictionary_.Datatype(value) != kXsdBoolean) {
+        Report(shape->node, "deactivated", "sh:deactivated is neither true nor false", "write true or false");
+      }
+    }
+  }
+
+  bool IsTrue(const std::vector<TermId>& values) const {
+    return std::any_of(values.begin(), values.end(), [this](TermId id) {
+      return id.tag() == TermId::Tag::kBoolean && InlineBoolean(id);
+    });
+  }
+
+  void ReadParameter(const Parameter& parameter, Shape* shape) {
+    const std::string name = ParameterName(parameter.component);
+    const std::vector<TermId> values = Values(shape->node, name);
+    if (values.empty()) return;
+    if (parameter.single && values.size() > 1) {
+      return Report(shape->node, name, absl::StrCat("has ", values.size(), " sh:", name, "; one is allowed"),
+                    "keep one, or write several shapes");
+    }
+    if (parameter.property_only && !shape->is_property) {
+      return Report(shape->node, name, Concat("sh:", name, " at a node shape"),
+                    "it says something of a property's values: put it into a sh:property with its sh:path");
+    }
+    for (const TermId value : values) {
+      Constraint constraint;
+      constraint.component = parameter.component;
+      constraint.value = value;
+      if (ReadValue(parameter, name, shape->node, value, &constraint)) {
+        shape->constraints.push_back(std::move(constraint));
+      }
+    }
+  }
+
+  bool Wrong(TermId node, std::string_view name, TermId value, std::string_view expected) {
+    Report(node, name, Concat("sh:", name, " is ", Show(value), ", not ", expected), "");
+    return false;
+  }
+
+  // False: it is ill-formed, or says nothing.
+  bool ReadValue(const Parameter& parameter, const std::string& name, TermId node, TermId value, Constraint* out) {
+    switch (parameter.values) {
+      case ValueRule::kAny:
+        return true;
+      case ValueRule::kIri:
+        return value.IsIri() || Wrong(node, name, value, "an IRI");
+      case ValueRule::kLiteral:
+        return value.IsLiteral() || Wrong(node, name, value, "a literal");
+      case ValueRule::kInteger:
+        return ReadInteger(node, name, value, &out->number);
+      case ValueRule::kNodeKind:
+        return IsNodeKind(value) || Wrong(node, name, value, "sh:IRI, sh:BlankNode, sh:Literal or a pair of them");
+      case ValueRule::kTrue:
+        return ReadTrue(name, node, value, out);
+      case ValueRule::kString:
+        return ReadPattern(node, value, out);
+      case ValueRule::kList:
+        return ReadTermList(name, node, value, out);
+      case ValueRule::kShape:
+        if (value.IsLiteral()) return Wrong(node, name, value, "a shape");
+        CheckKind(parameter.component, node, value);
+        out->shapes.push_back(IndexOf(value));
+        return true;
+      case ValueRule::kShapes:
+        return ReadShapeList(name, node, value, out);
+    }
+    return false;
+  }
+
+  // sh:property names property shapes; sh:node names node shapes.
+  void CheckKind(Component component, TermId node, TermId value) {
+    const bool has_path = !Values(value, "path").empty();
+    if (component == Component::kProperty && !has_path) {
+      Report(node, "property", Concat("sh:property is ", Show(value), ", which has no sh:path"),
+             "add sh:path to it, or refer to it with sh:node");
+    }
+    if (component == Component::kNode && has_path) {
+      Report(node, "node", Concat("sh:node is ", Show(value), ", which has a sh:path"), "refer to it with sh:property");
+    }
+  }
+
+  bool ReadInteger(TermId node, std::string_view name, TermId value, int64_t* out) {
+    if (value.tag() != TermId::Tag::kInteger) return Wrong(node, name, value, "an xsd:integer");
+    *out = InlineInteger(value);
+    return true;
+  }
+
+  bool IsNodeKind(TermId value) const {
+    for (const char* kind : {"IRI", "BlankNode", "Literal", "BlankNodeOrIRI", "BlankNodeOrLiteral", "IRIOrLiteral"}) {
+      if (value == Sh(kind)) return true;
+    }
+    return false;
+  }
+
+  // sh:uniqueLang and sh:closed: only the literal true says something (test uniqueLang-002 of the suite).
+  bool ReadTrue(const std::string& name, TermId node, TermId value, Constraint* out) {
+    if (dictionary_.Datatype(value) != kXsdBoolean) return Wrong(node, name, value, "true or false");
+    if (!IsTrue({value})) return false;
+    if (out->component == Component::kClosed) ReadClosed(node, out);
+    return true;
+  }
+
+  void ReadClosed(TermId node, Constraint* out) {
+    for (const TermId property : Values(node, "property")) {
+      for (const TermId path : Values(property, "path")) {
+        if (path.IsIri()) out->terms.push_back(path);
+      }
+    }
+    for (const TermId list : Values(node, "ignoredProperties")) {
+      std::optional<std::vector<TermId>> ignored = paths_.ReadList(list);
+      if (!ignored) {
+        Report(node, "ignoredProperties", "ill-formed sh:ignoredProperties: " + paths_.problem(), "write ( ex:p ex:q )");
+        continue;
+      }
+      for (const TermId property : *ignored) {
+        if (!property.IsIri()) Wrong(node, "ignoredProperties", property, "an IRI");
+        out->terms.push_back(property);
+      }
+    }
+    std::sort(out->terms.begin(), out->terms.end());
+  }
+
+  bool ReadPattern(TermId node, TermId value, Constraint* out) {
+    if (!value.IsLiteral() || dictionary_.Datatype(value) != kXsdString) {
+      return Wrong(node, "pattern", value, "a plain text");
+    }
+    out->pattern = dictionary_.Decode(value);
+    const std::vector<TermId> flags = Values(node, "flags");
+    if (flags.size() > 1) Report(node, "flags", "has several sh:flags; one is allowed", "keep one");
+    out->flags = flags.empty() ? Term::Literal("") : dictionary_.Decode(flags[0]);
+    if (RegexTest(out->pattern, out->flags, dictionary_).valid()) return true;
+    Report(node, "pattern", Concat("sh:pattern ", Show(value), " with flags \"", out->flags.lexical,
+                                   "\" is no regular expression that can be evaluated"),
+           "check its brackets and flags (smixq); back-references and look-around are not available");
+    return false;
+  }
+
+  bool ReadTermList(const std::string& name, TermId node, TermId head, Constraint* out) {
+    std::optional<std::vector<TermId>> members = paths_.ReadList(head);
+    if (!members) {
+      Report(node, name, Concat("ill-formed sh:", name, ": ", paths_.problem()), "write ( … )");
+      return false;
+    }
+    if (out->component == Component::kIn) {
+      out->terms = *std::move(members);
+      std::sort(out->terms.begin(), out->terms.end());
+      return true;
+    }
+    for (const TermId tag : *members) {
+      if (!tag.IsLiteral() || dictionary_.Datatype(tag) != kXsdString) return Wrong(node, name, tag, "a language tag");
+      out->languages.push_back(dictionary_.Decode(tag));
+    }
+    return true;
+  }
+
+  bool ReadShapeList(const std::string& name, TermId node, TermId head, Constraint* out) {
+    std::optional<std::vector<TermId>> members = paths_.ReadList(head);
+    if (!members) {
+      Report(node, name, Concat("ill-formed sh:", name, ": ", paths_.problem()), "write ( ex:Shape1 ex:Shape2 )");
+      return false;
+    }
+    for (const TermId member : *members) out->shapes.push_back(IndexOf(member));
+    return true;
+  }
+
+  // Section 4.7.3: a shape, how many values conform to it, and whether those of sibling shapes count.
+  void ReadQualified(Shape* shape) {
+    const std::vector<TermId> shapes = Values(shape->node, "qualifiedValueShape");
+    const std::vector<TermId> least = Values(shape->node, "qualifiedMinCount");
+    const std::vector<TermId> most = Values(shape->node, "qualifiedMaxCount");
+    if (shapes.empty() && least.empty() && most.empty()) return;
+    if (shapes.empty()) {  // a component without all its parameters is none (test qualified-001 of the suite)
+      return Report(shape->node, least.empty() ? "qualifiedMaxCount" : "qualifiedMinCount",
+                    "a qualified count without sh:qualifiedValueShape says nothing",
+                    "add the shape whose values count, or write sh:minCount or sh:maxCount", Diagnostic::Severity::kWarning);
+    }
+    if (!shape->is_property) {
+      return Report(shape->node, "qualifiedValueShape", "sh:qualifiedValueShape at a node shape",
+                    "it counts a property's values: put it into a sh:property with its sh:path");
+    }
+    if (shapes.size() != 1 || least.size() > 1 || most.size() > 1) {
+      return Report(shape->node, "qualifiedValueShape",
+                    "needs one sh:qualifiedValueShape, and at most one sh:qualifiedMinCount and sh:qualifiedMaxCount",
+                    "write a property shape for each");
+    }
+    if (least.empty() && most.empty()) {
+      return Report(shape->node, "qualifiedValueShape", "sh:qualifiedValueShape without a count says nothing",
+                    "add sh:qualifiedMinCount or sh:qualifiedMaxCount", Diagnostic::Severity::kWarning);
+    }
+    Constraint constraint;
+    constraint.shapes = {IndexOf(shapes[0])};
+    if (IsTrue(Values(shape->node, "qualifiedValueShapesDisjoint"))) ReadSiblings(shape->node, shapes[0], &constraint);
+    for (const auto& [component, counts] :
+         {std::pair{Component::kQualifiedMinCount, &least}, std::pair{Component::kQualifiedMaxCount, &most}}) {
+      if (counts->empty()) continue;
+      constraint.component = component;
+      if (ReadInteger(shape->node, ParameterName(component), (*counts)[0], &constraint.number)) {
+        shape->constraints.push_back(constraint);
+      }
+    }
+  }
+
+  void ReadSiblings(TermId node, TermId own, Constraint* out) {
+    absl::flat_hash_set<TermId> siblings;
+    for (const TermId parent : graph_.Subjects(Sh("property"), node)) {
+      for (const TermId property : Values(parent, "property")) {
+        for (const TermId shape : Values(property, "qualifiedValueShape")) siblings.insert(shape);
+      }
+    }
+    siblings.erase(own);
+    std::vector<TermId> sorted(siblings.begin(), siblings.end());
+    std::sort(sorted.begin(), sorted.end());
+    for (const TermId sibling : sorted) out->siblings.push_back(IndexOf(sibling));
+  }
+
+  // Words of the sh: namespace that mean nothing here.
+  void CheckWords(TermId node) {
+    TermId last;
+    graph_.ForEach(node, TermId(), TermId(), [&](const Quad& q) {
+      if (q.predicate == last) return true;
+      last = q.predicate;
+      const std::string_view iri = dictionary_.Lexical(q.predicate);
+      if (!iri.starts_with(kShaclNs)) return true;
+      const std::string word(iri.substr(kShaclNs.size()));
+      if (IsKnown(word)) return true;
+      if (std::find(kBeyondCore.begin(), kBeyondCore.end(), word) != kBeyondCore.end()) {
+        Report(node, word, Concat("sh:", word, " is not SHACL Core and is not checked"), "say it with SHACL Core, or as a rule",
+               Diagnostic::Severity::kWarning);
+        return true;
+      }
+      const std::string nearest = Nearest(word, KnownWords());
+      Report(node, word, Concat("sh:", word, " is not known and says nothing"),
+             nearest.empty() ? "see SHACL section 4" : Concat("did you mean sh:", nearest, "?"),
+             Diagnostic::Severity::kWarning);
+      return true;
+    });
+  }
+
+  static bool IsKnown(const std::string& word) {
+    const std::vector<std::string>& known = KnownWords();
+    return std::find(known.begin(), known.end(), word) != known.end();
+  }
+  static const std::vector<std::string>& KnownWords() {
+    static const std::vector<std::string>* known = [] {
+      auto* words = new std::vector<std::string>(kOtherWords.begin(), kOtherWords.end());
+      for (const Parameter& parameter : kParameters) words->push_back(ParameterName(parameter.component));
+      words->push_back("qualifiedValueShapesDisjoint");
+      return words;
+    }();
+    return *known;
+  }
+
+  void CheckOrder() {
+    const ShapeOrder order = OrderShapes(parsed_.shapes);
+    if (!order.cycle.empty()) {
+      std::string cycle;
+      for (const ShapeIndex index : order.cycle) {
+        absl::StrAppend(&cycle, Show(parsed_.shapes.shapes[index].node), " → ");
+      }
+      const TermId first = parsed_.shapes.shapes[order.cycle[0]].node;
+      return Report(first, "", Concat("refers to itself: ", cycle, Show(first)),
+                    "SHACL does not say what recursive shapes mean (section 3.4.3); use a property path such as "
+                    "[ sh:zeroOrMorePath ex:p ], or give one shape a target of its own");
+    }
+    if (order.depth > limits_.shape_nesting) {
+      Report(parsed_.shapes.shapes[order.deepest].node, "",
+             absl::StrCat("shapes refer to each other ", order.depth, " deep; the limit shape_nesting is ",
+                          limits_.shape_nesting),
+             "give inner shapes targets of their own");
+    }
+  }
+
+  void CollectProperties() {
+    absl::flat_hash_set<TermId> found = {type_, Id(Concat(kRdfsNs, "subClassOf"))};
+    const std::function<void(const Path&)> walk = [&](const Path& path) {
+      if (path.kind == Path::Kind::kPredicate && !path.predicate.IsNone()) found.insert(path.predicate);
+      for (const Path& child : path.children) walk(child);
+    };
+    for (const Shape& shape : parsed_.shapes.shapes) {
+      walk(shape.path);
+      for (const std::vector<TermId>* targets : {&shape.target_subjects_of, &shape.target_objects_of}) {
+        found.insert(targets->begin(), targets->end());
+      }
+      for (const Constraint& c : shape.constraints) {
+        if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals) found.insert(c.value);
+        if (c.component == Component::kClosed) parsed_.shapes.any_property = true;
+      }
+    }
+    found.erase(kAbsentTerm);
+    parsed_.shapes.properties.assign(found.begin(), found.end());
+    std::sort(parsed_.shapes.properties.begin(), parsed_.shapes.properties.end());
+  }
+
+  const GraphView& graph_;
+  const Dictionary& dictionary_;
+  const CheckLimits& limits_;
+  const SourceMap* places_;
+  PathReader paths_;
+  const TermId type_;
+  absl::flat_hash_map<TermId, ShapeIndex> index_;
+  std::deque<ShapeIndex> waiting_;
+  ParsedShapes parsed_;
+};
+
+}  // namespace
+
+ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
+                        const SourceMap* places) {
+  return ShapeReader(graph, dictionary, limits, places).Run();
+}
+
+}  // namespace docent::shapes

@@ -1,0 +1,52 @@
+// SHACL Core validation (W3C Recommendation, section 3): which nodes of a data graph violate which shapes. Reads an
+// immutable version: beside the writer, on any thread; one validation is one thread's.
+#ifndef DOCENT_REASONER_SHAPES_VALIDATOR_H_
+#define DOCENT_REASONER_SHAPES_VALIDATOR_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
+#include "kb_server/base/check_limits.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "reasoner/shapes/graph_view.h"
+#include "reasoner/shapes/shape.h"
+
+namespace docent::shapes {
+
+// Section 3.6.2. Its ids are the dictionary's.
+struct ValidationResult {
+  TermId focus;
+  TermId value;  // none where the component names no value
+  bool has_path = false;
+  Path path;
+  Component component = Component::kClass;
+  TermId shape;  // sh:sourceShape
+  TermId severity;
+  std::vector<Term> messages;             // sh:message of the shape, else one of ours
+  std::vector<ValidationResult> details;  // sh:node: why the value does not conform to the other shape
+};
+
+struct ValidationReport {
+  std::vector<ValidationResult> results;  // by shape, then by focus node
+  uint64_t total = 0;                     // results found; more than `results` has where that is full
+  uint64_t focus_nodes = 0;
+  bool conforms() const { return total == 0; }
+};
+
+struct ValidateOptions {
+  CheckLimits limits;
+  size_t memory_bytes = Limits{}.query_memory_bytes;
+  Cancellation* cancellation = nullptr;  // may be null
+};
+
+// CANCELLED, DEADLINE_EXCEEDED, or RESOURCE_EXHAUSTED naming query_memory_bytes: then there is no report.
+absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
+                                          const ValidateOptions& options = {});
+
+}  // namespace docent::shapes
+
+#endif  // DOCENT_REASONER_SHAPES_VALIDATOR_H_

@@ -1,0 +1,189 @@
+// Shapes beyond what the W3C suite asks: refusals, limits, reports for people.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kb_server/rdf/serializer.h"
+#include "reasoner/shapes/datatype_check.h"
+#include "reasoner/shapes/file_graph.h"
+#include "reasoner/shapes/report.h"
+#include "reasoner/shapes/shape_reader.h"
+#include "reasoner/shapes/validator.h"
+
+namespace docent::shapes {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kPrefixes[] =
+    "@prefix sh: <http://www.w3.org/ns/shacl#> . @prefix : <http://e/> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .\n"
+    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix owl: <http://www.w3.org/2002/07/owl#> .\n";
+
+class ShapesTest : public testing::Test {
+ protected:
+  void Add(const std::string& file, const std::string& turtle) {
+    ParseRdfOptions options;
+    options.file = file;
+    options.blank_node_scope = file + "_";
+    const LocatedRdf document = ParseLocatedRdf(kPrefixes + turtle, RdfFormat::kTurtle, options);
+    ASSERT_TRUE(document.rdf.ok()) << Render(document.rdf.diagnostics, turtle);
+    graph_.Add(file, document, "urn:" + file);
+  }
+  ParsedShapes Read(const CheckLimits& limits = {}) {
+    return ReadShapes(graph_.View("urn:shapes.ttl"), graph_.dictionary(), limits, &graph_.Places("urn:shapes.ttl"));
+  }
+  std::string Mistakes(const std::string& turtle, const CheckLimits& limits = {}) {
+    Add("shapes.ttl", turtle);
+    return docent::Render(Read(limits).diagnostics, "");
+  }
+  absl::StatusOr<ValidationReport> Run(const ValidateOptions& options = {}) {
+    const ParsedShapes parsed = Read();
+    EXPECT_TRUE(parsed.ok()) << docent::Render(parsed.diagnostics, "");
+    return Validate(parsed.shapes, graph_.View("urn:data.ttl"), graph_.dictionary(), options);
+  }
+  std::string Text(const ValidationReport& report) {
+    std::string text;
+    for (const ValidationResult& result : report.results) {
+      text += Render(Describe(result, graph_.dictionary(), &graph_.Places("urn:data.ttl"), &graph_.Places("urn:shapes.ttl")));
+    }
+    return text;
+  }
+
+  FileGraph graph_;
+};
+
+TEST_F(ShapesTest, AReportSaysFileAndLineOfDataAndShape) {
+  Add("shapes.ttl", ":S a sh:NodeShape ; sh:targetClass :Robot ;\n  sh:property :Speed .\n:Speed sh:path :speed ; sh:maxInclusive 2 .");
+  Add("data.ttl", ":R1 a :Robot ;\n  :speed 1 ,\n    5 .");
+  auto report = Run();
+  ASSERT_TRUE(report.ok());
+  EXPECT_FALSE(report->conforms());
+  EXPECT_EQ(Text(*report),
+            "data.ttl:5:5: violation: <http://e/R1> <http://e/speed> 5: is not at most 2\n"
+            "  shape <http://e/Speed>, sh:maxInclusive (shapes.ttl:5:1)\n");
+  EXPECT_EQ(Summary(*report, graph_.dictionary()), "1 violation (1 node checked)");
+}
+
+TEST_F(ShapesTest, AShapeThatRefersToItselfIsRefusedWithTheCircle) {
+  const std::string text = Mistakes(
+      ":A a sh:NodeShape ; sh:targetClass :C ; sh:property :P .\n:P sh:path :knows ; sh:node :B .\n:B sh:not :A .");
+  EXPECT_THAT(text, HasSubstr("refers to itself: "));
+  EXPECT_THAT(text, HasSubstr("<http://e/A> → <http://e/P> → <http://e/B>"));
+  EXPECT_THAT(text, HasSubstr("shapes.ttl:"));
+  EXPECT_THAT(text, HasSubstr("hint: SHACL does not say what recursive shapes mean"));
+}
+
+TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
+  const std::string text = Mistakes(
+      ":A a sh:NodeShape ; sh:targetClass \"Robot\" ; sh:minCount 1 ; sh:nodeKind :Iri ; sh:pattern \"[a\" .\n"
+      ":B a sh:PropertyShape .\n"
+      ":C a sh:NodeShape ; sh:property [ sh:path ( :p ) ; sh:maxCount \"many\" ] ; sh:in ( 1 2 ) , ( 3 ) .\n"
+      ":D a sh:NodeShape ; sh:or \"x\" ; sh:datatype xsd:int , xsd:byte ; sh:mincount 4 ; sh:sparql [ ] .");
+  for (const char* part :
+       {"shapes.ttl:3:36: error: shape <http://e/A>: sh:targetClass is \"Robot\", which is no IRI",
+        "sh:minCount at a node shape", "sh:nodeKind is <http://e/Iri>", "sh:pattern \"[a\"",
+        "<http://e/B>: a property shape without sh:path", "needs at least two members, this list has 1",
+        "sh:maxCount is \"many\", not an xsd:integer", "has 2 sh:in; one is allowed", "ill-formed sh:or",
+        "has 2 sh:datatype; one is allowed", "did you mean sh:minCount?", "sh:sparql is not SHACL Core"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+TEST_F(ShapesTest, APathAndAListThatGoInCirclesAreRefused) {
+  EXPECT_THAT(Mistakes(":A sh:targetNode :x ; sh:path _:p ; sh:minCount 1 . _:p sh:inversePath _:p .\n"
+                       ":B sh:targetNode :x ; sh:in _:l . _:l <http://www.w3.org/1999/02/22-rdf-syntax-ns#first> 1 ; "
+                       "<http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> _:l ."),
+              testing::AllOf(HasSubstr("the path refers to itself"), HasSubstr("the list goes in a circle")));
+}
+
+TEST_F(ShapesTest, ShapesNestToTheLimitAndNoFurther) {
+  CheckLimits limits;
+  limits.shape_nesting = 3;
+  Add("shapes.ttl", ":A sh:targetNode :x ; sh:node :B . :B sh:node :C . :C sh:nodeKind sh:IRI .");
+  EXPECT_TRUE(Read(limits).ok());
+  limits.shape_nesting = 2;
+  EXPECT_THAT(docent::Render(Read(limits).diagnostics, ""), HasSubstr("3 deep; the limit shape_nesting is 2"));
+}
+
+TEST_F(ShapesTest, ResultsBeyondTheLimitAreCounted) {
+  Add("shapes.ttl", ":S sh:targetSubjectsOf :p ; sh:nodeKind sh:Literal .");
+  Add("data.ttl", ":a :p 1 . :b :p 1 . :c :p 1 .");
+  ValidateOptions options;
+  options.limits.validation_results = 2;
+  auto report = Run(options);
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->results.size(), 2u);
+  EXPECT_EQ(report->total, 3u);
+  EXPECT_THAT(Summary(*report, graph_.dictionary()), HasSubstr("2 violations shown of 3 results"));
+  options.limits.validation_results = 3;
+  EXPECT_EQ(Run(options)->results.size(), 3u);
+}
+
+TEST_F(ShapesTest, ItEndsWhenItIsCancelledOrNeedsTooMuchMemory) {
+  Add("shapes.ttl", ":S sh:targetSubjectsOf :p ; sh:property [ sh:path [ sh:oneOrMorePath :p ] ; sh:maxCount 0 ] .");
+  std::string ring;
+  for (int i = 0; i < 300; ++i) ring += ":n" + std::to_string(i) + " :p :n" + std::to_string((i + 1) % 300) + " .\n";
+  Add("data.ttl", ring);
+  Cancellation cancellation;
+  cancellation.Cancel();
+  ValidateOptions options;
+  options.cancellation = &cancellation;
+  EXPECT_EQ(Run(options).status().code(), absl::StatusCode::kCancelled);
+  options.cancellation = nullptr;
+  options.memory_bytes = 4000;
+  auto refused = Run(options);
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("query_memory_bytes = 4000"));
+  options.memory_bytes = 1 << 20;
+  EXPECT_EQ(Run(options)->total, 300u);
+}
+
+TEST_F(ShapesTest, ANestedShapeTellsWhy) {
+  Add("shapes.ttl", ":S sh:targetNode :a ; sh:node :Named .\n:Named sh:property [ sh:path :name ; sh:minCount 1 ] .");
+  Add("data.ttl", ":a :age 3 .");
+  auto report = Run();
+  ASSERT_TRUE(report.ok());
+  EXPECT_THAT(Text(*report), HasSubstr("does not conform to the shape <http://e/Named>\n"
+                                       "    <http://e/a> <http://e/name>: has 0 values; at least 1 needed\n"));
+  auto turtle = SerializeRdf(ToRdf(*report, graph_.dictionary()), RdfFormat::kTurtle, {{"sh", std::string(kShaclNs)}});
+  ASSERT_TRUE(turtle.ok());
+  EXPECT_THAT(*turtle, testing::AllOf(HasSubstr("sh:detail"), HasSubstr("sh:MinCountConstraintComponent")));
+}
+
+TEST_F(ShapesTest, AnOwlClassThatIsAShapeTargetsItsInstances) {
+  Add("shapes.ttl", ":Robot a owl:Class , sh:NodeShape ; sh:property [ sh:path :name ; sh:minCount 1 ] .");
+  Add("data.ttl", ":GuideRobot rdfs:subClassOf :Robot . :R1 a :GuideRobot . :R2 a :Robot ; :name \"x\" .");
+  auto report = Run();
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->focus_nodes, 2u);
+  EXPECT_EQ(report->total, 1u);
+}
+
+TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
+  const auto valid = [](const char* type, const char* text) {
+    return IsValidLexicalForm(text, std::string("http://www.w3.org/2001/XMLSchema#") + type);
+  };
+  for (const auto& [type, text] : std::vector<std::pair<const char*, const char*>>{
+           {"integer", "-007"}, {"byte", "-128"}, {"unsignedLong", "18446744073709551615"}, {"decimal", "+.5"},
+           {"double", "-1.5e-3"}, {"double", "INF"}, {"dateTime", "2026-11-22T00:00:00.5Z"}, {"date", "2024-02-29"},
+           {"time", "23:59:59+01:00"}, {"gYear", "2026"}, {"gMonthDay", "--02-29"}, {"gDay", "---31Z"},
+           {"duration", "P1Y2M3DT4H5M6.7S"}, {"duration", "-PT0S"}, {"dayTimeDuration", "P2DT1S"}, {"hexBinary", "0aF1"},
+           {"base64Binary", "QUI="}, {"language", "de-CH-1901"}, {"anyURI", "a/b#c"}, {"nonPositiveInteger", "-0"}}) {
+    EXPECT_EQ(valid(type, text), true) << type << " " << text;
+  }
+  for (const auto& [type, text] : std::vector<std::pair<const char*, const char*>>{
+           {"integer", "1.0"}, {"integer", ""}, {"byte", "128"}, {"byte", "c"}, {"unsignedInt", "-1"}, {"decimal", "."},
+           {"decimal", "1e3"}, {"double", "e3"}, {"dateTime", "2026-11-22"}, {"date", "2023-02-29"}, {"time", "25:00:00"},
+           {"gMonth", "--13"}, {"duration", "P"}, {"duration", "P1YT"}, {"duration", "P1D2Y"},
+           {"yearMonthDuration", "P1D"}, {"hexBinary", "abc"}, {"base64Binary", "QU=="  "I"}, {"boolean", "yes"},
+           {"language", "de_CH"}, {"positiveInteger", "0"}, {"negativeInteger", "0"}}) {
+    EXPECT_EQ(valid(type, text), false) << type << " " << text;
+  }
+  EXPECT_EQ(IsValidLexicalForm("x", "http://e/own"), std::nullopt);
+  const std::string xsd = "http://www.w3.org/2001/XMLSchema#";
+  EXPECT_TRUE(IsDerivedDatatype(xsd + "unsignedByte", xsd + "decimal"));
+  EXPECT_FALSE(IsDerivedDatatype(xsd + "decimal", xsd + "integer"));
+  EXPECT_FALSE(IsDerivedDatatype(xsd + "double", xsd + "decimal"));
+}
+
+}  // namespace
+}  // namespace docent::shapes
