@@ -59,6 +59,7 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   auto settings = std::make_shared<ServerSettings>();
   settings->data_folder = DefaultDataFolder();
   auto default_graph = std::make_shared<std::string>("union");
+  auto on_violation = std::make_shared<std::string>("ignore");
   CLI::App* command = app->add_subcommand("serve", "Run the server; the first line tells the addresses");
   command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")
       ->capture_default_str();
@@ -70,6 +71,12 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
       ->add_option("--default-graph", *default_graph,
                    "union: queries without GRAPH see all graphs; strict: only docent:default")
       ->check(CLI::IsMember({"union", "strict"}))
+      ->capture_default_str();
+  command
+      ->add_option("--on-violation", *on_violation,
+                   "What to do about ontologies and data after whose loading the graph violates shapes (SHACL) of its "
+                   "ontologies, as it did not before: ignore, warn, refuse")
+      ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
       ->capture_default_str();
   command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
   command->add_option("--rules", settings->rules, "Rule files to have loaded");
@@ -88,7 +95,10 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
       ->capture_default_str();
   command->add_flag("--insecure", settings->insecure,
                     "Allow addresses other than loopback although nothing authenticates clients");
-  command->callback([settings, default_graph, exit_code] {
+  command->callback([settings, default_graph, on_violation, exit_code] {
+    settings->on_violation = *on_violation == "refuse" ? OnViolation::kRefuse
+                             : *on_violation == "warn" ? OnViolation::kWarn
+                                                       : OnViolation::kIgnore;
     settings->default_graph =
         *default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
     *exit_code = Serve(*settings);

@@ -4,6 +4,7 @@
 #include <grpcpp/health_check_service_interface.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -130,6 +131,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.workers = s.workers_.get();
   s.ports_.history = s.history_.get();
   s.ports_.updates = &s.updates_;
+  s.ports_.loads = &s.loads_;
+  s.ports_.on_violation = settings.on_violation;
   s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits);
   s.ports_.remote = s.remote_.get();
   s.ports_.clock = &s.clock_;
@@ -271,9 +274,16 @@ void Server::RegisterMetrics() {
 absl::Status Server::LoadFiles() {
   auto push = [this](WriteBatch batch, const std::string& file) {
     std::promise<absl::Status> answer;
-    inbox_.Push(std::move(batch), [&answer](const absl::StatusOr<BatchOutcome>& outcome) {
+    LoadJob job;
+    job.batch = std::move(batch);
+    job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(settings_.limits.query_timeout_ms));
+    job.done = [&answer, &file](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+      for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", file, warning.message);
       answer.set_value(outcome.status());
-    });
+    };
+    if (!workers_->Submit([this, &job] { loads_.Run(std::move(job)); })) {
+      return absl::ResourceExhaustedError(absl::StrCat(file, ": too much work waits"));
+    }
     absl::Status status = answer.get_future().get();
     return status.ok() ? status : absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
   };

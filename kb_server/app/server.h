@@ -16,6 +16,7 @@
 #include "kb_server/service/fleet_leases.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/http_server.h"
+#include "kb_server/service/load_runner.h"
 #include "kb_server/service/metrics.h"
 #include "kb_server/service/ports.h"
 #include "kb_server/service/remote_access.h"
@@ -31,6 +32,7 @@ struct ServerSettings {
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise
+  OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
   std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
   Limits limits;
   const Clock* clock = nullptr;  // null: the system's; must outlive the server
@@ -86,6 +88,7 @@ class Server {
   std::unique_ptr<WorkerPool> workers_;
   ServicePorts ports_;
   UpdateRunner updates_{&ports_};
+  LoadRunner loads_{&ports_};
   std::unique_ptr<RemoteAccess> remote_;
   std::unique_ptr<ContextService> context_service_;
   std::unique_ptr<OntologiesService> ontologies_service_;

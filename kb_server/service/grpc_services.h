@@ -42,6 +42,10 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
   explicit OntologiesService(const ServicePorts& ports) : ports_(ports) {}
   grpc::ServerUnaryReactor* Load(grpc::CallbackServerContext* context, const v1::LoadRequest* request,
                                  v1::LoadReply* reply) override;
+  grpc::ServerUnaryReactor* Check(grpc::CallbackServerContext* context, const v1::LoadRequest* request,
+                                  v1::CheckModuleReply* reply) override;
+  grpc::ServerUnaryReactor* Validate(grpc::CallbackServerContext* context, const v1::ValidateRequest* request,
+                                     v1::ValidateReply* reply) override;
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context,
                                  const v1::ListOntologiesRequest* request,
                                  v1::ListOntologiesReply* reply) override;

@@ -1,9 +1,13 @@
 // Ontologies: modules, rule sets and data files.
+#include <chrono>
+
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/line_parser.h"
-#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/load_runner.h"
+#include "kb_server/service/module_requests.h"
 
 namespace docent {
 namespace {
@@ -21,56 +25,46 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
   reply->set_inferred(outcome.inferred);
 }
 
-// The quads of an RDF text, each in `graph` unless the text names one.
-absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
-                        WriteBatch* batch) {
-  std::string media_type = request.media_type().empty() ? "text/turtle" : request.media_type();
-  auto format = FormatOfMediaType(media_type);
-  if (!format)
-    return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
-  ParseRdfOptions options;
-  options.file = request.name();
-  options.limits = limits;
-  options.blank_node_scope = absl::StrCat(request.name(), "_");
-  const auto add = [&](TermQuad quad) {
-    if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
-    batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
-    return true;
+// Whether there is a module of that name, on the writer's turn: ontologies by their graphs, which are exact then.
+BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& ports) {
+  if (request.mode() == v1::LoadRequest::PUT) return nullptr;
+  return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](const TurnView& view,
+                                                                                       WriteBatch*) -> absl::Status {
+    bool there = false;
+    if (kind == v1::LoadRequest::RULES) {
+      for (const ModuleEntry& module : ports.catalog->Get()->modules) {
+        there = there || (module.kind == Document::Kind::kRules && module.name == name);
+      }
+    } else if (const auto graph = ports.dictionary->FindIri(OntologyGraph(name))) {
+      there = view.graph.Count({{}, {}, {}, *graph}) > 0;
+    }
+    if (mode == v1::LoadRequest::ADD && there) {
+      return absl::AlreadyExistsError(absl::StrCat("there is a module \"", name, "\" already; replace it, or name the new one otherwise"));
+    }
+    if (mode == v1::LoadRequest::REPLACE && !there) {
+      return absl::NotFoundError(absl::StrCat("there is no module \"", name, "\" to replace"));
+    }
+    return absl::OkStatus();
   };
-  if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
-    return ToStatus(ParseLines(request.text(), *format, options, add), request.text());
-  }
-  ParsedRdf parsed = ParseRdf(request.text(), *format, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
-  batch->operations.reserve(parsed.quads.size());
-  for (TermQuad& quad : parsed.quads) add(std::move(quad));
-  return absl::OkStatus();
 }
 
-absl::StatusOr<WriteBatch> ToBatch(const v1::LoadRequest& request, const Limits& limits) {
-  if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
-  if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
-    return absl::InvalidArgumentError(
-        "name is empty; an ontology or rule set is replaced and removed by its name");
-  }
-  WriteBatch batch;
-  batch.mode = WriteBatch::Mode::kLoad;
-  absl::Status status;
-  switch (request.kind()) {
-    case v1::LoadRequest::RULES:
-      batch.documents.push_back(
-          {Document::Kind::kRules, Document::Action::kPut, request.name(), request.text()});
-      break;
-    case v1::LoadRequest::ONTOLOGY:
-      batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
-      status = ParseQuads(request, OntologyGraph(request.name()), limits, &batch);
-      break;
-    default:
-      status = ParseQuads(request, request.graph(), limits, &batch);
-      break;
-  }
-  if (!status.ok()) return status;
-  return batch;
+// What a module says of itself, from its graph.
+void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::ListOntologiesReply::Module* out) {
+  const auto graph = dictionary.FindIri(OntologyGraph(out->name()));
+  const auto type = dictionary.FindIri(kRdfType), ontology = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "Ontology"));
+  if (!graph || !type || !ontology) return;
+  QuadCursor found = version.Scan({{}, *type, *ontology, *graph});
+  if (!found.Valid()) return;
+  const TermId subject = found.quad().subject;
+  const auto text_of = [&](const char* word) -> std::string {
+    const auto property = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), word));
+    if (!property) return "";
+    QuadCursor cursor = version.Scan({subject, *property, {}, *graph});
+    return cursor.Valid() ? dictionary.Decode(cursor.quad().object).lexical : "";
+  };
+  out->set_ontology(dictionary.Decode(subject).lexical);
+  out->set_version_iri(text_of("versionIRI"));
+  out->set_version_info(text_of("versionInfo"));
 }
 
 }  // namespace
@@ -83,12 +77,18 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
-    absl::StatusOr<WriteBatch> batch = ToBatch(*request, ports_.limits);
+    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    ports_.inbox->Push(*std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    LoadJob job;
+    job.batch = *std::move(batch);
+    job.prepare = CheckMode(*request, ports_);
+    job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+    job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
       if (outcome.ok()) Fill(*outcome, reply);
+      for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
       reactor->Finish(ToGrpc(outcome.status()));
-    });
+    };
+    ports_.loads->Run(std::move(job));
   });
   if (!accepted)
     reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
@@ -98,12 +98,14 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
                                                   const v1::ListOntologiesRequest*,
                                                   v1::ListOntologiesReply* reply) {
+  const GraphVersionPtr version = ports_.queries->Newest();
   for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
     auto* out = reply->add_modules();
     out->set_name(module.name);
     out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES : v1::LoadRequest::ONTOLOGY);
     out->set_size(module.size);
     out->set_revision(module.revision.value());
+    if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
   }
   return Finish(context, grpc::Status::OK);
 }

@@ -16,8 +16,12 @@
 namespace docent {
 
 class HistoryPort;
+class LoadRunner;
 class RemoteAccess;
 class UpdateRunner;
+
+// What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
+enum class OnViolation { kIgnore, kWarn, kRefuse };
 
 struct ServicePorts {
   Inbox* inbox = nullptr;
@@ -29,10 +33,12 @@ struct ServicePorts {
   WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
   UpdateRunner* updates = nullptr;
   HistoryPort* history = nullptr;  // null: only the newest version is there
+  LoadRunner* loads = nullptr;
   RemoteAccess* remote = nullptr;  // null: nothing is fetched
   const Clock* clock = nullptr;
   Limits limits;
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+  OnViolation on_violation = OnViolation::kIgnore;
 };
 
 }  // namespace docent

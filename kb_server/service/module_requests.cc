@@ -1,0 +1,71 @@
+#include "kb_server/service/module_requests.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/line_parser.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/service/catalog.h"
+#include "kb_server/service/convert.h"
+
+namespace docent {
+namespace {
+
+// The quads of an RDF text, each in `graph` unless the text names one.
+absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
+                        WriteBatch* batch) {
+  std::string media_type = request.media_type().empty() ? "text/turtle" : request.media_type();
+  auto format = FormatOfMediaType(media_type);
+  if (!format)
+    return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+  ParseRdfOptions options;
+  options.file = request.name();
+  options.limits = limits;
+  options.blank_node_scope = absl::StrCat(request.name(), "_");
+  const auto add = [&](TermQuad quad) {
+    if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
+    batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    return true;
+  };
+  if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
+    return ToStatus(ParseLines(request.text(), *format, options, add), request.text());
+  }
+  ParsedRdf parsed = ParseRdf(request.text(), *format, options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
+  batch->operations.reserve(parsed.quads.size());
+  for (TermQuad& quad : parsed.quads) add(std::move(quad));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits) {
+  if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
+  if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
+    return absl::InvalidArgumentError(
+        "name is empty; an ontology or rule set is replaced and removed by its name");
+  }
+  if (request.kind() == v1::LoadRequest::DATA && request.mode() != v1::LoadRequest::PUT) {
+    return absl::InvalidArgumentError("data has no name to add or replace; leave mode out");
+  }
+  WriteBatch batch;
+  batch.mode = WriteBatch::Mode::kLoad;
+  absl::Status status;
+  switch (request.kind()) {
+    case v1::LoadRequest::RULES:
+      batch.documents.push_back(
+          {Document::Kind::kRules, Document::Action::kPut, request.name(), request.text()});
+      break;
+    case v1::LoadRequest::ONTOLOGY:
+      batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
+      status = ParseQuads(request, OntologyGraph(request.name()), limits, &batch);
+      break;
+    default:
+      status = ParseQuads(request, request.graph(), limits, &batch);
+      break;
+  }
+  if (!status.ok()) return status;
+  return batch;
+}
+
+}  // namespace docent

@@ -1,0 +1,17 @@
+// A request that brings a document for Ontologies, as a batch. Any thread.
+#ifndef DOCENT_KB_SERVER_SERVICE_MODULE_REQUESTS_H_
+#define DOCENT_KB_SERVER_SERVICE_MODULE_REQUESTS_H_
+
+#include "absl/status/statusor.h"
+#include "docent/v1/ontologies.pb.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/store/write_batch.h"
+
+namespace docent {
+
+// INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_MODULE_REQUESTS_H_

@@ -1,0 +1,195 @@
+// Ontologies.Validate and Ontologies.Check: SHACL on the newest version, and on what it would be after a load.
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "kb_server/rdf/located_parser.h"
+#include "kb_server/service/await_version.h"
+#include "kb_server/service/convert.h"
+#include "kb_server/service/grpc_services.h"
+#include "kb_server/service/load_judge.h"
+#include "kb_server/service/module_requests.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/shapes/shape_reader.h"
+#include "reasoner/shapes/source_map.h"
+#include "reasoner/shapes/validator.h"
+
+namespace docent {
+namespace {
+
+// Ends the work when the caller goes away.
+class CancellableReactor final : public grpc::ServerUnaryReactor {
+ public:
+  explicit CancellableReactor(std::shared_ptr<Cancellation> cancellation) : cancellation_(std::move(cancellation)) {}
+  void OnCancel() override { cancellation_->Cancel(); }
+  void OnDone() override { delete this; }
+
+ private:
+  const std::shared_ptr<Cancellation> cancellation_;
+};
+
+// The shapes of a request's texts, in a graph of their own. Its dictionary knows the server's terms.
+struct GivenShapes {
+  explicit GivenShapes(const Dictionary* base) : dictionary(base), writer(nullptr) {}
+  Dictionary dictionary;
+  GraphWriter writer;
+  shapes::SourceMap places;
+};
+
+absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits, GivenShapes* given) {
+  const TermId graph = given->dictionary.InternIri("urn:docent:shapes");
+  int number = 0;
+  for (const v1::ShapesText& text : request.shapes()) {
+    if (absl::Status size = CheckDocumentSize(text.name(), text.text(), limits); !size.ok()) return size;
+    const std::string media_type = text.media_type().empty() ? "text/turtle" : text.media_type();
+    const auto format = FormatOfMediaType(media_type);
+    if (!format) return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+    ParseRdfOptions options;
+    options.file = text.name();
+    options.limits = limits;
+    options.blank_node_scope = absl::StrCat("shapes", number++, "_");
+    const LocatedRdf document = ParseLocatedRdf(text.text(), *format, options);
+    if (!document.rdf.ok()) return ToStatus(document.rdf.diagnostics, text.text());
+    for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
+      const TermQuad& q = document.rdf.quads[i];
+      const Quad quad{given->dictionary.Intern(q.subject), given->dictionary.Intern(q.predicate),
+                      given->dictionary.Intern(q.object), graph};
+      given->writer.Add(quad);
+      given->places.Add(quad, {text.name(), document.places[i].subject}, {text.name(), document.places[i].object});
+    }
+  }
+  return absl::OkStatus();
+}
+
+void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape,
+             v1::ValidationResult* out) {
+  out->set_severity(text.severity);
+  docent::ToProto(focus, out->mutable_focus());
+  out->set_path(text.path);
+  if (!text.value.empty()) docent::ToProto(value, out->mutable_value());
+  docent::ToProto(shape, out->mutable_shape());
+  out->set_constraint(text.component);
+  out->set_message(text.message);
+  for (const std::string& detail : text.details) out->add_details(detail);
+}
+
+// As much of the report as fits into half a message.
+absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary, bool rdf, const Limits& limits,
+                  v1::ValidateReply* reply) {
+  reply->set_conforms(report.conforms());
+  reply->set_total(report.total);
+  reply->set_focus_nodes(report.focus_nodes);
+  reply->set_summary(shapes::Summary(report, dictionary));
+  const size_t room = limits.grpc_message_bytes / 2;
+  size_t bytes = 0;
+  if (rdf) {
+    for (const TermQuad& triple : shapes::ToRdf(report, dictionary)) {
+      v1::Quad* out = reply->add_report();
+      docent::ToProto(triple.subject, out->mutable_subject());
+      docent::ToProto(triple.predicate, out->mutable_predicate());
+      docent::ToProto(triple.object, out->mutable_object());
+      bytes += out->ByteSizeLong();
+      if (bytes > room) {
+        return absl::ResourceExhaustedError(absl::StrCat("the report as RDF is larger than half of the limit grpc_message_bytes = ",
+                                                         limits.grpc_message_bytes, "; ask for it as text"));
+      }
+    }
+    return absl::OkStatus();
+  }
+  for (const shapes::ValidationResult& result : report.results) {
+    v1::ValidationResult* out = reply->add_results();
+    const Term value = result.value.IsNone() ? Term() : dictionary.Decode(result.value);
+    ToProto(shapes::Describe(result, dictionary, nullptr, nullptr), dictionary.Decode(result.focus), value,
+            dictionary.Decode(result.shape), out);
+    bytes += out->ByteSizeLong();
+    if (bytes > room) {
+      reply->mutable_results()->RemoveLast();
+      break;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
+                      Cancellation* cancellation, v1::ValidateReply* reply) {
+  GivenShapes given(ports.dictionary);
+  if (absl::Status status = ReadTexts(request, ports.limits, &given); !status.ok()) return status;
+  auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
+  if (!version.ok()) return version.status();
+  const bool own = request.shapes().empty();
+  const Dictionary& dictionary = own ? *ports.dictionary : given.dictionary;
+  const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
+                                      : shapes::GraphView(given.writer.current());
+  const shapes::ParsedShapes parsed = shapes::ReadShapes(graph, dictionary, {}, &given.places);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
+  if (!parsed.shapes.HasTargets()) {
+    return absl::InvalidArgumentError(own ? "no shape is loaded that has a target; load one as an ontology, or give shapes"
+                                          : "no shape has a target: give them sh:targetClass, sh:targetNode, "
+                                            "sh:targetSubjectsOf or sh:targetObjectsOf");
+  }
+  for (const Diagnostic& diagnostic : parsed.diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  shapes::ValidateOptions options;
+  options.memory_bytes = ports.limits.query_memory_bytes;
+  options.cancellation = cancellation;
+  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
+  if (!report.ok()) return report.status();
+  reply->set_revision((*version)->revision().value());
+  return Fill(*report, dictionary, request.rdf(), ports.limits, reply);
+}
+
+absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
+                   v1::CheckModuleReply* reply) {
+  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits);
+  if (!batch.ok()) return batch.status();
+  const GraphVersionPtr version = ports.queries->Newest();
+  auto verdict = JudgeLoad(ports, *batch, *version, cancellation);
+  if (!verdict.ok()) return verdict.status();
+  reply->set_revision(version->revision().value());
+  reply->set_conforms(!verdict->HasViolations());
+  for (const Diagnostic& diagnostic : verdict->diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  size_t bytes = 0;
+  for (const JudgedResult& result : verdict->results) {
+    v1::ValidationResult* out = reply->add_results();
+    ToProto(result.text, result.focus, result.value, result.shape, out);
+    bytes += out->ByteSizeLong();
+    if (bytes > ports.limits.grpc_message_bytes / 2) {
+      reply->mutable_results()->RemoveLast();
+      break;
+    }
+  }
+  return absl::OkStatus();
+}
+
+constexpr char kTooMuchWork[] = "too much work waits; try again";
+
+}  // namespace
+
+grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*, const v1::ValidateRequest* request,
+                                                      v1::ValidateReply* reply) {
+  int timeout_ms = ports_.limits.query_timeout_ms;
+  if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+  auto* reactor = new CancellableReactor(cancellation);
+  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
+  const bool accepted = ports_.workers->Submit([this, reactor, request, reply, cancellation, deadline] {
+    reactor->Finish(ToGrpc(docent::Validate(ports_, *request, deadline, cancellation.get(), reply)));
+  });
+  if (!accepted) reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, kTooMuchWork));
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*, const v1::LoadRequest* request,
+                                                   v1::CheckModuleReply* reply) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  auto* reactor = new CancellableReactor(cancellation);
+  const bool accepted = ports_.workers->Submit([this, reactor, request, reply, cancellation] {
+    reactor->Finish(ToGrpc(docent::Check(ports_, *request, cancellation.get(), reply)));
+  });
+  if (!accepted) reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, kTooMuchWork));
+  return reactor;
+}
+
+}  // namespace docent
