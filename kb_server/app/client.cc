@@ -119,6 +119,30 @@ absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& te
   return std::make_pair(name, Term::Literal(value));
 }
 
+std::string MediaTypeOfFile(const std::string& file) {
+  switch (FormatOfFile(file).value_or(RdfFormat::kTurtle)) {
+    case RdfFormat::kTurtle:
+      return "text/turtle";
+    case RdfFormat::kTriG:
+      return "application/trig";
+    case RdfFormat::kNTriples:
+      return "application/n-triples";
+    case RdfFormat::kNQuads:
+      return "application/n-quads";
+    case RdfFormat::kRdfXml:
+      return "application/rdf+xml";
+  }
+  return "text/turtle";
+}
+
+void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {
+  for (const v1::Diagnostic& d : diagnostics) {
+    if (!d.file().empty()) std::cerr << d.file() << ":" << d.line() << ":" << d.column() << ": ";
+    std::cerr << (d.warning() ? "warning: " : "error: ") << d.message() << "\n";
+    if (!d.hint().empty()) std::cerr << "  hint: " << d.hint() << "\n";
+  }
+}
+
 std::string ToNTriples(const v1::Term& term) {
   return ToNTriples(FromProtoTrusted(term));
 }

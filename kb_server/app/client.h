@@ -46,6 +46,12 @@ absl::StatusOr<std::string> ReadText(const std::string& path);
 // prefix, a number, true/false, or anything else as a plain string.
 absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text);
 
+// What the API calls the format of a file, by its ending; Turtle where that says nothing.
+std::string MediaTypeOfFile(const std::string& file);
+
+// Diagnostics of a server, to standard error.
+void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics);
+
 // A term of the API as N-Triples, or shortened for people.
 std::string ToNTriples(const v1::Term& term);
 std::string ToDisplay(const v1::Term& term);

@@ -4,12 +4,11 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "kb_server/app/check_files.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/rdf/parser.h"
-#include "kb_server/sparql/parser.h"
 #include "nlohmann/json.hpp"
-#include "reasoner/rules/rule_engine.h"
 #include "workflow/cawl/check.h"
 #include "workflow/engine/engine.h"
 #include "workflow/rsel/parser.h"
@@ -23,6 +22,7 @@ struct CheckArguments {
   std::vector<std::string> ontologies;
   bool ask = false;
   bool json = false;
+  bool strict = false;
 };
 
 enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
@@ -51,6 +51,13 @@ class Checker {
       if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
       environment_.AddOntology(parsed.quads);
       has_environment_ = true;
+      files_.AddRdf(file, *text, true);
+    }
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRdf) continue;
+      auto text = ReadText(file);
+      if (!text.ok()) return text.status();
+      files_.AddRdf(file, *text, false);
     }
     rsel::ServiceRegistry registry;
     for (const std::string& file : arguments_.files) {
@@ -71,39 +78,32 @@ class Checker {
   absl::Status Check(const std::string& file) {
     auto text = ReadText(file);
     if (!text.ok()) return text.status();
-    Diagnostics diagnostics;
+    std::vector<ontology::Finding> findings;
     switch (KindOf(file)) {
-      case Kind::kRdf: {
-        ParseRdfOptions options;
-        options.file = file;
-        diagnostics = ParseRdf(*text, *FormatOfFile(file), options).diagnostics;
+      case Kind::kRdf:
+        findings = files_.CheckRdf(file);
         break;
-      }
-      case Kind::kSparql: {
-        sparql::ParseOptions options;
-        options.file = file;
-        options.prefixes = sparql::WellKnownPrefixes();
-        diagnostics = sparql::ParseQuery(*text, options).diagnostics;
+      case Kind::kSparql:
+        findings = files_.CheckQuery(file, *text);
         break;
-      }
-      case Kind::kRules: {
-        Dictionary dictionary;
-        diagnostics = RuleEngine(dictionary).PutRules(file, *text);
+      case Kind::kRules:
+        findings = files_.CheckRules(file, *text);
         break;
-      }
       case Kind::kCawl:
-        diagnostics = CheckCawl(file, *text);
+        findings = AsFindings("workflow", CheckCawl(file, *text));
         break;
-      case Kind::kRsel:
-        diagnostics = rsel::ParseRsel(*text, file).diagnostics;
+      case Kind::kRsel: {
+        Diagnostics diagnostics = rsel::ParseRsel(*text, file).diagnostics;
         if (!HasErrors(diagnostics)) diagnostics = services_[file];
+        findings = AsFindings("service", diagnostics);
         break;
+      }
       case Kind::kUnknown:
         return absl::InvalidArgumentError(absl::StrCat(file,
                                                        ": I do not know this ending; use .ttl .trig .nt .nq "
                                                        ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
     }
-    Print(file, *text, diagnostics);
+    Print(file, *text, findings);
     return absl::OkStatus();
   }
 
@@ -129,26 +129,32 @@ class Checker {
     return report.diagnostics;
   }
 
-  void Print(const std::string& file, const std::string& text, const Diagnostics& diagnostics) {
-    failed_ = failed_ || HasErrors(diagnostics);
+  void Print(const std::string& file, const std::string& text, const std::vector<ontology::Finding>& findings) {
+    Diagnostics diagnostics;
+    for (const ontology::Finding& finding : findings) diagnostics.push_back(finding.diagnostic);
+    const bool bad = HasErrors(diagnostics) || (arguments_.strict && !diagnostics.empty());
+    failed_ = failed_ || bad;
     if (arguments_.json) {
-      for (const Diagnostic& d : diagnostics) {
+      for (const ontology::Finding& finding : findings) {
+        const Diagnostic& d = finding.diagnostic;
         nlohmann::json object = {
             {"file", d.file.empty() ? file : d.file},
             {"line", d.span.line},
             {"column", d.span.column},
             {"severity", d.severity == Diagnostic::Severity::kError ? "error" : "warning"},
+            {"rule", finding.rule},
             {"message", d.message},
             {"hint", d.hint}};
-        std::cout << object.dump() << "\n";
+        std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
       }
       return;
     }
     std::cerr << Render(diagnostics, text);
-    if (!HasErrors(diagnostics) && !arguments_.ask) std::cout << file << ": ok\n";
+    if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
   }
 
   const CheckArguments& arguments_;
+  FileChecker files_;
   cawl::QuadEnvironment environment_;
   bool has_environment_ = false;
   bool has_operations_ = false;
@@ -162,10 +168,12 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command = app->add_subcommand(
       "check",
-      "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors)");
+      "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors). Words of RDF, "
+      "rules and queries are checked against the vocabulary of all RDF files named");
   command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
-  command->add_option("--ontology", arguments->ontologies, "Ontology files whose words workflows may use");
+  command->add_option("--ontology", arguments->ontologies, "Ontology files whose words may be used");
   command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
+  command->add_flag("--strict", arguments->strict, "Warnings, too, make the exit code 1");
   command->add_flag("--json", arguments->json, "Print JSON for machines");
   command->callback([arguments, exit_code] {
     Checker checker(*arguments);

@@ -36,30 +36,6 @@ std::string KindOf(const std::string& file) {
   return "data";
 }
 
-std::string MediaTypeOfFile(const std::string& file) {
-  switch (FormatOfFile(file).value_or(RdfFormat::kTurtle)) {
-    case RdfFormat::kTurtle:
-      return "text/turtle";
-    case RdfFormat::kTriG:
-      return "application/trig";
-    case RdfFormat::kNTriples:
-      return "application/n-triples";
-    case RdfFormat::kNQuads:
-      return "application/n-quads";
-    case RdfFormat::kRdfXml:
-      return "application/rdf+xml";
-  }
-  return "text/turtle";
-}
-
-void PrintWarnings(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {
-  for (const v1::Diagnostic& d : diagnostics) {
-    std::cerr << d.file() << ":" << d.line() << ":" << d.column() << ": "
-              << (d.warning() ? "warning: " : "error: ") << d.message() << "\n";
-    if (!d.hint().empty()) std::cerr << "  hint: " << d.hint() << "\n";
-  }
-}
-
 class Loader {
  public:
   explicit Loader(const LoadArguments& arguments)
@@ -85,7 +61,7 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::Workflows::NewStub(channel_)->Deploy(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    PrintWarnings(reply.diagnostics());
+    PrintDiagnostics(reply.diagnostics());
     std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision()
               << "\n";
     return kExitOk;
@@ -99,7 +75,7 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::RobotServices::NewStub(channel_)->Register(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    PrintWarnings(reply.diagnostics());
+    PrintDiagnostics(reply.diagnostics());
     std::cout << file << ": robot services";
     for (const std::string& process : reply.processes()) std::cout << " " << process;
     std::cout << " registered, revision " << reply.revision() << "\n";
@@ -174,7 +150,7 @@ class Loader {
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    PrintWarnings(reply.diagnostics());
+    PrintDiagnostics(reply.diagnostics());
     std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
               << " removed, " << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
     return kExitOk;

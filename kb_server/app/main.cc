@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
   docent::AddQueryCommand(&app, &exit_code);
   docent::AddUpdateCommand(&app, &exit_code);
   docent::AddCheckCommand(&app, &exit_code);
+  docent::AddValidateCommand(&app, &exit_code);
+  docent::AddOntologyCommand(&app, &exit_code);
   docent::AddRunCommand(&app, &exit_code);
   docent::AddRunsCommand(&app, &exit_code);
   docent::AddRobotsCommand(&app, &exit_code);

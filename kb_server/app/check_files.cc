@@ -1,0 +1,97 @@
+#include "kb_server/app/check_files.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/sparql/parser.h"
+#include "reasoner/ontology/meaning_check.h"
+#include "reasoner/ontology/word_check.h"
+#include "reasoner/rules/rule_engine.h"
+#include "reasoner/shapes/shape_reader.h"
+
+namespace docent {
+namespace {
+
+constexpr char kGraph[] = "urn:docent:checked";
+
+std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findings& findings) {
+  const size_t left_out = findings.left_out();
+  std::vector<ontology::Finding> out = findings.Take();
+  if (left_out > 0) {
+    out.push_back({"limit",
+                   {file, {}, absl::StrCat("and ", left_out, " more; the limit check_diagnostics is ", out.size()),
+                    "correct these first", Diagnostic::Severity::kWarning}});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics) {
+  std::vector<ontology::Finding> findings;
+  for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic});
+  return findings;
+}
+
+void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
+  ParseRdfOptions options;
+  options.file = file;
+  options.blank_node_scope = absl::StrCat("f", documents_.size(), "_");
+  LocatedRdf document = ParseLocatedRdf(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+  if (document.rdf.ok()) {
+    vocabulary_.Add(document.rdf.quads);
+    if (!only_words) graph_.Add(file, document, kGraph);
+  }
+  if (!only_words) documents_[file] = std::move(document);
+}
+
+void FileChecker::CheckShapes() {
+  shapes_read_ = true;
+  const shapes::GraphView view = graph_.View(kGraph);
+  for (Diagnostic& d : shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph)).diagnostics) {
+    of_shapes_[d.file].push_back(std::move(d));
+  }
+}
+
+std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
+  if (!shapes_read_) CheckShapes();
+  const LocatedRdf& document = documents_[file];
+  if (!document.rdf.ok()) return AsFindings("syntax", document.rdf.diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  for (const Diagnostic& warning : document.rdf.diagnostics) {
+    findings.Warning("syntax", warning.span, warning.message, warning.hint);
+  }
+  ontology::CheckWords(document, vocabulary_, findings);
+  ontology::CheckMeaning(document, vocabulary_, &cycles_, findings);
+  for (const Diagnostic& d : of_shapes_[file]) {
+    if (d.severity == Diagnostic::Severity::kError) {
+      findings.Error("shape", d.span, d.message, d.hint);
+    } else {
+      findings.Warning("shape", d.span, d.message, d.hint);
+    }
+  }
+  return TakeAll(file, findings);
+}
+
+std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, const std::string& text) {
+  Dictionary dictionary;
+  const Diagnostics diagnostics = RuleEngine(dictionary).PutRules(file, text);
+  if (HasErrors(diagnostics)) return AsFindings("syntax", diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
+  ontology::CheckWords(ParseRules(text, file), vocabulary_, findings);
+  return TakeAll(file, findings);
+}
+
+std::vector<ontology::Finding> FileChecker::CheckQuery(const std::string& file, const std::string& text) {
+  sparql::ParseOptions options;
+  options.file = file;
+  options.prefixes = sparql::WellKnownPrefixes();
+  const sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
+  if (!parsed.ok()) return AsFindings("syntax", parsed.diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  ontology::CheckWords(parsed.query, vocabulary_, findings);
+  return TakeAll(file, findings);
+}
+
+}  // namespace docent

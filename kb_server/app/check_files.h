@@ -1,0 +1,49 @@
+// RDF, rules and queries as `docent check` looks at them: each file by itself, its words against the vocabulary of all.
+// One thread.
+#ifndef DOCENT_KB_SERVER_APP_CHECK_FILES_H_
+#define DOCENT_KB_SERVER_APP_CHECK_FILES_H_
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kb_server/base/check_limits.h"
+#include "kb_server/rdf/located_parser.h"
+#include "reasoner/ontology/finding.h"
+#include "reasoner/ontology/vocabulary.h"
+#include "reasoner/shapes/file_graph.h"
+
+namespace docent {
+
+class FileChecker {
+ public:
+  // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
+  // first is checked.
+  void AddRdf(const std::string& file, const std::string& text, bool only_words);
+
+  // What is wrong with an RDF document that was added; with a `.rules` text; with a query. Syntax errors have the rule
+  // "syntax", and hide all others.
+  std::vector<ontology::Finding> CheckRdf(const std::string& file);
+  std::vector<ontology::Finding> CheckRules(const std::string& file, const std::string& text);
+  std::vector<ontology::Finding> CheckQuery(const std::string& file, const std::string& text);
+
+ private:
+  // The shapes of all documents, read once; each finding with its file.
+  void CheckShapes();
+
+  const CheckLimits limits_;
+  ontology::Vocabulary vocabulary_;
+  std::map<std::string, LocatedRdf> documents_;
+  std::set<std::string> cycles_;
+  shapes::FileGraph graph_;
+  bool shapes_read_ = false;
+  std::map<std::string, Diagnostics> of_shapes_;  // by file
+};
+
+// Diagnostics that need no rule of their own, under one name.
+std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_APP_CHECK_FILES_H_

@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""What ontology authors use: docent check, docent validate, docent ontology, with their exit codes."""
+import json
+import unittest
+
+from docent_e2e import StageTest, stage
+
+SHAPES = """@prefix sh: <http://www.w3.org/ns/shacl#> . @prefix : <http://example.org/> .
+:RoomShape a sh:NodeShape ; sh:targetClass :Room ;
+  sh:property [ sh:path :door ; sh:minCount 1 ] .
+"""
+WORDS = """@prefix : <http://example.org/> . @prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+:m a owl:Ontology ; owl:versionInfo "1.0" .
+:Room a owl:Class ; rdfs:label "room" ; rdfs:comment "has doors" ; rdfs:subClassOf [ a owl:Restriction ; owl:onProperty :door ; owl:minCardinality 1 ] .
+:door a owl:ObjectProperty ; rdfs:label "door" ; rdfs:comment "leads in" .
+"""
+# In the shape that Protégé writes.
+PROTEGE = """<?xml version="1.0"?>
+<!DOCTYPE rdf:RDF [
+    <!ENTITY owl "http://www.w3.org/2002/07/owl#" >
+]>
+<rdf:RDF xmlns="http://example.org/"
+     xml:base="http://example.org/m"
+     xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+     xmlns:owl="http://www.w3.org/2002/07/owl#"
+     xmlns:xml="http://www.w3.org/XML/1998/namespace"
+     xmlns:rdfs="http://www.w3.org/2000/01/rdf-schema#">
+    <owl:Ontology rdf:about="http://example.org/m"><owl:versionInfo>1.1</owl:versionInfo></owl:Ontology>
+    <owl:ObjectProperty rdf:about="http://example.org/door">
+        <rdfs:label>door</rdfs:label>
+        <rdfs:comment>leads in</rdfs:comment>
+    </owl:ObjectProperty>
+    <owl:Class rdf:about="http://example.org/Room">
+        <rdf:type rdf:resource="&owl;NamedIndividual"/>
+        <rdfs:label>room</rdfs:label>
+        <rdfs:comment>has doors</rdfs:comment>
+    </owl:Class>
+</rdf:RDF>
+"""
+
+
+class Check(StageTest):
+    def test_the_project_s_own_files_have_no_errors(self):
+        files = sorted(stage.ROOT.glob("ontology/*.ttl")) + sorted(stage.S01.glob("*.ttl")) + sorted(stage.S01.glob("*.rules"))
+        done = self.docent("check", *files)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.count(": ok"), len(files))
+
+    def test_findings_have_place_rule_and_remedy(self):
+        words = self.file("words.ttl", WORDS)
+        data = self.file("data.ttl", "@prefix : <http://example.org/> .\n:A a :Rom ;\n  :door \"front\" .\n")
+        done = self.docent("check", words, data)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("data.ttl:2:6: error: the class <http://example.org/Rom> is not defined", done.stderr)
+        self.assertIn("did you mean <http://example.org/Room>?", done.stderr)
+        found = [json.loads(line) for line in self.docent("check", "--json", words, data).stdout.splitlines()]
+        self.assertEqual([(f["rule"], f["line"], f["column"]) for f in found if f["severity"] == "error"],
+                         [("undefined-term", 2, 6), ("range-clash", 3, 9)])
+
+    def test_strict_counts_warnings(self):
+        unused = self.file("unused.ttl", "@prefix x: <http://x/> .\n<http://e/a> <http://e/b> <http://e/c> .\n")
+        self.assertEqual(self.docent("check", unused).returncode, 0)
+        self.assertEqual(self.docent("check", "--strict", unused).returncode, 1)
+        self.assertEqual(self.docent("check", unused.parent / "nothing.ttl").returncode, 2)
+
+
+class Validate(StageTest):
+    def test_files(self):
+        shapes, good = self.file("shapes.ttl", SHAPES), self.file("good.ttl", "<http://e/A> a <http://example.org/Room> ; "
+                                                                  "<http://example.org/door> <http://e/D> .\n")
+        bad = self.file("bad.ttl", "\n<http://e/A> a <http://example.org/Room> .\n")
+        done = self.docent("validate", "--shapes", shapes, good)
+        self.assertEqual((done.returncode, done.stdout), (0, "conforms (1 node checked)\n"), done.stderr)
+        done = self.docent("validate", "--shapes", shapes, bad)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("bad.ttl:2:1: violation: <http://e/A> <http://example.org/door>: has 0 values; at least 1 needed", done.stdout)
+        self.assertIn("shapes.ttl:3:", done.stdout)
+        report = self.file("report.ttl", self.docent("validate", "--rdf", "--shapes", shapes, bad).stdout)
+        self.assertIn("sh:conforms false", report.read_text())
+        self.assertEqual(self.docent("check", report).returncode, 0, "it is Turtle")
+        lines = self.docent("validate", "--json", "--shapes", shapes, bad).stdout.splitlines()
+        self.assertEqual(json.loads(lines[-1]), {"conforms": False, "results": 1, "focus_nodes": 1})
+        self.assertEqual(json.loads(lines[0])["line"], 2)
+
+    def test_bad_shapes(self):
+        bad = self.file("bad.ttl", "@prefix sh: <http://www.w3.org/ns/shacl#> .\n<http://e/S> sh:targetNode 1 ;\n  sh:not <http://e/S> .\n")
+        done = self.docent("validate", "--shapes", bad, bad)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("refers to itself", done.stderr)
+
+
+class Modules(StageTest):
+    def test_a_module_is_loaded_compared_replaced_and_removed_while_it_runs(self):
+        server = self.stage.server()
+        words = self.file("m.ttl", WORDS)
+        server.command("ontology", "load", words)
+        self.assertEqual(server.run("ontology", "load", words).returncode, 2, "it is there already")
+        self.assertIn("version 1.0", server.command("ontology", "list"))
+        self.assertEqual(server.run("ontology", "diff", words).returncode, 0, "blank nodes are no difference")
+        protege = self.file("m.owl", PROTEGE)
+        done = server.run("ontology", "diff", "--name", "m.ttl", protege)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("# version 1.0 → version 1.1", done.stdout)
+        self.assertIn("+ <http://example.org/Room> rdf:type owl:NamedIndividual", done.stdout)
+        self.assertNotIn("rdfs:label", done.stdout)
+        server.command("ontology", "replace", "--name", "m.ttl", protege)
+        self.assertIn("version 1.1", server.command("ontology", "list"))
+        self.assertEqual(server.run("ontology", "diff", "--name", "m.ttl", protege).returncode, 0)
+        self.assertFalse(server.ask("?x <http://www.w3.org/2002/07/owl#minCardinality> ?y"))
+        server.command("ontology", "remove", "m.ttl")
+        self.assertEqual(server.run("ontology", "replace", words).returncode, 2, "there is none to replace")
+        self.assertFalse(server.ask("<http://example.org/Room> ?p ?o"))
+
+    def test_a_server_that_refuses_what_violates_its_shapes(self):
+        server = stage.Server(self.stage, arguments=["--on-violation", "refuse"])
+        server.command("ontology", "load", self.file("shapes.ttl", SHAPES))
+        bad = self.file("bad.ttl", "<http://e/A> a <http://example.org/Room> .\n")
+        done = server.run("load", bad)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nothing was changed", done.stderr)
+        self.assertFalse(server.ask("<http://e/A> ?p ?o"))
+        self.assertEqual(server.run("ontology", "check", bad).returncode, 1)
+        self.assertEqual(server.run("validate").returncode, 0)
+        self.assertEqual(server.command("validate").split(",")[0], "conforms (0 nodes checked)")
+
+
+if __name__ == "__main__":
+    unittest.main()
