@@ -85,6 +85,10 @@ class LogWriter {
   absl::Status Flush() {
     auto appended = log_.Append(pending_, 1, head_);
     if (!appended.ok()) return appended.status();
+    if (appended->outcome != AppendResult::Outcome::kAppended) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(options_.folder, " holds a log already; choose another folder"));
+    }
     head_ += pending_.size();
     pending_.clear();
     return absl::OkStatus();
@@ -227,6 +231,11 @@ int RunRecoveryBench(const std::vector<std::string>& args) {
   double worst_s = 0;
   absl::Status status;
   std::error_code error;
+  if (std::filesystem::exists(options.folder, error)) {
+    std::fprintf(stderr, "docent-bench: %s is there already; choose another folder\n",
+                 options.folder.c_str());
+    return 2;
+  }
   for (const bool replace : {false, true}) {
     if (status.ok()) status = Measure(options, replace, &measurements, &worst_s);
     std::filesystem::remove_all(options.folder, error);
