@@ -119,7 +119,7 @@ bool ReadGraph(ByteReader* in, const TermMap& map, GraphWriter* writer) {
     if (!quad) return false;
     quads.push_back(*quad);
   }
-  writer->BulkLoad(std::move(quads));
+  writer->AddAll(std::move(quads));
   return true;
 }
 

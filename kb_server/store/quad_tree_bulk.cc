@@ -56,6 +56,7 @@ void QuadTree::Edit::InsertSorted(QuadTree* tree, std::span<const Key> keys, uin
   tree->root_ = level[0].node;
   tree->size_ = level[0].size;
   tree->bytes_ = static_cast<size_t>(static_cast<int64_t>(tree->bytes_) + edit.bytes_change());
+  tree->replaced_bytes_ += edit.replaced_bytes();
 }
 
 void QuadTree::Edit::MakeLeaves(std::span<const Key> keys, std::vector<Right>* out) {

@@ -171,5 +171,35 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
   EXPECT_FALSE(wrong);
 }
 
+// What an earlier version holds alone is known without looking at its nodes.
+TEST(GraphVersionTest, TheCostOfKeepingAVersionIsKnown) {
+  GraphWriter writer(nullptr);
+  std::vector<Quad> quads;
+  for (uint64_t i = 0; i < 3000; ++i) quads.push_back(Q(i, i % 7, i * 31 % 1000));
+  writer.AddAll(quads);
+  const GraphVersionPtr first = writer.Freeze(Revision(1));
+  EXPECT_EQ(first->replaced_bytes(), 0u);
+
+  writer.Add(Q(1, 1, 5000));
+  const GraphVersionPtr second = writer.Freeze(Revision(2));
+  const size_t one_change = second->replaced_bytes() - first->replaced_bytes();
+  EXPECT_GT(one_change, 0u);
+  EXPECT_LT(one_change, second->bytes() / 4);
+
+  for (const Quad& quad : quads) writer.Remove(quad);
+  writer.Remove(Q(1, 1, 5000));
+  const GraphVersionPtr third = writer.Freeze(Revision(3));
+  EXPECT_EQ(third->replaced_bytes() - second->replaced_bytes(), second->bytes()) << "nothing of it is shared";
+
+  writer.AddAll(quads);
+  const GraphVersionPtr fourth = writer.Freeze(Revision(4));
+  for (Quad& quad : quads) quad.graph = Id(2);
+  writer.AddAll(quads);
+  const GraphVersionPtr fifth = writer.Freeze(Revision(5));
+  const size_t many = fifth->replaced_bytes() - fourth->replaced_bytes();
+  EXPECT_GT(many, fourth->bytes() / 2) << "many at once change most leaves";
+  EXPECT_LE(many, fourth->bytes());
+}
+
 }  // namespace
 }  // namespace docent
