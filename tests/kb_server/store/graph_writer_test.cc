@@ -107,6 +107,17 @@ TEST(GraphWriterTest, AddingManyAtOnceEqualsAddingEach) {
   for (const GraphVersionPtr& version : versions) version->CheckInvariants();
 }
 
+TEST(GraphWriterTest, AddingManyAtOnceCountsWhatOnlyTheEarlierVersionHolds) {
+  GraphWriter writer(nullptr);
+  std::vector<Quad> even, odd;
+  for (uint64_t i = 0; i < 5000; ++i) (i % 2 == 0 ? even : odd).push_back(Q(i, 1, i));
+  writer.AddAll(even);
+  const GraphVersionPtr before = writer.Freeze(Revision(1));
+  writer.AddAll(odd);  // into every leaf
+  const GraphVersionPtr after = writer.Freeze(Revision(2));
+  EXPECT_EQ(after->replaced_bytes() - before->replaced_bytes(), before->bytes());
+}
+
 TEST(DeltaSumTest, WhatWasUndoneDidNotHappen) {
   DeltaSum sum;
   sum.Added(Q(1, 1, 3));
