@@ -5,6 +5,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "kb_server/store/index_order.h"
+#include "kb_server/store/key_sort.h"
 #include "kb_server/store/quad_tree_edit.h"
 
 namespace docent {
@@ -47,7 +48,31 @@ Delta GraphWriter::Apply(const std::vector<Quad>& add, const std::vector<Quad>& 
   return delta;
 }
 
+namespace {
+
+// Fewer than this many are put in one by one.
+constexpr size_t kFew = 16;
+// Of quads that are sorted in the order of their fields. Then few words are left to sort by.
+std::vector<QuadTree::Key> SortedKeys(const std::vector<Quad>& quads, IndexOrder order,
+                                      std::vector<QuadTree::Key>& scratch) {
+  std::vector<QuadTree::Key> keys(quads.size());
+  for (size_t i = 0; i < quads.size(); ++i) keys[i] = KeyOf(quads[i], order);
+  if (order == IndexOrder::kPosg) StableSortByWord(keys, 1, scratch);
+  if (order != IndexOrder::kSpog) StableSortByWord(keys, 0, scratch);
+  return keys;
+}
+
+void SortQuads(std::vector<Quad>& quads) {
+  if (!std::is_sorted(quads.begin(), quads.end())) std::sort(quads.begin(), quads.end());
+}
+
+}  // namespace
+
 std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
+  if (quads.size() < kFew) {
+    std::erase_if(quads, [this](const Quad& quad) { return !Add(quad); });
+    return quads;
+  }
   using Placed = std::pair<Quad, size_t>;
   std::vector<Placed> fresh;
   fresh.reserve(quads.size());
@@ -64,17 +89,33 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
       return cursor.Valid();
     });
   }
-  std::vector<QuadTree::Key> keys(fresh.size());
+  std::vector<Quad> sorted;
+  sorted.reserve(fresh.size());
+  for (const Placed& placed : fresh) sorted.push_back(placed.first);
+  std::vector<QuadTree::Key> scratch;
   for (int i = 0; i < kIndexOrders; ++i) {
-    for (size_t j = 0; j < fresh.size(); ++j) keys[j] = KeyOf(fresh[j].first, IndexOrder(i));
-    if (i > 0) std::sort(keys.begin(), keys.end());
-    QuadTree::Edit::InsertSorted(&version_->trees_[i], keys, epoch_);
+    QuadTree::Edit::InsertSorted(&version_->trees_[i], SortedKeys(sorted, IndexOrder(i), scratch), epoch_);
   }
   if (fresh.size() == quads.size()) return quads;
   std::sort(fresh.begin(), fresh.end(), [](const Placed& a, const Placed& b) { return a.second < b.second; });
   quads.clear();
   for (const Placed& placed : fresh) quads.push_back(placed.first);
   return quads;
+}
+
+size_t GraphWriter::RemoveAll(std::vector<Quad> quads) {
+  const size_t before = version_->size();
+  if (quads.size() < kFew) {
+    for (const Quad& quad : quads) Remove(quad);
+    return before - version_->size();
+  }
+  SortQuads(quads);
+  std::vector<QuadTree::Key> scratch;
+  for (int i = 0; i < kIndexOrders; ++i) {
+    QuadTree& tree = version_->trees_[i];
+    for (const QuadTree::Key& key : SortedKeys(quads, IndexOrder(i), scratch)) tree.Erase(key, epoch_);
+  }
+  return before - version_->size();
 }
 
 GraphVersionPtr GraphWriter::Freeze(Revision revision) {

@@ -32,6 +32,8 @@ class GraphWriter {
   // Adds many quads and returns those that were new, once each, in the order given: what Add for each of them does, but
   // sorted and each index gone through once, which is several times faster where there are thousands.
   std::vector<Quad> AddAll(std::vector<Quad> quads);
+  // Removes many quads, sorted for each index. Returns how many were there.
+  size_t RemoveAll(std::vector<Quad> quads);
 
   const GraphVersion& current() const { return *version_; }
 

@@ -118,6 +118,40 @@ TEST(GraphWriterTest, AddingManyAtOnceCountsWhatOnlyTheEarlierVersionHolds) {
   EXPECT_EQ(after->replaced_bytes() - before->replaced_bytes(), before->bytes());
 }
 
+// Few and many beside what is there: one by one, in order, and the index built anew.
+TEST(GraphWriterTest, AddAllAndRemoveAllEqualOneByOne) {
+  std::mt19937_64 random(3);
+  for (const size_t already : {0u, 100u, 20000u}) {
+    for (const size_t count : {3u, 300u, 4000u}) {
+      GraphWriter many(nullptr), one_by_one(nullptr);
+      const auto quads = [&](size_t n) {
+        std::vector<Quad> out;
+        for (size_t i = 0; i < n; ++i)
+          out.push_back(Q(random() % 500, random() % 9, random() % 70000, random() % 3 + 1));
+        return out;
+      };
+      const std::vector<Quad> there = quads(already), more = quads(count);
+      for (const Quad& quad : there) one_by_one.Add(quad);
+      many.BulkLoad(there);
+      many.Freeze(Revision(1));
+      size_t added = 0, removed = 0;
+      for (const Quad& quad : more) added += one_by_one.Add(quad) ? 1 : 0;
+      EXPECT_EQ(many.AddAll(more), added);
+      many.current().CheckInvariants();
+      std::vector<Quad> less(more.begin(), more.begin() + static_cast<std::ptrdiff_t>(more.size() / 2));
+      less.push_back(Q(1, 1, 1));
+      for (const Quad& quad : less) removed += one_by_one.Remove(quad) ? 1 : 0;
+      EXPECT_EQ(many.RemoveAll(less), removed);
+      many.current().CheckInvariants();
+      ASSERT_EQ(many.current().size(), one_by_one.current().size());
+      one_by_one.current().ForEach({}, [&](const Quad& quad) {
+        EXPECT_TRUE(many.current().Contains(quad));
+        return true;
+      });
+    }
+  }
+}
+
 TEST(DeltaSumTest, WhatWasUndoneDidNotHappen) {
   DeltaSum sum;
   sum.Added(Q(1, 1, 3));
