@@ -145,6 +145,9 @@ class Grammar {
   bool GraphElement(OpenGroup* group);     // [58]
   bool ServiceElement(OpenGroup* group);   // [59]
   bool BindElement(OpenGroup* group);      // [60]
+  bool NotElement(OpenGroup* group);
+  bool SetElement(OpenGroup* group);
+  bool Assign(OpenGroup* group, const SourceSpan& span, const Token& variable, ExpressionPtr expression);
   bool FilterElement(OpenGroup* group);    // [68]
   bool GroupOrUnion(OpenGroup* group);     // [67]
   AlgebraPtr DataBlock();                  // [62]

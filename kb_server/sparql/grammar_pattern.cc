@@ -81,6 +81,8 @@ bool Grammar::GroupElement(OpenGroup* group) {
   if (AtWord("SERVICE")) return ServiceElement(group);
   if (AtWord("BIND")) return BindElement(group);
   if (AtWord("FILTER")) return FilterElement(group);
+  if (options_.rule_elements && AtWord("NOT")) return NotElement(group);
+  if (options_.rule_elements && AtWord("SET")) return SetElement(group);
   if (At("{")) return GroupOrUnion(group);
   if (AtWord("VALUES")) {
     Take();
@@ -215,6 +217,48 @@ bool Grammar::BindElement(OpenGroup* group) {
   }
   const Token variable = Take();
   if (!Expect(")", "to close BIND")) return false;
+  return Assign(group, span, variable, std::move(expression));
+}
+
+// NOT { pattern } is FILTER NOT EXISTS { pattern }.
+bool Grammar::NotElement(OpenGroup* group) {
+  const SourceSpan span = Take().span;
+  const int bgp = bgp_;
+  if (!CountElement(span)) return false;
+  AlgebraPtr pattern = GroupGraphPattern();
+  bgp_ = bgp;
+  if (!pattern) return false;
+  auto negation = std::make_unique<Expression>(Expression::Kind::kNotExists, span);
+  negation->pattern = std::move(pattern);
+  group->filters.push_back(std::move(negation));
+  Accept(".");
+  return true;
+}
+
+// SET(?x := expression) is BIND(expression AS ?x).
+bool Grammar::SetElement(OpenGroup* group) {
+  const SourceSpan span = Take().span;
+  CloseBgp(group);
+  if (!CountElement(span) || !Expect("(", "after SET")) return false;
+  if (Peek().kind != TokenKind::kVariable) {
+    Expected("a variable: SET(?name := expression)");
+    return false;
+  }
+  const Token variable = Take();
+  // The lexer of SPARQL reads ":=" as an empty prefixed name and "=".
+  const bool colon = Peek().kind == TokenKind::kPrefixedName && Peek().text.empty() && Peek().prefix.empty();
+  if (!colon) {
+    Expected("':=' after the variable of SET");
+    return false;
+  }
+  Take();
+  if (!Expect("=", "after ':' in SET(?name := expression)")) return false;
+  ExpressionPtr expression = ParseExpression();
+  if (!expression || !Expect(")", "to close SET")) return false;
+  return Assign(group, span, variable, std::move(expression));
+}
+
+bool Grammar::Assign(OpenGroup* group, const SourceSpan& span, const Token& variable, ExpressionPtr expression) {
   if (group->pattern) {
     for (const Variable& v : InScopeVariables(*group->pattern)) {
       if (v.name != variable.text) continue;

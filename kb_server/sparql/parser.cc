@@ -123,6 +123,9 @@ bool ProductionParser::AtKeyword(std::string_view keyword) const {
 bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
   return impl_->grammar.Accept(punctuation);
 }
+bool ProductionParser::AtPunctuation(std::string_view punctuation) const {
+  return impl_->grammar.At(punctuation);
+}
 bool ProductionParser::AtEnd() const {
   return impl_->grammar.Peek().kind == TokenKind::kEnd;
 }

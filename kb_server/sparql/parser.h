@@ -26,6 +26,8 @@ struct ParseOptions {
   // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may declare them anew.
   std::vector<std::pair<std::string, std::string>> prefixes;
   Limits limits;  // query_text_bytes, query_nesting, query_elements
+  // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x := expression).
+  bool rule_elements = false;
 };
 
 // kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.
@@ -89,6 +91,7 @@ class ProductionParser {
   bool AcceptKeyword(std::string_view keyword);
   bool AtKeyword(std::string_view keyword) const;
   bool AcceptPunctuation(std::string_view punctuation);
+  bool AtPunctuation(std::string_view punctuation) const;
   bool AtEnd() const;
   // The place of the next token, for errors and AST nodes.
   SourceSpan Here() const;
