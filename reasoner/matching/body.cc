@@ -120,6 +120,7 @@ class BodyBuilder {
     }
     CollectTests(where);
     AddTriggers(analysis);
+    if (flat) NumberPatterns();
     return flat ? BuildFlat() : BuildGeneral(query, where);
   }
 
@@ -192,6 +193,29 @@ class BodyBuilder {
     return test;
   }
 
+  // ?a = ?b and ?a != <iri>.
+  std::optional<TermTest> TermTestOf(const Expression& expression) const {
+    if (expression.kind != Expression::Kind::kEqual && expression.kind != Expression::Kind::kNotEqual) {
+      return std::nullopt;
+    }
+    const Expression* a = expression.arguments[0].get();
+    const Expression* b = expression.arguments[1].get();
+    if (a->kind != Expression::Kind::kVariable) std::swap(a, b);
+    if (a->kind != Expression::Kind::kVariable) return std::nullopt;
+    TermTest test;
+    test.equal = expression.kind == Expression::Kind::kEqual;
+    test.left = static_cast<int16_t>(body_.ColumnOf(a->variable.name));
+    if (b->kind == Expression::Kind::kVariable) {
+      test.right = static_cast<int16_t>(body_.ColumnOf(b->variable.name));
+      if (test.right < 0) return std::nullopt;
+    } else if (b->kind == Expression::Kind::kTerm && b->term.IsIri()) {
+      test.constant = dictionary_.Intern(b->term);
+    } else {
+      return std::nullopt;
+    }
+    return test.left < 0 ? std::nullopt : std::optional<TermTest>(test);
+  }
+
   // Comparisons with a number that stand in the outermost filters.
   void CollectTests(const Algebra& where) {
     for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get()) {
@@ -227,6 +251,21 @@ class BodyBuilder {
     }
   }
 
+  // Patterns and the triggers that every solution needs come from the same walk, in the same order.
+  void NumberPatterns() {
+    body_.patterns_ = patterns_;
+    body_.has_filters_ = !filters_.empty();
+    for (const Expression* filter : filters_) {
+      for (const sparql::Variable& v : sparql::MentionedVariables(*filter)) {
+        body_.filter_columns_.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
+      }
+    }
+    int8_t next = 0;
+    for (Trigger& trigger : body_.triggers_) {
+      if (trigger.required) trigger.pattern = next++;
+    }
+  }
+
   static uint8_t EqualPositions(const std::array<const PatternTerm*, 4>& terms) {
     static constexpr std::array<std::array<int, 3>, 6> kPairs = {{{0, 1, MatchPattern::kSubjectPredicate},
                                                                   {0, 2, MatchPattern::kSubjectObject},
@@ -256,6 +295,7 @@ class BodyBuilder {
     for (const Expression* conjunct : filters_) {
       Body::FlatPlan::Filter filter;
       filter.test = TestOf(*conjunct);
+      filter.terms = TermTestOf(*conjunct);
       filter.source = conjunct->Clone();
       filters.push_back(std::move(filter));
     }
@@ -340,6 +380,24 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
     if (!columns_[i].seedable) usable[i] = TermId();
   }
   return EvaluateSeeded(run, usable, visit);
+}
+
+bool Body::FiltersDecidedBy(uint32_t patterns) const {
+  return std::all_of(filter_columns_.begin(), filter_columns_.end(), [&](int16_t column) {
+    for (size_t i = 0; i < patterns_.size(); ++i) {
+      const auto& columns = patterns_[i].columns;
+      if ((patterns & (1u << i)) && std::find(columns.begin(), columns.end(), column) != columns.end() &&
+          column != Trigger::kNoColumn) {
+        return true;
+      }
+    }
+    return false;
+  });
+}
+
+absl::Status Body::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
+                                bool filters, Visitor visit) {
+  return plan_->EvaluateRest(run, seed, matched, filters, visit);
 }
 
 absl::Status Body::EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed,

@@ -42,6 +42,8 @@ struct Trigger {
   std::array<int16_t, 4> columns = {kNoColumn, kNoColumn, kNoColumn, kNoColumn};
   Polarity polarity = Polarity::kPositive;
   bool required = false;  // every solution contains a match
+  // Which of a flat body's patterns this is (see Body::flat); -1 for those inside EXISTS and NOT EXISTS.
+  int8_t pattern = -1;
 };
 
 // ?a < 5, 5 <= ?a, ?a >= ?b: a comparison that ids may be able to decide.
@@ -79,6 +81,17 @@ class Body {
   int ColumnOf(const std::string& name) const;
   const std::vector<Trigger>& triggers() const { return triggers_; }
   bool is_volatile() const { return is_volatile_; }
+  // A conjunction of patterns() with filters around it.
+  bool flat() const { return !patterns_.empty(); }
+  bool has_filters() const { return has_filters_; }
+  // All variables of the filters occur in these patterns (a bit set) of a flat body.
+  bool FiltersDecidedBy(uint32_t patterns) const;
+  // Of a flat body: constants, and columns (kNoColumn where constant).
+  struct Pattern {
+    std::array<TermId, 3> constants;
+    std::array<int16_t, 3> columns;
+  };
+  const std::vector<Pattern>& patterns() const { return patterns_; }
 
   // The seed that `quad`, which matches `trigger`, gives: none in the columns that stay open.
   void SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId>& seed) const;
@@ -90,6 +103,10 @@ class Body {
   // PreparedQuery.
   using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
+  // The same for a flat body of which the patterns in the bit set `matched` are known to match under `seed`,
+  // or are not to be asked: they are not looked at. `filters` false: neither are the filters.
+  absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
+                            bool filters, Visitor visit);
 
  private:
   friend class BodyBuilder;
@@ -104,6 +121,9 @@ class Body {
   std::vector<Trigger> triggers_;
   std::vector<NumberTest> tests_;  // necessary conditions of every solution
   bool is_volatile_ = false;
+  bool has_filters_ = false;
+  std::vector<int16_t> filter_columns_;
+  std::vector<Pattern> patterns_;  // empty: not flat
   std::unique_ptr<Plan> plan_;
 };
 

@@ -8,8 +8,17 @@ namespace docent {
 struct Body::FlatPlan::Run {
   const sparql::RunOptions& options;
   Visitor visit;
+  bool filters;
   absl::Status status;
 };
+
+std::optional<bool> TestTerms(const TermTest& test, absl::Span<const TermId> row) {
+  const TermId left = row[test.left];
+  const TermId right = test.right == Trigger::kNoColumn ? test.constant : row[test.right];
+  const auto named = [](TermId id) { return id.IsIri() || id.IsBlank(); };
+  if (!named(left) || !named(right)) return std::nullopt;
+  return (left == right) == test.equal;
+}
 
 absl::Status Body::FlatPlan::Prepare(Filter& filter) {
   auto prepared =
@@ -26,7 +35,7 @@ absl::Status Body::FlatPlan::Build(std::vector<Pattern> patterns, std::vector<Fi
   filters_ = std::move(filters);
   names_ = std::move(names);
   for (Filter& filter : filters_) {
-    if (filter.test) continue;
+    if (filter.test || filter.terms) continue;
     if (absl::Status status = Prepare(filter); !status.ok()) return status;
   }
   return absl::OkStatus();
@@ -60,6 +69,10 @@ uint32_t Body::FlatPlan::PickNext(const GraphVersion& version, uint32_t open, bo
 
 bool Body::FlatPlan::TestBound(int16_t column) const {
   for (const Filter& filter : filters_) {
+    if (filter.terms && (filter.terms->left == column || filter.terms->right == column) &&
+        TestTerms(*filter.terms, row_) == std::optional<bool>(false)) {
+      return false;
+    }
     if (!filter.test || (filter.test->left != column && filter.test->right != column)) continue;
     if (TestNumbers(*filter.test, row_) == std::optional<bool>(false)) return false;
   }
@@ -68,9 +81,11 @@ bool Body::FlatPlan::TestBound(int16_t column) const {
 
 // False: stop.
 bool Body::FlatPlan::Leaf(Run& run) {
+  if (!run.filters) return run.visit(row_);
   for (Filter& filter : filters_) {
-    if (filter.test) {
-      const std::optional<bool> decided = TestNumbers(*filter.test, row_);
+    if (filter.test || filter.terms) {
+      const std::optional<bool> decided =
+          filter.test ? TestNumbers(*filter.test, row_) : TestTerms(*filter.terms, row_);
       if (decided == std::optional<bool>(true)) continue;
       if (decided == std::optional<bool>(false)) return true;
       if (!filter.expression) {
@@ -132,14 +147,16 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   return go_on;
 }
 
-absl::Status Body::FlatPlan::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                                      Visitor visit) {
+absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                          uint32_t matched, bool filters, Visitor visit) {
   row_.assign(seed.begin(), seed.end());
-  for (size_t i = 0; i < row_.size(); ++i) {
-    if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
+  if (!filters_.empty()) {
+    for (size_t i = 0; i < row_.size(); ++i) {
+      if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
+    }
   }
-  Run state{run, visit, absl::OkStatus()};
-  Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1));
+  Run state{run, visit, filters, absl::OkStatus()};
+  Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
   return state.status;
 }
 

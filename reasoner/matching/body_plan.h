@@ -13,24 +13,38 @@
 
 namespace docent {
 
+// ?a = ?b, ?a != <iri>: decided on ids where both are IRIs or blank nodes.
+struct TermTest {
+  int16_t left = 0;                     // column
+  int16_t right = Trigger::kNoColumn;  // column, or
+  TermId constant;
+  bool equal = true;
+};
+
+// nullopt where a column is open or holds a literal.
+std::optional<bool> TestTerms(const TermTest& test, absl::Span<const TermId> row);
+
 class Body::Plan {
  public:
   virtual ~Plan() = default;
   // As Body::Evaluate; `seed` holds nothing in columns that are not seedable.
   virtual absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                 Visitor visit) = 0;
+  // As Body::EvaluateRest; only flat plans.
+  virtual absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                    uint32_t /*matched*/, bool /*filters*/, Visitor visit) {
+    return Evaluate(run, seed, visit);
+  }
 };
 
 // A conjunction of triple patterns and filters.
 class Body::FlatPlan final : public Body::Plan {
  public:
-  struct Pattern {
-    std::array<TermId, 3> constants;
-    std::array<int16_t, 3> columns;  // kNoColumn where constant
-  };
+  using Pattern = Body::Pattern;
   // A filter: decided on ids where `test` can, by `expression` otherwise. One of the two may be missing.
   struct Filter {
     std::optional<NumberTest> test;
+    std::optional<TermTest> terms;
     sparql::ExpressionPtr source;  // made ready when first needed, where there is a test
     std::unique_ptr<sparql::PreparedExpression> expression;
   };
@@ -41,14 +55,18 @@ class Body::FlatPlan final : public Body::Plan {
   // Filters that need the evaluator are prepared. `names`: the columns.
   absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters,
                      std::vector<std::string> names);
-  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override;
+  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override {
+    return EvaluateRest(run, seed, 0, true, visit);
+  }
+  absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
+                            bool filters, Visitor visit) override;
 
  private:
   struct Run;
   QuadPattern Bind(const Pattern& pattern) const;
   uint32_t PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const;
   bool Join(Run& run, uint32_t open);
-  // False: the filter rejects the row as far as it is bound.
+  // False: a filter rejects the row as far as it is bound.
   bool TestBound(int16_t column) const;
   bool Leaf(Run& run);
   absl::Status Prepare(Filter& filter);

@@ -128,9 +128,11 @@ class Analyser {
       case Algebra::Kind::kDistinct:
       case Algebra::Kind::kReduced:
         return Walk(*node.children[0], place);
+      case Algebra::Kind::kProject:
+        if (const Algebra* group = GroupOf(node)) return WalkSelect(node, *group, place);
+        return WalkClosed(node, place);
       case Algebra::Kind::kService:
       case Algebra::Kind::kGroup:
-      case Algebra::Kind::kProject:
       case Algebra::Kind::kSlice:
         return WalkClosed(node, place);
     }
@@ -152,6 +154,37 @@ class Analyser {
       }
     }
     for (const auto& child : node.children) Walk(*child, place);
+  }
+
+  // An aggregating sub-SELECT: a value for a key that it shows selects that group and changes no other.
+  void WalkSelect(const Algebra& project, const Algebra& group, Place place) {
+    const Names inner = CertainVariables(*group.children[0]);
+    Names shown, keys;
+    for (const sparql::Variable& v : project.variables) shown.insert(v.name);
+    for (const sparql::GroupKey& key : group.group_keys) {
+      const bool plain = !key.expression || key.expression->kind == Expression::Kind::kVariable;
+      if (plain && inner.contains(key.variable.name) && shown.contains(key.variable.name)) keys.insert(key.variable.name);
+    }
+    for (const std::string& name : shown) {
+      if (!keys.contains(name)) blocked_.insert(name);
+    }
+    const bool seedable = place.seeds == Place::Seeds::kOwn;
+    place.seeds = seedable ? Place::Seeds::kOuter : Place::Seeds::kNone;
+    place.outer = &keys;
+    place.required = false;
+    place.polarity = Polarity::kBoth;
+    for (const Algebra* node = project.children[0].get(); node != &group; node = node->children[0].get()) {
+      if (node->expression) WalkExpression(*node->expression, place);
+    }
+    for (const sparql::Aggregate& aggregate : group.aggregates) {
+      if (aggregate.expression) WalkExpression(*aggregate.expression, place);
+    }
+    const Names blocked_outside = blocked_;  // names inside are other variables than those outside, but for the keys
+    Walk(*group.children[0], place);
+    Names blocked_inside = std::exchange(blocked_, blocked_outside);
+    for (const std::string& name : keys) {
+      if (blocked_inside.contains(name)) blocked_.insert(name);
+    }
   }
 
   void WalkLeftJoin(const Algebra& node, const Place& place) {
@@ -256,6 +289,13 @@ class Analyser {
 
 }  // namespace
 
+const Algebra* GroupOf(const Algebra& project) {
+  if (project.kind != Algebra::Kind::kProject) return nullptr;
+  const Algebra* node = project.children[0].get();
+  while (node->kind == Algebra::Kind::kExtend || node->kind == Algebra::Kind::kFilter) node = node->children[0].get();
+  return node->kind == Algebra::Kind::kGroup ? node : nullptr;
+}
+
 absl::flat_hash_set<std::string> CertainVariables(const Algebra& algebra) {
   Names names;
   switch (algebra.kind) {
@@ -298,9 +338,15 @@ absl::flat_hash_set<std::string> CertainVariables(const Algebra& algebra) {
       }
       break;
     }
+    case Algebra::Kind::kGroup: {
+      const Names inner = CertainVariables(*algebra.children[0]);
+      for (const sparql::GroupKey& key : algebra.group_keys) {
+        if (inner.contains(key.variable.name)) names.insert(key.variable.name);
+      }
+      break;
+    }
     case Algebra::Kind::kValues:
     case Algebra::Kind::kService:
-    case Algebra::Kind::kGroup:
       break;
   }
   return names;
@@ -309,6 +355,8 @@ absl::flat_hash_set<std::string> CertainVariables(const Algebra& algebra) {
 const Algebra& WithoutModifiers(const Algebra& algebra) {
   switch (algebra.kind) {
     case Algebra::Kind::kProject:
+      if (GroupOf(algebra) != nullptr) return algebra;
+      return WithoutModifiers(*algebra.children[0]);
     case Algebra::Kind::kDistinct:
     case Algebra::Kind::kReduced:
     case Algebra::Kind::kOrderBy:
