@@ -1,318 +1,181 @@
 #include "reasoner/rules/materialiser.h"
 
 #include <algorithm>
+#include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/sparql/evaluator.h"
 
 namespace docent {
 
-Materialiser::Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told,
-                           TermId inferred_graph, const Limits& limits, size_t& inferred_so_far,
-                           RuleEngine::Counters& counters)
+Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told, const Context& context)
     : program_(program),
-      writer_(writer),
-      told_(told),
-      inferred_graph_(inferred_graph),
-      limits_(limits),
-      inferred_so_far_(inferred_so_far),
-      counters_(counters),
-      strata_(static_cast<size_t>(program.stratum_count)) {}
+      before_(before),
+      told_delta_(told),
+      context_(context),
+      proofs_(program, context.schema, context.writer, context.inferred_graph, marked_),
+      is_entering_(program.rules.size()),
+      rederivable_(static_cast<size_t>(program.stratum_count) + 1) {}
 
-size_t Materialiser::ToldGraphs(const Triple& t) const {
-  size_t count = 0;
-  for (QuadCursor c = writer_.current().Scan({t.subject, t.predicate, t.object, TermId()}); c.Valid();
-       c.Next()) {
-    if (c.quad().graph != inferred_graph_) ++count;
-  }
-  return count;
-}
-
-// Correct in the old state too: what is told has changed only as told_changes_ says.
-bool Materialiser::ToldNow(const Triple& t) const {
-  const auto found = told_changes_.find(t);
-  return found == told_changes_.end() ? ToldGraphs(t) > 0 : found->second.now;
-}
-
-bool Materialiser::ToldBefore(const Triple& t) const {
-  const auto found = told_changes_.find(t);
-  return found == told_changes_.end() ? ToldGraphs(t) > 0 : found->second.before;
-}
-
-bool Materialiser::InferredBefore(const Triple& t) const {
-  const auto found = changes_.find(t);
-  return found == changes_.end() ? IsInferred(t) : !found->second;
-}
-
-void Materialiser::CollectToldChanges() {
-  for (const Quad& q : told_.added) ++told_changes_[{q.subject, q.predicate, q.object}].added;
-  for (const Quad& q : told_.removed) ++told_changes_[{q.subject, q.predicate, q.object}].removed;
-  for (auto& [triple, change] : told_changes_) {
-    const auto graphs = static_cast<int>(ToldGraphs(triple));
-    change.now = graphs > 0;
-    change.before = graphs - change.added + change.removed > 0;
+// Sorted, so that the lookups walk along the index.
+void Materialiser::ReadTold() {
+  struct Change {
+    Triple triple;
+    int by;
+  };
+  std::vector<Change> changes;
+  changes.reserve(told_delta_.size());
+  for (const Quad& q : told_delta_.added) changes.push_back({{q.subject, q.predicate, q.object}, 1});
+  for (const Quad& q : told_delta_.removed) changes.push_back({{q.subject, q.predicate, q.object}, -1});
+  std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) { return a.triple < b.triple; });
+  QuadCursor cursor;
+  for (size_t i = 0; i < changes.size();) {
+    ToldEntry entry{changes[i].triple};
+    int net = 0;
+    for (; i < changes.size() && changes[i].triple == entry.triple; ++i) net += changes[i].by;
+    int graphs = 0;
+    const QuadPattern pattern = {entry.triple.subject, entry.triple.predicate, entry.triple.object, TermId()};
+    for (graph().Rescan(pattern, &cursor); cursor.Valid(); cursor.Next()) {
+      if (cursor.quad().graph == context_.inferred_graph) {
+        entry.inferred_before = true;
+      } else {
+        ++graphs;
+      }
+    }
+    entry.now = graphs > 0;
+    entry.before = graphs - net > 0;
+    if (entry.now != entry.before) told_.push_back(entry);
   }
 }
 
-void Materialiser::Change(const Triple& t, bool add) {
-  if (add) {
-    writer_.Add(InferredQuad(t));
-  } else {
-    writer_.Remove(InferredQuad(t));
+// Where a told triple is inferred besides, the inferred one goes: nothing is new. Where a triple is no longer
+// told, but still follows from others, it becomes inferred: nothing is lost.
+absl::Status Materialiser::SettleTold() {
+  std::vector<Quad> now_told;
+  for (const ToldEntry& entry : told_) {
+    if (entry.now && entry.inferred_before) {
+      now_told.push_back(InferredQuad(entry.triple));
+      removed_.insert(entry.triple);
+    }
+    if (entry.now != (entry.before || entry.inferred_before)) {
+      if (!entry.now) {
+        context_.schema.Lost(entry.triple);
+      } else if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) {
+        return status;
+      }
+    }
   }
-  const auto [place, fresh] = changes_.try_emplace(t, add);
-  if (!fresh) changes_.erase(place);  // there and back again
-  touched_.push_back(t);
+  context_.writer.RemoveAll(now_told);
+  for (const ToldEntry& entry : told_) {
+    if (entry.now || entry.inferred_before) continue;
+    const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(entry.triple);
+    if (!answer.ok()) return answer.status();
+    if (*answer == ProofSearch::Answer::kProven) {
+      context_.writer.Add(InferredQuad(entry.triple));
+      NowInferred(entry.triple);
+      if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
+    } else if (*answer == ProofSearch::Answer::kUndecided) {
+      for (auto& triples : rederivable_) triples.push_back(entry.triple);
+    }
+  }
+  return absl::OkStatus();
+}
+
+void Materialiser::CompareRules() {
+  if (&program_ == &before_) return;
+  absl::flat_hash_set<std::string> known, wanted;
+  const auto key = [](const CompiledRule& rule) { return absl::StrCat(rule.set, "\n", rule.text); };
+  for (const CompiledRule& rule : before_.rules) known.insert(key(rule));
+  for (const CompiledRule& rule : program_.rules) wanted.insert(key(rule));
+  for (uint32_t r = 0; r < program_.rules.size(); ++r) {
+    if (known.contains(key(program_.rules[r]))) continue;
+    entering_.push_back(r);
+    is_entering_[r] = true;
+  }
+  for (uint32_t r = 0; r < before_.rules.size(); ++r) {
+    if (!wanted.contains(key(before_.rules[r]))) leaving_.push_back(r);
+  }
 }
 
 void Materialiser::ToOldState() {
-  for (const Quad& q : told_.added) writer_.Remove(q);
-  for (const Quad& q : told_.removed) writer_.Add(q);
-  for (const auto& [triple, added] : changes_) {
-    if (added) {
-      writer_.Remove(InferredQuad(triple));
-    } else {
-      writer_.Add(InferredQuad(triple));
-    }
-  }
+  if (old_state_) return;
+  old_state_ = true;
+  GraphWriter& writer = context_.writer;
+  writer.RemoveAll(told_delta_.added);
+  writer.AddAll(told_delta_.removed);
+  for (const Triple& t : added_) writer.Remove(InferredQuad(t));
+  for (const Triple& t : removed_) writer.Add(InferredQuad(t));
 }
 
 void Materialiser::ToNewState() {
-  for (const Quad& q : told_.removed) writer_.Remove(q);
-  for (const Quad& q : told_.added) writer_.Add(q);
-  for (const auto& [triple, added] : changes_) {
-    if (added) {
-      writer_.Add(InferredQuad(triple));
-    } else {
-      writer_.Remove(InferredQuad(triple));
-    }
+  if (!old_state_) return;
+  old_state_ = false;
+  GraphWriter& writer = context_.writer;
+  writer.RemoveAll(told_delta_.removed);
+  writer.AddAll(told_delta_.added);
+  for (const Triple& t : removed_) writer.Remove(InferredQuad(t));
+  for (const Triple& t : added_) writer.Add(InferredQuad(t));
+}
+
+void Materialiser::CollectChanges(int stratum) {
+  lost_.clear();
+  gained_.clear();
+  const auto note = [&](const Triple& t, bool before, bool now) {
+    if (before && !now) lost_.push_back(t);
+    if (!before && now) gained_.push_back(t);
+  };
+  if (stratum == 0 && added_.empty() && removed_.empty()) {
+    for (const ToldEntry& entry : told_) note(entry.triple, entry.before || entry.inferred_before, entry.now);
+    return;
   }
-}
-
-void Materialiser::Announce(const Triple& triple, bool gained, int from) {
-  program_.triggers.ForEachMatch(InferredQuad(triple), [&](PatternIndex::Reference reference) {
-    const CompiledRule& rule = program_.rules[reference.owner];
-    if (rule.stratum < from) return;
-    const Polarity polarity = rule.body->triggers()[reference.pattern].polarity;
-    Stratum& stratum = strata_[rule.stratum];
-    const Task task{reference.owner, reference.pattern, triple};
-    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) == gained)
-      stratum.added.push_back(task);
-    if (polarity == Polarity::kBoth || (polarity == Polarity::kPositive) != gained)
-      stratum.lost.push_back(task);
-  });
-}
-
-// Within a stratum there is no negation.
-void Materialiser::AnnounceWithin(const Triple& triple, int stratum, std::vector<Task>& tasks) {
-  program_.triggers.ForEachMatch(InferredQuad(triple), [&](PatternIndex::Reference reference) {
-    if (program_.rules[reference.owner].stratum != stratum) return;
-    tasks.push_back({reference.owner, reference.pattern, triple});
-  });
-}
-
-// What this stratum changed in the end is the higher strata's affair.
-void Materialiser::AnnounceHigher(int stratum) {
-  for (const Triple& t : touched_) {
-    const bool before = InferredBefore(t) || ToldBefore(t);
-    const bool now = IsInferred(t) || ToldNow(t);
-    if (before == now) continue;
-    const auto [place, fresh] = announced_.try_emplace(t, now);
-    if (!fresh && place->second == now) continue;
-    place->second = now;
-    Announce(t, now, stratum + 1);
+  const auto told = [&](const Triple& t) -> const ToldEntry* {
+    const auto place = std::lower_bound(told_.begin(), told_.end(), t,
+                                        [](const ToldEntry& e, const Triple& x) { return e.triple < x; });
+    return place != told_.end() && place->triple == t ? &*place : nullptr;
+  };
+  for (const ToldEntry& entry : told_) {
+    note(entry.triple, entry.before || entry.inferred_before, IsPresent(entry.triple));
   }
-  touched_.clear();
-}
-
-absl::Status Materialiser::LimitError(uint32_t rule, const char* limit, size_t value) const {
-  return absl::ResourceExhaustedError(
-      absl::StrCat(program_.rules[rule].label, " goes beyond the limit ", limit, " = ", value,
-                   "; the batch was not applied. Does the rule feed itself?"));
-}
-
-absl::Status Materialiser::Fire(uint32_t rule, absl::Span<const TermId> seed, Phase phase) {
-  const CompiledRule& compiled = program_.rules[rule];
-  const sparql::RunOptions run{.version = &writer_.current()};
-  const size_t room =
-      limits_.inferred_per_turn > inferred_so_far_ ? limits_.inferred_per_turn - inferred_so_far_ : 0;
-  size_t compact_at = 1024;
-  made_.clear();
-  return compiled.body->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
-    for (const HeadTriple& head : compiled.head) {
-      Triple triple;
-      if (!head.Make(row, triple)) continue;
-      ++counters_.firings;
-      const bool wanted = phase == Phase::kAdd ? !IsInferred(triple) : IsInferred(triple);
-      if (wanted) made_.push_back(triple);
-    }
-    if (made_.size() < compact_at) return true;
-    // Many rows may make the same triple; and what is beyond the limit anyway need not be collected.
-    std::sort(made_.begin(), made_.end());
-    made_.erase(std::unique(made_.begin(), made_.end()), made_.end());
-    compact_at = 2 * made_.size() + 1024;
-    return phase != Phase::kAdd || made_.size() <= room;
-  });
-}
-
-absl::Status Materialiser::Infer(const Triple& triple, uint32_t rule, int stratum) {
-  if (IsInferred(triple)) return absl::OkStatus();
-  if (++inferred_so_far_ > limits_.inferred_per_turn) {
-    return LimitError(rule, "inferred_per_turn", limits_.inferred_per_turn);
+  for (const Triple& t : added_) {
+    if (told(t) == nullptr) note(t, false, true);
   }
-  Change(triple, true);
-  if (!ToldNow(triple)) AnnounceWithin(triple, stratum, strata_[stratum].added);
-  return absl::OkStatus();
+  std::vector<Triple> removed(removed_.begin(), removed_.end());
+  std::sort(removed.begin(), removed.end());
+  for (const Triple& t : removed) {
+    if (told(t) == nullptr) note(t, true, IsPresent(t));
+  }
+  added_set_.clear();
+  added_set_.insert(added_.begin(), added_.end());
 }
 
-absl::Status Materialiser::Overdelete(int stratum) {
-  std::vector<Task>& tasks = strata_[stratum].lost;
-  if (tasks.empty()) return absl::OkStatus();
-  std::vector<Triple> marked;
-  absl::flat_hash_set<uint32_t> evaluated_whole;
-  ToOldState();
-  absl::Status status;
-  for (size_t i = 0; i < tasks.size() && status.ok(); ++i) {
-    const Task task = tasks[i];
-    Body& body = *program_.rules[task.rule].body;
-    body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
-    const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
-    if (whole && !evaluated_whole.insert(task.rule).second) continue;
-    status = Fire(task.rule, seed_, Phase::kOverdelete);
-    for (const Triple& triple : made_) {
-      if (!overdeleted_.insert(triple).second) continue;
-      marked.push_back(triple);
-      if (!ToldNow(triple)) AnnounceWithin(triple, stratum, tasks);
-    }
-  }
-  ToNewState();
-  for (const Triple& triple : marked) {
-    Change(triple, false);
-
-    // Rules of lower strata may make it too, and are done already; those of higher ones have their turn
-    // later.
-    strata_[stratum].rederivable.push_back(triple);
-    program_.heads.ForEachMatch(InferredQuad(triple), [&](PatternIndex::Reference reference) {
-      const int other = program_.rules[reference.owner].stratum;
-      if (other > stratum) strata_[other].rederivable.push_back(triple);
-    });
-  }
-  return status;
+void Materialiser::NowInferred(const Triple& t) {
+  if (removed_.erase(t) == 0) added_.push_back(t);
 }
 
-absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum) {
-  std::vector<PatternIndex::Reference> makers;
-  program_.heads.ForEachMatch(InferredQuad(triple),
-                              [&](PatternIndex::Reference reference) { makers.push_back(reference); });
-  const sparql::RunOptions run{.version = &writer_.current()};
-  for (const auto& [rule, head_number] : makers) {
-    const CompiledRule& compiled = program_.rules[rule];
-    const HeadTriple& head = compiled.head[head_number];
-    if (compiled.stratum > stratum || !head.SeedFrom(triple, compiled.body->columns().size(), seed_))
-      continue;
-    bool derivable = false;
-    const absl::Status status = compiled.body->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
-      Triple made;
-      derivable = head.Make(row, made) && made == triple;
-      return !derivable;
-    });
-    if (!status.ok()) return status;
-    if (derivable) return true;
-  }
-  return false;
-}
-
-absl::Status Materialiser::Rederive(int stratum) {
-  for (const Triple& triple : strata_[stratum].rederivable) {
-    if (IsInferred(triple)) continue;
-    const absl::StatusOr<bool> derivable = IsDerivable(triple, stratum);
-    if (!derivable.ok()) return derivable.status();
-    if (!*derivable) continue;
-    Change(triple, true);
-    if (!ToldNow(triple)) AnnounceWithin(triple, stratum, strata_[stratum].added);
-  }
-  return absl::OkStatus();
-}
-
-absl::Status Materialiser::Add(int stratum) {
-  std::vector<Task>& tasks = strata_[stratum].added;
-  absl::flat_hash_map<uint32_t, size_t>
-      whole_at;  // rule → tasks below this are covered by a whole evaluation
-  size_t round_end = tasks.size();
-  int rounds = 1;
-  for (size_t i = 0; i < tasks.size(); ++i) {
-    const Task task = tasks[i];
-    if (i == round_end) {
-      round_end = tasks.size();
-      if (++rounds > limits_.rule_rounds) {
-        return LimitError(task.rule, "rule_rounds", static_cast<size_t>(limits_.rule_rounds));
-      }
-    }
-    const auto whole = whole_at.find(task.rule);
-    if (whole != whole_at.end() && i < whole->second) continue;
-    Body& body = *program_.rules[task.rule].body;
-    body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
-    if (std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); })) {
-      whole_at[task.rule] = tasks.size();
-    }
-    if (absl::Status status = Fire(task.rule, seed_, Phase::kAdd); !status.ok()) return status;
-    for (const Triple& triple : made_) {
-      if (absl::Status status = Infer(triple, task.rule, stratum); !status.ok()) return status;
-    }
-  }
-  return absl::OkStatus();
+absl::Status Materialiser::LimitError(const CompiledRule& rule, const char* limit, size_t value) const {
+  return absl::ResourceExhaustedError(absl::StrCat(rule.label, " goes beyond the limit ", limit, " = ", value,
+                                                   "; the batch was not applied. Does the rule feed itself?"));
 }
 
 absl::Status Materialiser::Maintain() {
-  CollectToldChanges();
-  for (const auto* quads : {&told_.added, &told_.removed}) {
-    for (const Quad& q : *quads) {
-      const Triple triple = {q.subject, q.predicate, q.object};
-      const ToldChange& change = told_changes_[triple];
-      if (change.before == change.now) continue;
-      // Where an inferred triple is told besides, nothing is new; where it is no longer told, it may rest on
-      // nothing but itself, so it counts as lost.
-      if (change.now && IsInferred(triple)) continue;
-      if (announced_.try_emplace(triple, change.now).second) Announce(triple, change.now, 0);
-    }
-  }
+  CompareRules();
+  ReadTold();
+  if (absl::Status status = SettleTold(); !status.ok()) return status;
+  if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
   for (int stratum = 0; stratum < program_.stratum_count; ++stratum) {
-    if (absl::Status status = Overdelete(stratum); !status.ok()) return status;
-    if (absl::Status status = Rederive(stratum); !status.ok()) return status;
-    if (absl::Status status = Add(stratum); !status.ok()) return status;
-    AnnounceHigher(stratum);
-  }
-  return absl::OkStatus();
-}
-
-absl::Status Materialiser::Rebuild() {
-  CollectToldChanges();
-  std::vector<Triple> old;
-  writer_.current().ForEach({TermId(), TermId(), TermId(), inferred_graph_}, [&](const Quad& q) {
-    old.push_back({q.subject, q.predicate, q.object});
-    return true;
-  });
-  for (const Triple& triple : old) Change(triple, false);
-  for (int stratum = 0; stratum < program_.stratum_count; ++stratum) {
-    for (const uint32_t rule : program_.rules_of_stratum[stratum]) {
-      const std::vector<TermId> nothing(program_.rules[rule].body->columns().size());
-      if (absl::Status status = Fire(rule, nothing, Phase::kAdd); !status.ok()) return status;
-      const std::vector<Triple> made = made_;
-      for (const Triple& triple : made) {
-        if (absl::Status status = Infer(triple, rule, stratum); !status.ok()) return status;
-      }
-    }
+    CollectChanges(stratum);
+    if (absl::Status status = TakeAway(stratum); !status.ok()) return status;
     if (absl::Status status = Add(stratum); !status.ok()) return status;
   }
-  touched_.clear();
   return absl::OkStatus();
 }
 
 Delta Materialiser::InferredChange() const {
   Delta delta;
-  for (const auto& [triple, added] : changes_)
-    (added ? delta.added : delta.removed).push_back(InferredQuad(triple));
-  std::sort(delta.added.begin(), delta.added.end());
+  delta.added.reserve(added_.size());
+  for (const Triple& triple : added_) delta.added.push_back(InferredQuad(triple));
+  for (const Triple& triple : removed_) delta.removed.push_back(InferredQuad(triple));
   std::sort(delta.removed.begin(), delta.removed.end());
   return delta;
 }

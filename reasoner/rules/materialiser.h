@@ -1,15 +1,15 @@
-// One maintenance of docent:inferred: from a change of the told facts to a change of the inferred ones.
-// Private to this folder; the semantics stand in rule_engine.h. Made for one Update. Writer thread only.
+// One maintenance of docent:inferred: from a change of the told facts, and of the rules, to a change of the
+// inferred facts. Private to this folder; the semantics stand in rule_engine.h. Made for one Update. Writer
+// thread only.
 //
-// Strata are treated in order; within one:
-//   1. overdelete: in the graph as it was before, every inferred triple that a rule made from a lost triple
-//   (or because a
-//      triple was absent that is there now) is marked, and what was made from those, and so on; then all are
-//      taken out
-//   2. re-derive: of those, what a rule still makes comes back
-//   3. add: rules are seeded with each new (or returned) triple, and with each lost one where they negate it
-// "The graph as it was" is the writer's own graph with the changes so far undone and then done again: both
-// are as long as the change, not as the graph.
+// Strata are treated in order (there are as many as negation needs); within one:
+//   1. take away: what rested on a lost triple (or on the absence of one that is there now) is asked for another
+//      proof (proof_search.h); what has none goes, and what rested on it is asked in its turn
+//   2. what was too far to tell comes back if a rule still makes it
+//   3. add: in rounds, the triples that are new in a round are joined with all others by the rules that they concern
+//
+// What a rule of negation made is found in the graph as it was before: the writer's own graph with the changes so
+// far undone and then done again; both are as long as the change, not as the graph.
 #ifndef DOCENT_REASONER_RULES_MATERIALISER_H_
 #define DOCENT_REASONER_RULES_MATERIALISER_H_
 
@@ -22,86 +22,134 @@
 #include "kb_server/base/limits.h"
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_writer.h"
+#include "reasoner/rules/inconsistency.h"
+#include "reasoner/rules/proof_search.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_program.h"
+#include "reasoner/rules/schema_index.h"
 
 namespace docent {
 
 class Materialiser {
  public:
-  // `inferred_so_far`: quads inferred since the last Commit, counted on here.
-  Materialiser(RuleProgram& program, GraphWriter& writer, const Delta& told, TermId inferred_graph,
-               const Limits& limits, size_t& inferred_so_far, RuleEngine::Counters& counters);
+  struct Context {
+    GraphWriter& writer;
+    SchemaIndex& schema;
+    const InconsistencyFacts& inconsistencies;
+    TermId inferred_graph;
+    const Limits& limits;
+    size_t& inferred_so_far;  // quads inferred since the last Commit, counted on here
+    RuleEngine::Counters& counters;
+  };
 
-  // The inferred graph follows `told`.
+  // `before`: the rules that the inferred graph follows now; the same object as `program` where they did not
+  // change.
+  Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told, const Context& context);
+
   absl::Status Maintain();
-  // The inferred graph is computed anew.
-  absl::Status Rebuild();
   // The change of the inferred graph, net.
   Delta InferredChange() const;
 
  private:
-  // Evaluate `rule` with the seed that `triple` gives for `trigger`.
+  // A triple that the told change is about.
+  struct ToldEntry {
+    Triple triple;
+    bool before = false;  // told
+    bool now = false;
+    bool inferred_before = false;
+  };
+  // A rule that is not positive, to be evaluated with the seed of one of its triggers.
   struct Task {
     uint32_t rule;
     uint32_t trigger;
     Triple triple;
   };
-  struct Stratum {
-    std::vector<Task> added;          // may make something new
-    std::vector<Task> lost;           // may have lost its support
-    std::vector<Triple> rederivable;  // taken out by a lower stratum, may be made by this one
-  };
-  struct ToldChange {
-    int added = 0;
-    int removed = 0;
-    bool before = false;
-    bool now = false;
-  };
+  enum class Phase : uint8_t { kAdd, kTakeAway };
 
-  Quad InferredQuad(const Triple& t) const { return {t.subject, t.predicate, t.object, inferred_graph_}; }
-  bool IsInferred(const Triple& t) const { return writer_.current().Contains(InferredQuad(t)); }
-  size_t ToldGraphs(const Triple& t) const;
-  bool ToldNow(const Triple& t) const;
-  bool ToldBefore(const Triple& t) const;
-  bool InferredBefore(const Triple& t) const;
-  void CollectToldChanges();
+  Quad InferredQuad(const Triple& t) const { return {t.subject, t.predicate, t.object, context_.inferred_graph}; }
+  const GraphVersion& graph() const { return context_.writer.current(); }
+  bool IsInferred(const Triple& t) const { return graph().Contains(InferredQuad(t)); }
+  bool IsPresent(const Triple& t) const {
+    return graph().Scan({t.subject, t.predicate, t.object, TermId()}).Valid();
+  }
 
+  void ReadTold();
+  absl::Status SettleTold();
+  void CompareRules();
   void ToOldState();
   void ToNewState();
-  void Change(const Triple& t, bool add);
+  // What all lower strata and the told change come to.
+  void CollectChanges(int stratum);
 
-  // Tasks for all rules of strata `from` and higher that match `triple`.
-  void Announce(const Triple& triple, bool gained, int from);
-  void AnnounceWithin(const Triple& triple, int stratum, std::vector<Task>& tasks);
-  void AnnounceHigher(int stratum);
-  absl::Status Overdelete(int stratum);
+  // materialiser_retract.cc
+  absl::Status TakeAwayFromLeavingRules();
+  absl::Status TakeAway(int stratum);
+  absl::Status EvaluateBefore(int stratum);
+  absl::Status Propagate(int stratum);
+  absl::Status Consider(const Triple& triple, int stratum);
+  void AddGhosts(int stratum);
+  void RemoveMarked();
   absl::Status Rederive(int stratum);
   absl::StatusOr<bool> IsDerivable(const Triple& triple, int stratum);
+  absl::Status RepeatChecks(int stratum);
+
+  // materialiser_add.cc
   absl::Status Add(int stratum);
-  // The heads that `rule` makes from `seed` in the writer's current graph, into made_: kAdd those that are
-  // not inferred yet, kOverdelete those that are.
-  enum class Phase : uint8_t { kAdd, kOverdelete };
-  absl::Status Fire(uint32_t rule, absl::Span<const TermId> seed, Phase phase);
-  absl::Status Infer(const Triple& triple, uint32_t rule, int stratum);
-  absl::Status LimitError(uint32_t rule, const char* limit, size_t value) const;
+  absl::Status FirstRound(int stratum);
+  absl::Status EndRound();
+  // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit. The
+  // first those with a schema part by its solutions, the second all others (and changes of the schema itself).
+  absl::Status DispatchInstances(const Quad& quad, int stratum, Phase phase);
+  absl::Status DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative);
+  absl::Status FireWhole(RuleProgram& program, uint32_t rule, Phase phase);
+  absl::Status FireTask(const Task& task, Phase phase);
+  // False: stop.
+  bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
+  bool Collect(const CompiledRule& rule, const Triple& triple, Phase phase);
+  bool DropPresent(const CompiledRule& rule);
+  void NowInferred(const Triple& t);
+  absl::Status LimitError(const CompiledRule& rule, const char* limit, size_t value) const;
 
   RuleProgram& program_;
-  GraphWriter& writer_;
-  const Delta& told_;
-  const TermId inferred_graph_;
-  const Limits& limits_;
-  size_t& inferred_so_far_;
-  RuleEngine::Counters& counters_;
+  RuleProgram& before_;
+  const Delta& told_delta_;
+  const Context context_;
+  ProofSearch proofs_;
 
-  absl::flat_hash_map<Triple, ToldChange> told_changes_;
-  absl::flat_hash_map<Triple, bool> changes_;  // of the inferred graph, net: added or removed
-  std::vector<Stratum> strata_;
-  absl::flat_hash_set<Triple> overdeleted_;
-  std::vector<Triple> touched_;                  // in the running stratum
-  absl::flat_hash_map<Triple, bool> announced_;  // to all higher strata: gained or lost
-  std::vector<Triple> made_;
+  std::vector<ToldEntry> told_;           // by triple
+  std::vector<uint32_t> entering_;        // rules of program_ that before_ does not have
+  std::vector<bool> is_entering_;
+  std::vector<uint32_t> leaving_;         // rules of before_ that program_ does not have
+  bool old_state_ = false;
+
+  absl::flat_hash_set<Triple> removed_;  // of the inferred graph, net
+  std::vector<Triple> added_;            // likewise
+  absl::flat_hash_set<Triple> added_set_;  // added_ as of the beginning of the stratum
+
+  std::vector<Triple> lost_;    // to the running stratum: present before, not now
+  std::vector<Triple> gained_;  // the other way about
+  absl::flat_hash_set<Triple> marked_;  // taken away in the running stratum, and ghosts
+  std::vector<Triple> queue_;           // marked_, in order
+  size_t ghosts_ = 0;                   // the first of queue_ that were gone already
+  bool ghosts_in_graph_ = false;
+  std::vector<std::vector<Triple>> rederivable_;  // by stratum
+  struct CheckRow {
+    uint32_t rule;
+    std::vector<TermId> row;
+  };
+  std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
+
+  std::vector<Triple> round_;       // new in the last round
+  std::vector<Triple> candidates_;  // for the next
+  absl::flat_hash_set<Triple> seen_;  // candidates of this stratum
+  size_t compact_at_ = 0;
+  absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round
+  bool first_round_ = false;
+  uint32_t last_rule_ = 0;
+  std::vector<Triple> made_;  // by rules, in kTakeAway
+  std::vector<Triple> scratch_;
   std::vector<TermId> seed_;
+  absl::Status status_;
 };
 
 }  // namespace docent

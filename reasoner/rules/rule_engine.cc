@@ -4,8 +4,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/materialiser.h"
 #include "reasoner/rules/rule_program.h"
+#include "reasoner/rules/schema_index.h"
 
 namespace docent {
 
@@ -18,7 +20,11 @@ struct RuleEngine::Impl {
   };
 
   Impl(Dictionary& d, const Limits& l, const sparql::FunctionRegistry* f)
-      : dictionary(d), limits(l), functions(f), inferred_graph(d.InternIri(kInferredGraph)) {}
+      : dictionary(d),
+        limits(l),
+        functions(f),
+        inferred_graph(d.InternIri(kInferredGraph)),
+        inconsistencies(d) {}
 
   absl::Status CheckTold(const Delta& told) const {
     for (const auto* quads : {&told.added, &told.removed}) {
@@ -37,7 +43,10 @@ struct RuleEngine::Impl {
   const Limits limits;
   const sparql::FunctionRegistry* functions;
   const TermId inferred_graph;
+  const InconsistencyFacts inconsistencies;
   RuleProgram no_rules;
+  SchemaIndex schema;                   // of the applied program, in the graph as of the last Update
+  const RuleProgram* schema_of = nullptr;  // null: to be made anew
   State state;
   State committed;
   size_t inferred_since_commit = 0;
@@ -77,14 +86,20 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   Impl& impl = *impl_;
   ++impl.counters.updates;
   if (absl::Status status = impl.CheckTold(told); !status.ok()) return status;
-  const bool rebuild = impl.state.wanted != impl.state.applied;
-  if (!rebuild && (told.empty() || impl.state.wanted == nullptr)) return told;
+  const bool other_rules = impl.state.wanted != impl.state.applied;
+  if (!other_rules && (told.empty() || impl.state.wanted == nullptr)) return told;
   RuleProgram& program = impl.state.wanted != nullptr ? *impl.state.wanted : impl.no_rules;
-  Materialiser materialiser(program, writer, told, impl.inferred_graph, impl.limits,
-                            impl.inferred_since_commit, impl.counters);
-  if (rebuild) ++impl.counters.rebuilds;
-  if (absl::Status status = rebuild ? materialiser.Rebuild() : materialiser.Maintain(); !status.ok())
-    return status;
+  RuleProgram& before = impl.state.applied != nullptr ? *impl.state.applied : impl.no_rules;
+  if (impl.schema_of != &program) {
+    impl.schema_of = nullptr;
+    if (absl::Status status = impl.schema.Build(program, writer.current()); !status.ok()) return status;
+    impl.schema_of = &program;
+  }
+  if (other_rules) ++impl.counters.rule_changes;
+  Materialiser materialiser(
+      program, before, told,
+      {writer, impl.schema, impl.inconsistencies, impl.inferred_graph, impl.limits, impl.inferred_since_commit, impl.counters});
+  if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();
   impl.counters.inferred += delta.added.size();
@@ -92,6 +107,11 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   delta.added.insert(delta.added.begin(), told.added.begin(), told.added.end());
   delta.removed.insert(delta.removed.begin(), told.removed.begin(), told.removed.end());
   return delta;
+}
+
+void RuleEngine::Assume() {
+  impl_->state.applied = impl_->state.wanted;
+  impl_->committed = impl_->state;
 }
 
 void RuleEngine::Commit() {
@@ -102,6 +122,7 @@ void RuleEngine::Commit() {
 void RuleEngine::Rollback() {
   impl_->state = impl_->committed;
   impl_->inferred_since_commit = 0;
+  impl_->schema_of = nullptr;
 }
 
 void RuleEngine::Adopt() {

@@ -1,10 +1,12 @@
 #include "reasoner/rules/rule_parser.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/parser.h"
 #include "reasoner/matching/trigger_analysis.h"
 
@@ -133,6 +135,10 @@ class Checker {
       case Algebra::Kind::kJoin:
         for (const auto& child : node.children) AddAssigned(*child, names);
         return;
+      case Algebra::Kind::kProject:
+        if (GroupOf(node) == nullptr) return;
+        for (const sparql::Variable& v : node.variables) names.insert(v.name);
+        return;
       case Algebra::Kind::kValues:
         for (size_t i = 0; i < node.variables.size(); ++i) {
           bool always = true;
@@ -145,7 +151,28 @@ class Checker {
     }
   }
 
+  // COUNT, SUM, MIN and MAX of an aggregating sub-SELECT; the pattern that they are of.
+  void CheckSelect(const Algebra& select, const Algebra& group) {
+    using Function = sparql::Aggregate::Function;
+    for (const sparql::Aggregate& aggregate : group.aggregates) {
+      const Function f = aggregate.function;
+      if (f == Function::kCount || f == Function::kSum || f == Function::kMin || f == Function::kMax) continue;
+      Report(aggregate.span.line > 0 ? aggregate.span : select.span,
+             "a rule body cannot contain this aggregate", "COUNT, SUM, MIN and MAX can be kept up to date");
+    }
+    const int outer = std::exchange(depth_, depth_ + 1);  // HAVING and SELECT see the aggregates
+    for (const Algebra* node = select.children[0].get(); node != &group; node = node->children[0].get()) {
+      if (node->expression) CheckExpression(*node->expression, {}, "SELECT");
+    }
+    for (const sparql::Aggregate& aggregate : group.aggregates) {
+      if (aggregate.expression) CheckExpression(*aggregate.expression, {}, "SELECT");
+    }
+    depth_ = outer;
+    CheckBody(*group.children[0]);
+  }
+
   void CheckBody(const Algebra& node) {
+    if (const Algebra* group = GroupOf(node)) return CheckSelect(node, *group);
     if (const std::optional<Refusal> refusal = RefusalOf(node.kind)) {
       refused_ = true;
       Report(node.span, absl::StrCat("a rule body cannot contain ", std::string(refusal->what)),
@@ -188,6 +215,52 @@ class Checker {
   bool refused_ = false;
 };
 
+// An expression whose value may be a new one each time that it is applied to its own result.
+bool Grows(const Expression& e) {
+  using K = Expression::Kind;
+  if (e.kind == K::kAdd || e.kind == K::kSubtract || e.kind == K::kMultiply || e.kind == K::kDivide ||
+      (e.kind == K::kFunction && !e.term.lexical.starts_with(kXsdNs))) {
+    return true;
+  }
+  if (e.kind == K::kBuiltin && (e.builtin == Builtin::kConcat || e.builtin == Builtin::kReplace ||
+                                e.builtin == Builtin::kEncodeForUri)) {
+    return true;
+  }
+  return std::any_of(e.arguments.begin(), e.arguments.end(), [](const auto& a) { return Grows(*a); });
+}
+
+bool Compares(const Expression& e) {
+  using K = Expression::Kind;
+  if (e.kind == K::kLess || e.kind == K::kLessOrEqual || e.kind == K::kGreater || e.kind == K::kGreaterOrEqual) return true;
+  return std::any_of(e.arguments.begin(), e.arguments.end(), [](const auto& a) { return Compares(*a); });
+}
+
+// A comparison in a FILTER may end the growth: such a rule is left to the limits.
+void FindGrowth(const Algebra& node, Names& grown, SourceSpan& span, bool& bounded) {
+  if (node.kind == Algebra::Kind::kFilter) bounded = bounded || Compares(*node.expression);
+  for (const auto& child : node.children) FindGrowth(*child, grown, span, bounded);
+  if (node.kind != Algebra::Kind::kExtend) return;
+  bool of_grown = false;
+  for (const sparql::Variable& v : sparql::MentionedVariables(*node.expression)) {
+    of_grown = of_grown || grown.contains(v.name);
+  }
+  if (!of_grown && !Grows(*node.expression)) return;
+  grown.insert(node.variable.name);
+  span = node.span;
+}
+
+void NoteGrowth(Rule& rule) {
+  Names grown;
+  bool bounded = false;
+  FindGrowth(*rule.body.algebra, grown, rule.growing_span, bounded);
+  if (bounded) return;
+  for (const sparql::TriplePattern& triple : rule.head) {
+    for (const PatternTerm* term : {&triple.subject, &triple.predicate, &triple.object}) {
+      if (term->IsVariable() && grown.contains(term->variable->name)) rule.growing.push_back(term->variable->name);
+    }
+  }
+}
+
 class RulesReader {
  public:
   RulesReader(std::string_view text, const sparql::ParseOptions& options) : parser_(text, options) {}
@@ -198,12 +271,14 @@ class RulesReader {
       const SourceSpan start = parser_.Here();
       if (parser_.AcceptKeyword("RULE")) {
         ReadRule(start, out);
+      } else if (parser_.AcceptKeyword("IF")) {
+        ReadIfThen(start, out);
       } else if (parser_.AcceptKeyword("DATA")) {
         ReadData(start, out);
       } else if (parser_.AtKeyword("PREFIX") || parser_.AtKeyword("BASE")) {
         parser_.Prologue();
       } else {
-        parser_.Error("expected RULE, DATA, PREFIX or BASE", "a rule is RULE { head } WHERE { body }");
+        parser_.Error("expected RULE, IF, DATA, PREFIX or BASE", "a rule is RULE { head } WHERE { body }");
         parser_.SkipPastBrace();
       }
       if (parser_.Here().offset == start.offset && !parser_.AtEnd()) parser_.SkipPastBrace();
@@ -214,6 +289,12 @@ class RulesReader {
 
  private:
   void ReadRule(const SourceSpan& start, ParsedRules& out) {
+    std::string name;
+    if (!parser_.AtPunctuation("{")) {
+      std::optional<Term> iri = parser_.Iri();
+      if (!iri) return Recover();
+      name = iri->lexical;
+    }
     auto head = parser_.TriplesTemplateInBraces();
     if (!head) return Recover();
     if (!parser_.AcceptKeyword("WHERE")) {
@@ -222,18 +303,32 @@ class RulesReader {
     }
     sparql::AlgebraPtr body = parser_.GroupGraphPattern();
     if (!body) return Recover();
-    Add(start, *std::move(head), std::move(body), out);
+    Add(start, std::move(name), *std::move(head), std::move(body), out);
+  }
+
+  void ReadIfThen(const SourceSpan& start, ParsedRules& out) {
+    sparql::AlgebraPtr body = parser_.GroupGraphPattern();
+    if (!body) return Recover();
+    if (!parser_.AcceptKeyword("THEN")) {
+      parser_.Error("expected THEN after the body of the rule", "a rule is IF { body } THEN { head }");
+      return Recover();
+    }
+    auto head = parser_.TriplesTemplateInBraces();
+    if (!head) return Recover();
+    Add(start, "", *std::move(head), std::move(body), out);
   }
 
   void ReadData(const SourceSpan& start, ParsedRules& out) {
     auto facts = parser_.TriplesTemplateInBraces();
     if (!facts) return Recover();
-    Add(start, *std::move(facts), std::make_unique<Algebra>(Algebra::Kind::kBgp), out);
+    if (facts->empty()) return;
+    Add(start, "", *std::move(facts), std::make_unique<Algebra>(Algebra::Kind::kBgp), out);
   }
 
-  static void Add(const SourceSpan& start, std::vector<sparql::TriplePattern> head, sparql::AlgebraPtr body,
-                  ParsedRules& out) {
+  static void Add(const SourceSpan& start, std::string name, std::vector<sparql::TriplePattern> head,
+                  sparql::AlgebraPtr body, ParsedRules& out) {
     Rule rule;
+    rule.name = std::move(name);
     rule.head = std::move(head);
     rule.body.form = sparql::Query::Form::kAsk;
     rule.body.algebra = std::move(body);
@@ -243,7 +338,8 @@ class RulesReader {
 
   // To the next rule.
   void Recover() {
-    while (!parser_.AtEnd() && !parser_.AtKeyword("RULE") && !parser_.AtKeyword("DATA")) {
+    while (!parser_.AtEnd() && !parser_.AtKeyword("RULE") && !parser_.AtKeyword("IF") &&
+           !parser_.AtKeyword("DATA")) {
       const size_t before = parser_.Here().offset;
       parser_.SkipPastBrace();
       if (parser_.Here().offset == before) return;
@@ -260,9 +356,11 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
   options.file = std::string(file);
   options.prefixes = sparql::WellKnownPrefixes();
   options.limits = limits;
+  options.rule_elements = true;
   options.limits.query_text_bytes = limits.document_bytes;
   ParsedRules result;
   RulesReader(text, options).Read(result);
+  for (Rule& rule : result.rules) NoteGrowth(rule);
   for (const Rule& rule : result.rules) Checker(file, result.diagnostics).Check(rule);
   if (!result.ok()) result.rules.clear();
   return result;

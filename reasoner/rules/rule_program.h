@@ -37,18 +37,29 @@ struct HeadTriple {
 
   // False where the row does not make an RDF triple (unbound variable, literal as subject).
   bool Make(absl::Span<const TermId> row, Triple& out) const;
-  // The seed under which this head can make `triple`; false if it cannot.
-  bool SeedFrom(const Triple& triple, size_t column_count, std::vector<TermId>& seed) const;
+  // Extends `seed` by what makes this head `triple`; false if it cannot.
+  bool SeedFrom(const Triple& triple, std::vector<TermId>& seed) const;
   QuadPattern Pattern() const { return {constants[0], constants[1], constants[2], TermId()}; }
 };
 
 struct CompiledRule {
-  std::string label;  // "s01.rules, rule 3 (line 12)"
+  std::string label;  // "owl2rl prp-dom (line 40)", "s01.rules rule 3 (line 12)"
+  std::string name;   // the last part of its IRI: "prp-dom"; empty without one
   std::string set;
+  std::string text;  // canonical: rules of the same set and text are the same rule
   SourceSpan span;
   std::vector<HeadTriple> head;
   std::unique_ptr<Body> body;
   int stratum = 0;
+  bool check = false;     // no head: each solution is an inconsistency
+  bool positive = false;  // a conjunction of patterns without EXISTS: what its triples prove
+  uint32_t patterns = 0;  // bit set: all of a positive body
+  // Those of them that speak of the schema, if others do not: the SchemaIndex knows their solutions. Else 0.
+  uint32_t schema = 0;
+  bool filters = false;  // there are filters that the schema part alone does not decide
+
+  // The triple that a solution matches with pattern `i` of a flat body.
+  Triple Premise(size_t i, absl::Span<const TermId> row) const;
 };
 
 using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
@@ -64,8 +75,9 @@ class RuleProgram {
   std::vector<CompiledRule> rules;
   int stratum_count = 0;
   std::vector<std::vector<uint32_t>> rules_of_stratum;
-  PatternIndex triggers;  // reference: rule, trigger of its body
-  PatternIndex heads;     // reference: rule, triple of its head
+  PatternIndex triggers;         // reference: rule, trigger of its body; of rules with a schema part those alone
+  PatternIndex schema_triggers;  // the latter again
+  PatternIndex heads;            // reference: rule, triple of its head; not of rules with a schema part
 
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,

@@ -71,7 +71,7 @@ class Components {
   int count_ = 0;
 };
 
-// A shortest way from `from` to `to` along the graph, both included.
+// A shortest way (empty: there is none) from `from` to `to` along the graph, both included.
 std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to) {
   std::vector<int64_t> before(graph.size(), -1);
   std::vector<uint32_t> queue = {from};
@@ -83,6 +83,7 @@ std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to
       queue.push_back(w);
     }
   }
+  if (before[to] < 0) return {};
   std::vector<uint32_t> way = {to};
   while (way.back() != from) way.push_back(static_cast<uint32_t>(before[way.back()]));
   std::reverse(way.begin(), way.end());
@@ -90,6 +91,22 @@ std::vector<uint32_t> ShortestWay(const Graph& graph, uint32_t from, uint32_t to
 }
 
 }  // namespace
+
+std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
+                                   const std::vector<RuleDependency>& dependencies) {
+  Graph graph(rule_count);
+  for (const RuleDependency& d : dependencies) graph[d.from].push_back(d.to);
+  std::vector<uint32_t> shortest;
+  for (const uint32_t next : graph[rule]) {
+    if (next == rule) return {rule};
+    const std::vector<uint32_t> back = ShortestWay(graph, next, rule);
+    if (!back.empty() && (shortest.empty() || back.size() < shortest.size())) shortest = back;
+  }
+  if (shortest.empty()) return {};
+  shortest.pop_back();
+  shortest.insert(shortest.begin(), rule);
+  return shortest;
+}
 
 Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& dependencies) {
   Graph graph(rule_count);

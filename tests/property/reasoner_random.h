@@ -32,7 +32,30 @@ class RandomWorld {
                       : std::to_string(Pick(6));
   }
 
+  std::string SchemaQuad() {
+    static const std::vector<std::string> kProperties = {"rdfs:domain", "rdfs:range"};
+    static const std::vector<std::string> kClassPairs = {"rdfs:subClassOf", "rdfs:subClassOf", "owl:someValuesFrom",
+                                                         "owl:allValuesFrom", "owl:disjointWith"};
+    switch (Pick(7)) {
+      case 0:
+        return Predicate() + " " + kProperties[static_cast<size_t>(Pick(2))] + " " + Node();
+      case 1:
+        return Predicate() + (Chance(50) ? " rdfs:subPropertyOf " : " owl:inverseOf ") + Predicate();
+      case 2:
+        return Predicate() + " a " + (Chance(50) ? "owl:TransitiveProperty" : "owl:FunctionalProperty");
+      case 3:
+        return Node() + " " + kClassPairs[static_cast<size_t>(Pick(5))] + " " + Node();
+      case 4:
+        return Node() + " owl:onProperty " + Predicate();
+      case 5:
+        return Chance(80) ? Node() + " owl:sameAs " + Node() : Predicate() + " owl:sameAs " + Predicate();
+      default:
+        return Node() + " a " + Node();
+    }
+  }
+
   std::string Quad() {
+    if (Chance(schema_percent)) return SchemaQuad();
     std::string quad = Node() + " " + Predicate() + " " + Value();
     if (Chance(30)) quad += " @g" + std::to_string(Pick(2));
     return quad;
@@ -63,6 +86,7 @@ class RandomWorld {
   }
 
   int numbers_percent = 25;  // of objects
+  int schema_percent = 0;    // of quads
 
  private:
   std::mt19937 random_;

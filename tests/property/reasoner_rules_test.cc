@@ -44,6 +44,11 @@ std::string RandomRule(RandomWorld& random) {
   if (random.Chance(15)) body += "FILTER(?y > " + std::to_string(random.Pick(5)) + ") ";
   if (random.Chance(10)) body += "FILTER(?x != ?y) ";
   if (random.Chance(10)) body += "BIND(IF(ISNUMERIC(?y), 7, ?y) AS ?w) ";
+  if (random.Chance(12)) {
+    const std::vector<std::string> functions = {"COUNT(*)", "COUNT(DISTINCT ?y)", "MIN(?y)", "MAX(?y)", "SUM(?y)"};
+    body += "{ SELECT ?x (" + functions[random.Pick(5)] + " AS ?w) { ?x :p" + std::to_string(random.Pick(4)) +
+            " ?y } GROUP BY ?x } ";
+  }
   const std::string object = body.find("?w") != std::string::npos ? "?w" : node();
   std::string head = node() + " :p" + std::to_string(random.Pick(4)) + " " + object;
   if (random.Chance(10)) head += " . " + node() + " :p3 " + node();
@@ -78,12 +83,28 @@ std::vector<std::string> FromScratch(const std::string& rules, const std::set<st
         for (const TermQuad& t : *triples) {
           const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
                              world.dictionary.Intern(t.object), inferred};
+          if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid()) continue;
           changed = world.writer.Add(quad) || changed;
         }
       }
     }
   }
   return world.Inferred();
+}
+
+std::vector<std::string> WithoutReports(std::vector<std::string> triples) {
+  std::erase_if(triples, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
+  return triples;
+}
+
+std::set<Quad> InferredQuads(TestWorld& world) {
+  std::set<Quad> quads;
+  const TermId graph = world.dictionary.InternIri(kInferredGraph);
+  world.writer.current().ForEach({TermId(), TermId(), TermId(), graph}, [&](const Quad& q) {
+    quads.insert(q);
+    return true;
+  });
+  return quads;
 }
 
 struct Step {
@@ -103,28 +124,25 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
       current = steps[i].new_rules;
       EXPECT_FALSE(HasErrors(engine.PutRules("rules", kPrefix + current)));
     }
-    const std::vector<std::string> before = world.Inferred();
+    const std::set<Quad> before = InferredQuads(world);
     const Delta told_delta = world.Apply(steps[i].batch.add, steps[i].batch.remove);
     for (const std::string& q : steps[i].batch.remove) told.erase(q);
     for (const std::string& q : steps[i].batch.add) told.insert(q);
     const auto delta = engine.Update(world.writer, told_delta);
     EXPECT_TRUE(delta.ok()) << delta.status();
     engine.Commit();
-    const std::vector<std::string> got = world.Inferred();
+    const std::vector<std::string> got = WithoutReports(world.Inferred());
     const std::vector<std::string> expected = FromScratch(current, told);
     // The delta must lead from the old inferred graph to the new one.
-    std::set<std::string> replayed(before.begin(), before.end());
+    std::set<Quad> replayed = before;
+    const TermId inferred = world.dictionary.InternIri(kInferredGraph);
     for (const Quad& q : delta->removed) {
-      if (q.graph == world.dictionary.InternIri(kInferredGraph)) {
-        replayed.erase(world.Text(q.subject) + " " + world.Text(q.predicate) + " " + world.Text(q.object));
-      }
+      if (q.graph == inferred) replayed.erase(q);
     }
     for (const Quad& q : delta->added) {
-      if (q.graph == world.dictionary.InternIri(kInferredGraph)) {
-        replayed.insert(world.Text(q.subject) + " " + world.Text(q.predicate) + " " + world.Text(q.object));
-      }
+      if (q.graph == inferred) replayed.insert(q);
     }
-    const bool delta_right = std::vector<std::string>(replayed.begin(), replayed.end()) == got;
+    const bool delta_right = replayed == InferredQuads(world);
     if (got == expected && delta_right) continue;
     if (trace != nullptr) {
       *trace = "rules:\n" + current + (delta_right ? "" : "the delta does not lead to the graph\n");
@@ -204,7 +222,7 @@ std::string AcceptedRules(RandomWorld& random, int wanted) {
 
 int SequenceCount() {
   const char* asked = std::getenv("DOCENT_PROPERTY_SEQUENCES");
-  return asked == nullptr ? 400 : std::atoi(asked);
+  return asked == nullptr ? 500 : std::atoi(asked);
 }
 
 TEST(ReasonerRulesProperty, IncrementalIsFromScratch) {
@@ -231,6 +249,56 @@ TEST(ReasonerRulesProperty, IncrementalIsFromScratch) {
   RecordProperty("sequences", with_rules);
   std::cout << with_rules << " sequences of 12 batches, seeds 1 to " << count << "\n";
   EXPECT_GT(with_rules, count * 3 / 4);
+}
+
+// Rules with a schema part, over a schema that changes as often as the data: equal things, inverse and transitive
+// properties, restrictions, in every combination. One rule a line, so that they shrink.
+constexpr char kSchemaRules[] =
+    "RULE { ?y owl:sameAs ?x } WHERE { ?x owl:sameAs ?y }\n"
+    "RULE { ?x owl:sameAs ?z } WHERE { ?x owl:sameAs ?y . ?y owl:sameAs ?z }\n"
+    "RULE { ?s2 ?p ?o } WHERE { ?s owl:sameAs ?s2 . ?s ?p ?o FILTER(?s != ?s2) }\n"
+    "RULE { ?s ?p2 ?o } WHERE { ?p owl:sameAs ?p2 . ?s ?p ?o FILTER(?p != ?p2) }\n"
+    "RULE { ?s ?p ?o2 } WHERE { ?o owl:sameAs ?o2 . ?s ?p ?o FILTER(?o != ?o2) }\n"
+    "RULE { ?x a ?c } WHERE { ?p rdfs:domain ?c . ?x ?p ?y }\n"
+    "RULE { ?y a ?c } WHERE { ?p rdfs:range ?c . ?x ?p ?y }\n"
+    "RULE { ?y1 owl:sameAs ?y2 } WHERE { ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?y1 != ?y2) }\n"
+    "RULE { ?x ?p ?z } WHERE { ?p a owl:TransitiveProperty . ?x ?p ?y . ?y ?p ?z }\n"
+    "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y FILTER(?p1 != ?p2) }\n"
+    "RULE { ?y ?p2 ?x } WHERE { ?p1 owl:inverseOf ?p2 . ?x ?p1 ?y }\n"
+    "RULE { ?y ?p1 ?x } WHERE { ?p1 owl:inverseOf ?p2 . ?x ?p2 ?y }\n"
+    "RULE { ?x a ?c2 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?x a ?c1 FILTER(?c1 != ?c2) }\n"
+    "RULE { ?c1 rdfs:subClassOf ?c3 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?c2 rdfs:subClassOf ?c3 }\n"
+    "RULE { ?u a ?x } WHERE { ?x owl:someValuesFrom ?y . ?x owl:onProperty ?p . ?u ?p ?v . ?v a ?y }\n"
+    "RULE { ?v a ?y } WHERE { ?x owl:allValuesFrom ?y . ?x owl:onProperty ?p . ?u a ?x . ?u ?p ?v }\n"
+    "RULE { } WHERE { ?c1 owl:disjointWith ?c2 . ?x a ?c1 . ?x a ?c2 }\n"
+    "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y FILTER NOT EXISTS { ?y a :n0 } }\n";
+
+TEST(ReasonerRulesProperty, SchemaAndDataChangeTogether) {
+  const int count = SequenceCount() / 5;
+  for (int seed = 1; seed <= count; ++seed) {
+    RandomWorld random(static_cast<unsigned>(seed));
+    random.schema_percent = 45;
+    std::string rules;
+    const std::vector<std::string> all = Lines(kSchemaRules);
+    for (const std::string& rule : all) {
+      // the last negates what the others make of types: left out where recursion would go through it
+      if (random.Chance(70) && &rule != &all.back()) rules += rule + "\n";
+    }
+    std::vector<Step> steps;
+    std::set<std::string> told;
+    for (int i = 0; i < 12; ++i) {
+      Step step{random.Batch(told), {}};
+      if (i > 0 && random.Chance(8)) {
+        for (const std::string& rule : all) {
+          if (random.Chance(60) && &rule != &all.back()) step.new_rules += rule + "\n";
+        }
+      }
+      steps.push_back(std::move(step));
+    }
+    std::string trace;
+    if (rules.empty() || FirstDifference(rules, steps, &trace) < 0) continue;
+    FAIL() << "seed " << seed << "\n" << Shrink(rules, steps);
+  }
 }
 
 // The rules that other reasoners are known to get wrong, on long random sequences.

@@ -29,6 +29,11 @@ class TestWorld {
   // rdf:type.
   Term TermOf(const std::string& word) const {
     if (word == "a") return Term::Iri(std::string(kRdfType));
+    if (const size_t colon = word.find(':'); colon != std::string::npos) {  // "owl:sameAs"
+      for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+        if (word.substr(0, colon) == prefix) return Term::Iri(std::string(iri) + word.substr(colon + 1));
+      }
+    }
     if (word[0] == '\'') return Term::Literal(word.substr(1));
     if (word.back() == 'f' && word.find_first_not_of("-.0123456789f") == std::string::npos) {
       return Term::Literal(word.substr(0, word.size() - 1), std::string(kXsdNs) + "float");

@@ -66,9 +66,32 @@ TEST(RuleParser, RefusesWhatCannotBeKeptUpToDate) {
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b OPTIONAL { ?a :r ?c } }"), HasSubstr("OPTIONAL"));
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { GRAPH :g { ?a :q ?b } }"), HasSubstr("GRAPH"));
   EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"), HasSubstr("property path"));
-  EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
-              HasSubstr("rule body cannot contain"));
+  EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (AVG(?b) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
+              HasSubstr("COUNT, SUM, MIN and MAX can be kept"));
+  EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT DISTINCT ?a ?b { ?a :q ?b } } }"), HasSubstr("a sub-SELECT"));
   EXPECT_THAT(Errors("RULE { ?a :t ?t } WHERE { ?a :q ?b BIND(NOW() AS ?t) }"), HasSubstr("NOW() in a rule"));
+}
+
+TEST(RuleParser, AggregatesOfSubSelectsBindTheirVariables) {
+  EXPECT_EQ(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"), "");
+  EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
+              HasSubstr("?b of the head does not occur in the body"));
+}
+
+TEST(RuleParser, ReadsTheOtherFormsOfTheDraft) {
+  const ParsedRules parsed = ParseRules(std::string(kPrefix) +
+                                            "RULE :named { ?a :p ?b } WHERE { ?a :q ?b NOT { ?b :q ?a } }\n"
+                                            "IF { ?a :q ?b SET(?c := 1 + 1) } THEN { ?a :c ?c }\n"
+                                            "RULE :check { } WHERE { ?a :q ?a }",
+                                        "t.rules");
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
+  ASSERT_EQ(parsed.rules.size(), 3u);
+  EXPECT_EQ(parsed.rules[0].name, "http://example.org/named");
+  EXPECT_EQ(parsed.rules[1].head[0].object.variable->name, "c");
+  EXPECT_TRUE(parsed.rules[2].head.empty());
+  EXPECT_THAT(Errors("IF { ?a :q ?b } { ?a :p ?b }"), HasSubstr("expected THEN"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?c } WHERE { ?a :q ?b SET(?c = 1) }"), HasSubstr("':=' after the variable"));
+  EXPECT_THAT(Errors("RULE :p :q { ?a :p ?c } WHERE { ?a :q ?b }"), HasSubstr("error"));
 }
 
 TEST(RuleParser, HeadsMustBeTriples) {

@@ -1,0 +1,62 @@
+#include "reasoner/rules/inconsistency.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+// FNV-1a, 64 bits.
+uint64_t Hash(std::string_view text) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace
+
+InconsistencyFacts::InconsistencyFacts(Dictionary& dictionary)
+    : dictionary_(dictionary),
+      type_(dictionary.InternIri(kRdfType)),
+      inconsistency_(dictionary.InternIri(DocentIri("Inconsistency"))),
+      rule_(dictionary.InternIri(DocentIri("rule"))),
+      evidence_(dictionary.InternIri(DocentIri("evidence"))),
+      subject_(dictionary.InternIri(std::string(kRdfNs) + "subject")),
+      predicate_(dictionary.InternIri(std::string(kRdfNs) + "predicate")),
+      object_(dictionary.InternIri(std::string(kRdfNs) + "object")) {}
+
+void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId> row,
+                              std::vector<Triple>& out) const {
+  std::vector<Triple> matched;
+  std::string text = absl::StrCat(rule.set, "\n", rule.name.empty() ? rule.text : rule.name);
+  for (size_t i = 0; i < rule.body->patterns().size(); ++i) matched.push_back(rule.Premise(i, row));
+  const auto add_text = [&](TermId id) {
+    absl::StrAppend(&text, "\n", id.IsNone() ? "" : ToNTriples(dictionary_.Decode(id)));
+  };
+  if (matched.empty()) {
+    for (const TermId id : row) add_text(id);
+  }
+  for (const Triple& t : matched) {
+    for (const TermId id : {t.subject, t.predicate, t.object}) add_text(id);
+  }
+  const std::string name = rule.name.empty() ? rule.set : rule.name;
+  const std::string iri = absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
+  const TermId id = dictionary_.InternIri(iri);
+  out.push_back({id, type_, inconsistency_});
+  out.push_back({id, rule_, dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
+  int number = 0;
+  for (const Triple& t : matched) {
+    const TermId evidence = dictionary_.InternIri(absl::StrCat(iri, ":", ++number));
+    out.push_back({id, evidence_, evidence});
+    out.push_back({evidence, subject_, t.subject});
+    out.push_back({evidence, predicate_, t.predicate});
+    out.push_back({evidence, object_, t.object});
+  }
+}
+
+}  // namespace docent

@@ -1,0 +1,210 @@
+// Adding what follows, and evaluating rules. See materialiser.h.
+#include <algorithm>
+#include <utility>
+
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/rules/materialiser.h"
+
+namespace docent {
+
+absl::Status Materialiser::Add(int stratum) {
+  seen_.clear();
+  candidates_.clear();
+  compact_at_ = 0;
+  first_round_ = true;
+  if (absl::Status status = FirstRound(stratum); !status.ok()) return status;
+  first_round_ = false;
+  for (int rounds = 1; !round_.empty(); ++rounds) {
+    if (rounds >= context_.limits.rule_rounds) {
+      return LimitError(program_.rules[last_rule_], "rule_rounds",
+                        static_cast<size_t>(context_.limits.rule_rounds));
+    }
+    whole_.clear();
+    for (const Triple& triple : round_) {
+      const Quad quad = InferredQuad(triple);
+      absl::Status status = DispatchInstances(quad, stratum, Phase::kAdd);
+      if (status.ok()) status = DispatchRules(quad, stratum, Phase::kAdd, /*also_negative=*/true);
+      if (!status.ok()) return status;
+    }
+    if (absl::Status status = EndRound(); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Materialiser::FirstRound(int stratum) {
+  whole_.clear();
+  if (absl::Status status = Rederive(stratum); !status.ok()) return status;
+  for (const uint32_t rule : entering_) {
+    if (program_.rules[rule].stratum != stratum) continue;
+    if (absl::Status status = FireWhole(program_, rule, Phase::kAdd); !status.ok()) return status;
+  }
+  if (absl::Status status = RepeatChecks(stratum); !status.ok()) return status;
+  std::vector<Task> tasks;
+  for (const Triple& t : lost_) {
+    program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
+      const CompiledRule& rule = program_.rules[reference.owner];
+      if (rule.stratum != stratum || is_entering_[reference.owner]) return;
+      if (rule.body->triggers()[reference.pattern].polarity == Polarity::kPositive) return;
+      tasks.push_back({reference.owner, reference.pattern, t});
+    });
+  }
+  for (const Task& task : tasks) {
+    if (absl::Status status = FireTask(task, Phase::kAdd); !status.ok()) return status;
+  }
+  for (const Triple& triple : gained_) {
+    const Quad quad = InferredQuad(triple);
+    absl::Status status = DispatchInstances(quad, stratum, Phase::kAdd);
+    if (status.ok()) status = DispatchRules(quad, stratum, Phase::kAdd, /*also_negative=*/true);
+    if (!status.ok()) return status;
+  }
+  return EndRound();
+}
+
+// What is new becomes part of the graph at once; so each index is walked once, in its order.
+absl::Status Materialiser::EndRound() {
+  std::sort(candidates_.begin(), candidates_.end());
+  round_.clear();
+  std::vector<Quad> quads;
+  QuadCursor cursor;
+  for (const Triple& t : candidates_) {
+    graph().Rescan({t.subject, t.predicate, t.object, TermId()}, &cursor);
+    if (cursor.Valid()) continue;
+    round_.push_back(t);
+    quads.push_back(InferredQuad(t));
+  }
+  candidates_.clear();
+  for (const Triple& t : round_) {
+    if (removed_.erase(t) != 0) continue;
+    added_.push_back(t);
+    ++context_.inferred_so_far;
+  }
+  if (context_.inferred_so_far > context_.limits.inferred_per_turn) {
+    return LimitError(program_.rules[last_rule_], "inferred_per_turn", context_.limits.inferred_per_turn);
+  }
+  context_.writer.AddAll(std::move(quads));
+  for (const Triple& t : round_) {
+    if (absl::Status status = context_.schema.Gained(t, graph()); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phase phase) {
+  const sparql::RunOptions run{.version = &graph()};
+  context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+    const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
+    const CompiledRule& rule = program_.rules[instance.rule];
+    if (rule.stratum != stratum || !status_.ok()) return;
+    if (first_round_ && is_entering_[instance.rule] && phase == Phase::kAdd) return;
+    const Trigger& trigger = rule.body->triggers()[reference.pattern];
+    seed_ = instance.row;
+    const std::array<TermId, 3> terms = {quad.subject, quad.predicate, quad.object};
+    for (int i = 0; i < 3; ++i) {
+      if (trigger.columns[i] != Trigger::kNoColumn) seed_[trigger.columns[i]] = terms[i];
+    }
+    const uint32_t matched = rule.schema | (1u << trigger.pattern);
+    if (matched == rule.patterns && !rule.filters) {
+      Emit(rule, seed_, phase);
+      return;
+    }
+    const absl::Status status = rule.body->EvaluateRest(
+        run, seed_, matched, rule.filters, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+    if (!status.ok()) status_ = status;
+  });
+  return status_;
+}
+
+absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative) {
+  const sparql::RunOptions run{.version = &graph()};
+  const Triple triple = {quad.subject, quad.predicate, quad.object};
+  program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+    const CompiledRule& rule = program_.rules[reference.owner];
+    if (rule.stratum != stratum || !status_.ok()) return;
+    if (first_round_ && is_entering_[reference.owner] && phase == Phase::kAdd) return;
+    const Trigger& trigger = rule.body->triggers()[reference.pattern];
+    absl::Status status;
+    if (!rule.positive) {
+      if (!also_negative || trigger.polarity == Polarity::kNegative) return;
+      status = FireTask({reference.owner, reference.pattern, triple}, phase);
+    } else {
+      rule.body->SeedFrom(trigger, quad, seed_);
+      const uint32_t matched = 1u << trigger.pattern;
+      if (matched == rule.patterns && !rule.filters) {
+        Emit(rule, seed_, phase);
+        return;
+      }
+      status = rule.body->EvaluateRest(run, seed_, matched, /*filters=*/true,
+                                       [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+    }
+    if (!status.ok()) status_ = status;
+  });
+  return status_;
+}
+
+absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
+  const CompiledRule& rule = program_.rules[task.rule];
+  Body& body = *rule.body;
+  body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
+  const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
+  if (whole && !whole_.insert(task.rule).second) return absl::OkStatus();
+  const absl::Status status =
+      body.Evaluate({.version = &graph()}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  return status.ok() ? status_ : status;
+}
+
+absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phase phase) {
+  const CompiledRule& rule = program.rules[number];
+  const std::vector<TermId> nothing(rule.body->columns().size());
+  const absl::Status status = rule.body->Evaluate(
+      {.version = &graph()}, nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  return status.ok() ? status_ : status;
+}
+
+bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase) {
+  if (rule.check) {
+    std::vector<Triple> facts;
+    context_.inconsistencies.Make(rule, row, facts);
+    const auto number = static_cast<uint32_t>(&rule - program_.rules.data());
+    if (phase == Phase::kTakeAway && !rule.positive && number < program_.rules.size()) {
+      check_rows_.push_back({number, {row.begin(), row.end()}});
+    }
+    for (const Triple& fact : facts) {
+      if (!Collect(rule, fact, phase)) return false;
+    }
+    return true;
+  }
+  for (const HeadTriple& head : rule.head) {
+    Triple triple;
+    if (head.Make(row, triple) && !Collect(rule, triple, phase)) return false;
+  }
+  return true;
+}
+
+bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
+  ++context_.counters.firings;
+  if (phase == Phase::kTakeAway) {
+    made_.push_back(triple);
+    return true;
+  }
+  if (!seen_.insert(triple).second) return true;
+  candidates_.push_back(triple);
+  last_rule_ = static_cast<uint32_t>(&rule - program_.rules.data());
+  return candidates_.size() < compact_at_ || DropPresent(rule);
+}
+
+// Many candidates may be in the graph already; and what is beyond the limit anyway need not be collected.
+bool Materialiser::DropPresent(const CompiledRule& rule) {
+  const size_t room = context_.limits.inferred_per_turn > context_.inferred_so_far
+                          ? context_.limits.inferred_per_turn - context_.inferred_so_far
+                          : 0;
+  if (compact_at_ == 0) {
+    compact_at_ = room + 1024;
+    if (candidates_.size() < compact_at_) return true;
+  }
+  std::erase_if(candidates_, [&](const Triple& t) { return IsPresent(t); });
+  compact_at_ = std::max(room + 1024, 2 * candidates_.size());
+  if (candidates_.size() <= room + removed_.size()) return true;
+  status_ = LimitError(rule, "inferred_per_turn", context_.limits.inferred_per_turn);
+  return false;
+}
+
+}  // namespace docent

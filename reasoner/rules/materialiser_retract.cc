@@ -1,0 +1,201 @@
+// Taking away what has lost its support. See materialiser.h.
+#include <algorithm>
+#include <utility>
+
+#include "absl/container/inlined_vector.h"
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/rules/materialiser.h"
+
+namespace docent {
+
+absl::Status Materialiser::TakeAwayFromLeavingRules() {
+  if (leaving_.empty()) return absl::OkStatus();
+  made_.clear();
+  ToOldState();
+  absl::Status status;
+  for (const uint32_t rule : leaving_) {
+    status = FireWhole(before_, rule, Phase::kTakeAway);
+    if (!status.ok()) break;
+  }
+  ToNewState();
+  check_rows_.clear();
+  const std::vector<Triple> made = std::exchange(made_, {});
+  for (size_t i = 0; i < made.size() && status.ok(); ++i) status = Consider(made[i], 0);
+  if (status.ok()) RemoveMarked();
+  return status;
+}
+
+absl::Status Materialiser::TakeAway(int stratum) {
+  made_.clear();
+  whole_.clear();
+  check_rows_.clear();
+  if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
+  whole_.clear();
+  queue_ = lost_;
+  ghosts_ = queue_.size();
+  marked_.insert(queue_.begin(), queue_.end());
+  for (const Triple& triple : std::exchange(made_, {})) {
+    if (absl::Status status = Consider(triple, stratum); !status.ok()) return status;
+  }
+  if (absl::Status status = Propagate(stratum); !status.ok()) return status;
+  RemoveMarked();
+  return absl::OkStatus();
+}
+
+// What rules of negation and aggregation made of the triples of lower strata that changed.
+absl::Status Materialiser::EvaluateBefore(int stratum) {
+  std::vector<Task> tasks;
+  const auto collect = [&](const std::vector<Triple>& triples, Polarity unconcerned) {
+    for (const Triple& t : triples) {
+      program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
+        const CompiledRule& rule = program_.rules[reference.owner];
+        if (rule.positive || rule.stratum != stratum || is_entering_[reference.owner]) return;
+        if (rule.body->triggers()[reference.pattern].polarity == unconcerned) return;
+        tasks.push_back({reference.owner, reference.pattern, t});
+      });
+    }
+  };
+  collect(lost_, Polarity::kNegative);
+  collect(gained_, Polarity::kPositive);
+  if (tasks.empty()) return absl::OkStatus();
+  ToOldState();
+  absl::Status status;
+  for (size_t i = 0; i < tasks.size() && status.ok(); ++i) status = FireTask(tasks[i], Phase::kTakeAway);
+  ToNewState();
+  return status;
+}
+
+// Where a body may match two lost triples, or one twice, the others must be there while one is asked about.
+void Materialiser::AddGhosts(int stratum) {
+  ghosts_in_graph_ = false;
+  if (ghosts_ == 0) return;
+  bool needed = ghosts_ > 1;
+  for (const uint32_t rule : program_.rules_of_stratum[stratum]) needed = needed || !program_.rules[rule].positive;
+  if (!needed) {
+    const Quad quad = InferredQuad(queue_[0]);
+    const auto matches_twice = [&](const CompiledRule& rule) {
+      const std::vector<Trigger>& triggers = rule.body->triggers();
+      return std::count_if(triggers.begin(), triggers.end(),
+                           [&](const Trigger& t) { return t.match.Matches(quad); }) > 1;
+    };
+    program_.triggers.ForEachMatch(
+        quad, [&](PatternIndex::Reference r) { needed = needed || matches_twice(program_.rules[r.owner]); });
+    context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+      needed = needed || matches_twice(program_.rules[context_.schema.instance(r.owner).rule]);
+    });
+  }
+  if (!needed) return;
+  ghosts_in_graph_ = true;
+  std::vector<Quad> quads;
+  for (size_t i = 0; i < ghosts_; ++i) quads.push_back(InferredQuad(queue_[i]));
+  context_.writer.AddAll(std::move(quads));
+}
+
+absl::Status Materialiser::Propagate(int stratum) {
+  AddGhosts(stratum);
+  for (size_t i = 0; i < queue_.size(); ++i) {
+    const Triple triple = queue_[i];
+    made_.clear();
+    const Quad quad = InferredQuad(triple);
+    absl::Status status = DispatchInstances(quad, stratum, Phase::kTakeAway);
+    if (status.ok()) status = DispatchRules(quad, stratum, Phase::kTakeAway, /*also_negative=*/i >= ghosts_);
+    if (!status.ok()) return status;
+    scratch_ = made_;
+    for (const Triple& made : scratch_) {
+      status = Consider(made, stratum);
+      if (!status.ok()) return status;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Materialiser::Consider(const Triple& triple, int stratum) {
+  if (marked_.contains(triple) || added_set_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
+  const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(triple);
+  if (!answer.ok()) return answer.status();
+  if (*answer == ProofSearch::Answer::kProven) return absl::OkStatus();
+  marked_.insert(triple);
+  queue_.push_back(triple);
+  if (*answer == ProofSearch::Answer::kUnproven) return absl::OkStatus();
+  // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
+  for (size_t s = static_cast<size_t>(stratum); s < rederivable_.size(); ++s) rederivable_[s].push_back(triple);
+  return absl::OkStatus();
+}
+
+void Materialiser::RemoveMarked() {
+  std::vector<Quad> quads;
+  for (size_t i = ghosts_in_graph_ ? 0 : ghosts_; i < queue_.size(); ++i) quads.push_back(InferredQuad(queue_[i]));
+  context_.writer.RemoveAll(quads);
+  for (size_t i = ghosts_; i < queue_.size(); ++i) {
+    removed_.insert(queue_[i]);
+    context_.schema.Lost(queue_[i]);
+  }
+  queue_.clear();
+  marked_.clear();
+  ghosts_ = 0;
+  ghosts_in_graph_ = false;
+}
+
+absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum) {
+  struct Maker {
+    uint32_t rule, head;
+    const std::vector<TermId>* row;  // of an instance
+  };
+  absl::InlinedVector<Maker, 8> makers;
+  const Quad quad = InferredQuad(triple);
+  context_.schema.heads().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+    const SchemaIndex::Instance& instance = context_.schema.instance(r.owner);
+    makers.push_back({instance.rule, r.pattern, &instance.row});
+  });
+  program_.heads.ForEachMatch(quad,
+                              [&](PatternIndex::Reference r) { makers.push_back({r.owner, r.pattern, nullptr}); });
+  const sparql::RunOptions run{.version = &graph()};
+  for (const Maker& maker : makers) {
+    const CompiledRule& rule = program_.rules[maker.rule];
+    const HeadTriple& head = rule.head[maker.head];
+    if (maker.row != nullptr) {
+      seed_ = *maker.row;
+    } else {
+      seed_.assign(rule.body->columns().size(), TermId());
+    }
+    if (rule.stratum > stratum || !head.SeedFrom(triple, seed_)) continue;
+    bool derivable = false;
+    const auto visit = [&](absl::Span<const TermId> row) {
+      Triple made;
+      derivable = head.Make(row, made) && made == triple;
+      return !derivable;
+    };
+    const absl::Status status = maker.row != nullptr
+                                    ? rule.body->EvaluateRest(run, seed_, rule.schema, true, visit)
+                                    : rule.body->Evaluate(run, seed_, visit);
+    if (!status.ok()) return status;
+    if (derivable) return true;
+  }
+  return false;
+}
+
+absl::Status Materialiser::Rederive(int stratum) {
+  for (const Triple& triple : rederivable_[stratum]) {
+    if (IsPresent(triple)) continue;
+    const absl::StatusOr<bool> derivable = IsDerivable(triple, stratum);
+    if (!derivable.ok()) return derivable.status();
+    if (*derivable && seen_.insert(triple).second) candidates_.push_back(triple);
+  }
+  return absl::OkStatus();
+}
+
+// Solutions of checks with negation that may be gone or not.
+absl::Status Materialiser::RepeatChecks(int stratum) {
+  for (const CheckRow& check : check_rows_) {
+    const CompiledRule& rule = program_.rules[check.rule];
+    if (rule.stratum != stratum) continue;
+    absl::Status status = rule.body->Evaluate({.version = &graph()}, check.row, [&](absl::Span<const TermId> row) {
+      return Emit(rule, row, Phase::kAdd);
+    });
+    if (status.ok()) status = status_;
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace docent

@@ -1,0 +1,68 @@
+// Whether a fact follows from facts that stay: the backward half of the backward/forward algorithm (Motik,
+// Nenov, Piro, Horrocks, Incremental Update of Datalog Materialisation: the Backward/Forward Algorithm, AAAI
+// 2015).
+//
+// A retraction asks this of each fact that it is about to take away. A fact with another proof stays, and
+// what rests on it is not even looked at. The search goes from the fact through the rules to told facts; a
+// fact on the way to itself is no proof of itself. It gives up after a number of steps (then the fact is
+// taken away and derived again, as in delete and re-derive), so it can never cost much more than it saves.
+// Only positive rules are searched.
+// Private to this folder. Made for one Update. Writer thread only.
+#ifndef DOCENT_REASONER_RULES_PROOF_SEARCH_H_
+#define DOCENT_REASONER_RULES_PROOF_SEARCH_H_
+
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/status/statusor.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/rules/rule_program.h"
+#include "reasoner/rules/schema_index.h"
+
+namespace docent {
+
+class ProofSearch {
+ public:
+  enum class Answer : uint8_t {
+    kProven,     // follows from told facts by facts that are not in `lost`
+    kUnproven,   // by positive rules certainly not, from what is in the graph now and not in `lost`
+    kUndecided,  // too far to tell, or a rule that is not positive may make it
+  };
+
+  // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile.
+  ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer, TermId inferred_graph,
+              const absl::flat_hash_set<Triple>& lost)
+      : program_(program), schema_(schema), writer_(writer), inferred_graph_(inferred_graph), lost_(lost) {}
+
+  absl::StatusOr<Answer> Prove(const Triple& fact);
+
+ private:
+  static constexpr int kSteps = 64;       // facts looked at for one question
+  static constexpr int kDepth = 24;       // rules one after the other
+  static constexpr size_t kBodies = 24;   // ways of one rule to make one fact
+  using Bodies = std::vector<std::vector<Triple>>;
+
+  bool IsTold(const Triple& fact) const;
+  Answer Search(const Triple& fact, int depth);
+  Answer SearchBodies(const Bodies& bodies, int depth, bool complete);
+  // The ways of a rule to make `fact`; kProven where one has told premises alone.
+  Answer Collect(const CompiledRule& rule, absl::Span<const TermId> seed, uint32_t matched, Bodies& bodies);
+
+  RuleProgram& program_;
+  const SchemaIndex& schema_;
+  const GraphWriter& writer_;
+  const TermId inferred_graph_;
+  const absl::flat_hash_set<Triple>& lost_;
+
+  absl::flat_hash_set<Triple> proven_;
+  absl::flat_hash_set<Triple> failed_;       // in the running question
+  absl::flat_hash_map<Triple, bool> open_;  // on the way; true: somebody asked again
+  std::vector<Triple> failures_;             // failed_, in order
+  int steps_left_ = 0;
+  absl::Status status_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_RULES_PROOF_SEARCH_H_

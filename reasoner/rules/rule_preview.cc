@@ -1,0 +1,52 @@
+#include "reasoner/rules/rule_preview.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/rules/rule_engine.h"
+
+namespace docent {
+namespace {
+
+std::vector<std::string> Shown(const Dictionary& dictionary, const std::vector<Quad>& quads, size_t shown) {
+  std::vector<std::string> lines;
+  for (size_t i = 0; i < std::min(shown, quads.size()); ++i) {
+    const Quad& q = quads[i];
+    lines.push_back(absl::StrCat(ToNTriples(dictionary.Decode(q.subject)), " ",
+                                 ToNTriples(dictionary.Decode(q.predicate)), " ",
+                                 ToNTriples(dictionary.Decode(q.object)), " ."));
+  }
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
+}  // namespace
+
+absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
+                                         const std::vector<RuleSetText>& current, const std::string& name,
+                                         const std::optional<std::string>& text, size_t shown, const Limits& limits,
+                                         const sparql::FunctionRegistry* functions) {
+  Dictionary own(&dictionary);
+  RuleEngine engine(own, limits, functions);
+  for (const RuleSetText& set : current) {
+    if (absl::Status status = ToStatus(engine.PutRules(set.name, set.text), set.text); !status.ok()) return status;
+  }
+  engine.Assume();
+  if (!text) {
+    if (!engine.RemoveRules(name)) return absl::NotFoundError(absl::StrCat("there is no rule set \"", name, "\""));
+  } else if (absl::Status status = ToStatus(engine.PutRules(name, *text), *text); !status.ok()) {
+    return status;
+  }
+  GraphWriter writer(version);
+  const absl::StatusOr<Delta> delta = engine.Update(writer, {});
+  if (!delta.ok()) return delta.status();
+  RulePreview preview;
+  preview.added = delta->added.size();
+  preview.removed = delta->removed.size();
+  preview.added_triples = Shown(own, delta->added, shown);
+  preview.removed_triples = Shown(own, delta->removed, shown);
+  return preview;
+}
+
+}  // namespace docent

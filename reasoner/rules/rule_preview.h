@@ -1,0 +1,41 @@
+// What a change of the rules would add and remove, without doing it: the rules are changed in an engine of its own,
+// over a private copy of a graph version. Any thread; the result is the caller's.
+#ifndef DOCENT_REASONER_RULES_RULE_PREVIEW_H_
+#define DOCENT_REASONER_RULES_RULE_PREVIEW_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/graph_version.h"
+
+namespace docent {
+
+struct RuleSetText {
+  std::string name;
+  std::string text;
+};
+
+struct RulePreview {
+  size_t added = 0;  // inferred facts that would be there and are not
+  size_t removed = 0;
+  std::vector<std::string> added_triples;  // the first of them, N-Triples, sorted
+  std::vector<std::string> removed_triples;
+};
+
+// `current`: the rule sets that `version` follows. The set `name` would get `text`; nullopt: would be removed. At most
+// `shown` triples of each kind are told. INVALID_ARGUMENT with the rendered diagnostics; NOT_FOUND for the removal of
+// a set that is not there; RESOURCE_EXHAUSTED as RuleEngine::Update.
+absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
+                                         const std::vector<RuleSetText>& current, const std::string& name,
+                                         const std::optional<std::string>& text, size_t shown, const Limits& limits,
+                                         const sparql::FunctionRegistry* functions);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_RULES_RULE_PREVIEW_H_

@@ -1,0 +1,131 @@
+#include "reasoner/rules/schema_index.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kb_server/rdf/vocabulary.h"
+
+namespace docent {
+
+bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri) {
+  const auto of_standard = [](std::string_view iri) {
+    return iri.starts_with(kOwlNs) || iri.starts_with(kRdfsNs) || iri.starts_with(kRdfNs);
+  };
+  if (predicate_iri == kRdfType) return of_standard(object_iri);
+  if (predicate_iri == "http://www.w3.org/2002/07/owl#differentFrom") return false;
+  static const std::string* list_node = new std::string(DocentIri("listNode"));
+  if (predicate_iri == *list_node) return true;
+  if (predicate_iri.starts_with(kOwlNs)) return true;
+  for (const std::string_view word : {"subClassOf", "subPropertyOf", "domain", "range"}) {
+    if (predicate_iri.starts_with(kRdfsNs) && predicate_iri.substr(kRdfsNs.size()) == word) return true;
+  }
+  return predicate_iri.starts_with(kRdfNs) &&
+         (predicate_iri.substr(kRdfNs.size()) == "first" || predicate_iri.substr(kRdfNs.size()) == "rest");
+}
+
+absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph) {
+  program_ = &program;
+  instances_.clear();
+  free_.clear();
+  by_triple_.clear();
+  triggers_ = PatternIndex();
+  heads_ = PatternIndex();
+  for (uint32_t r = 0; r < program.rules.size(); ++r) {
+    if (program.rules[r].schema == 0) continue;
+    const std::vector<TermId> nothing(program.rules[r].body->columns().size());
+    if (absl::Status status = Find(r, nothing, 0, graph); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph) {
+  if (program_ == nullptr) return absl::OkStatus();
+  absl::InlinedVector<PatternIndex::Reference, 4> found;
+  const Quad quad = {triple.subject, triple.predicate, triple.object, TermId()};
+  program_->schema_triggers.ForEachMatch(quad, [&](PatternIndex::Reference r) { found.push_back(r); });
+  for (const auto& [rule, trigger_number] : found) {
+    Body& body = *program_->rules[rule].body;
+    const Trigger& trigger = body.triggers()[trigger_number];
+    std::vector<TermId> seed;
+    body.SeedFrom(trigger, quad, seed);
+    if (absl::Status status = Find(rule, seed, 1u << trigger.pattern, graph); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SchemaIndex::Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
+                               const GraphVersion& graph) {
+  const CompiledRule& compiled = program_->rules[rule];
+  const uint32_t data = compiled.patterns & ~compiled.schema;
+  return compiled.body->EvaluateRest({.version = &graph}, seed, matched | data, /*filters=*/!compiled.filters,
+                                     [&](absl::Span<const TermId> row) {
+                                       Add(rule, row);
+                                       return true;
+                                     });
+}
+
+void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
+  const CompiledRule& compiled = program_->rules[rule];
+  absl::InlinedVector<Triple, 4> support;
+  for (size_t i = 0; i < compiled.body->patterns().size(); ++i) {
+    if (compiled.schema & (1u << i)) support.push_back(compiled.Premise(i, row));
+  }
+  std::sort(support.begin(), support.end());
+  support.erase(std::unique(support.begin(), support.end()), support.end());
+  for (const uint32_t id : by_triple_[support[0]]) {
+    if (instances_[id].rule == rule && std::equal(row.begin(), row.end(), instances_[id].row.begin())) return;
+  }
+  uint32_t id;
+  if (free_.empty()) {
+    id = static_cast<uint32_t>(instances_.size());
+    instances_.emplace_back();
+  } else {
+    id = free_.back();
+    free_.pop_back();
+  }
+  for (const Triple& triple : support) by_triple_[triple].push_back(id);
+  Instance& instance = instances_[id];
+  instance.rule = rule;
+  instance.row.assign(row.begin(), row.end());
+  const std::vector<Trigger>& triggers = compiled.body->triggers();
+  for (uint32_t i = 0; i < triggers.size(); ++i) {
+    if (compiled.schema & (1u << triggers[i].pattern)) continue;
+    instance.triggers.push_back(triggers_.Add(compiled.body->Instantiate(triggers[i], row), {id, i}));
+  }
+  for (uint32_t i = 0; i < compiled.head.size(); ++i) {
+    const HeadTriple& head = compiled.head[i];
+    MatchPattern match;
+    const std::array<TermId*, 3> places = {&match.constants.subject, &match.constants.predicate,
+                                           &match.constants.object};
+    for (int k = 0; k < 3; ++k) {
+      *places[k] = head.columns[k] == Trigger::kNoColumn ? head.constants[k] : row[head.columns[k]];
+    }
+    instance.heads.push_back(heads_.Add(match, {id, i}));
+  }
+}
+
+void SchemaIndex::Lost(const Triple& triple) {
+  const auto found = by_triple_.find(triple);
+  if (found == by_triple_.end()) return;
+  const absl::InlinedVector<uint32_t, 2> gone = found->second;
+  for (const uint32_t id : gone) Remove(id);
+}
+
+void SchemaIndex::Remove(uint32_t id) {
+  Instance& instance = instances_[id];
+  const CompiledRule& compiled = program_->rules[instance.rule];
+  for (size_t i = 0; i < compiled.body->patterns().size(); ++i) {
+    if (!(compiled.schema & (1u << i))) continue;
+    const auto place = by_triple_.find(compiled.Premise(i, instance.row));
+    if (place == by_triple_.end()) continue;  // two patterns on one triple
+    auto& ids = place->second;
+    ids.erase(std::remove(ids.begin(), ids.end(), id), ids.end());
+    if (ids.empty()) by_triple_.erase(place);
+  }
+  for (const PatternIndex::Handle handle : instance.triggers) triggers_.Remove(handle);
+  for (const PatternIndex::Handle handle : instance.heads) heads_.Remove(handle);
+  instance = Instance();
+  free_.push_back(id);
+}
+
+}  // namespace docent

@@ -1,0 +1,69 @@
+// The rules, specialised to the schema that the graph holds.
+//
+// Most rules of OWL 2 RL join a few patterns about the schema with patterns about the data:
+//   ?p rdfs:domain ?c . ?x ?p ?y  →  ?x a ?c
+// Asked of each changed triple, such a rule would cost a lookup for every property that has no domain. So the
+// solutions of the schema part are kept here (an *instance* each: p = ex:worksFor, c = ex:Person), and the
+// rest of the body stands in a discrimination index with the instance's values put in (?x ex:worksFor ?y). A
+// changed triple finds the instances that it concerns and no others. (Partial evaluation, as in the peers'
+// "TBox-specialised" rules; here kept up to date while the schema changes.)
+//
+// A changed schema triple itself goes the general way: its rule is joined with all data.
+// Private to this folder. Writer thread only.
+#ifndef DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
+#define DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
+
+#include <string_view>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
+#include "absl/status/status.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/matching/pattern_index.h"
+#include "reasoner/rules/rule_program.h"
+
+namespace docent {
+
+class SchemaIndex {
+ public:
+  struct Instance {
+    uint32_t rule = 0;
+    std::vector<TermId> row;  // columns of the body that the schema part binds; the others none
+    std::vector<PatternIndex::Handle> triggers;
+    std::vector<PatternIndex::Handle> heads;
+  };
+
+  // All instances of `program` in `graph`. `program` must outlive this or the next Build.
+  absl::Status Build(RuleProgram& program, const GraphVersion& graph);
+  // `triple` stands in `graph` now and did not before; the other way about.
+  absl::Status Gained(const Triple& triple, const GraphVersion& graph);
+  void Lost(const Triple& triple);
+
+  const Instance& instance(uint32_t id) const { return instances_[id]; }
+  // References: instance, trigger of its rule's body; instance, triple of its rule's head.
+  const PatternIndex& triggers() const { return triggers_; }
+  const PatternIndex& heads() const { return heads_; }
+  size_t size() const { return instances_.size() - free_.size(); }
+
+ private:
+  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched, const GraphVersion& graph);
+  void Add(uint32_t rule, absl::Span<const TermId> row);
+  void Remove(uint32_t id);
+
+  RuleProgram* program_ = nullptr;
+  std::vector<Instance> instances_;
+  std::vector<uint32_t> free_;
+  absl::flat_hash_map<Triple, absl::InlinedVector<uint32_t, 2>> by_triple_;  // instances that rest on it
+  PatternIndex triggers_;
+  PatternIndex heads_;
+  std::vector<TermId> seed_;
+};
+
+// True for patterns whose predicate is a word of RDFS or OWL about classes and properties, of lists, or
+// owl:sameAs; and for those that ask for a class of RDF, RDFS or OWL. `iri` of a constant: its text.
+bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
