@@ -10,6 +10,7 @@
 #include "bench/reaction_bench.h"
 #include "bench/recovery_bench.h"
 #include "bench/writes_bench.h"
+#include "bench/rules_bench.h"
 
 namespace {
 
@@ -27,6 +28,7 @@ constexpr Benchmark kBenchmarks[] = {
     {"load", "a file of N-Triples into a running server", docent::bench::RunLoadBench},
     {"poses", "memory under a stream of poses", docent::bench::RunPosesBench},
     {"writes", "versions and durable facts a second, and a query's latency beside them", docent::bench::RunWritesBench},
+    {"rules", "closure, facts and axioms in and out, beside CLIPS and SWI-Prolog", docent::bench::RunRulesBench},
     {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
 };
 

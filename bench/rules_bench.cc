@@ -1,0 +1,215 @@
+#include "bench/rules_bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "bench/measurement.h"
+#include "bench/rules_peers.h"
+#include "bench/university_data.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/rules/rule_engine.h"
+#include "reasoner/rules/rule_sets.h"
+
+namespace docent::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// What the peers compute, too: ten rules of the tables, the ontology as data.
+constexpr char kTenRules[] = R"rules(
+RULE { ?c1 rdfs:subClassOf ?c3 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?c2 rdfs:subClassOf ?c3 }
+RULE { ?x a ?c2 } WHERE { ?c1 rdfs:subClassOf ?c2 . ?x a ?c1 }
+RULE { ?p1 rdfs:subPropertyOf ?p3 } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?p2 rdfs:subPropertyOf ?p3 }
+RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y }
+RULE { ?x a ?c } WHERE { ?p rdfs:domain ?c . ?x ?p ?y }
+RULE { ?y a ?c } WHERE { ?p rdfs:range ?c . ?x ?p ?y }
+RULE { ?x ?p ?z } WHERE { ?p a owl:TransitiveProperty . ?x ?p ?y . ?y ?p ?z }
+RULE { ?y ?p ?x } WHERE { ?p a owl:SymmetricProperty . ?x ?p ?y }
+RULE { ?y ?p2 ?x } WHERE { ?p1 owl:inverseOf ?p2 . ?x ?p1 ?y }
+RULE { ?y ?p1 ?x } WHERE { ?p1 owl:inverseOf ?p2 . ?x ?p2 ?y }
+)rules";
+
+double Micros(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+class University {
+ public:
+  explicit University(size_t facts) {
+    const TripleSink sink = [this](const std::string& s, const std::string& p, const std::string& o) {
+      quads_.push_back(QuadOf(s, p, o));
+    };
+    UniversityOntology(sink);
+    UniversityFacts(facts, sink);
+  }
+
+  Quad QuadOf(const std::string& s, const std::string& p, const std::string& o) {
+    return {Named(s), Named(p), Named(o), graph_};
+  }
+  const std::vector<Quad>& quads() const { return quads_; }
+  Dictionary& dictionary() { return dictionary_; }
+
+ private:
+  TermId Named(const std::string& name) {
+    if (name == "type") return dictionary_.InternIri(kRdfType);
+    for (const char* word : {"subClassOf", "subPropertyOf", "domain", "range"}) {
+      if (name == word) return dictionary_.InternIri(absl::StrCat(std::string(kRdfsNs), name));
+    }
+    if (name == "inverseOf" || name == "TransitiveProperty") {
+      return dictionary_.InternIri(absl::StrCat(std::string(kOwlNs), name));
+    }
+    return dictionary_.InternIri(absl::StrCat(kUniversityNs, name));
+  }
+
+  Dictionary dictionary_;
+  const TermId graph_ = dictionary_.InternIri(kDefaultGraph);
+  std::vector<Quad> quads_;
+};
+
+class RulesBench {
+ public:
+  RulesBench(std::vector<size_t> sizes, bool peers) : sizes_(std::move(sizes)), peers_(peers) {}
+
+  int Run() {
+    for (const size_t size : sizes_) {
+      for (const bool all : {false, true}) Measure(size, all);
+      if (!peers_) continue;
+      for (Measurement& m : MeasureRulePeers(size)) measurements.push_back(std::move(m));
+    }
+    return missed_ ? 1 : 0;
+  }
+
+  std::vector<Measurement> measurements;
+
+ private:
+  void Note(const std::string& name, const std::string& metric, const std::string& unit, std::vector<double> runs) {
+    measurements.push_back({"rules", name, "docent", metric, unit, std::move(runs), ""});
+  }
+  void Require(bool met) { missed_ = missed_ || !met; }
+
+  void Measure(size_t size, bool all_rules) {
+    University data(size);
+    GraphWriter writer(nullptr);
+    writer.BulkLoad(data.quads());
+    RuleEngine engine(data.dictionary());
+    const std::string name = absl::StrCat(size, " facts, ", all_rules ? "owl2rl" : "10 rules");
+    const Diagnostics diagnostics =
+        engine.PutRules("bench", all_rules ? BuiltInRuleSet("owl2rl") : std::string(kTenRules));
+    if (HasErrors(diagnostics)) {
+      std::fprintf(stderr, "%s", Render(diagnostics, "").c_str());
+      std::exit(1);
+    }
+    writer.Freeze(Revision(1));
+    const Clock::time_point start = Clock::now();
+    const absl::StatusOr<Delta> delta = engine.Update(writer, {});
+    if (!delta.ok()) {
+      std::fprintf(stderr, "%s\n", delta.status().ToString().c_str());
+      std::exit(1);
+    }
+    engine.Commit();
+    writer.Freeze(Revision(2));
+    const double closure_us = Micros(start);
+    const double rate = static_cast<double>(delta->size()) / closure_us * 1e6;
+    Note(name, "inferred", "facts", {static_cast<double>(delta->size())});
+    Note(name, "closure", "ms", {closure_us / 1000});
+    Note(name, "closure rate", "facts/s", {rate});
+    Require(size < 1000000 || rate >= 500000);
+    OneFact(name, size, data, writer, engine);
+    Axiom(name, "AssistantProfessor", "Professor", size, data, writer, engine);
+    Axiom(name, "GraduateStudent", "Student", size, data, writer, engine);  // each is one by its courses, too
+  }
+
+  // The whole turn in memory: store, rules, a version.
+  double Turn(GraphWriter& writer, RuleEngine& engine, const std::vector<Quad>& add, const std::vector<Quad>& remove) {
+    const Clock::time_point start = Clock::now();
+    const Delta told = writer.Apply(add, remove);
+    const absl::StatusOr<Delta> delta = engine.Update(writer, told);
+    engine.Commit();
+    version_ = writer.Freeze(Revision(++revision_));
+    changed_ = delta.ok() ? delta->size() - told.size() : 0;
+    return Micros(start);
+  }
+
+  void OneFact(const std::string& name, size_t size, University& data, GraphWriter& writer, RuleEngine& engine) {
+    constexpr int kFacts = 2000;
+    std::vector<double> in, out;
+    size_t inferred = 0;
+    const uint64_t before = writer.current().size();
+    for (int i = 0; i < kFacts; ++i) {
+      const Quad fact = data.QuadOf(absl::StrCat("new", i), "headOf", absl::StrCat("u0d", i % 15));
+      in.push_back(Turn(writer, engine, {fact}, {}));
+      inferred = changed_;
+      out.push_back(Turn(writer, engine, {}, {fact}));
+    }
+    if (writer.current().size() != before) {
+      std::fprintf(stderr, "%s: %zu quads before, %zu after adding and retracting\n", name.c_str(),
+                   static_cast<size_t>(before), static_cast<size_t>(writer.current().size()));
+      missed_ = true;
+    }
+    Note(name, absl::StrCat("fact in, ", inferred, " inferred"), "us", {Median(in)});
+    Note(name, absl::StrCat("fact out, ", inferred, " inferred"), "us", {Median(out)});
+    Require(size != 1000000 || (Median(in) < 60 && Median(out) < 60));
+  }
+
+  void Axiom(const std::string& name, const char* subclass, const char* of, size_t size, University& data,
+             GraphWriter& writer, RuleEngine& engine) {
+    const Quad axiom = data.QuadOf(subclass, "subClassOf", of);
+    std::vector<double> in, out;
+    size_t gone = 0;
+    for (int i = 0; i < 3; ++i) {
+      out.push_back(Turn(writer, engine, {}, {axiom}) / 1000);
+      gone = changed_;
+      in.push_back(Turn(writer, engine, {axiom}, {}) / 1000);
+    }
+    Note(name, absl::StrCat(subclass, " subclass axiom out, ", gone, " facts go"), "ms", out);
+    Note(name, absl::StrCat(subclass, " subclass axiom in again"), "ms", in);
+    Require(size > 1000000 || Median(out) < 300);
+  }
+
+  const std::vector<size_t> sizes_;
+  const bool peers_;
+  bool missed_ = false;
+  uint64_t revision_ = 2;
+  size_t changed_ = 0;
+  GraphVersionPtr version_;
+};
+
+}  // namespace
+
+int RunRulesBench(const std::vector<std::string>& args) {
+  bool json = false, peers = true;
+  std::vector<size_t> sizes;
+  for (const std::string& arg : args) {
+    size_t size = 0;
+    if (arg == "--json") {
+      json = true;
+    } else if (arg == "--no-peers") {
+      peers = false;
+    } else if (absl::SimpleAtoi(arg, &size) && size >= 10000) {
+      sizes.push_back(size);
+    } else {
+      std::fprintf(arg == "--help" ? stdout : stderr,
+                   "usage: docent-bench rules [--json] [--no-peers] [FACTS...]   (at least 10000; by default "
+                   "10000 100000 1000000)\n");
+      return arg == "--help" ? 0 : 2;
+    }
+  }
+  if (sizes.empty()) sizes = {10000, 100000, 1000000};
+  RulesBench bench(sizes, peers);
+  const int code = bench.Run();
+  if (json) {
+    for (const Measurement& m : bench.measurements) std::printf("%s\n", ToJsonLine(m).c_str());
+  } else {
+    std::printf("%s", ToTable(bench.measurements).c_str());
+  }
+  return code;
+}
+
+}  // namespace docent::bench

@@ -1,0 +1,140 @@
+#include "bench/rules_peers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "bench/university_data.h"
+
+namespace docent::bench {
+namespace {
+
+constexpr int kTimeoutSeconds = 180;
+
+// The ten rules over (t s p o); asserting the same fact twice changes nothing. The clock is CPU time.
+constexpr char kClips[] = R"clp(
+(deftemplate t (slot s) (slot p) (slot o))
+(defrule sco (t (s ?a) (p subClassOf) (o ?b)) (t (s ?b) (p subClassOf) (o ?c)) => (assert (t (s ?a) (p subClassOf) (o ?c))))
+(defrule cax (t (s ?a) (p subClassOf) (o ?b)) (t (s ?x) (p type) (o ?a)) => (assert (t (s ?x) (p type) (o ?b))))
+(defrule spo (t (s ?a) (p subPropertyOf) (o ?b)) (t (s ?b) (p subPropertyOf) (o ?c)) => (assert (t (s ?a) (p subPropertyOf) (o ?c))))
+(defrule prp (t (s ?p) (p subPropertyOf) (o ?q)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?x) (p ?q) (o ?y))))
+(defrule dom (t (s ?p) (p domain) (o ?c)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?x) (p type) (o ?c))))
+(defrule rng (t (s ?p) (p range) (o ?c)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p type) (o ?c))))
+(defrule trp (t (s ?p) (p type) (o TransitiveProperty)) (t (s ?x) (p ?p) (o ?y)) (t (s ?y) (p ?p) (o ?z)) => (assert (t (s ?x) (p ?p) (o ?z))))
+(defrule sym (t (s ?p) (p type) (o SymmetricProperty)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p ?p) (o ?x))))
+(defrule inv1 (t (s ?p) (p inverseOf) (o ?q)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p ?q) (o ?x))))
+(defrule inv2 (t (s ?p) (p inverseOf) (o ?q)) (t (s ?x) (p ?q) (o ?y)) => (assert (t (s ?y) (p ?p) (o ?x))))
+)clp";
+
+// One tabled predicate; subjects, predicates and objects are atoms.
+constexpr char kProlog[] = R"pl(
+:- dynamic t/3.
+:- table i/3.
+i(S,P,O) :- t(S,P,O).
+i(A,subClassOf,C) :- i(A,subClassOf,B), i(B,subClassOf,C).
+i(X,type,B) :- i(A,subClassOf,B), i(X,type,A).
+i(A,subPropertyOf,C) :- i(A,subPropertyOf,B), i(B,subPropertyOf,C).
+i(X,Q,Y) :- i(P,subPropertyOf,Q), i(X,P,Y).
+i(X,type,C) :- i(P,domain,C), i(X,P,_).
+i(Y,type,C) :- i(P,range,C), i(_,P,Y).
+i(X,P,Z) :- i(P,type,'TransitiveProperty'), i(X,P,Y), i(Y,P,Z).
+i(Y,P,X) :- i(P,type,'SymmetricProperty'), i(X,P,Y).
+i(Y,Q,X) :- i(P,inverseOf,Q), i(X,P,Y).
+i(Y,P,X) :- i(P,inverseOf,Q), i(X,Q,Y).
+go(File) :- load(File), statistics(cputime,A), aggregate_all(count, i(_,_,_), N), aggregate_all(count, t(_,_,_), M),
+  statistics(cputime,B), T is B-A, I is N-M, format("inferred ~d~nseconds ~f~n", [I,T]).
+load(File) :- open(File, read, In), repeat, read_term(In, X, []), ( X == end_of_file -> !, close(In) ; assertz(X), fail ).
+:- initialization((current_prolog_flag(argv,[F|_]), set_prolog_flag(table_space, 12000000000), go(F), halt)).
+)pl";
+
+std::string RunAndRead(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(absl::StrCat("timeout ", kTimeoutSeconds, " ", command, " 2>/dev/null").c_str(), "r");
+  if (pipe == nullptr) return text;
+  char buffer[4096];
+  for (size_t n; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
+  pclose(pipe);
+  return text;
+}
+
+// The number after `word` and a space, or below zero.
+double NumberAfter(const std::string& text, const std::string& word) {
+  const size_t at = text.rfind(word + " ");
+  double number = -1;
+  if (at == std::string::npos) return -1;
+  const size_t start = at + word.size() + 1;
+  if (!absl::SimpleAtod(text.substr(start, text.find_first_of(" \n", start) - start), &number)) return -1;
+  return number;
+}
+
+void Note(const std::string& system, size_t facts, double inferred, double seconds, const std::string& reason,
+          std::vector<Measurement>& out) {
+  const std::string name = absl::StrCat(facts, " facts, 10 rules");
+  const auto add = [&](const char* metric, const char* unit, double value) {
+    Measurement m{"rules", name, system, metric, unit, {}, reason};
+    if (reason.empty()) m.runs.push_back(value);
+    out.push_back(std::move(m));
+  };
+  add("inferred", "facts", inferred);
+  add("closure rate", "facts/s", inferred / seconds);
+}
+
+template <typename Line>
+void WriteFacts(const std::string& path, size_t facts, Line line) {
+  std::ofstream file(path);
+  const TripleSink sink = [&](const std::string& s, const std::string& p, const std::string& o) {
+    file << line(s, p, o) << "\n";
+  };
+  UniversityOntology(sink);
+  UniversityFacts(facts, sink);
+}
+
+void MeasureClips(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
+  if (system("command -v clips >/dev/null 2>&1") != 0) return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
+  if (facts > 300000) return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
+  WriteFacts(folder + "/facts.dat", facts, [](const std::string& s, const std::string& p, const std::string& o) {
+    return absl::StrCat("(t (s ", s, ") (p ", p, ") (o ", o, "))");
+  });
+  std::ofstream(folder + "/rules.clp") << kClips;
+  std::ofstream(folder + "/run.bat") << "(load \"" << folder << "/rules.clp\")\n(bind ?a (time))\n(load-facts \"" << folder
+                                     << "/facts.dat\")\n(bind ?n (length$ (get-fact-list)))\n(run)\n(bind ?b (time))\n"
+                                     << "(printout t \"inferred \" (- (length$ (get-fact-list)) ?n) crlf \"seconds \" (- ?b ?a) crlf)\n(exit)\n";
+  const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'");
+  const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
+  Note("CLIPS", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
+}
+
+void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
+  if (system("command -v swipl >/dev/null 2>&1") != 0)
+    return Note("SWI-Prolog, tabled", facts, 0, 1, "not installed: swi-prolog-nox", out);
+  if (facts > 100000)
+    return Note("SWI-Prolog, tabled", facts, 0, 1, "not asked: minutes; see the smaller sizes", out);
+  WriteFacts(folder + "/facts.pl", facts, [](const std::string& s, const std::string& p, const std::string& o) {
+    return absl::StrCat("t('", s, "','", p, "','", o, "').");
+  });
+  std::ofstream(folder + "/rules.pl") << kProlog;
+  const std::string text =
+      RunAndRead("swipl --stack-limit=8g -O '" + folder + "/rules.pl' '" + folder + "/facts.pl'");
+  const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
+  Note("SWI-Prolog, tabled", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
+}
+
+}  // namespace
+
+std::vector<Measurement> MeasureRulePeers(size_t facts) {
+  std::vector<Measurement> out;
+  std::string folder = (std::filesystem::temp_directory_path() / "docent-rules-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) return out;
+  MeasureClips(folder, facts, out);
+  MeasureProlog(folder, facts, out);
+  std::filesystem::remove_all(folder);
+  return out;
+}
+
+}  // namespace docent::bench
