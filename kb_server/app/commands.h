@@ -11,6 +11,7 @@ namespace docent {
 
 void AddServeCommand(CLI::App* app, int* exit_code);
 void AddLoadCommand(CLI::App* app, int* exit_code);
+void AddRulesCommand(CLI::App* app, int* exit_code);
 void AddTellCommand(CLI::App* app, int* exit_code);
 void AddQueryCommand(CLI::App* app, int* exit_code);
 void AddUpdateCommand(CLI::App* app, int* exit_code);

@@ -193,7 +193,7 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) cons
   auto catalog = std::make_shared<Catalog>();
   for (const auto& [key, entry] : entries_) {
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
-      catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision});
+      catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
     }
   }
   for (const cawl::DocumentPtr& document : engine.workflows()) {

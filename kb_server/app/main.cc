@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   int exit_code = docent::kExitOk;
   docent::AddServeCommand(&app, &exit_code);
   docent::AddLoadCommand(&app, &exit_code);
+  docent::AddRulesCommand(&app, &exit_code);
   docent::AddTellCommand(&app, &exit_code);
   docent::AddQueryCommand(&app, &exit_code);
   docent::AddUpdateCommand(&app, &exit_code);

@@ -20,6 +20,8 @@
 #include "kb_server/service/http_graph_store.h"
 #include "kb_server/service/http_health.h"
 #include "kb_server/service/http_sparql.h"
+#include "reasoner/rules/rule_preview.h"
+#include "reasoner/rules/rule_sets.h"
 #include "spdlog/spdlog.h"
 
 namespace docent {
@@ -135,6 +137,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.on_violation = settings.on_violation;
   s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits);
   s.ports_.remote = s.remote_.get();
+  s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown) {
+    return s.PreviewRuleChange(name, text, shown);
+  };
   s.ports_.clock = &s.clock_;
   s.ports_.limits = settings.limits;
   s.ports_.default_graph = settings.default_graph;
@@ -270,23 +275,29 @@ void Server::RegisterMetrics() {
                             [this] { return static_cast<double>(dictionary_.bytes()); });
 }
 
+absl::Status Server::PushAndWait(WriteBatch batch, const std::string& what) {
+  std::promise<absl::Status> answer;
+  LoadJob job;
+  job.batch = std::move(batch);
+  job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(settings_.limits.query_timeout_ms));
+  job.done = [&answer, &what](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+    for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", what, warning.message);
+    answer.set_value(outcome.status());
+  };
+  if (!workers_->Submit([this, &job] { loads_.Run(std::move(job)); })) {
+    return absl::ResourceExhaustedError(absl::StrCat(what, ": too much work waits"));
+  }
+  absl::Status status = answer.get_future().get();
+  return status.ok() ? status : absl::Status(status.code(), absl::StrCat(what, ": ", status.message()));
+}
+
 // The ontologies and rules named on the command line, unless the graph has them as they are.
 absl::Status Server::LoadFiles() {
-  auto push = [this](WriteBatch batch, const std::string& file) {
-    std::promise<absl::Status> answer;
-    LoadJob job;
-    job.batch = std::move(batch);
-    job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(settings_.limits.query_timeout_ms));
-    job.done = [&answer, &file](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
-      for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", file, warning.message);
-      answer.set_value(outcome.status());
-    };
-    if (!workers_->Submit([this, &job] { loads_.Run(std::move(job)); })) {
-      return absl::ResourceExhaustedError(absl::StrCat(file, ": too much work waits"));
-    }
-    absl::Status status = answer.get_future().get();
-    return status.ok() ? status : absl::Status(status.code(), absl::StrCat(file, ": ", status.message()));
-  };
+  if (absl::Status status = LoadOntologies(); !status.ok()) return status;
+  return LoadRules();
+}
+
+absl::Status Server::LoadOntologies() {
   for (const std::string& file : settings_.ontologies) {
     auto text = ReadFile(file);
     if (!text.ok()) return text.status();
@@ -305,24 +316,63 @@ absl::Status Server::LoadFiles() {
       quad.graph = Term::Iri(graph);
       batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
     }
-    if (absl::Status status = push(std::move(batch), file); !status.ok()) return status;
-  }
-  for (const std::string& file : settings_.rules) {
-    auto text = ReadFile(file);
-    if (!text.ok()) return text.status();
-    std::string name = std::filesystem::path(file).filename().string();
-    auto catalog = catalog_.Get();
-    size_t fingerprint = std::hash<std::string>()(*text);
-    bool same = std::any_of(catalog->modules.begin(), catalog->modules.end(), [&](const ModuleEntry& module) {
-      return module.kind == Document::Kind::kRules && module.name == name &&
-             module.fingerprint == fingerprint;
-    });
-    if (same) continue;
-    WriteBatch batch;
-    batch.documents.push_back({Document::Kind::kRules, Document::Action::kPut, name, *std::move(text)});
-    if (absl::Status status = push(std::move(batch), file); !status.ok()) return status;
+    if (absl::Status status = PushAndWait(std::move(batch), file); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+// Naming a built-in rule set, or none, says which of them are in force.
+absl::Status Server::LoadRules() {
+  const std::vector<std::string> built_in = BuiltInRuleSets();
+  const auto named = [&](const std::string& name) {
+    return std::find(settings_.rules.begin(), settings_.rules.end(), name) != settings_.rules.end();
+  };
+  const bool chosen = named("none") || std::any_of(built_in.begin(), built_in.end(), named);
+  const auto catalog = catalog_.Get();
+  for (const ModuleEntry& module : catalog->modules) {
+    if (!chosen || module.kind != Document::Kind::kRules || named(module.name)) continue;
+    if (std::find(built_in.begin(), built_in.end(), module.name) == built_in.end()) continue;
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kRules, Document::Action::kRemove, module.name, ""});
+    if (absl::Status status = PushAndWait(std::move(batch), module.name); !status.ok()) return status;
+  }
+  for (const std::string& given : settings_.rules) {
+    if (given == "none") continue;
+    std::string name = given;
+    std::string text = BuiltInRuleSet(given);
+    if (text.empty()) {
+      auto file = ReadFile(given);
+      if (!file.ok()) return file.status();
+      text = *std::move(file);
+      name = std::filesystem::path(given).filename().string();
+    }
+    const size_t fingerprint = std::hash<std::string>()(text);
+    const bool same =
+        std::any_of(catalog->modules.begin(), catalog->modules.end(), [&](const ModuleEntry& module) {
+          return module.kind == Document::Kind::kRules && module.name == name && module.fingerprint == fingerprint;
+        });
+    if (same) continue;
+    WriteBatch batch;
+    batch.documents.push_back({Document::Kind::kRules, Document::Action::kPut, name, std::move(text)});
+    if (absl::Status status = PushAndWait(std::move(batch), given); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, const std::string* text,
+                                                       size_t shown) const {
+  // The version first: the catalog that goes with it may be a turn newer, never older than its rules.
+  const GraphVersionPtr version = queries_.Newest();
+  std::vector<RuleSetText> current;
+  for (const ModuleEntry& module : catalog_.Get()->modules) {
+    if (module.kind == Document::Kind::kRules && module.text != nullptr) current.push_back({module.name, *module.text});
+  }
+  const auto preview =
+      PreviewRules(dictionary_, version, current, name,
+                   text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown, settings_.limits, &functions_);
+  if (!preview.ok()) return preview.status();
+  return RulesPreview{version->revision().value(), preview->added, preview->removed, preview->added_triples,
+                      preview->removed_triples};
 }
 
 // Robots that were there before a restart get one lease to show themselves.

@@ -31,7 +31,7 @@ struct ServerSettings {
   bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
-  std::vector<std::string> rules;       // likewise
+  std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
   OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
   std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
   Limits limits;
@@ -66,6 +66,10 @@ class Server {
   absl::Status StartGrpc();
   absl::Status StartHttp();
   absl::Status LoadFiles();
+  absl::Status LoadOntologies();
+  absl::Status LoadRules();
+  absl::Status PushAndWait(WriteBatch batch, const std::string& what);
+  absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text, size_t shown) const;
   void ExpectRobots();
   void RegisterMetrics();
 

@@ -51,6 +51,9 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
                                  v1::ListOntologiesReply* reply) override;
   grpc::ServerUnaryReactor* Remove(grpc::CallbackServerContext* context,
                                    const v1::RemoveOntologyRequest* request, v1::LoadReply* reply) override;
+  grpc::ServerUnaryReactor* PreviewRules(grpc::CallbackServerContext* context,
+                                         const v1::PreviewRulesRequest* request,
+                                         v1::PreviewRulesReply* reply) override;
 
  private:
   const ServicePorts& ports_;

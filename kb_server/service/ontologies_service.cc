@@ -1,4 +1,5 @@
 // Ontologies: modules, rule sets and data files.
+#include <algorithm>
 #include <chrono>
 
 #include "absl/strings/str_cat.h"
@@ -127,6 +128,29 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
     if (outcome.ok()) Fill(*outcome, reply);
     reactor->Finish(ToGrpc(outcome.status()));
   });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
+                                                          const v1::PreviewRulesRequest* request,
+                                                          v1::PreviewRulesReply* reply) {
+  constexpr uint32_t kMostShown = 10000;
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
+      return reactor->Finish(ToGrpc(size));
+    const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),
+                                              std::min(request->shown(), kMostShown));
+    if (!preview.ok()) return reactor->Finish(ToGrpc(preview.status()));
+    reply->set_revision(preview->revision);
+    reply->set_added(preview->added);
+    reply->set_removed(preview->removed);
+    for (const std::string& triple : preview->added_triples) reply->add_added_triples(triple);
+    for (const std::string& triple : preview->removed_triples) reply->add_removed_triples(triple);
+    reactor->Finish(grpc::Status::OK);
+  });
+  if (!accepted)
+    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
   return reactor;
 }
 

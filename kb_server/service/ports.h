@@ -3,6 +3,12 @@
 #ifndef DOCENT_KB_SERVER_SERVICE_PORTS_H_
 #define DOCENT_KB_SERVER_SERVICE_PORTS_H_
 
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/door/inbox.h"
@@ -22,6 +28,17 @@ class UpdateRunner;
 
 // What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
 enum class OnViolation { kIgnore, kWarn, kRefuse };
+// What a change of the rules would do (Ontologies.PreviewRules).
+struct RulesPreview {
+  uint64_t revision = 0;
+  size_t added = 0;
+  size_t removed = 0;
+  std::vector<std::string> added_triples;
+  std::vector<std::string> removed_triples;
+};
+// `text` null: the set would be removed. Any thread; may take long.
+using PreviewRulesPort =
+    std::function<absl::StatusOr<RulesPreview>(const std::string& name, const std::string* text, size_t shown)>;
 
 struct ServicePorts {
   Inbox* inbox = nullptr;
@@ -35,6 +52,7 @@ struct ServicePorts {
   HistoryPort* history = nullptr;  // null: only the newest version is there
   LoadRunner* loads = nullptr;
   RemoteAccess* remote = nullptr;  // null: nothing is fetched
+  PreviewRulesPort preview_rules;
   const Clock* clock = nullptr;
   Limits limits;
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
