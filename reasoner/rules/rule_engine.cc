@@ -47,6 +47,7 @@ struct RuleEngine::Impl {
   RuleProgram no_rules;
   SchemaIndex schema;                   // of the applied program, in the graph as of the last Update
   const RuleProgram* schema_of = nullptr;  // null: to be made anew
+  bool changed_since_commit = false;
   State state;
   State committed;
   size_t inferred_since_commit = 0;
@@ -95,6 +96,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
     if (absl::Status status = impl.schema.Build(program, writer.current()); !status.ok()) return status;
     impl.schema_of = &program;
   }
+  impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
   Materialiser materialiser(
       program, before, told,
@@ -117,12 +119,14 @@ void RuleEngine::Assume() {
 void RuleEngine::Commit() {
   impl_->committed = impl_->state;
   impl_->inferred_since_commit = 0;
+  impl_->changed_since_commit = false;
 }
 
 void RuleEngine::Rollback() {
   impl_->state = impl_->committed;
   impl_->inferred_since_commit = 0;
-  impl_->schema_of = nullptr;
+  if (impl_->changed_since_commit) impl_->schema_of = nullptr;
+  impl_->changed_since_commit = false;
 }
 
 void RuleEngine::Adopt() {

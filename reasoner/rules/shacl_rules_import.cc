@@ -101,9 +101,12 @@ class Importer {
     for (const sparql::TriplePattern& triple : parsed.query.construct_template) {
       absl::StrAppend(&head, sparql::PrintTriple(triple, print), " . ");
     }
+    // The target stands in the same group as the pattern, so that its filters see ?this.
+    std::string where = sparql::PrintPattern(*parsed.query.algebra, print);
+    where = where.substr(1, where.rfind('}') - 1);
     for (const std::string& target : targets) {
       absl::StrAppend(&result_.text, rule.starts_with("_:") ? "RULE" : absl::StrCat("RULE <", rule, ">"), " { ", head,
-                      "}\nWHERE { ", target, " ", sparql::PrintPattern(*parsed.query.algebra, print), " }\n");
+                      "}\nWHERE { ", target, " ", where, "}\n");
       ++result_.rules;
     }
   }
