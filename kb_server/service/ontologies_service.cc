@@ -13,6 +13,8 @@
 namespace docent {
 namespace {
 
+constexpr uint32_t kMostShown = 10000;  // facts of each kind in one preview
+
 grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(status);
@@ -134,7 +136,6 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
-  constexpr uint32_t kMostShown = 10000;
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())

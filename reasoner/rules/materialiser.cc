@@ -67,17 +67,27 @@ absl::Status Materialiser::SettleTold() {
     }
   }
   context_.writer.RemoveAll(now_told);
+  std::vector<Triple> unproven;
+  bool any_proven = false;
   for (const ToldEntry& entry : told_) {
     if (entry.now || entry.inferred_before) continue;
     const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(entry.triple);
     if (!answer.ok()) return answer.status();
     if (*answer == ProofSearch::Answer::kProven) {
+      any_proven = true;
       context_.writer.Add(InferredQuad(entry.triple));
       NowInferred(entry.triple);
       if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
       for (auto& triples : rederivable_) triples.push_back(entry.triple);
+    } else {
+      unproven.push_back(entry.triple);
     }
+  }
+  // One that was asked before another became inferred may follow from that one.
+  for (const Triple& triple : unproven) {
+    if (!any_proven) break;
+    for (auto& triples : rederivable_) triples.push_back(triple);
   }
   return absl::OkStatus();
 }

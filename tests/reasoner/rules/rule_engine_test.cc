@@ -88,6 +88,15 @@ TEST_F(RuleEngineTest, AToldFactIsNotInferredBesides) {
   EXPECT_THAT(world_.Inferred(), IsEmpty());
 }
 
+TEST_F(RuleEngineTest, FactsUntoldTogetherStillFollowFromEachOther) {
+  Turn({"a p1 b", "a p2 b", "a p3 b"});  // p1 is asked about before p2, from which it follows
+  Put("RULE { ?x :p1 ?y } WHERE { ?x :p2 ?y }\nRULE { ?x :p2 ?y } WHERE { ?x :p3 ?y }");
+  Turn({});
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+  Turn({}, {"a p1 b", "a p2 b"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("a p1 b", "a p2 b"));
+}
+
 TEST_F(RuleEngineTest, RulesMayHaveNamesAndTheOtherFormsOfTheDraft) {
   Put("RULE :first { ?x :q ?y } WHERE { ?x :p ?y NOT { ?x :not ?y } SET(?z := 1) }\n"
       "IF { ?x :q ?y } THEN { ?y :r ?x }");
