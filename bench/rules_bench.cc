@@ -89,7 +89,8 @@ class RulesBench {
   std::vector<Measurement> measurements;
 
  private:
-  void Note(const std::string& name, const std::string& metric, const std::string& unit, std::vector<double> runs) {
+  void Note(const std::string& name, const std::string& metric, const std::string& unit,
+            std::vector<double> runs) {
     measurements.push_back({"rules", name, "docent", metric, unit, std::move(runs), ""});
   }
   void Require(bool met) { missed_ = missed_ || !met; }
@@ -127,7 +128,8 @@ class RulesBench {
   }
 
   // The whole turn in memory: store, rules, a version.
-  double Turn(GraphWriter& writer, RuleEngine& engine, const std::vector<Quad>& add, const std::vector<Quad>& remove) {
+  double Turn(GraphWriter& writer, RuleEngine& engine, const std::vector<Quad>& add,
+              const std::vector<Quad>& remove) {
     const Clock::time_point start = Clock::now();
     const Delta told = writer.Apply(add, remove);
     const absl::StatusOr<Delta> delta = engine.Update(writer, told);
@@ -137,7 +139,8 @@ class RulesBench {
     return Micros(start);
   }
 
-  void OneFact(const std::string& name, size_t size, University& data, GraphWriter& writer, RuleEngine& engine) {
+  void OneFact(const std::string& name, size_t size, University& data, GraphWriter& writer,
+               RuleEngine& engine) {
     constexpr int kFacts = 2000;
     std::vector<double> in, out;
     size_t inferred = 0;

@@ -98,15 +98,20 @@ void WriteFacts(const std::string& path, size_t facts, Line line) {
 }
 
 void MeasureClips(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
-  if (system("command -v clips >/dev/null 2>&1") != 0) return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
-  if (facts > 300000) return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
-  WriteFacts(folder + "/facts.dat", facts, [](const std::string& s, const std::string& p, const std::string& o) {
-    return absl::StrCat("(t (s ", s, ") (p ", p, ") (o ", o, "))");
-  });
+  if (system("command -v clips >/dev/null 2>&1") != 0)
+    return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
+  if (facts > 300000)
+    return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
+  WriteFacts(folder + "/facts.dat", facts,
+             [](const std::string& s, const std::string& p, const std::string& o) {
+               return absl::StrCat("(t (s ", s, ") (p ", p, ") (o ", o, "))");
+             });
   std::ofstream(folder + "/rules.clp") << kClips;
-  std::ofstream(folder + "/run.bat") << "(load \"" << folder << "/rules.clp\")\n(bind ?*start* (time))\n(load-facts \"" << folder
+  std::ofstream(folder + "/run.bat") << "(load \"" << folder
+                                     << "/rules.clp\")\n(bind ?*start* (time))\n(load-facts \"" << folder
                                      << "/facts.dat\")\n(bind ?*told* (length$ (get-fact-list)))\n(run)\n"
-                                     << "(printout t \"inferred \" (- (length$ (get-fact-list)) ?*told*) crlf \"seconds \" (- (time) ?*start*) crlf)\n(exit)\n";
+                                     << "(printout t \"inferred \" (- (length$ (get-fact-list)) ?*told*) "
+                                        "crlf \"seconds \" (- (time) ?*start*) crlf)\n(exit)\n";
   const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'");
   const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
   Note("CLIPS", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
@@ -117,14 +122,16 @@ void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurem
     return Note("SWI-Prolog, one table", facts, 0, 1, "not installed: swi-prolog-nox", out);
   if (facts > 100000)
     return Note("SWI-Prolog, one table", facts, 0, 1, "not asked: minutes; see the smaller sizes", out);
-  WriteFacts(folder + "/facts.pl", facts, [](const std::string& s, const std::string& p, const std::string& o) {
-    return absl::StrCat("t('", s, "','", p, "','", o, "').");
-  });
+  WriteFacts(folder + "/facts.pl", facts,
+             [](const std::string& s, const std::string& p, const std::string& o) {
+               return absl::StrCat("t('", s, "','", p, "','", o, "').");
+             });
   std::ofstream(folder + "/rules.pl") << kProlog;
   const std::string text =
       RunAndRead("swipl --stack-limit=8g -O '" + folder + "/rules.pl' -- '" + folder + "/facts.pl'");
   const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
-  Note("SWI-Prolog, one table", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
+  Note("SWI-Prolog, one table", facts, inferred, seconds,
+       inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 
 namespace docent::bench {
 
-// Without a value and with the reason where a peer is not installed or takes longer than the benchmark gives it.
+// Without a value and with the reason where a peer is not installed or takes longer than the benchmark gives
+// it.
 std::vector<Measurement> MeasureRulePeers(size_t facts);
 
 }  // namespace docent::bench

@@ -32,7 +32,8 @@ class Writer {
   size_t courses_ = 0, graduate_courses_ = 0, professors_ = 0, publications_ = 0;
 };
 
-std::string Writer::Teacher(const std::string& department, const char* kind, size_t number, size_t universities) {
+std::string Writer::Teacher(const std::string& department, const char* kind, size_t number,
+                            size_t universities) {
   const std::string name = absl::StrCat(department, kind, number);
   Tell(name, "type", kind);
   Tell(name, "worksFor", department);
@@ -65,10 +66,12 @@ void Writer::Student(const std::string& department, bool graduate, size_t number
     Tell(name, "advisor", absl::StrCat(department, "FullProfessor", Between(0, 6)));
     for (size_t i = 0; i < 2; ++i)
       Tell(name, "takesCourse", absl::StrCat(department, "gc", Between(0, graduate_courses_ - 1)));
-    if (number % 5 == 0) Tell(name, "teachingAssistantOf", absl::StrCat(department, "c", Between(0, courses_ - 1)));
+    if (number % 5 == 0)
+      Tell(name, "teachingAssistantOf", absl::StrCat(department, "c", Between(0, courses_ - 1)));
     return;
   }
-  for (size_t i = 0; i < 3; ++i) Tell(name, "takesCourse", absl::StrCat(department, "c", Between(0, courses_ - 1)));
+  for (size_t i = 0; i < 3; ++i)
+    Tell(name, "takesCourse", absl::StrCat(department, "c", Between(0, courses_ - 1)));
   if (number % 5 == 0) Tell(name, "advisor", absl::StrCat(department, "FullProfessor", Between(0, 6)));
 }
 
@@ -83,10 +86,11 @@ void Writer::Department(const std::string& university, size_t universities, cons
     Tell(group, "subOrganizationOf", name);
   }
   size_t teachers = 0;
-  const std::array<std::pair<const char*, std::pair<size_t, size_t>>, 4> kinds = {{{"FullProfessor", {7, 10}},
-                                                                                 {"AssociateProfessor", {10, 14}},
-                                                                                 {"AssistantProfessor", {8, 11}},
-                                                                                 {"Lecturer", {5, 7}}}};
+  const std::array<std::pair<const char*, std::pair<size_t, size_t>>, 4> kinds = {
+      {{"FullProfessor", {7, 10}},
+       {"AssociateProfessor", {10, 14}},
+       {"AssistantProfessor", {8, 11}},
+       {"Lecturer", {5, 7}}}};
   for (const auto& [kind, range] : kinds) {
     const size_t count = Between(range.first, range.second);
     for (size_t i = 0; i < count && !full(); ++i) {
@@ -104,33 +108,59 @@ void Writer::University(size_t number) {
   const std::string name = absl::StrCat("u", number);
   Tell(name, "type", "University");
   const size_t departments = Between(15, 25);
-  for (size_t i = 0; i < departments && !full(); ++i) Department(name, number + 10, absl::StrCat(name, "d", i));
+  for (size_t i = 0; i < departments && !full(); ++i)
+    Department(name, number + 10, absl::StrCat(name, "d", i));
 }
 
 }  // namespace
 
 void UniversityOntology(const TripleSink& sink) {
-  constexpr std::array<std::array<const char*, 2>, 20> kSubclasses = {
-      {{"Employee", "Person"}, {"Faculty", "Employee"}, {"Professor", "Faculty"}, {"FullProfessor", "Professor"},
-       {"AssociateProfessor", "Professor"}, {"AssistantProfessor", "Professor"}, {"Chair", "Professor"},
-       {"Lecturer", "Faculty"}, {"Student", "Person"}, {"UndergraduateStudent", "Student"},
-       {"GraduateStudent", "Student"}, {"ResearchAssistant", "Student"}, {"TeachingAssistant", "Person"},
-       {"University", "Organization"}, {"Department", "Organization"}, {"ResearchGroup", "Organization"},
-       {"Course", "Work"}, {"GraduateCourse", "Course"}, {"Research", "Work"}, {"Article", "Publication"}}};
-  constexpr std::array<std::array<const char*, 2>, 5> kSubproperties = {{{"headOf", "worksFor"},
-                                                                         {"worksFor", "memberOf"},
-                                                                         {"doctoralDegreeFrom", "degreeFrom"},
-                                                                         {"mastersDegreeFrom", "degreeFrom"},
-                                                                         {"undergraduateDegreeFrom", "degreeFrom"}}};
+  constexpr std::array<std::array<const char*, 2>, 20> kSubclasses = {{{"Employee", "Person"},
+                                                                       {"Faculty", "Employee"},
+                                                                       {"Professor", "Faculty"},
+                                                                       {"FullProfessor", "Professor"},
+                                                                       {"AssociateProfessor", "Professor"},
+                                                                       {"AssistantProfessor", "Professor"},
+                                                                       {"Chair", "Professor"},
+                                                                       {"Lecturer", "Faculty"},
+                                                                       {"Student", "Person"},
+                                                                       {"UndergraduateStudent", "Student"},
+                                                                       {"GraduateStudent", "Student"},
+                                                                       {"ResearchAssistant", "Student"},
+                                                                       {"TeachingAssistant", "Person"},
+                                                                       {"University", "Organization"},
+                                                                       {"Department", "Organization"},
+                                                                       {"ResearchGroup", "Organization"},
+                                                                       {"Course", "Work"},
+                                                                       {"GraduateCourse", "Course"},
+                                                                       {"Research", "Work"},
+                                                                       {"Article", "Publication"}}};
+  constexpr std::array<std::array<const char*, 2>, 5> kSubproperties = {
+      {{"headOf", "worksFor"},
+       {"worksFor", "memberOf"},
+       {"doctoralDegreeFrom", "degreeFrom"},
+       {"mastersDegreeFrom", "degreeFrom"},
+       {"undergraduateDegreeFrom", "degreeFrom"}}};
   constexpr std::array<std::array<const char*, 2>, 10> kDomains = {
-      {{"advisor", "Person"}, {"takesCourse", "Student"}, {"teacherOf", "Faculty"},
-       {"publicationAuthor", "Publication"}, {"memberOf", "Person"}, {"degreeFrom", "Person"},
-       {"subOrganizationOf", "Organization"}, {"teachingAssistantOf", "TeachingAssistant"}, {"headOf", "Chair"},
+      {{"advisor", "Person"},
+       {"takesCourse", "Student"},
+       {"teacherOf", "Faculty"},
+       {"publicationAuthor", "Publication"},
+       {"memberOf", "Person"},
+       {"degreeFrom", "Person"},
+       {"subOrganizationOf", "Organization"},
+       {"teachingAssistantOf", "TeachingAssistant"},
+       {"headOf", "Chair"},
        {"hasAlumnus", "University"}}};
-  constexpr std::array<std::array<const char*, 2>, 9> kRanges = {
-      {{"advisor", "Professor"}, {"takesCourse", "Course"}, {"teacherOf", "Course"}, {"publicationAuthor", "Person"},
-       {"memberOf", "Organization"}, {"degreeFrom", "University"}, {"subOrganizationOf", "Organization"},
-       {"teachingAssistantOf", "Course"}, {"hasAlumnus", "Person"}}};
+  constexpr std::array<std::array<const char*, 2>, 9> kRanges = {{{"advisor", "Professor"},
+                                                                  {"takesCourse", "Course"},
+                                                                  {"teacherOf", "Course"},
+                                                                  {"publicationAuthor", "Person"},
+                                                                  {"memberOf", "Organization"},
+                                                                  {"degreeFrom", "University"},
+                                                                  {"subOrganizationOf", "Organization"},
+                                                                  {"teachingAssistantOf", "Course"},
+                                                                  {"hasAlumnus", "Person"}}};
   for (const auto& [a, b] : kSubclasses) sink(a, "subClassOf", b);
   for (const auto& [a, b] : kSubproperties) sink(a, "subPropertyOf", b);
   for (const auto& [a, b] : kDomains) sink(a, "domain", b);

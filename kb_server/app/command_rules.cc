@@ -22,14 +22,16 @@ struct RulesArguments {
   uint32_t shown = 20;
 };
 
-// A built-in set's text, or a file's (rules, or RDF with sh:SPARQLRule); the name that the server knows it by.
+// A built-in set's text, or a file's (rules, or RDF with sh:SPARQLRule); the name that the server knows it
+// by.
 struct RuleText {
   std::string name;
   std::string text;
 };
 
 absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
-  if (std::string text = BuiltInRuleSet(name_or_file); !text.empty()) return RuleText{name_or_file, std::move(text)};
+  if (std::string text = BuiltInRuleSet(name_or_file); !text.empty())
+    return RuleText{name_or_file, std::move(text)};
   auto text = ReadText(name_or_file);
   if (!text.ok()) return text.status();
   std::string name = std::filesystem::path(name_or_file).filename().string();
@@ -41,7 +43,8 @@ absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
   ImportedRules imported = ImportShaclRules(parsed.quads, name_or_file);
   if (!imported.ok()) return ToStatus(imported.diagnostics, "");
-  if (imported.rules == 0) return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
+  if (imported.rules == 0)
+    return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
   return RuleText{std::move(name), std::move(imported.text)};
 }
 
@@ -57,7 +60,8 @@ class RulesClient {
     if (!status.ok()) return Fail(status, arguments_.client);
     for (const auto& module : reply.modules()) {
       if (module.kind() != v1::LoadRequest::RULES) continue;
-      std::cout << module.name() << ": " << module.size() << " rules, since revision " << module.revision() << "\n";
+      std::cout << module.name() << ": " << module.size() << " rules, since revision " << module.revision()
+                << "\n";
     }
     return kExitOk;
   }
@@ -115,7 +119,8 @@ class RulesClient {
   }
 
  private:
-  static void Print(const char* sign, const google::protobuf::RepeatedPtrField<std::string>& triples, uint64_t all) {
+  static void Print(const char* sign, const google::protobuf::RepeatedPtrField<std::string>& triples,
+                    uint64_t all) {
     for (const std::string& triple : triples) std::cout << sign << triple << "\n";
     const auto shown = static_cast<uint64_t>(triples.size());
     if (shown < all) std::cout << sign << "… and " << all - shown << " more\n";
@@ -127,8 +132,8 @@ class RulesClient {
 
 using Action = int (RulesClient::*)(const std::string&);
 
-void AddAction(CLI::App* rules, const std::shared_ptr<RulesArguments>& arguments, int* exit_code, const char* name,
-               const char* what, const char* of, Action action) {
+void AddAction(CLI::App* rules, const std::shared_ptr<RulesArguments>& arguments, int* exit_code,
+               const char* name, const char* what, const char* of, Action action) {
   CLI::App* command = rules->add_subcommand(name, what);
   AddClientOptions(command, &arguments->client);
   command->add_option("names", arguments->names, of)->required();
@@ -155,8 +160,8 @@ void AddRulesCommand(CLI::App* app, int* exit_code) {
   AddClientOptions(list, &arguments->client);
   list->callback([arguments, exit_code] { *exit_code = RulesClient(*arguments).List(); });
   constexpr char kNames[] = "rdfs, owl2rl, .rules files, or RDF files with sh:SPARQLRule";
-  AddAction(rules, arguments, exit_code, "use", "Follow these rules, too; a set of the same name is replaced", kNames,
-            &RulesClient::Use);
+  AddAction(rules, arguments, exit_code, "use", "Follow these rules, too; a set of the same name is replaced",
+            kNames, &RulesClient::Use);
   AddAction(rules, arguments, exit_code, "remove", "Follow these rule sets no longer", "Names of rule sets",
             &RulesClient::Remove);
   AddAction(rules, arguments, exit_code, "preview",

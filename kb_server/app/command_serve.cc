@@ -79,8 +79,10 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
       ->capture_default_str();
   command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
-  command->add_option("--rules", settings->rules, "Rules to follow: rdfs, owl2rl, none, and .rules files; those of an earlier start stay in force unless "
-                       "none or another of the built-in sets is named");
+  command->add_option(
+      "--rules", settings->rules,
+      "Rules to follow: rdfs, owl2rl, none, and .rules files; those of an earlier start stay in force unless "
+      "none or another of the built-in sets is named");
   command->add_option("--allow", settings->allow,
                       "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, "
                       "file:///…; none by default");

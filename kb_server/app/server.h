@@ -69,7 +69,8 @@ class Server {
   absl::Status LoadOntologies();
   absl::Status LoadRules();
   absl::Status PushAndWait(WriteBatch batch, const std::string& what);
-  absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text, size_t shown) const;
+  absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text,
+                                                 size_t shown) const;
   void ExpectRobots();
   void RegisterMetrics();
 

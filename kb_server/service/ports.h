@@ -37,8 +37,8 @@ struct RulesPreview {
   std::vector<std::string> removed_triples;
 };
 // `text` null: the set would be removed. Any thread; may take long.
-using PreviewRulesPort =
-    std::function<absl::StatusOr<RulesPreview>(const std::string& name, const std::string* text, size_t shown)>;
+using PreviewRulesPort = std::function<absl::StatusOr<RulesPreview>(const std::string& name,
+                                                                    const std::string* text, size_t shown)>;
 
 struct ServicePorts {
   Inbox* inbox = nullptr;

@@ -148,9 +148,9 @@ class Grammar {
   bool NotElement(OpenGroup* group);
   bool SetElement(OpenGroup* group);
   bool Assign(OpenGroup* group, const SourceSpan& span, const Token& variable, ExpressionPtr expression);
-  bool FilterElement(OpenGroup* group);    // [68]
-  bool GroupOrUnion(OpenGroup* group);     // [67]
-  AlgebraPtr DataBlock();                  // [62]
+  bool FilterElement(OpenGroup* group);  // [68]
+  bool GroupOrUnion(OpenGroup* group);   // [67]
+  AlgebraPtr DataBlock();                // [62]
   void AddToGroup(OpenGroup* group, AlgebraPtr element);
   void CloseBgp(OpenGroup* group);
   void RecoverInGroup();

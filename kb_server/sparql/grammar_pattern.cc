@@ -258,7 +258,8 @@ bool Grammar::SetElement(OpenGroup* group) {
   return Assign(group, span, variable, std::move(expression));
 }
 
-bool Grammar::Assign(OpenGroup* group, const SourceSpan& span, const Token& variable, ExpressionPtr expression) {
+bool Grammar::Assign(OpenGroup* group, const SourceSpan& span, const Token& variable,
+                     ExpressionPtr expression) {
   if (group->pattern) {
     for (const Variable& v : InScopeVariables(*group->pattern)) {
       if (v.name != variable.text) continue;

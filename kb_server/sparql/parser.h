@@ -26,7 +26,8 @@ struct ParseOptions {
   // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may declare them anew.
   std::vector<std::pair<std::string, std::string>> prefixes;
   Limits limits;  // query_text_bytes, query_nesting, query_elements
-  // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x := expression).
+  // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
+  // expression).
   bool rule_elements = false;
 };
 

@@ -1,5 +1,6 @@
-// Sorting many keys by one of their words: a stable radix sort (least significant byte first) that skips the bytes in which
-// all keys agree. Ids are small numbers under a tag, so three or four passes do. Pure; any thread.
+// Sorting many keys by one of their words: a stable radix sort (least significant byte first) that skips the
+// bytes in which all keys agree. Ids are small numbers under a tag, so three or four passes do. Pure; any
+// thread.
 #ifndef DOCENT_KB_SERVER_STORE_KEY_SORT_H_
 #define DOCENT_KB_SERVER_STORE_KEY_SORT_H_
 

@@ -395,8 +395,8 @@ bool Body::FiltersDecidedBy(uint32_t patterns) const {
   });
 }
 
-absl::Status Body::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
-                                bool filters, Visitor visit) {
+absl::Status Body::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                uint32_t matched, bool filters, Visitor visit) {
   return plan_->EvaluateRest(run, seed, matched, filters, visit);
 }
 

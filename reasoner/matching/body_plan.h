@@ -15,7 +15,7 @@ namespace docent {
 
 // ?a = ?b, ?a != <iri>: decided on ids where both are IRIs or blank nodes.
 struct TermTest {
-  int16_t left = 0;                     // column
+  int16_t left = 0;                    // column
   int16_t right = Trigger::kNoColumn;  // column, or
   TermId constant;
   bool equal = true;
@@ -55,7 +55,8 @@ class Body::FlatPlan final : public Body::Plan {
   // Filters that need the evaluator are prepared. `names`: the columns.
   absl::Status Build(std::vector<Pattern> patterns, std::vector<Filter> filters,
                      std::vector<std::string> names);
-  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) override {
+  absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                        Visitor visit) override {
     return EvaluateRest(run, seed, 0, true, visit);
   }
   absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,

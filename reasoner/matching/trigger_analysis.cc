@@ -163,7 +163,8 @@ class Analyser {
     for (const sparql::Variable& v : project.variables) shown.insert(v.name);
     for (const sparql::GroupKey& key : group.group_keys) {
       const bool plain = !key.expression || key.expression->kind == Expression::Kind::kVariable;
-      if (plain && inner.contains(key.variable.name) && shown.contains(key.variable.name)) keys.insert(key.variable.name);
+      if (plain && inner.contains(key.variable.name) && shown.contains(key.variable.name))
+        keys.insert(key.variable.name);
     }
     for (const std::string& name : shown) {
       if (!keys.contains(name)) blocked_.insert(name);
@@ -179,7 +180,8 @@ class Analyser {
     for (const sparql::Aggregate& aggregate : group.aggregates) {
       if (aggregate.expression) WalkExpression(*aggregate.expression, place);
     }
-    const Names blocked_outside = blocked_;  // names inside are other variables than those outside, but for the keys
+    const Names blocked_outside =
+        blocked_;  // names inside are other variables than those outside, but for the keys
     Walk(*group.children[0], place);
     Names blocked_inside = std::exchange(blocked_, blocked_outside);
     for (const std::string& name : keys) {
@@ -292,7 +294,8 @@ class Analyser {
 const Algebra* GroupOf(const Algebra& project) {
   if (project.kind != Algebra::Kind::kProject) return nullptr;
   const Algebra* node = project.children[0].get();
-  while (node->kind == Algebra::Kind::kExtend || node->kind == Algebra::Kind::kFilter) node = node->children[0].get();
+  while (node->kind == Algebra::Kind::kExtend || node->kind == Algebra::Kind::kFilter)
+    node = node->children[0].get();
   return node->kind == Algebra::Kind::kGroup ? node : nullptr;
 }
 

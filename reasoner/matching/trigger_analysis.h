@@ -48,8 +48,8 @@ TriggerAnalysis AnalyseTriggers(const sparql::Algebra& where);
 // Variables that every solution of `algebra` binds by a triple pattern or GRAPH name.
 absl::flat_hash_set<std::string> CertainVariables(const sparql::Algebra& algebra);
 
-// The GROUP BY of an aggregating sub-SELECT (a Project over it, with what SELECT and HAVING compute between them); null
-// for any other algebra.
+// The GROUP BY of an aggregating sub-SELECT (a Project over it, with what SELECT and HAVING compute between
+// them); null for any other algebra.
 const sparql::Algebra* GroupOf(const sparql::Algebra& project);
 
 // `algebra` without what does not matter for whether there is a solution, and which: Project, Distinct,

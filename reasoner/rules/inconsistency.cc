@@ -45,7 +45,8 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
     for (const TermId id : {t.subject, t.predicate, t.object}) add_text(id);
   }
   const std::string name = rule.name.empty() ? rule.set : rule.name;
-  const std::string iri = absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
+  const std::string iri =
+      absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
   out.push_back({id, type_, inconsistency_});
   out.push_back({id, rule_, dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});

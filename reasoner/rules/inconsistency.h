@@ -3,7 +3,8 @@
 //
 //   <urn:docent:inconsistency:cax-dw:6f0c…> a docent:Inconsistency ;
 //       docent:rule "cax-dw" ; docent:evidence <urn:docent:inconsistency:cax-dw:6f0c…:1>, … .
-//   <urn:docent:inconsistency:cax-dw:6f0c…:1> rdf:subject ex:r1 ; rdf:predicate rdf:type ; rdf:object ex:Robot .
+//   <urn:docent:inconsistency:cax-dw:6f0c…:1> rdf:subject ex:r1 ; rdf:predicate rdf:type ; rdf:object
+//   ex:Robot .
 //
 // The IRI follows from the rule's name and the matched triples alone, so it is the same in every computation.
 // Private to this folder. Writer thread only: interns.

@@ -9,7 +9,8 @@
 
 namespace docent {
 
-Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told, const Context& context)
+Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told,
+                           const Context& context)
     : program_(program),
       before_(before),
       told_delta_(told),
@@ -28,7 +29,8 @@ void Materialiser::ReadTold() {
   changes.reserve(told_delta_.size());
   for (const Quad& q : told_delta_.added) changes.push_back({{q.subject, q.predicate, q.object}, 1});
   for (const Quad& q : told_delta_.removed) changes.push_back({{q.subject, q.predicate, q.object}, -1});
-  std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) { return a.triple < b.triple; });
+  std::sort(changes.begin(), changes.end(),
+            [](const Change& a, const Change& b) { return a.triple < b.triple; });
   QuadCursor cursor;
   for (size_t i = 0; i < changes.size();) {
     ToldEntry entry{changes[i].triple};
@@ -164,8 +166,9 @@ void Materialiser::NowInferred(const Triple& t) {
 }
 
 absl::Status Materialiser::LimitError(const CompiledRule& rule, const char* limit, size_t value) const {
-  return absl::ResourceExhaustedError(absl::StrCat(rule.label, " goes beyond the limit ", limit, " = ", value,
-                                                   "; the batch was not applied. Does the rule feed itself?"));
+  return absl::ResourceExhaustedError(
+      absl::StrCat(rule.label, " goes beyond the limit ", limit, " = ", value,
+                   "; the batch was not applied. Does the rule feed itself?"));
 }
 
 absl::Status Materialiser::Maintain() {

@@ -3,13 +3,15 @@
 // thread only.
 //
 // Strata are treated in order (there are as many as negation needs); within one:
-//   1. take away: what rested on a lost triple (or on the absence of one that is there now) is asked for another
+//   1. take away: what rested on a lost triple (or on the absence of one that is there now) is asked for
+//   another
 //      proof (proof_search.h); what has none goes, and what rested on it is asked in its turn
 //   2. what was too far to tell comes back if a rule still makes it
-//   3. add: in rounds, the triples that are new in a round are joined with all others by the rules that they concern
+//   3. add: in rounds, the triples that are new in a round are joined with all others by the rules that they
+//   concern
 //
-// What a rule of negation made is found in the graph as it was before: the writer's own graph with the changes so
-// far undone and then done again; both are as long as the change, not as the graph.
+// What a rule of negation made is found in the graph as it was before: the writer's own graph with the
+// changes so far undone and then done again; both are as long as the change, not as the graph.
 #ifndef DOCENT_REASONER_RULES_MATERIALISER_H_
 #define DOCENT_REASONER_RULES_MATERIALISER_H_
 
@@ -66,7 +68,9 @@ class Materialiser {
   };
   enum class Phase : uint8_t { kAdd, kTakeAway };
 
-  Quad InferredQuad(const Triple& t) const { return {t.subject, t.predicate, t.object, context_.inferred_graph}; }
+  Quad InferredQuad(const Triple& t) const {
+    return {t.subject, t.predicate, t.object, context_.inferred_graph};
+  }
   const GraphVersion& graph() const { return context_.writer.current(); }
   bool IsInferred(const Triple& t) const { return graph().Contains(InferredQuad(t)); }
   bool IsPresent(const Triple& t) const {
@@ -97,8 +101,9 @@ class Materialiser {
   absl::Status Add(int stratum);
   absl::Status FirstRound(int stratum);
   absl::Status EndRound();
-  // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit. The
-  // first those with a schema part by its solutions, the second all others (and changes of the schema itself).
+  // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
+  // The first those with a schema part by its solutions, the second all others (and changes of the schema
+  // itself).
   absl::Status DispatchInstances(const Quad& quad, int stratum, Phase phase);
   absl::Status DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative);
   absl::Status FireWhole(RuleProgram& program, uint32_t rule, Phase phase);
@@ -116,18 +121,18 @@ class Materialiser {
   const Context context_;
   ProofSearch proofs_;
 
-  std::vector<ToldEntry> told_;           // by triple
-  std::vector<uint32_t> entering_;        // rules of program_ that before_ does not have
+  std::vector<ToldEntry> told_;     // by triple
+  std::vector<uint32_t> entering_;  // rules of program_ that before_ does not have
   std::vector<bool> is_entering_;
-  std::vector<uint32_t> leaving_;         // rules of before_ that program_ does not have
+  std::vector<uint32_t> leaving_;  // rules of before_ that program_ does not have
   bool old_state_ = false;
 
-  absl::flat_hash_set<Triple> removed_;  // of the inferred graph, net
-  std::vector<Triple> added_;            // likewise
+  absl::flat_hash_set<Triple> removed_;    // of the inferred graph, net
+  std::vector<Triple> added_;              // likewise
   absl::flat_hash_set<Triple> added_set_;  // added_ as of the beginning of the stratum
 
-  std::vector<Triple> lost_;    // to the running stratum: present before, not now
-  std::vector<Triple> gained_;  // the other way about
+  std::vector<Triple> lost_;            // to the running stratum: present before, not now
+  std::vector<Triple> gained_;          // the other way about
   absl::flat_hash_set<Triple> marked_;  // taken away in the running stratum, and ghosts
   std::vector<Triple> queue_;           // marked_, in order
   size_t ghosts_ = 0;                   // the first of queue_ that were gone already
@@ -139,8 +144,8 @@ class Materialiser {
   };
   std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
 
-  std::vector<Triple> round_;       // new in the last round
-  std::vector<Triple> candidates_;  // for the next
+  std::vector<Triple> round_;         // new in the last round
+  std::vector<Triple> candidates_;    // for the next
   absl::flat_hash_set<Triple> seen_;  // candidates of this stratum
   size_t compact_at_ = 0;
   absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round

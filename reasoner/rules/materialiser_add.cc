@@ -106,8 +106,9 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
       Emit(rule, seed_, phase);
       return;
     }
-    const absl::Status status = rule.body->EvaluateRest(
-        run, seed_, matched, rule.filters, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+    const absl::Status status =
+        rule.body->EvaluateRest(run, seed_, matched, rule.filters,
+                                [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     if (!status.ok()) status_ = status;
   });
   return status_;
@@ -146,8 +147,8 @@ absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
   body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
   const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
   if (whole && !whole_.insert(task.rule).second) return absl::OkStatus();
-  const absl::Status status =
-      body.Evaluate({.version = &graph()}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  const absl::Status status = body.Evaluate(
+      {.version = &graph()}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 

@@ -70,7 +70,8 @@ void Materialiser::AddGhosts(int stratum) {
   ghosts_in_graph_ = false;
   if (ghosts_ == 0) return;
   bool needed = ghosts_ > 1;
-  for (const uint32_t rule : program_.rules_of_stratum[stratum]) needed = needed || !program_.rules[rule].positive;
+  for (const uint32_t rule : program_.rules_of_stratum[stratum])
+    needed = needed || !program_.rules[rule].positive;
   if (!needed) {
     const Quad quad = InferredQuad(queue_[0]);
     const auto matches_twice = [&](const CompiledRule& rule) {
@@ -118,13 +119,15 @@ absl::Status Materialiser::Consider(const Triple& triple, int stratum) {
   queue_.push_back(triple);
   if (*answer == ProofSearch::Answer::kUnproven) return absl::OkStatus();
   // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
-  for (size_t s = static_cast<size_t>(stratum); s < rederivable_.size(); ++s) rederivable_[s].push_back(triple);
+  for (size_t s = static_cast<size_t>(stratum); s < rederivable_.size(); ++s)
+    rederivable_[s].push_back(triple);
   return absl::OkStatus();
 }
 
 void Materialiser::RemoveMarked() {
   std::vector<Quad> quads;
-  for (size_t i = ghosts_in_graph_ ? 0 : ghosts_; i < queue_.size(); ++i) quads.push_back(InferredQuad(queue_[i]));
+  for (size_t i = ghosts_in_graph_ ? 0 : ghosts_; i < queue_.size(); ++i)
+    quads.push_back(InferredQuad(queue_[i]));
   context_.writer.RemoveAll(quads);
   for (size_t i = ghosts_; i < queue_.size(); ++i) {
     removed_.insert(queue_[i]);
@@ -147,8 +150,9 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
     const SchemaIndex::Instance& instance = context_.schema.instance(r.owner);
     makers.push_back({instance.rule, r.pattern, &instance.row});
   });
-  program_.heads.ForEachMatch(quad,
-                              [&](PatternIndex::Reference r) { makers.push_back({r.owner, r.pattern, nullptr}); });
+  program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) {
+    makers.push_back({r.owner, r.pattern, nullptr});
+  });
   const sparql::RunOptions run{.version = &graph()};
   for (const Maker& maker : makers) {
     const CompiledRule& rule = program_.rules[maker.rule];
@@ -189,9 +193,9 @@ absl::Status Materialiser::RepeatChecks(int stratum) {
   for (const CheckRow& check : check_rows_) {
     const CompiledRule& rule = program_.rules[check.rule];
     if (rule.stratum != stratum) continue;
-    absl::Status status = rule.body->Evaluate({.version = &graph()}, check.row, [&](absl::Span<const TermId> row) {
-      return Emit(rule, row, Phase::kAdd);
-    });
+    absl::Status status =
+        rule.body->Evaluate({.version = &graph()}, check.row,
+                            [&](absl::Span<const TermId> row) { return Emit(rule, row, Phase::kAdd); });
     if (status.ok()) status = status_;
     if (!status.ok()) return status;
   }

@@ -7,8 +7,8 @@
 namespace docent {
 
 bool ProofSearch::IsTold(const Triple& fact) const {
-  for (QuadCursor c = writer_.current().Scan({fact.subject, fact.predicate, fact.object, TermId()}); c.Valid();
-       c.Next()) {
+  for (QuadCursor c = writer_.current().Scan({fact.subject, fact.predicate, fact.object, TermId()});
+       c.Valid(); c.Next()) {
     if (c.quad().graph != inferred_graph_) return true;
   }
   return false;
@@ -91,30 +91,30 @@ ProofSearch::Answer ProofSearch::Collect(const CompiledRule& rule, absl::Span<co
   bool too_many = false;
   bool told = false;
   const size_t count = rule.body->patterns().size();
-  status_ = rule.body->EvaluateRest(
-      {.version = &writer_.current()}, seed, matched, /*filters=*/true, [&](absl::Span<const TermId> row) {
-        std::vector<Triple> open;
-        for (size_t i = 0; i < count; ++i) {
-          const Triple premise = rule.Premise(i, row);
-          if (proven_.contains(premise)) continue;
-          if (lost_.contains(premise) || failed_.contains(premise)) return true;
-          if (IsTold(premise)) {
-            proven_.insert(premise);
-            continue;
-          }
-          open.push_back(premise);
-        }
-        if (open.empty()) {
-          told = true;
-          return false;
-        }
-        if (bodies.size() == kBodies) {
-          too_many = true;
-          return false;
-        }
-        bodies.push_back(std::move(open));
-        return true;
-      });
+  status_ = rule.body->EvaluateRest({.version = &writer_.current()}, seed, matched, /*filters=*/true,
+                                    [&](absl::Span<const TermId> row) {
+                                      std::vector<Triple> open;
+                                      for (size_t i = 0; i < count; ++i) {
+                                        const Triple premise = rule.Premise(i, row);
+                                        if (proven_.contains(premise)) continue;
+                                        if (lost_.contains(premise) || failed_.contains(premise)) return true;
+                                        if (IsTold(premise)) {
+                                          proven_.insert(premise);
+                                          continue;
+                                        }
+                                        open.push_back(premise);
+                                      }
+                                      if (open.empty()) {
+                                        told = true;
+                                        return false;
+                                      }
+                                      if (bodies.size() == kBodies) {
+                                        too_many = true;
+                                        return false;
+                                      }
+                                      bodies.push_back(std::move(open));
+                                      return true;
+                                    });
   if (told) return Answer::kProven;
   return too_many ? Answer::kUndecided : Answer::kUnproven;
 }

@@ -31,16 +31,16 @@ class ProofSearch {
   };
 
   // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile.
-  ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer, TermId inferred_graph,
-              const absl::flat_hash_set<Triple>& lost)
+  ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer,
+              TermId inferred_graph, const absl::flat_hash_set<Triple>& lost)
       : program_(program), schema_(schema), writer_(writer), inferred_graph_(inferred_graph), lost_(lost) {}
 
   absl::StatusOr<Answer> Prove(const Triple& fact);
 
  private:
-  static constexpr int kSteps = 64;       // facts looked at for one question
-  static constexpr int kDepth = 24;       // rules one after the other
-  static constexpr size_t kBodies = 24;   // ways of one rule to make one fact
+  static constexpr int kSteps = 64;      // facts looked at for one question
+  static constexpr int kDepth = 24;      // rules one after the other
+  static constexpr size_t kBodies = 24;  // ways of one rule to make one fact
   using Bodies = std::vector<std::vector<Triple>>;
 
   bool IsTold(const Triple& fact) const;
@@ -56,9 +56,9 @@ class ProofSearch {
   const absl::flat_hash_set<Triple>& lost_;
 
   absl::flat_hash_set<Triple> proven_;
-  absl::flat_hash_set<Triple> failed_;       // in the running question
+  absl::flat_hash_set<Triple> failed_;      // in the running question
   absl::flat_hash_map<Triple, bool> open_;  // on the way; true: somebody asked again
-  std::vector<Triple> failures_;             // failed_, in order
+  std::vector<Triple> failures_;            // failed_, in order
   int steps_left_ = 0;
   absl::Status status_;
 };

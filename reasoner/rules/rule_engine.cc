@@ -45,7 +45,7 @@ struct RuleEngine::Impl {
   const TermId inferred_graph;
   const InconsistencyFacts inconsistencies;
   RuleProgram no_rules;
-  SchemaIndex schema;                   // of the applied program, in the graph as of the last Update
+  SchemaIndex schema;                      // of the applied program, in the graph as of the last Update
   const RuleProgram* schema_of = nullptr;  // null: to be made anew
   bool changed_since_commit = false;
   State state;
@@ -98,9 +98,9 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   }
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
-  Materialiser materialiser(
-      program, before, told,
-      {writer, impl.schema, impl.inconsistencies, impl.inferred_graph, impl.limits, impl.inferred_since_commit, impl.counters});
+  Materialiser materialiser(program, before, told,
+                            {writer, impl.schema, impl.inconsistencies, impl.inferred_graph, impl.limits,
+                             impl.inferred_since_commit, impl.counters});
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();

@@ -1,16 +1,16 @@
 // Keeps the graph docent:inferred equal to what the rules derive from all other graphs (the *told* facts).
 //
 // Semantics: datalog with stratified negation (W3C SHACL 1.2 Rules draft). A rule body matches the union of
-// all graphs; what its head makes and nobody tells lies in docent:inferred (a fact that is no longer told but still
-// follows goes there). The graph is a function of the told facts and the rules alone: any sequence of updates
-// gives what a computation from scratch gives.
+// all graphs; what its head makes and nobody tells lies in docent:inferred (a fact that is no longer told but
+// still follows goes there). The graph is a function of the told facts and the rules alone: any sequence of
+// updates gives what a computation from scratch gives.
 //
 // Additions are propagated semi-naively, a round at a time: each body pattern that a new triple matches is
-// bound to it and the rest of the body evaluated. Retractions go backward and forward (proof_search.h): what rested on a
-// lost fact stays where another proof is found, else it goes and what rested on it is asked. So facts that support
-// only each other (inverse properties, cycles) go, and facts with other support stay, and with them all that
-// rests on them. A changed rule set is a change like any other: what only the old rules made goes, what the new
-// ones make comes.
+// bound to it and the rest of the body evaluated. Retractions go backward and forward (proof_search.h): what
+// rested on a lost fact stays where another proof is found, else it goes and what rested on it is asked. So
+// facts that support only each other (inverse properties, cycles) go, and facts with other support stay, and
+// with them all that rests on them. A changed rule set is a change like any other: what only the old rules
+// made goes, what the new ones make comes.
 //
 // Writer thread only.
 #ifndef DOCENT_REASONER_RULES_RULE_ENGINE_H_
@@ -49,8 +49,8 @@ class RuleEngine {
   // False if there are none of that name.
   bool RemoveRules(std::string_view name);
 
-  // Declares that the graph follows the rules put so far: the next Update begins there. For an engine that is made for
-  // a graph version which another one has maintained.
+  // Declares that the graph follows the rules put so far: the next Update begins there. For an engine that is
+  // made for a graph version which another one has maintained.
   void Assume();
 
   // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes
@@ -76,9 +76,9 @@ class RuleEngine {
   // Since construction, for /metrics.
   struct Counters {
     uint64_t updates = 0;
-    uint64_t firings = 0;    // heads made, before duplicates are dropped
-    uint64_t inferred = 0;   // quads added to docent:inferred
-    uint64_t retracted = 0;  // quads removed from it
+    uint64_t firings = 0;       // heads made, before duplicates are dropped
+    uint64_t inferred = 0;      // quads added to docent:inferred
+    uint64_t retracted = 0;     // quads removed from it
     uint64_t rule_changes = 0;  // updates in which the rules were other ones
   };
   const Counters& counters() const;

@@ -156,7 +156,8 @@ class Checker {
     using Function = sparql::Aggregate::Function;
     for (const sparql::Aggregate& aggregate : group.aggregates) {
       const Function f = aggregate.function;
-      if (f == Function::kCount || f == Function::kSum || f == Function::kMin || f == Function::kMax) continue;
+      if (f == Function::kCount || f == Function::kSum || f == Function::kMin || f == Function::kMax)
+        continue;
       Report(aggregate.span.line > 0 ? aggregate.span : select.span,
              "a rule body cannot contain this aggregate", "COUNT, SUM, MIN and MAX can be kept up to date");
     }
@@ -231,7 +232,9 @@ bool Grows(const Expression& e) {
 
 bool Compares(const Expression& e) {
   using K = Expression::Kind;
-  if (e.kind == K::kLess || e.kind == K::kLessOrEqual || e.kind == K::kGreater || e.kind == K::kGreaterOrEqual) return true;
+  if (e.kind == K::kLess || e.kind == K::kLessOrEqual || e.kind == K::kGreater ||
+      e.kind == K::kGreaterOrEqual)
+    return true;
   return std::any_of(e.arguments.begin(), e.arguments.end(), [](const auto& a) { return Compares(*a); });
 }
 
@@ -256,7 +259,8 @@ void NoteGrowth(Rule& rule) {
   if (bounded) return;
   for (const sparql::TriplePattern& triple : rule.head) {
     for (const PatternTerm* term : {&triple.subject, &triple.predicate, &triple.object}) {
-      if (term->IsVariable() && grown.contains(term->variable->name)) rule.growing.push_back(term->variable->name);
+      if (term->IsVariable() && grown.contains(term->variable->name))
+        rule.growing.push_back(term->variable->name);
     }
   }
 }

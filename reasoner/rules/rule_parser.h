@@ -11,12 +11,12 @@
 //   rule  := RULE iri? '{' triples '}' WHERE group-graph-pattern
 //          | IF group-graph-pattern THEN '{' triples '}'
 //
-// Also of the draft: RULE with a name (RULE ex:name { … } WHERE { … }), IF { body } THEN { head }, and in a body
-// NOT { … } and SET(?x := expression). A rule with an empty head is a *check*: each of its solutions is reported as
-// an inconsistency (inconsistency.h).
+// Also of the draft: RULE with a name (RULE ex:name { … } WHERE { … }), IF { body } THEN { head }, and in a
+// body NOT { … } and SET(?x := expression). A rule with an empty head is a *check*: each of its solutions is
+// reported as an inconsistency (inconsistency.h).
 //
-// A body may have triple patterns, FILTER (with EXISTS and NOT EXISTS), BIND, UNION, VALUES, MINUS, and sub-SELECTs with
-// COUNT, SUM, MIN and MAX. Pure; any thread.
+// A body may have triple patterns, FILTER (with EXISTS and NOT EXISTS), BIND, UNION, VALUES, MINUS, and
+// sub-SELECTs with COUNT, SUM, MIN and MAX. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_RULE_PARSER_H_
 #define DOCENT_REASONER_RULES_RULE_PARSER_H_
 
@@ -36,8 +36,9 @@ struct Rule {
   std::vector<sparql::TriplePattern> head;
   sparql::Query body;  // form kAsk
   SourceSpan span;     // of the word RULE
-  // Variables of the head whose values the body computes and that may grow without end where the rule feeds itself
-  // (arithmetic, CONCAT and the like, and no FILTER in the body compares numbers or lengths), and where that is.
+  // Variables of the head whose values the body computes and that may grow without end where the rule feeds
+  // itself (arithmetic, CONCAT and the like, and no FILTER in the body compares numbers or lengths), and
+  // where that is.
   std::vector<std::string> growing;
   SourceSpan growing_span;
 };

@@ -25,16 +25,18 @@ std::vector<std::string> Shown(const Dictionary& dictionary, const std::vector<Q
 
 absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
                                          const std::vector<RuleSetText>& current, const std::string& name,
-                                         const std::optional<std::string>& text, size_t shown, const Limits& limits,
-                                         const sparql::FunctionRegistry* functions) {
+                                         const std::optional<std::string>& text, size_t shown,
+                                         const Limits& limits, const sparql::FunctionRegistry* functions) {
   Dictionary own(&dictionary);
   RuleEngine engine(own, limits, functions);
   for (const RuleSetText& set : current) {
-    if (absl::Status status = ToStatus(engine.PutRules(set.name, set.text), set.text); !status.ok()) return status;
+    if (absl::Status status = ToStatus(engine.PutRules(set.name, set.text), set.text); !status.ok())
+      return status;
   }
   engine.Assume();
   if (!text) {
-    if (!engine.RemoveRules(name)) return absl::NotFoundError(absl::StrCat("there is no rule set \"", name, "\""));
+    if (!engine.RemoveRules(name))
+      return absl::NotFoundError(absl::StrCat("there is no rule set \"", name, "\""));
   } else if (absl::Status status = ToStatus(engine.PutRules(name, *text), *text); !status.ok()) {
     return status;
   }

@@ -1,5 +1,5 @@
-// What a change of the rules would add and remove, without doing it: the rules are changed in an engine of its own,
-// over a private copy of a graph version. Any thread; the result is the caller's.
+// What a change of the rules would add and remove, without doing it: the rules are changed in an engine of
+// its own, over a private copy of a graph version. Any thread; the result is the caller's.
 #ifndef DOCENT_REASONER_RULES_RULE_PREVIEW_H_
 #define DOCENT_REASONER_RULES_RULE_PREVIEW_H_
 
@@ -28,13 +28,13 @@ struct RulePreview {
   std::vector<std::string> removed_triples;
 };
 
-// `current`: the rule sets that `version` follows. The set `name` would get `text`; nullopt: would be removed. At most
-// `shown` triples of each kind are told. INVALID_ARGUMENT with the rendered diagnostics; NOT_FOUND for the removal of
-// a set that is not there; RESOURCE_EXHAUSTED as RuleEngine::Update.
+// `current`: the rule sets that `version` follows. The set `name` would get `text`; nullopt: would be
+// removed. At most `shown` triples of each kind are told. INVALID_ARGUMENT with the rendered diagnostics;
+// NOT_FOUND for the removal of a set that is not there; RESOURCE_EXHAUSTED as RuleEngine::Update.
 absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
                                          const std::vector<RuleSetText>& current, const std::string& name,
-                                         const std::optional<std::string>& text, size_t shown, const Limits& limits,
-                                         const sparql::FunctionRegistry* functions);
+                                         const std::optional<std::string>& text, size_t shown,
+                                         const Limits& limits, const sparql::FunctionRegistry* functions);
 
 }  // namespace docent
 

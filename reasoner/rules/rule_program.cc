@@ -105,7 +105,7 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
   std::string message = "negation through recursion: ";
   for (size_t i = 0; i < cycle.size(); ++i) {
     absl::StrAppend(&message, rules[cycle[i]].label,
-                    i > 0           ? ", which needs "
+                    i > 0               ? ", which needs "
                     : Aggregates(first) ? " aggregates what is derived by "
                                         : " negates what is derived by ");
   }
@@ -123,15 +123,15 @@ bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rul
     for (const Rule& rule : parsed->rules) {
       const uint32_t r = number++;
       if (rule.growing.empty()) continue;
-      const std::vector<uint32_t> cycle =
-          CycleThrough(r, static_cast<uint32_t>(rules.size()), dependencies);
+      const std::vector<uint32_t> cycle = CycleThrough(r, static_cast<uint32_t>(rules.size()), dependencies);
       if (cycle.empty()) continue;
       std::string message = absl::StrCat("may never end: ?", rule.growing[0],
                                          " is computed anew from what the rule itself leads to: ");
       for (const uint32_t each : cycle) absl::StrAppend(&message, rules[each].label, " needs ");
       absl::StrAppend(&message, cycle.size() == 1 ? "itself" : rules[r].label);
-      diagnostics.push_back({name, rule.growing_span.line > 0 ? rule.growing_span : rule.span, std::move(message),
-                             "bound it by a FILTER that compares, such as FILTER(?n < 100), or break the cycle"});
+      diagnostics.push_back(
+          {name, rule.growing_span.line > 0 ? rule.growing_span : rule.span, std::move(message),
+           "bound it by a FILTER that compares, such as FILTER(?n < 100), or break the cycle"});
       ok = false;
     }
   }

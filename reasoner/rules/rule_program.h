@@ -75,7 +75,7 @@ class RuleProgram {
   std::vector<CompiledRule> rules;
   int stratum_count = 0;
   std::vector<std::vector<uint32_t>> rules_of_stratum;
-  PatternIndex triggers;         // reference: rule, trigger of its body; of rules with a schema part those alone
+  PatternIndex triggers;  // reference: rule, trigger of its body; of rules with a schema part those alone
   PatternIndex schema_triggers;  // the latter again
   PatternIndex heads;            // reference: rule, triple of its head; not of rules with a schema part
 

@@ -47,7 +47,8 @@ class SchemaIndex {
   size_t size() const { return instances_.size() - free_.size(); }
 
  private:
-  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched, const GraphVersion& graph);
+  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
+                    const GraphVersion& graph);
   void Add(uint32_t rule, absl::Span<const TermId> row);
   void Remove(uint32_t id);
 

@@ -31,9 +31,13 @@ class Importer {
   }
 
  private:
-  static std::string Sh(std::string_view local) { return absl::StrCat(std::string(kShNs), std::string(local)); }
+  static std::string Sh(std::string_view local) {
+    return absl::StrCat(std::string(kShNs), std::string(local));
+  }
   static std::string Key(const Term& t) { return t.IsBlank() ? "_:" + t.lexical : t.lexical; }
-  static bool IsTrue(const std::vector<Term>& values) { return !values.empty() && values[0].lexical == "true"; }
+  static bool IsTrue(const std::vector<Term>& values) {
+    return !values.empty() && values[0].lexical == "true";
+  }
 
   const std::vector<Term>& Values(const std::string& subject, const std::string& predicate) const {
     static const auto* nothing = new std::vector<Term>();
@@ -41,7 +45,8 @@ class Importer {
     return found == values_.end() ? *nothing : found->second;
   }
   void Error(std::string message, std::string hint) {
-    result_.diagnostics.push_back({file_, {}, absl::StrCat("rule of the shape ", shape_, ": ", message), std::move(hint)});
+    result_.diagnostics.push_back(
+        {file_, {}, absl::StrCat("rule of the shape ", shape_, ": ", message), std::move(hint)});
   }
 
   // sh:prefixes → sh:declare [ sh:prefix "ex" ; sh:namespace "http://…" ].
@@ -85,17 +90,21 @@ class Importer {
       return Error("sh:condition is not supported", "write the condition into the WHERE of its CONSTRUCT");
     }
     const std::vector<Term>& construct = Values(rule, Sh("construct"));
-    if (construct.empty()) return Error("it has no sh:construct; only sh:SPARQLRule is read", "write it as a CONSTRUCT");
+    if (construct.empty())
+      return Error("it has no sh:construct; only sh:SPARQLRule is read", "write it as a CONSTRUCT");
     const std::string text = absl::StrCat(Prologue(rule), construct[0].lexical);
     sparql::ParseOptions options;
     options.file = file_;
     options.prefixes = sparql::WellKnownPrefixes();
     sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
-    if (!parsed.ok()) return Error("its sh:construct is not SPARQL: " + parsed.diagnostics[0].message,
-                                   parsed.diagnostics[0].hint);
-    if (parsed.query.form != sparql::Query::Form::kConstruct) return Error("its sh:construct is no CONSTRUCT", "");
+    if (!parsed.ok())
+      return Error("its sh:construct is not SPARQL: " + parsed.diagnostics[0].message,
+                   parsed.diagnostics[0].hint);
+    if (parsed.query.form != sparql::Query::Form::kConstruct)
+      return Error("its sh:construct is no CONSTRUCT", "");
     const std::vector<std::string> targets = Targets();
-    if (targets.empty()) return Error("the shape has no target", "give it a sh:targetClass, or make it a class");
+    if (targets.empty())
+      return Error("the shape has no target", "give it a sh:targetClass, or make it a class");
     const sparql::PrintOptions print;
     std::string head;
     for (const sparql::TriplePattern& triple : parsed.query.construct_template) {
@@ -105,8 +114,8 @@ class Importer {
     std::string where = sparql::PrintPattern(*parsed.query.algebra, print);
     where = where.substr(1, where.rfind('}') - 1);
     for (const std::string& target : targets) {
-      absl::StrAppend(&result_.text, rule.starts_with("_:") ? "RULE" : absl::StrCat("RULE <", rule, ">"), " { ", head,
-                      "}\nWHERE { ", target, " ", where, "}\n");
+      absl::StrAppend(&result_.text, rule.starts_with("_:") ? "RULE" : absl::StrCat("RULE <", rule, ">"),
+                      " { ", head, "}\nWHERE { ", target, " ", where, "}\n");
       ++result_.rules;
     }
   }

@@ -27,8 +27,10 @@ struct Stratification {
   std::vector<uint32_t> negative_cycle;
 };
 
-// Rules r0 = `rule`, r1, …, each depending on the next and the last on the first; empty if there is no such cycle.
-std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count, const std::vector<RuleDependency>& dependencies);
+// Rules r0 = `rule`, r1, …, each depending on the next and the last on the first; empty if there is no such
+// cycle.
+std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
+                                   const std::vector<RuleDependency>& dependencies);
 
 // Strata are the strongly connected components (Tarjan, SIAM J. Comput. 1972) in the order of dependency.
 // Iterative, any size.

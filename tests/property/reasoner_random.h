@@ -34,8 +34,8 @@ class RandomWorld {
 
   std::string SchemaQuad() {
     static const std::vector<std::string> kProperties = {"rdfs:domain", "rdfs:range"};
-    static const std::vector<std::string> kClassPairs = {"rdfs:subClassOf", "rdfs:subClassOf", "owl:someValuesFrom",
-                                                         "owl:allValuesFrom", "owl:disjointWith"};
+    static const std::vector<std::string> kClassPairs = {
+        "rdfs:subClassOf", "rdfs:subClassOf", "owl:someValuesFrom", "owl:allValuesFrom", "owl:disjointWith"};
     switch (Pick(7)) {
       case 0:
         return Predicate() + " " + kProperties[static_cast<size_t>(Pick(2))] + " " + Node();

@@ -45,7 +45,8 @@ std::string RandomRule(RandomWorld& random) {
   if (random.Chance(10)) body += "FILTER(?x != ?y) ";
   if (random.Chance(10)) body += "BIND(IF(ISNUMERIC(?y), 7, ?y) AS ?w) ";
   if (random.Chance(12)) {
-    const std::vector<std::string> functions = {"COUNT(*)", "COUNT(DISTINCT ?y)", "MIN(?y)", "MAX(?y)", "SUM(?y)"};
+    const std::vector<std::string> functions = {"COUNT(*)", "COUNT(DISTINCT ?y)", "MIN(?y)", "MAX(?y)",
+                                                "SUM(?y)"};
     body += "{ SELECT ?x (" + functions[random.Pick(5)] + " AS ?w) { ?x :p" + std::to_string(random.Pick(4)) +
             " ?y } GROUP BY ?x } ";
   }
@@ -83,7 +84,8 @@ std::vector<std::string> FromScratch(const std::string& rules, const std::set<st
         for (const TermQuad& t : *triples) {
           const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
                              world.dictionary.Intern(t.object), inferred};
-          if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid()) continue;
+          if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid())
+            continue;
           changed = world.writer.Add(quad) || changed;
         }
       }
@@ -253,8 +255,8 @@ TEST(ReasonerRulesProperty, IncrementalIsFromScratch) {
   EXPECT_GT(with_rules, count * 3 / 4);
 }
 
-// Rules with a schema part, over a schema that changes as often as the data: equal things, inverse and transitive
-// properties, restrictions, in every combination. One rule a line, so that they shrink.
+// Rules with a schema part, over a schema that changes as often as the data: equal things, inverse and
+// transitive properties, restrictions, in every combination. One rule a line, so that they shrink.
 constexpr char kSchemaRules[] =
     "RULE { ?y owl:sameAs ?x } WHERE { ?x owl:sameAs ?y }\n"
     "RULE { ?x owl:sameAs ?z } WHERE { ?x owl:sameAs ?y . ?y owl:sameAs ?z }\n"
@@ -263,7 +265,8 @@ constexpr char kSchemaRules[] =
     "RULE { ?s ?p ?o2 } WHERE { ?o owl:sameAs ?o2 . ?s ?p ?o FILTER(?o != ?o2) }\n"
     "RULE { ?x a ?c } WHERE { ?p rdfs:domain ?c . ?x ?p ?y }\n"
     "RULE { ?y a ?c } WHERE { ?p rdfs:range ?c . ?x ?p ?y }\n"
-    "RULE { ?y1 owl:sameAs ?y2 } WHERE { ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?y1 != ?y2) }\n"
+    "RULE { ?y1 owl:sameAs ?y2 } WHERE { ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?y1 != "
+    "?y2) }\n"
     "RULE { ?x ?p ?z } WHERE { ?p a owl:TransitiveProperty . ?x ?p ?y . ?y ?p ?z }\n"
     "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y FILTER(?p1 != ?p2) }\n"
     "RULE { ?y ?p2 ?x } WHERE { ?p1 owl:inverseOf ?p2 . ?x ?p1 ?y }\n"

@@ -1,6 +1,6 @@
-// The W3C suites of entailment: SPARQL 1.1 entailment regimes (RDF, RDFS, and what of OWL lies in the RL profile), and
-// RDF semantics (rdf-mt). Looked for like the others; skipped where they are not. A regime is a rule set here: RDF and
-// RDFS `rdfs`, OWL `owl2rl`. ../known_failures.txt has the reason of each miss.
+// The W3C suites of entailment: SPARQL 1.1 entailment regimes (RDF, RDFS, and what of OWL lies in the RL
+// profile), and RDF semantics (rdf-mt). Looked for like the others; skipped where they are not. A regime is a
+// rule set here: RDF and RDFS `rdfs`, OWL `owl2rl`. ../known_failures.txt has the reason of each miss.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,8 @@ constexpr char kSd[] = "http://www.w3.org/ns/sparql-service-description#";
 // The suites of RDF lie beside those of SPARQL, to which kW3cBase leads.
 std::string TextOf(const std::string& iri) {
   const std::string rdf = absl::StrCat(kW3cBase, "rdf/");
-  return ReadText(W3cFile(iri.starts_with(rdf) ? absl::StrCat(kW3cBase, "../rdf/", iri.substr(rdf.size())) : iri));
+  return ReadText(
+      W3cFile(iri.starts_with(rdf) ? absl::StrCat(kW3cBase, "../rdf/", iri.substr(rdf.size())) : iri));
 }
 
 // Documents with all that the rules make of them.
@@ -46,7 +47,8 @@ class ReasonedStore {
     EXPECT_TRUE(parsed.ok()) << iri << "\n" << Render(parsed.diagnostics, text);
     const TermId graph = dictionary.InternIri(kDefaultGraph);
     for (const TermQuad& q : parsed.quads) {
-      const Quad quad = {dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), graph};
+      const Quad quad = {dictionary.Intern(q.subject), dictionary.Intern(q.predicate),
+                         dictionary.Intern(q.object), graph};
       told_.push_back(quad);
       vocabulary.insert({quad.subject, quad.predicate, quad.object});
     }
@@ -101,7 +103,8 @@ std::vector<RegimeTest> RegimeTests() {
     };
     if (has(regimes, "/RDF") || has(regimes, "=RDF") || regimes.contains("RDF")) add("RDF", "rdfs");
     if (has(regimes, "RDFS")) add("RDFS", "rdfs");
-    if ((has(regimes, "OWL-RDF-Based") || has(regimes, "OWL-Direct")) && has(profiles, "RL")) add("OWL-RL", "owl2rl");
+    if ((has(regimes, "OWL-RDF-Based") || has(regimes, "OWL-Direct")) && has(profiles, "RL"))
+      add("OWL-RL", "owl2rl");
   }
   return tests;
 }
@@ -123,27 +126,32 @@ std::string RunRegime(const RegimeTest& test) {
   if (parsed.query.form == sparql::Query::Form::kAsk) {
     answer.boolean = *(*prepared)->Ask({.version = &store.graph()});
   } else {
-    const absl::Status status = (*prepared)->Select({.version = &store.graph()}, {}, [&](absl::Span<const TermId> row) {
-      std::map<std::string, Term> terms;
-      for (size_t i = 0; i < row.size(); ++i) {
-        if (row[i].IsNone()) continue;
-        // SPARQL 1.1 Entailment Regimes, condition C2: answers are made of the words of the queried graph.
-        if (row[i].InDictionary() && !store.vocabulary.contains(row[i])) return true;
-        terms[answer.variables[i]] = (*prepared)->Decode(row[i]);
-      }
-      answer.rows.push_back(std::move(terms));
-      return true;
-    });
+    const absl::Status status =
+        (*prepared)->Select({.version = &store.graph()}, {}, [&](absl::Span<const TermId> row) {
+          std::map<std::string, Term> terms;
+          for (size_t i = 0; i < row.size(); ++i) {
+            if (row[i].IsNone()) continue;
+            // SPARQL 1.1 Entailment Regimes, condition C2: answers are made of the words of the queried
+            // graph.
+            if (row[i].InDictionary() && !store.vocabulary.contains(row[i])) return true;
+            terms[answer.variables[i]] = (*prepared)->Decode(row[i]);
+          }
+          answer.rows.push_back(std::move(terms));
+          return true;
+        });
     if (!status.ok()) return std::string(status.message());
   }
   const Answer expected = ReadXmlResult(ReadText(W3cFile(test.result)));
-  return SameAnswer(expected, answer, /*lax=*/false) ? "" : "got\n" + ToText(answer) + "expected\n" + ToText(expected);
+  return SameAnswer(expected, answer, /*lax=*/false)
+             ? ""
+             : "got\n" + ToText(answer) + "expected\n" + ToText(expected);
 }
 
 TEST(EntailmentSuites, SparqlRegimes) {
   if (!std::filesystem::exists(W3cRoot())) GTEST_SKIP() << "set DOCENT_W3C_TESTS to a clone of w3c/rdf-tests";
   std::map<std::string, std::vector<RegimeTest>> by_regime;
-  for (const RegimeTest& test : RegimeTests()) by_regime[test.name.substr(test.name.find(':') + 1)].push_back(test);
+  for (const RegimeTest& test : RegimeTests())
+    by_regime[test.name.substr(test.name.find(':') + 1)].push_back(test);
   for (const auto& [regime, tests] : by_regime) RunSuite("entailment-" + regime, tests, RunRegime);
 }
 
@@ -161,7 +169,8 @@ std::vector<SemanticsTest> SemanticsTests() {
   for (const Term& entry : manifest.entries) {
     SemanticsTest test;
     test.name = "rdf-mt/" + LocalName(entry.lexical);
-    for (const std::string& type : manifest.Types(entry)) test.positive = test.positive && type != "NegativeEntailmentTest";
+    for (const std::string& type : manifest.Types(entry))
+      test.positive = test.positive && type != "NegativeEntailmentTest";
     test.regime = manifest.graph.One(entry, std::string(kMf) + "entailmentRegime").lexical;
     test.premise = manifest.graph.One(entry, std::string(kMf) + "action").lexical;
     const Term result = manifest.graph.One(entry, std::string(kMf) + "result");
@@ -197,9 +206,10 @@ std::string RunSemantics(const SemanticsTest& test) {
     return std::string(status.message());
   bool entailed = false;
   if (test.conclusion.empty()) {
-    entailed = store.graph()
-                   .Scan({TermId(), TermId(), store.dictionary.InternIri(DocentIri("Inconsistency")), TermId()})
-                   .Valid();
+    entailed =
+        store.graph()
+            .Scan({TermId(), TermId(), store.dictionary.InternIri(DocentIri("Inconsistency")), TermId()})
+            .Valid();
   } else {
     const auto holds = Entails(store, test.conclusion);
     if (!holds.ok()) return std::string(holds.status().message());

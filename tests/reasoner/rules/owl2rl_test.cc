@@ -1,5 +1,5 @@
-// Each rule of the OWL 2 RL/RDF tables by a golden case of its own: what is told, what follows, and that it does not
-// follow when any one of the told triples is retracted.
+// Each rule of the OWL 2 RL/RDF tables by a golden case of its own: what is told, what follows, and that it
+// does not follow when any one of the told triples is retracted.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -20,14 +20,15 @@ namespace {
 
 struct Case {
   const char* rule;
-  const char* told;      // Turtle; the lines that say how a list looks are one triple a line, too
-  const char* follows;   // Turtle; empty: an inconsistency
+  const char* told;     // Turtle; the lines that say how a list looks are one triple a line, too
+  const char* follows;  // Turtle; empty: an inconsistency
 };
 
 constexpr char kPrefixes[] =
     "@prefix : <http://example.org/> . @prefix owl: <http://www.w3.org/2002/07/owl#> .\n"
     "@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .\n"
-    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .\n";
+    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: "
+    "<http://www.w3.org/2001/XMLSchema#> .\n";
 
 const Case kCases[] = {
     {"list", ":d owl:unionOf :l1 . :l1 rdf:rest :l2 .", ":l1 <https://w3id.org/docent#listNode> :l2 ."},
@@ -38,11 +39,13 @@ const Case kCases[] = {
     {"eq-rep-o", ":a owl:sameAs :b . :s :p :a .", ":s :p :b ."},
     {"eq-diff1", ":a owl:sameAs :b . :a owl:differentFrom :b .", ""},
     {"eq-diff2",
-     ":x a owl:AllDifferent . :x owl:members :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 rdf:first :b . :a "
+     ":x a owl:AllDifferent . :x owl:members :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 rdf:first :b . "
+     ":a "
      "owl:sameAs :b .",
      ""},
     {"eq-diff3",
-     ":x a owl:AllDifferent . :x owl:distinctMembers :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 rdf:first :b . "
+     ":x a owl:AllDifferent . :x owl:distinctMembers :l1 . :l1 rdf:first :a . :l1 rdf:rest :l2 . :l2 "
+     "rdf:first :b . "
      ":b owl:sameAs :a .",
      ""},
     {"prp-ap", "", "rdfs:label a owl:AnnotationProperty . owl:versionInfo a owl:AnnotationProperty ."},
@@ -56,29 +59,35 @@ const Case kCases[] = {
     {"prp-trp", ":p a owl:TransitiveProperty . :x :p :y . :y :p :z .", ":x :p :z ."},
     {"prp-spo1", ":p rdfs:subPropertyOf :q . :x :p :y .", ":x :q :y ."},
     {"prp-spo2",
-     ":p owl:propertyChainAxiom :l1 . :l1 rdf:first :p1 . :l1 rdf:rest :l2 . :l2 rdf:first :p2 . :l2 rdf:rest "
+     ":p owl:propertyChainAxiom :l1 . :l1 rdf:first :p1 . :l1 rdf:rest :l2 . :l2 rdf:first :p2 . :l2 "
+     "rdf:rest "
      "rdf:nil . :a :p1 :b . :b :p2 :c .",
      ":a :p :c ."},
     {"prp-eqp1", ":p owl:equivalentProperty :q . :x :p :y .", ":x :q :y ."},
     {"prp-eqp2", ":p owl:equivalentProperty :q . :x :q :y .", ":x :p :y ."},
     {"prp-pdw", ":p owl:propertyDisjointWith :q . :x :p :y . :x :q :y .", ""},
     {"prp-adp",
-     ":a a owl:AllDisjointProperties . :a owl:members :l1 . :l1 rdf:first :p . :l1 rdf:rest :l2 . :l2 rdf:first :q "
+     ":a a owl:AllDisjointProperties . :a owl:members :l1 . :l1 rdf:first :p . :l1 rdf:rest :l2 . :l2 "
+     "rdf:first :q "
      ". :x :p :y . :x :q :y .",
      ""},
     {"prp-inv1", ":p owl:inverseOf :q . :x :p :y .", ":y :q :x ."},
     {"prp-inv2", ":p owl:inverseOf :q . :x :q :y .", ":y :p :x ."},
     {"prp-key",
-     ":C owl:hasKey :l1 . :l1 rdf:first :p . :l1 rdf:rest rdf:nil . :x a :C . :y a :C . :x :p :z . :y :p :z .",
+     ":C owl:hasKey :l1 . :l1 rdf:first :p . :l1 rdf:rest rdf:nil . :x a :C . :y a :C . :x :p :z . :y :p :z "
+     ".",
      ":x owl:sameAs :y ."},
     {"prp-npa1",
-     ":n owl:sourceIndividual :a . :n owl:assertionProperty :p . :n owl:targetIndividual :b . :a :p :b .", ""},
-    {"prp-npa2", ":n owl:sourceIndividual :a . :n owl:assertionProperty :p . :n owl:targetValue 5 . :a :p 5 .", ""},
+     ":n owl:sourceIndividual :a . :n owl:assertionProperty :p . :n owl:targetIndividual :b . :a :p :b .",
+     ""},
+    {"prp-npa2",
+     ":n owl:sourceIndividual :a . :n owl:assertionProperty :p . :n owl:targetValue 5 . :a :p 5 .", ""},
     {"cls-thing", "", "owl:Thing a owl:Class ."},
     {"cls-nothing1", "", "owl:Nothing a owl:Class ."},
     {"cls-nothing2", ":x a owl:Nothing .", ""},
     {"cls-int1",
-     ":C owl:intersectionOf :l1 . :l1 rdf:first :A . :l1 rdf:rest :l2 . :l2 rdf:first :B . :l2 rdf:rest rdf:nil . :y "
+     ":C owl:intersectionOf :l1 . :l1 rdf:first :A . :l1 rdf:rest :l2 . :l2 rdf:first :B . :l2 rdf:rest "
+     "rdf:nil . :y "
      "a :A . :y a :B .",
      ":y a :C ."},
     {"cls-int2", ":C owl:intersectionOf :l1 . :l1 rdf:rest :l2 . :l2 rdf:first :B . :y a :C .", ":y a :B ."},
@@ -89,21 +98,28 @@ const Case kCases[] = {
     {"cls-avf", ":R owl:allValuesFrom :C . :R owl:onProperty :p . :u a :R . :u :p :v .", ":v a :C ."},
     {"cls-hv1", ":R owl:hasValue :v . :R owl:onProperty :p . :u a :R .", ":u :p :v ."},
     {"cls-hv2", ":R owl:hasValue 5 . :R owl:onProperty :p . :u :p 5 .", ":u a :R ."},
-    {"cls-maxc1", ":R owl:maxCardinality \"0\"^^xsd:nonNegativeInteger . :R owl:onProperty :p . :u a :R . :u :p :v .",
-     ""},
+    {"cls-maxc1",
+     ":R owl:maxCardinality \"0\"^^xsd:nonNegativeInteger . :R owl:onProperty :p . :u a :R . :u :p :v .", ""},
     {"cls-maxc2",
-     ":R owl:maxCardinality \"1\"^^xsd:nonNegativeInteger . :R owl:onProperty :p . :u a :R . :u :p :v . :u :p :w .",
+     ":R owl:maxCardinality \"1\"^^xsd:nonNegativeInteger . :R owl:onProperty :p . :u a :R . :u :p :v . :u "
+     ":p :w .",
      ":v owl:sameAs :w ."},
     {"cls-maxqc1",
-     ":R owl:maxQualifiedCardinality 0 . :R owl:onProperty :p . :R owl:onClass :C . :u a :R . :u :p :v . :v a :C .", ""},
+     ":R owl:maxQualifiedCardinality 0 . :R owl:onProperty :p . :R owl:onClass :C . :u a :R . :u :p :v . :v "
+     "a :C .",
+     ""},
     {"cls-maxqc2",
-     ":R owl:maxQualifiedCardinality 0 . :R owl:onProperty :p . :R owl:onClass owl:Thing . :u a :R . :u :p :v .", ""},
+     ":R owl:maxQualifiedCardinality 0 . :R owl:onProperty :p . :R owl:onClass owl:Thing . :u a :R . :u :p "
+     ":v .",
+     ""},
     {"cls-maxqc3",
-     ":R owl:maxQualifiedCardinality 1 . :R owl:onProperty :p . :R owl:onClass :C . :u a :R . :u :p :v . :v a :C . :u "
+     ":R owl:maxQualifiedCardinality 1 . :R owl:onProperty :p . :R owl:onClass :C . :u a :R . :u :p :v . :v "
+     "a :C . :u "
      ":p :w . :w a :C .",
      ":v owl:sameAs :w ."},
     {"cls-maxqc4",
-     ":R owl:maxQualifiedCardinality 1 . :R owl:onProperty :p . :R owl:onClass owl:Thing . :u a :R . :u :p :v . :u :p "
+     ":R owl:maxQualifiedCardinality 1 . :R owl:onProperty :p . :R owl:onClass owl:Thing . :u a :R . :u :p "
+     ":v . :u :p "
      ":w .",
      ":v owl:sameAs :w ."},
     {"cls-oo", ":C owl:oneOf :l1 . :l1 rdf:rest :l2 . :l2 rdf:first :y .", ":y a :C ."},
@@ -112,7 +128,8 @@ const Case kCases[] = {
     {"cax-eqc2", ":A owl:equivalentClass :B . :x a :B .", ":x a :A ."},
     {"cax-dw", ":A owl:disjointWith :B . :x a :A . :x a :B .", ""},
     {"cax-adc",
-     ":d a owl:AllDisjointClasses . :d owl:members :l1 . :l1 rdf:first :A . :l1 rdf:rest :l2 . :l2 rdf:first :B . :x "
+     ":d a owl:AllDisjointClasses . :d owl:members :l1 . :l1 rdf:first :A . :l1 rdf:rest :l2 . :l2 rdf:first "
+     ":B . :x "
      "a :A . :x a :B .",
      ""},
     {"dt-type1", "", "xsd:integer a rdfs:Datatype . xsd:dateTime a rdfs:Datatype ."},
@@ -131,7 +148,8 @@ const Case kCases[] = {
     {"scm-rng1", ":p rdfs:range :A . :A rdfs:subClassOf :B .", ":p rdfs:range :B ."},
     {"scm-rng2", ":q rdfs:range :A . :p rdfs:subPropertyOf :q .", ":p rdfs:range :A ."},
     {"scm-hv",
-     ":R owl:hasValue :i . :R owl:onProperty :p . :S owl:hasValue :i . :S owl:onProperty :q . :p rdfs:subPropertyOf "
+     ":R owl:hasValue :i . :R owl:onProperty :p . :S owl:hasValue :i . :S owl:onProperty :q . :p "
+     "rdfs:subPropertyOf "
      ":q .",
      ":R rdfs:subClassOf :S ."},
     {"scm-svf1",
@@ -150,7 +168,8 @@ const Case kCases[] = {
      ":R owl:allValuesFrom :A . :R owl:onProperty :p . :S owl:allValuesFrom :A . :S owl:onProperty :q . :p "
      "rdfs:subPropertyOf :q .",
      ":S rdfs:subClassOf :R ."},
-    {"scm-int", ":C owl:intersectionOf :l1 . :l1 rdf:rest :l2 . :l2 rdf:first :B .", ":C rdfs:subClassOf :B ."},
+    {"scm-int", ":C owl:intersectionOf :l1 . :l1 rdf:rest :l2 . :l2 rdf:first :B .",
+     ":C rdfs:subClassOf :B ."},
     {"scm-uni", ":C owl:unionOf :l1 . :l1 rdf:rest :l2 . :l2 rdf:first :B .", ":B rdfs:subClassOf :C ."},
 };
 
@@ -168,8 +187,8 @@ class World {
     EXPECT_TRUE(parsed.ok()) << turtle << Render(parsed.diagnostics, turtle);
     std::vector<Quad> quads;
     for (const TermQuad& q : parsed.quads) {
-      quads.push_back({dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate), dictionary_.Intern(q.object),
-                       graph_});
+      quads.push_back({dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate),
+                       dictionary_.Intern(q.object), graph_});
     }
     return quads;
   }
@@ -186,7 +205,8 @@ class World {
   }
   bool Reported(const std::string& rule) {
     return writer_.current()
-        .Scan({TermId(), dictionary_.InternIri(DocentIri("rule")), dictionary_.Intern(Term::Literal(rule)), TermId()})
+        .Scan({TermId(), dictionary_.InternIri(DocentIri("rule")), dictionary_.Intern(Term::Literal(rule)),
+               TermId()})
         .Valid();
   }
   uint64_t size() const { return writer_.current().size(); }

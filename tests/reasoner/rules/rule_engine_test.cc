@@ -219,7 +219,8 @@ TEST_F(RuleEngineTest, ARuleThatNeverEndsIsRefusedWithItsCycle) {
   const Diagnostics diagnostics = engine_.PutRules("bad.rules", text);
   ASSERT_EQ(diagnostics.size(), 1u) << Render(diagnostics, text);
   EXPECT_EQ(diagnostics[0].message,
-            "may never end: ?m is computed anew from what the rule itself leads to: bad.rules rule 1 (line 2) needs "
+            "may never end: ?m is computed anew from what the rule itself leads to: bad.rules rule 1 (line "
+            "2) needs "
             "bad.rules rule 2 (line 3) needs bad.rules rule 1 (line 2)");
   EXPECT_EQ(diagnostics[0].span.line, 2);
   EXPECT_EQ(engine_.rule_count(), 0u) << "nothing changed";

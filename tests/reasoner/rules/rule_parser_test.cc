@@ -68,12 +68,14 @@ TEST(RuleParser, RefusesWhatCannotBeKeptUpToDate) {
   EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"), HasSubstr("property path"));
   EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (AVG(?b) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
               HasSubstr("COUNT, SUM, MIN and MAX can be kept"));
-  EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT DISTINCT ?a ?b { ?a :q ?b } } }"), HasSubstr("a sub-SELECT"));
+  EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT DISTINCT ?a ?b { ?a :q ?b } } }"),
+              HasSubstr("a sub-SELECT"));
   EXPECT_THAT(Errors("RULE { ?a :t ?t } WHERE { ?a :q ?b BIND(NOW() AS ?t) }"), HasSubstr("NOW() in a rule"));
 }
 
 TEST(RuleParser, AggregatesOfSubSelectsBindTheirVariables) {
-  EXPECT_EQ(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"), "");
+  EXPECT_EQ(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
+            "");
   EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT ?a (COUNT(*) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
               HasSubstr("?b of the head does not occur in the body"));
 }
@@ -90,7 +92,8 @@ TEST(RuleParser, ReadsTheOtherFormsOfTheDraft) {
   EXPECT_EQ(parsed.rules[1].head[0].object.variable->name, "c");
   EXPECT_TRUE(parsed.rules[2].head.empty());
   EXPECT_THAT(Errors("IF { ?a :q ?b } { ?a :p ?b }"), HasSubstr("expected THEN"));
-  EXPECT_THAT(Errors("RULE { ?a :p ?c } WHERE { ?a :q ?b SET(?c = 1) }"), HasSubstr("':=' after the variable"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?c } WHERE { ?a :q ?b SET(?c = 1) }"),
+              HasSubstr("':=' after the variable"));
   EXPECT_THAT(Errors("RULE :p :q { ?a :p ?c } WHERE { ?a :q ?b }"), HasSubstr("error"));
 }
 

@@ -24,13 +24,16 @@ ImportedRules Import(const std::string& turtle) {
   return ImportShaclRules(parsed.quads, "shapes.ttl");
 }
 
-std::string Errors(const std::string& turtle) { return Render(Import(turtle).diagnostics, ""); }
+std::string Errors(const std::string& turtle) {
+  return Render(Import(turtle).diagnostics, "");
+}
 
 TEST(ShaclRulesImport, ARuleAppliesToTheTargetsOfItsShape) {
   const ImportedRules imported = Import(
       ":S sh:targetClass :Robot ; sh:targetSubjectsOf :drives ; sh:rule :free .\n"
       ":free a sh:SPARQLRule ; sh:prefixes :decl ; sh:order 1 ;\n"
-      "  sh:construct \"CONSTRUCT { $this ex:is ex:free } WHERE { FILTER NOT EXISTS { $this ex:task ?t } }\" .\n"
+      "  sh:construct \"CONSTRUCT { $this ex:is ex:free } WHERE { FILTER NOT EXISTS { $this ex:task ?t } }\" "
+      ".\n"
       ":Door a rdfs:Class ; sh:rule [ a sh:SPARQLRule ; sh:prefixes :decl ;\n"
       "  sh:construct \"CONSTRUCT { ?room ex:has $this } WHERE { $this ex:of ?room }\" ] .");
   ASSERT_TRUE(imported.ok()) << Render(imported.diagnostics, "");
@@ -40,16 +43,18 @@ TEST(ShaclRulesImport, ARuleAppliesToTheTargetsOfItsShape) {
   const Diagnostics diagnostics = engine.PutRules("shapes.ttl", imported.text);
   ASSERT_TRUE(diagnostics.empty()) << Render(diagnostics, imported.text);
   ASSERT_TRUE(engine
-                  .Update(world.writer, world.Apply({"r a Robot", "s drives x", "t a Robot", "t task y", "d a Door",
-                                                     "d of hall", "e of hall"}))
+                  .Update(world.writer, world.Apply({"r a Robot", "s drives x", "t a Robot", "t task y",
+                                                     "d a Door", "d of hall", "e of hall"}))
                   .ok());
   EXPECT_THAT(world.Inferred(), ElementsAre("hall has d", "r is free", "s is free"));
 }
 
 TEST(ShaclRulesImport, WhatIsDeactivatedIsLeftOut) {
   const ImportedRules imported = Import(
-      ":S sh:targetClass :C ; sh:deactivated true ; sh:rule [ a sh:SPARQLRule ; sh:construct \"nonsense\" ] .\n"
-      ":T sh:targetClass :C ; sh:rule [ a sh:SPARQLRule ; sh:deactivated true ; sh:construct \"nonsense\" ] .");
+      ":S sh:targetClass :C ; sh:deactivated true ; sh:rule [ a sh:SPARQLRule ; sh:construct \"nonsense\" ] "
+      ".\n"
+      ":T sh:targetClass :C ; sh:rule [ a sh:SPARQLRule ; sh:deactivated true ; sh:construct \"nonsense\" ] "
+      ".");
   EXPECT_TRUE(imported.ok());
   EXPECT_EQ(imported.rules, 0u);
 }
@@ -59,9 +64,11 @@ TEST(ShaclRulesImport, WhatIsNotSupportedIsSaid) {
               HasSubstr("http://example.org/S: it has no sh:construct"));
   EXPECT_THAT(Errors(":S sh:targetClass :C ; sh:rule [ sh:condition :D ; sh:construct \"x\" ] ."),
               HasSubstr("sh:condition is not supported"));
-  EXPECT_THAT(Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"CONSTRUCT { $this nope:p 1 } WHERE { }\" ] ."),
-              HasSubstr("not SPARQL"));
-  EXPECT_THAT(Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"ASK { }\" ] ."), HasSubstr("no CONSTRUCT"));
+  EXPECT_THAT(
+      Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"CONSTRUCT { $this nope:p 1 } WHERE { }\" ] ."),
+      HasSubstr("not SPARQL"));
+  EXPECT_THAT(Errors(":S sh:targetClass :C ; sh:rule [ sh:construct \"ASK { }\" ] ."),
+              HasSubstr("no CONSTRUCT"));
   EXPECT_THAT(Errors(":S sh:rule [ sh:construct \"CONSTRUCT { $this a $this } WHERE { $this ?p ?o }\" ] ."),
               HasSubstr("no target"));
 }
