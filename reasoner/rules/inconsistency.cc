@@ -20,16 +20,6 @@ uint64_t Hash(std::string_view text) {
 
 }  // namespace
 
-InconsistencyFacts::InconsistencyFacts(Dictionary& dictionary)
-    : dictionary_(dictionary),
-      type_(dictionary.InternIri(kRdfType)),
-      inconsistency_(dictionary.InternIri(DocentIri("Inconsistency"))),
-      rule_(dictionary.InternIri(DocentIri("rule"))),
-      evidence_(dictionary.InternIri(DocentIri("evidence"))),
-      subject_(dictionary.InternIri(std::string(kRdfNs) + "subject")),
-      predicate_(dictionary.InternIri(std::string(kRdfNs) + "predicate")),
-      object_(dictionary.InternIri(std::string(kRdfNs) + "object")) {}
-
 void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId> row,
                               std::vector<Triple>& out) const {
   std::vector<Triple> matched;
@@ -48,15 +38,18 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   const std::string iri =
       absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
-  out.push_back({id, type_, inconsistency_});
-  out.push_back({id, rule_, dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
+  const TermId of_rule = dictionary_.InternIri(DocentIri("rule")),
+               with = dictionary_.InternIri(DocentIri("evidence"));
+  const auto rdf = [&](const char* word) { return dictionary_.InternIri(std::string(kRdfNs) + word); };
+  out.push_back({id, rdf("type"), dictionary_.InternIri(DocentIri("Inconsistency"))});
+  out.push_back({id, of_rule, dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
   int number = 0;
   for (const Triple& t : matched) {
     const TermId evidence = dictionary_.InternIri(absl::StrCat(iri, ":", ++number));
-    out.push_back({id, evidence_, evidence});
-    out.push_back({evidence, subject_, t.subject});
-    out.push_back({evidence, predicate_, t.predicate});
-    out.push_back({evidence, object_, t.object});
+    out.push_back({id, with, evidence});
+    out.push_back({evidence, rdf("subject"), t.subject});
+    out.push_back({evidence, rdf("predicate"), t.predicate});
+    out.push_back({evidence, rdf("object"), t.object});
   }
 }
 

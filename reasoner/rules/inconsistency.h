@@ -21,13 +21,12 @@ namespace docent {
 
 class InconsistencyFacts {
  public:
-  explicit InconsistencyFacts(Dictionary& dictionary);
+  explicit InconsistencyFacts(Dictionary& dictionary) : dictionary_(dictionary) {}
   // Appends the facts that say that the body of `rule` holds with `row`.
   void Make(const CompiledRule& rule, absl::Span<const TermId> row, std::vector<Triple>& out) const;
 
  private:
   Dictionary& dictionary_;
-  const TermId type_, inconsistency_, rule_, evidence_, subject_, predicate_, object_;
 };
 
 }  // namespace docent

@@ -111,11 +111,6 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   return delta;
 }
 
-void RuleEngine::Assume() {
-  impl_->state.applied = impl_->state.wanted;
-  impl_->committed = impl_->state;
-}
-
 void RuleEngine::Commit() {
   impl_->committed = impl_->state;
   impl_->inferred_since_commit = 0;

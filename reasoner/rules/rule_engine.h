@@ -49,10 +49,6 @@ class RuleEngine {
   // False if there are none of that name.
   bool RemoveRules(std::string_view name);
 
-  // Declares that the graph follows the rules put so far: the next Update begins there. For an engine that is
-  // made for a graph version which another one has maintained.
-  void Assume();
-
   // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes
   // quads of docent:inferred in `writer`, and returns told and inferred changes together, net.
   // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the

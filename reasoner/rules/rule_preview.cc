@@ -33,7 +33,7 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
     if (absl::Status status = ToStatus(engine.PutRules(set.name, set.text), set.text); !status.ok())
       return status;
   }
-  engine.Assume();
+  engine.Adopt();
   if (!text) {
     if (!engine.RemoveRules(name))
       return absl::NotFoundError(absl::StrCat("there is no rule set \"", name, "\""));
