@@ -98,7 +98,7 @@ class RulesBench {
   void Measure(size_t size, bool all_rules) {
     University data(size);
     GraphWriter writer(nullptr);
-    writer.BulkLoad(data.quads());
+    writer.AddAll(data.quads());
     RuleEngine engine(data.dictionary());
     const std::string name = absl::StrCat(size, " facts, ", all_rules ? "owl2rl" : "10 rules");
     const Diagnostics diagnostics =
