@@ -1,16 +1,11 @@
 // docent tell: facts and sensor readings from the command line, as a robot, sensor or person would tell them.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/service/convert.h"
+#include "kb_server/app/fact_arguments.h"
 
 namespace docent {
 namespace {
@@ -25,51 +20,6 @@ struct TellArguments {
   std::string request_id;
   uint64_t lifetime_ms = 0;
 };
-
-// "@prefix …" lines for the well-known prefixes and those that the user gave, all in one line so that the
-// columns of diagnostics stay right from the second line on.
-absl::StatusOr<std::string> Prologue(const std::vector<std::string>& prefixes) {
-  std::string text;
-  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-    absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
-  }
-  for (const std::string& given : prefixes) {
-    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
-    if (parts.first.empty() || parts.second.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
-    }
-    absl::StrAppend(&text, "@prefix ", parts.first, ": <", parts.second, "> . ");
-  }
-  return text + "\n";
-}
-
-// Turtle → quads. A missing last full stop is added: people forget it on a command line.
-absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
-                                                 const std::string& name) {
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
-  if (text.empty()) return std::vector<TermQuad>();
-  if (text.back() != '.') text += " .";
-  ParseRdfOptions options;
-  options.file = name;
-  ParsedRdf parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
-  if (!parsed.ok()) {
-    for (Diagnostic& d : parsed.diagnostics) {
-      if (d.span.line > 1) --d.span.line;
-      d.span.offset -= std::min(d.span.offset, prologue.size());
-    }
-    return ToStatus(parsed.diagnostics, text);
-  }
-  return std::move(parsed.quads);
-}
-
-void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
-  for (const TermQuad& quad : quads) {
-    v1::Quad* q = out->Add();
-    ToProto(quad.subject, q->mutable_subject());
-    ToProto(quad.predicate, q->mutable_predicate());
-    ToProto(quad.object, q->mutable_object());
-  }
-}
 
 // "SENSOR=VALUE": the sensor as an IRI or prefixed name, the value as plain text.
 absl::Status AddReading(const std::string& prologue, const std::string& text, v1::AssertRequest* request) {
@@ -87,7 +37,7 @@ absl::Status AddReading(const std::string& prologue, const std::string& text, v1
 }
 
 absl::StatusOr<v1::AssertRequest> MakeRequest(const TellArguments& arguments) {
-  auto prologue = Prologue(arguments.prefixes);
+  auto prologue = FactPrologue(arguments.prefixes);
   if (!prologue.ok()) return prologue.status();
   auto add = ParseFacts(*prologue, arguments.facts, "facts");
   if (!add.ok()) return add.status();

@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_APP_COMMANDS_H_
 
 #include <string>
+#include <vector>
 
 #include "CLI/App.hpp"
 
@@ -14,6 +15,10 @@ void AddLoadCommand(CLI::App* app, int* exit_code);
 void AddRulesCommand(CLI::App* app, int* exit_code);
 void AddTellCommand(CLI::App* app, int* exit_code);
 void AddQueryCommand(CLI::App* app, int* exit_code);
+void AddWatchCommand(CLI::App* app, int* exit_code);
+void AddWhyCommand(CLI::App* app, int* exit_code);
+void AddWhyNotCommand(CLI::App* app, int* exit_code);
+void AddWhatIfCommand(CLI::App* app, int* exit_code);
 void AddUpdateCommand(CLI::App* app, int* exit_code);
 void AddCheckCommand(CLI::App* app, int* exit_code);
 void AddValidateCommand(CLI::App* app, int* exit_code);
@@ -28,6 +33,10 @@ void AddRestoreCommand(CLI::App* app, int* exit_code);
 
 // $XDG_STATE_HOME/docent, else ~/.local/state/docent.
 std::string DefaultDataFolder();
+
+// The command line with "+S P O" and "-S P O" of `docent whatif` as --with and --without: what begins with a minus would
+// be taken for an option.
+std::vector<std::string> WithSignedFacts(std::vector<std::string> arguments);
 
 }  // namespace docent
 

@@ -36,7 +36,7 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
       return absl::Status(id.status().code(),
                           absl::StrCat(id.status().message(), "\nin the condition\n", request.ask));
     }
-    conditions_[request.handle] = {*id, std::move(query)};
+    conditions_[request.handle] = {*id, std::move(query), std::make_shared<const ConditionRequest>(request)};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
     if (request.only_new || !constraints_->Holds(*id)) continue;
@@ -68,6 +68,14 @@ void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
     disarmed_.emplace_back(handle, std::move(it->second));
     conditions_.erase(it);
   }
+}
+
+std::vector<ConditionRequest> ConditionPort::Requests() const {
+  std::vector<ConditionRequest> requests;
+  for (const auto& [handle, condition] : conditions_) requests.push_back(*condition.request);
+  std::sort(requests.begin(), requests.end(),
+            [](const ConditionRequest& a, const ConditionRequest& b) { return a.handle < b.handle; });
+  return requests;
 }
 
 void ConditionPort::Take(const std::vector<ConstraintChange>& changes) {

@@ -33,6 +33,8 @@ class ConditionPort final : public ConditionView {
   // As Arm, for conditions whose edges the engine has had (a start from a snapshot).
   absl::Status Restore(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
                        TimeMicros now_us);
+  // What is armed now, in order of the handles.
+  std::vector<ConditionRequest> Requests() const;
   // Adds the edges of these changes to the next round's.
   void Take(const std::vector<ConstraintChange>& changes);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
@@ -51,6 +53,7 @@ class ConditionPort final : public ConditionView {
   struct Condition {
     ConstraintId id;
     std::shared_ptr<const sparql::Query> query;
+    std::shared_ptr<const ConditionRequest> request;
   };
 
   TermBinding Decode(const Binding& binding) const;

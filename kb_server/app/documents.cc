@@ -195,6 +195,7 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) cons
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
       catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
     }
+    if (key.first == Document::Kind::kRules) catalog->rules.push_back({key.second, entry.text});
   }
   for (const cawl::DocumentPtr& document : engine.workflows()) {
     auto it = entries_.find({Document::Kind::kCawl, document->name.value});

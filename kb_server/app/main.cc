@@ -2,6 +2,8 @@
 #include <stdlib.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 
@@ -16,6 +18,10 @@ int main(int argc, char** argv) {
   docent::AddRulesCommand(&app, &exit_code);
   docent::AddTellCommand(&app, &exit_code);
   docent::AddQueryCommand(&app, &exit_code);
+  docent::AddWatchCommand(&app, &exit_code);
+  docent::AddWhyCommand(&app, &exit_code);
+  docent::AddWhyNotCommand(&app, &exit_code);
+  docent::AddWhatIfCommand(&app, &exit_code);
   docent::AddUpdateCommand(&app, &exit_code);
   docent::AddCheckCommand(&app, &exit_code);
   docent::AddValidateCommand(&app, &exit_code);
@@ -27,8 +33,10 @@ int main(int argc, char** argv) {
   docent::AddVerifyCommand(&app, &exit_code);
   docent::AddBackupCommand(&app, &exit_code);
   docent::AddRestoreCommand(&app, &exit_code);
+  std::vector<std::string> arguments = docent::WithSignedFacts({argv + 1, argv + argc});
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
-    app.parse(argc, argv);
+    app.parse(arguments);
   } catch (const CLI::ParseError& error) {
     int code = app.exit(error);
     return code == 0 ? docent::kExitOk : docent::kExitBad;

@@ -119,6 +119,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   ports.dictionary = &s.dictionary_;
   ports.functions = &s.functions_;
   ports.limits = settings.limits;
+  Subscriptions::Settings following;
+  following.dictionary = &s.dictionary_;
+  following.functions = &s.functions_;
+  following.clock = &s.clock_;
+  following.limits = settings.limits;
+  following.subscription_limits = settings.subscription_limits;
+  following.default_graph = settings.default_graph;
+  following.epoch = absl::StrCat(s.clock_.Now());
+  s.subscriptions_ = std::make_unique<Subscriptions>(following);
+  ports.subscriptions = s.subscriptions_.get();
   s.writer_ = std::make_unique<Writer>(ports);
   if (absl::Status status = s.writer_->Recover(progress); !status.ok()) return status;
 
@@ -140,6 +150,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown) {
     return s.PreviewRuleChange(name, text, shown);
   };
+  s.fact_history_ = std::make_unique<LogHistory>(s.log_.get(), &s.dictionary_, settings.explain_limits);
+  s.ports_.explain_limits = settings.explain_limits;
+  s.ports_.fact_history = s.fact_history_.get();
+  s.ports_.subscriptions = s.subscriptions_.get();
+  s.what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&s.inbox_, s.writer_.get(), s.workers_.get(), &s.dictionary_,
+                                                      &s.functions_, &s.clock_, settings.limits,
+                                                      settings.explain_limits});
+  s.ports_.what_if = s.what_if_.get();
   s.ports_.clock = &s.clock_;
   s.ports_.limits = settings.limits;
   s.ports_.default_graph = settings.default_graph;
@@ -215,6 +233,7 @@ absl::Status Server::StartHttp() {
   auto address = ParseAddress(settings_.http_address, settings_.insecure);
   if (!address.ok()) return address.status();
   RegisterMetrics();
+  RegisterSubscriptionMetrics();
   HttpRoutes routes;
   AddHealthRoute(&routes, [this] { return status(); });
   AddMetricsRoute(&routes, &metrics_);
@@ -289,6 +308,30 @@ absl::Status Server::PushAndWait(WriteBatch batch, const std::string& what) {
   }
   absl::Status status = answer.get_future().get();
   return status.ok() ? status : absl::Status(status.code(), absl::StrCat(what, ": ", status.message()));
+}
+
+void Server::RegisterSubscriptionMetrics() {
+  const SubscriptionCounters* counters = &subscriptions_->counters();
+  const auto read = [](const std::atomic<uint64_t>* value) {
+    return [value] { return static_cast<double>(value->load()); };
+  };
+  metrics_.AddGaugeFunction("docent_subscriptions", "Clients that follow a query", read(&counters->open));
+  metrics_.AddGaugeFunction("docent_subscription_queries", "Different queries that are followed",
+                            read(&counters->queries));
+  metrics_.AddGaugeFunction("docent_subscription_revision", "Revision up to which followed queries are looked at",
+                            read(&counters->revision));
+  metrics_.AddCounterFunction("docent_subscription_evaluations_total",
+                              "Followed queries evaluated because a change could match them",
+                              read(&counters->evaluations));
+  metrics_.AddCounterFunction("docent_subscription_changes_total", "Changes of followed answers",
+                              read(&counters->changes));
+  metrics_.AddCounterFunction("docent_subscription_replies_total", "Replies sent to those who follow",
+                              read(&counters->replies));
+  metrics_.AddCounterFunction("docent_subscription_resets_total",
+                              "Clients that fell behind and were given the whole answer anew", read(&counters->resets));
+  metrics_.AddCounterFunction("docent_subscription_turns_coalesced_total",
+                              "Turns looked at together with others: the limit subscription_backlog",
+                              read(&counters->coalesced));
 }
 
 // The ontologies and rules named on the command line, unless the graph has them as they are.

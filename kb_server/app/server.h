@@ -10,6 +10,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "kb_server/app/log_history.h"
+#include "kb_server/app/what_if.h"
 #include "kb_server/app/writer.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
@@ -35,6 +37,8 @@ struct ServerSettings {
   OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
   std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
   Limits limits;
+  ExplainLimits explain_limits;
+  SubscriptionLimits subscription_limits;
   const Clock* clock = nullptr;  // null: the system's; must outlive the server
 };
 
@@ -73,6 +77,7 @@ class Server {
                                                  size_t shown) const;
   void ExpectRobots();
   void RegisterMetrics();
+  void RegisterSubscriptionMetrics();
 
   const ServerSettings settings_;
   const SystemClock system_clock_;
@@ -90,6 +95,9 @@ class Server {
   std::unique_ptr<SnapshotKeeper> snapshots_;
   std::unique_ptr<History> history_;
   std::unique_ptr<Writer> writer_;
+  std::unique_ptr<Subscriptions> subscriptions_;
+  std::unique_ptr<LogHistory> fact_history_;
+  std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<WorkerPool> workers_;
   ServicePorts ports_;
   UpdateRunner updates_{&ports_};

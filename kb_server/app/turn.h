@@ -33,10 +33,12 @@ inline constexpr char kEngineVersion[] = "2";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {
-  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions, const Limits& limits_in)
+  // `start`: the graph to begin with; null: empty.
+  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions, const Limits& limits_in,
+         GraphVersionPtr start = nullptr)
       : limits(limits_in),
         dictionary(*dictionary_in),
-        writer(std::make_shared<const GraphVersion>()),
+        writer(std::move(start)),
         applier(*dictionary_in, limits_in),
         rules(*dictionary_in, limits_in, functions),
         constraints(*dictionary_in, functions),

@@ -37,7 +37,9 @@ Writer::Writer(const Ports& ports)
 absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
   absl::Status status = Replay(progress);
   if (!status.ok()) return status;
-  ports_.queries->Publish(stages_->writer.Freeze(Revision(head_)));
+  GraphVersionPtr version = stages_->writer.Freeze(Revision(head_));
+  ports_.queries->Publish(version);
+  if (ports_.subscriptions != nullptr) ports_.subscriptions->PublishWhole(std::move(version));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
   teller_.TellAddresses(stages_->writer.current());
   PublishCounters();
@@ -264,6 +266,8 @@ void Writer::Release(std::vector<Decided> group) {
   std::vector<DurableTurn> turns;
   for (Decided& decided : group) {
     TurnResult& result = decided.turn.result;
+    if (ports_.subscriptions != nullptr)
+      ports_.subscriptions->Publish(result.version, result.delta, result.record.time_us);
     requests_.Remember(result.record.batch.request_id, decided.turn.outcome);
     counters_.commands += result.record.commands.size();
     counters_.inferred += result.inferred;

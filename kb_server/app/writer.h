@@ -27,6 +27,7 @@
 #include "kb_server/log/context_log.h"
 #include "kb_server/service/catalog.h"
 #include "kb_server/service/run_feed.h"
+#include "kb_server/service/subscriptions.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
 namespace docent {
@@ -57,6 +58,7 @@ class Writer {
     RobotProxies* proxies = nullptr;
     SnapshotKeeper* snapshots = nullptr;
     History* history = nullptr;
+    Subscriptions* subscriptions = nullptr;  // may be null
     Dictionary* dictionary = nullptr;
     const sparql::FunctionRegistry* functions = nullptr;
     Limits limits;
@@ -76,6 +78,9 @@ class Writer {
   ServerState State() const;
 
   const WriterCounters& counters() const { return counters_; }
+
+  // Between two turns, on the writer's thread (from a batch's preparation): to be copied, not changed.
+  Stages* stages() { return stages_.get(); }
 
  private:
   struct Decided {

@@ -13,6 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/store/write_batch.h"
+#include "reasoner/explain/rule_text.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/rsel/service_registry.h"
 
@@ -35,6 +36,7 @@ struct Catalog {
   std::vector<ModuleEntry> modules;
   std::vector<std::pair<cawl::DocumentPtr, Revision>> workflows;  // by name
   rsel::ServiceRegistry services;
+  std::vector<explain::RuleText> rules;  // by name
 };
 
 // The newest catalog; any thread.

@@ -32,6 +32,12 @@ class ContextService final : public v1::Context::CallbackService {
                                                   const v1::QueryRequest* request) override;
   grpc::ServerUnaryReactor* Update(grpc::CallbackServerContext* context, const v1::UpdateRequest* request,
                                    v1::AssertReply* reply) override;
+  grpc::ServerUnaryReactor* Explain(grpc::CallbackServerContext* context, const v1::ExplainRequest* request,
+                                    v1::ExplainReply* reply) override;
+  grpc::ServerUnaryReactor* WhatIf(grpc::CallbackServerContext* context, const v1::WhatIfRequest* request,
+                                   v1::WhatIfReply* reply) override;
+  grpc::ServerWriteReactor<v1::SubscribeReply>* Subscribe(grpc::CallbackServerContext* context,
+                                                          const v1::SubscribeRequest* request) override;
 
  private:
   const ServicePorts& ports_;

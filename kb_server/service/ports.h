@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "kb_server/base/clock.h"
+#include "kb_server/base/explain_limits.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
@@ -24,7 +25,12 @@ namespace docent {
 class HistoryPort;
 class LoadRunner;
 class RemoteAccess;
+class Subscriptions;
 class UpdateRunner;
+class WhatIfPort;
+namespace explain {
+class FactHistory;
+}
 
 // What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
 enum class OnViolation { kIgnore, kWarn, kRefuse };
@@ -53,8 +59,12 @@ struct ServicePorts {
   LoadRunner* loads = nullptr;
   RemoteAccess* remote = nullptr;  // null: nothing is fetched
   PreviewRulesPort preview_rules;
+  explain::FactHistory* fact_history = nullptr;  // null: explanations name no log offsets
+  Subscriptions* subscriptions = nullptr;
+  WhatIfPort* what_if = nullptr;
   const Clock* clock = nullptr;
   Limits limits;
+  ExplainLimits explain_limits;
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   OnViolation on_violation = OnViolation::kIgnore;
 };

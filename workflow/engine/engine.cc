@@ -462,6 +462,15 @@ EngineOutput Engine::Step(const EngineInput& input) {
   return output;
 }
 
+std::string Engine::PlaceOf(ConditionHandle handle) const {
+  const auto owner = core_->owners.find(handle);
+  if (owner == core_->owners.end()) return "";
+  if (owner->second.run.empty()) return absl::StrCat("activator of ", owner->second.workflow);
+  const auto run = core_->runs.find(owner->second.run);
+  if (run == core_->runs.end()) return "";
+  return absl::StrCat("run ", run->first.value(), ", node ", run->second.Flow().nodes[owner->second.node].name.value);
+}
+
 void Engine::Commit() {
   for (const auto& [name, before] : core_->undo_deployments) {
     // what held when the document was replaced has been told by now; whatever comes later is new

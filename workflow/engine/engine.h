@@ -77,6 +77,8 @@ class Engine {
   EngineState Save() const;
   // Into a fresh engine. The caller arms what ArmedConditions says.
   void Restore(EngineState state);
+  // Whose condition that is, for people: "run BoothGuide-1, node Move2Booth", "activator of BoothGuide"; empty: nobody's.
+  std::string PlaceOf(ConditionHandle handle) const;
 
   // When a clock tick is needed, if ever.
   std::optional<TimeMicros> NextDeadline() const;

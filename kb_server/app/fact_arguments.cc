@@ -1,0 +1,67 @@
+#include "kb_server/app/fact_arguments.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/convert.h"
+
+namespace docent {
+
+absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixes) {
+  std::string text;
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+    absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
+  }
+  for (const std::string& given : prefixes) {
+    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
+    if (parts.first.empty() || parts.second.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
+    }
+    absl::StrAppend(&text, "@prefix ", parts.first, ": <", parts.second, "> . ");
+  }
+  return text + "\n";
+}
+
+absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
+                                                 const std::string& name) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
+  if (text.empty()) return std::vector<TermQuad>();
+  if (text.back() != '.') text += " .";
+  ParseRdfOptions options;
+  options.file = name;
+  ParsedRdf parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
+  if (!parsed.ok()) {
+    for (Diagnostic& d : parsed.diagnostics) {
+      if (d.span.line > 1) --d.span.line;
+      d.span.offset -= std::min(d.span.offset, prologue.size());
+    }
+    return ToStatus(parsed.diagnostics, text);
+  }
+  return std::move(parsed.quads);
+}
+
+void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
+  for (const TermQuad& quad : quads) {
+    v1::Quad* q = out->Add();
+    ToProto(quad.subject, q->mutable_subject());
+    ToProto(quad.predicate, q->mutable_predicate());
+    ToProto(quad.object, q->mutable_object());
+  }
+}
+
+absl::Status AddPrefixes(const std::vector<std::string>& prefixes,
+                         google::protobuf::Map<std::string, std::string>* out) {
+  for (const std::string& given : prefixes) {
+    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
+    if (parts.second.empty())
+      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
+    (*out)[parts.first] = parts.second;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace docent

@@ -1,0 +1,157 @@
+#include "kb_server/app/what_if.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/app/writer.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/parser.h"
+
+namespace docent {
+namespace {
+
+std::vector<std::pair<std::string, Term>> Decode(const Binding& binding, const Dictionary& dictionary) {
+  std::vector<std::pair<std::string, Term>> terms;
+  for (const auto& [name, id] : binding) terms.emplace_back(name, dictionary.Decode(id));
+  return terms;
+}
+
+// Follows all conditions beside the engine, which disarms those that open.
+class FlipWatch {
+ public:
+  FlipWatch(Stages* stages, const std::vector<ConditionRequest>& requests)
+      : stages_(*stages), requests_(requests) {}
+
+  absl::Status Begin(TimeMicros now_us) {
+    for (const ConditionRequest& request : requests_) {
+      sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
+      if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
+      auto id = stages_.constraints.Register(parsed.query, stages_.writer.current(),
+                                             {request.key_variables, now_us});
+      if (!id.ok()) return id.status();
+      before_.push_back({*id, stages_.engine.PlaceOf(request.handle), stages_.constraints.Holds(*id),
+                         stages_.constraints.Keys(*id)});
+    }
+    return absl::OkStatus();
+  }
+
+  std::vector<ConditionFlip> Flips() const {
+    std::vector<ConditionFlip> flips;
+    for (size_t i = 0; i < before_.size(); ++i) {
+      const Level& level = before_[i];
+      ConditionFlip flip{level.place, requests_[i].ask, level.holds,
+                         stages_.constraints.Holds(level.id), {}, {}};
+      const std::vector<Binding> now = stages_.constraints.Keys(level.id);
+      const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in, auto* out) {
+        if (requests_[i].key_variables.empty()) return;
+        for (const Binding& key : all) {
+          if (std::find(in.begin(), in.end(), key) == in.end()) out->push_back(Decode(key, stages_.dictionary));
+        }
+      };
+      missing_in(now, level.keys, &flip.appeared);
+      missing_in(level.keys, now, &flip.disappeared);
+      if (flip.held != flip.holds || !flip.appeared.empty() || !flip.disappeared.empty())
+        flips.push_back(std::move(flip));
+    }
+    return flips;
+  }
+
+ private:
+  struct Level {
+    ConstraintId id;
+    std::string place;  // whose condition it is, before the turn
+    bool holds;
+    std::vector<Binding> keys;
+  };
+  Stages& stages_;
+  const std::vector<ConditionRequest>& requests_;
+  std::vector<Level> before_;
+};
+
+std::vector<TermQuad> Decode(const std::vector<Quad>& quads, const Dictionary& dictionary) {
+  const std::optional<TermId> runs = dictionary.FindIri(kRunsGraph);
+  std::vector<TermQuad> out;
+  for (const Quad& q : quads) {
+    if (q.graph == runs) continue;
+    out.push_back({dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object),
+                   dictionary.Decode(q.graph)});
+  }
+  std::sort(out.begin(), out.end(), [](const TermQuad& a, const TermQuad& b) {
+    return std::tie(a.graph, a.subject, a.predicate, a.object) < std::tie(b.graph, b.subject, b.predicate, b.object);
+  });
+  return out;
+}
+
+}  // namespace
+
+StagesCopy CopyStages(Stages* stages, Revision revision) {
+  StagesCopy copy;
+  copy.version = stages->writer.Freeze(revision);
+  copy.rules = stages->documents.MakeCatalog(stages->engine)->rules;
+  copy.conditions = stages->conditions.Requests();
+  copy.engine = stages->engine.Save();
+  return copy;
+}
+
+absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dictionary,
+                                       const sparql::FunctionRegistry* functions, const Limits& limits,
+                                       WriteBatch batch) {
+  Stages stages(dictionary, functions, limits, copy.version);
+  for (const explain::RuleText& set : copy.rules) {
+    const Diagnostics diagnostics = stages.rules.PutRules(set.name, *set.text);
+    if (HasErrors(diagnostics)) return ToStatus(diagnostics, *set.text);
+  }
+  stages.rules.Adopt();
+  stages.engine.Restore(copy.engine);
+  std::vector<ConditionRequest> requests = copy.conditions;
+  for (ConditionRequest& request : requests) request.only_new = true;  // what holds already is no news
+  if (absl::Status armed = stages.conditions.Arm(requests, *copy.version, batch.time_us); !armed.ok())
+    return armed;
+  FlipWatch watch(&stages, copy.conditions);
+  if (absl::Status begun = watch.Begin(batch.time_us); !begun.ok()) return begun;
+  stages.Commit();
+
+  auto turn = RunTurn(&stages, std::move(batch), copy.version->revision().value() + 1);
+  if (!turn.ok()) return turn.status();
+  WhatIfAnswer answer;
+  answer.revision = copy.version->revision();
+  answer.added = Decode(turn->delta.added, *dictionary);
+  answer.removed = Decode(turn->delta.removed, *dictionary);
+  answer.flips = watch.Flips();
+  for (const Transition& t : turn->record.transitions)
+    answer.transitions.push_back({t.subject, t.from, t.to, t.cause});
+  for (const CommandEntry& command : turn->record.commands) answer.commands.push_back(ToDisplay(command));
+  return answer;
+}
+
+void WhatIf::Ask(WriteBatch batch, Answered answered) {
+  if (batch.OperationCount() > ports_.explain_limits.what_if_operations) {
+    return answered(absl::ResourceExhaustedError(
+        absl::StrCat("the question has ", batch.OperationCount(), " facts; the limit what_if_operations is ",
+                     ports_.explain_limits.what_if_operations)));
+  }
+  auto copy = std::make_shared<StagesCopy>();
+  // A batch that is refused on its turn, after it has looked at the stages.
+  const BatchPreparation look = [copy, writer = ports_.writer](const TurnView& view, WriteBatch*) {
+    *copy = CopyStages(writer->stages(), view.revision);
+    return absl::CancelledError("only looked at");
+  };
+  auto question = std::make_shared<WriteBatch>(std::move(batch));
+  ports_.inbox->Push(WriteBatch(), [this, copy, question, answered](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (copy->version == nullptr) return answered(outcome.status());
+    const bool accepted = ports_.workers->Submit([this, copy, question, answered] {
+      Dictionary dictionary(ports_.dictionary);
+      question->time_us = ports_.clock->Now();
+      answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question)));
+    });
+    if (!accepted) {
+      answered(absl::ResourceExhaustedError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
+                                                         ports_.limits.queries_waiting, "; try again")));
+    }
+  }, look);
+}
+
+}  // namespace docent

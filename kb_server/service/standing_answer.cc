@@ -1,0 +1,185 @@
+#include "kb_server/service/standing_answer.h"
+
+#include <algorithm>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+namespace {
+
+std::string KeyOf(const CountedRow& row) {
+  std::string key;
+  for (const std::optional<Term>& value : row.values) absl::StrAppend(&key, value ? ToNTriples(*value) : "", " ");
+  return key;
+}
+
+void SortRows(std::vector<CountedRow>& rows) {
+  std::sort(rows.begin(), rows.end(), [](const CountedRow& a, const CountedRow& b) { return a.values < b.values; });
+}
+
+}  // namespace
+
+TermId StandingAnswer::Local(const Term& term) {
+  absl::MutexLock lock(&mutex_);
+  const auto [place, fresh] = local_ids_.try_emplace(term, TermId::Make(TermId::Tag::kLocal, locals_.size()));
+  if (fresh) locals_.push_back(term);
+  return place->second;
+}
+
+CountedRow StandingAnswer::Decode(const Row& row, uint64_t count) const {
+  CountedRow out;
+  out.count = count;
+  for (const TermId id : row) {
+    if (id.IsNone()) {
+      out.values.push_back(std::nullopt);
+    } else if (id.tag() == TermId::Tag::kLocal) {
+      out.values.push_back(locals_[id.payload()]);
+    } else {
+      out.values.push_back(dictionary_.Decode(id));
+    }
+  }
+  return out;
+}
+
+void StandingAnswer::Keep(AnswerChange change) {
+  change.number = ++newest_;
+  change.revision = revision_;
+  SortRows(change.appeared);
+  SortRows(change.disappeared);
+  kept_rows_ += change.appeared.size() + change.disappeared.size();
+  changes_.push_back(std::make_shared<const AnswerChange>(std::move(change)));
+  while (changes_.size() > limits_.subscription_changes_kept || kept_rows_ > limits_.subscription_rows) {
+    kept_rows_ -= changes_.front()->appeared.size() + changes_.front()->disappeared.size();
+    changes_.pop_front();
+    if (changes_.empty()) break;
+  }
+}
+
+bool StandingAnswer::SetBoolean(Revision revision, bool holds) {
+  absl::MutexLock lock(&mutex_);
+  revision_ = revision;
+  const bool changed = evaluated_ && boolean_ != holds;
+  boolean_ = holds;
+  evaluated_ = true;
+  whole_.reset();
+  if (changed) {
+    AnswerChange change;
+    change.boolean = holds;
+    Keep(std::move(change));
+  }
+  return changed;
+}
+
+// A value that was computed here may have become a term of the dictionary since: one term, one id.
+void StandingAnswer::AdoptKnownLocals() {
+  std::vector<std::pair<TermId, TermId>> known;
+  for (const auto& [term, local] : local_ids_) {
+    if (auto id = dictionary_.Find(term)) known.emplace_back(local, *id);
+  }
+  if (known.empty()) return;
+  Rows rows;
+  for (const auto& [row, count] : rows_) {
+    Row renamed = row;
+    for (TermId& id : renamed) {
+      for (const auto& [local, global] : known) {
+        if (id == local) id = global;
+      }
+    }
+    rows[renamed] += count;
+  }
+  rows_ = std::move(rows);
+  for (const auto& [local, global] : known) local_ids_.erase(locals_[local.payload()]);
+}
+
+bool StandingAnswer::SetRows(Revision revision, Rows rows) {
+  absl::MutexLock lock(&mutex_);
+  revision_ = revision;
+  whole_.reset();
+  AdoptKnownLocals();
+  AnswerChange change;
+  if (evaluated_) {
+    for (const auto& [row, count] : rows) {
+      const auto before = rows_.find(row);
+      const uint64_t had = before == rows_.end() ? 0 : before->second;
+      if (count > had) change.appeared.push_back(Decode(row, count - had));
+      if (count < had) change.disappeared.push_back(Decode(row, had - count));
+    }
+    for (const auto& [row, had] : rows_) {
+      if (!rows.contains(row)) change.disappeared.push_back(Decode(row, had));
+    }
+  }
+  rows_ = std::move(rows);
+  evaluated_ = true;
+  const bool changed = !change.appeared.empty() || !change.disappeared.empty();
+  if (changed) Keep(std::move(change));
+  return changed;
+}
+
+bool StandingAnswer::boolean() const {
+  absl::MutexLock lock(&mutex_);
+  return boolean_;
+}
+
+bool StandingAnswer::evaluated() const {
+  absl::MutexLock lock(&mutex_);
+  return evaluated_;
+}
+
+AnswerChangePtr StandingAnswer::Whole() const {
+  absl::MutexLock lock(&mutex_);
+  if (whole_ == nullptr) {
+    auto whole = std::make_shared<AnswerChange>();
+    whole->number = newest_;
+    whole->revision = revision_;
+    whole->boolean = boolean_;
+    for (const auto& [row, count] : rows_) whole->appeared.push_back(Decode(row, count));
+    SortRows(whole->appeared);
+    whole_ = std::move(whole);
+  }
+  return whole_;
+}
+
+absl::StatusOr<AnswerChangePtr> StandingAnswer::Get(uint64_t number) const {
+  absl::MutexLock lock(&mutex_);
+  if (number > newest_) return AnswerChangePtr();
+  const uint64_t first = newest_ + 1 - changes_.size();
+  if (number < first) return absl::OutOfRangeError("the change is no longer kept");
+  return changes_[number - first];
+}
+
+absl::StatusOr<AnswerChangePtr> StandingAnswer::Sum(uint64_t number) const {
+  std::vector<AnswerChangePtr> parts;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (number > newest_) return AnswerChangePtr();
+    const uint64_t first = newest_ + 1 - changes_.size();
+    if (number < first) return absl::OutOfRangeError("the change is no longer kept");
+    parts.assign(changes_.begin() + static_cast<ptrdiff_t>(number - first), changes_.end());
+  }
+  if (parts.size() == 1) return parts[0];
+  struct Net {
+    const CountedRow* row;
+    int64_t count;
+  };
+  std::map<std::string, Net> net;
+  for (const AnswerChangePtr& part : parts) {
+    for (const CountedRow& row : part->appeared)
+      net.try_emplace(KeyOf(row), Net{&row, 0}).first->second.count += static_cast<int64_t>(row.count);
+    for (const CountedRow& row : part->disappeared)
+      net.try_emplace(KeyOf(row), Net{&row, 0}).first->second.count -= static_cast<int64_t>(row.count);
+  }
+  auto sum = std::make_shared<AnswerChange>();
+  sum->number = parts.back()->number;
+  sum->revision = parts.back()->revision;
+  sum->boolean = parts.back()->boolean;
+  for (const auto& [key, entry] : net) {
+    if (entry.count > 0) sum->appeared.push_back({entry.row->values, static_cast<uint64_t>(entry.count)});
+    if (entry.count < 0) sum->disappeared.push_back({entry.row->values, static_cast<uint64_t>(-entry.count)});
+  }
+  SortRows(sum->appeared);
+  SortRows(sum->disappeared);
+  return AnswerChangePtr(std::move(sum));
+}
+
+}  // namespace docent

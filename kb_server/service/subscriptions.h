@@ -1,0 +1,179 @@
+// Standing queries of clients: the answer of an ASK or SELECT, and what changes of it after each turn.
+//
+// Off the writer: the writer hands over each durable version with what changed in it; a thread of its own looks up
+// by hash which queries a change can match (reasoner/matching), evaluates those on that very version, and keeps what
+// changed of their answers in a ring under growing numbers. An ASK that does not hold is asked only with what the
+// change binds; one that holds is not asked as long as the solution that is known of it stands. Queries of the same text share all of it. A client holds
+// a place in the ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody
+// follows any more is kept for a while, so that a client that lost its connection can go on.
+//
+// Publish from the writer thread, the rest from any.
+#ifndef DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_
+#define DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/container/btree_map.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/base/subscription_limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/service/standing_answer.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/store/delta_sum.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/matching/pattern_index.h"
+
+namespace docent {
+
+// Read by any thread for /metrics.
+struct SubscriptionCounters {
+  std::atomic<uint64_t> open{0};         // clients
+  std::atomic<uint64_t> queries{0};      // different ones that are followed
+  std::atomic<uint64_t> evaluations{0};
+  std::atomic<uint64_t> changes{0};      // of answers
+  std::atomic<uint64_t> replies{0};      // sent to clients
+  std::atomic<uint64_t> resets{0};       // clients that were given the whole answer anew because they fell behind
+  std::atomic<uint64_t> coalesced{0};    // turns looked at together with the one before: over subscription_backlog
+  std::atomic<uint64_t> revision{0};     // that has been looked at
+};
+
+// One who follows an answer.
+class Follower {
+ public:
+  virtual ~Follower() = default;
+  // There may be something new, or `WakeAt` has come. Quick; from any thread.
+  virtual void Wake() = 0;
+  // It cannot be followed any more.
+  virtual void Fail(const absl::Status& status) = 0;
+};
+
+class Subscriptions {
+ public:
+  struct Settings {
+    const Dictionary* dictionary = nullptr;
+    const sparql::FunctionRegistry* functions = nullptr;
+    const Clock* clock = nullptr;
+    Limits limits;  // of queries
+    SubscriptionLimits subscription_limits;
+    sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+    std::string epoch;  // of this life of the server: part of every resume token
+  };
+  // Everything must outlive it. Starts its thread.
+  explicit Subscriptions(const Settings& settings);
+  ~Subscriptions();
+  Subscriptions(const Subscriptions&) = delete;
+  Subscriptions& operator=(const Subscriptions&) = delete;
+
+  // A turn is durable and visible: `delta` leads to `version` from the one before.
+  void Publish(GraphVersionPtr version, const Delta& delta, TimeMicros time_us);
+  // The graph is `version` now, whatever it was.
+  void PublishWhole(GraphVersionPtr version);
+
+  // Begins to follow; `done` gets the answer (from the thread that evaluates it), with an answer on some version that
+  // is as new as those that were visible when this was called. INVALID_ARGUMENT, UNIMPLEMENTED (another form of
+  // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows; DEADLINE_EXCEEDED:
+  // subscription_evaluation_ms.
+  using Opened = std::function<void(const absl::StatusOr<StandingAnswerPtr>&)>;
+  void Open(const std::string& text, std::shared_ptr<Follower> follower, Opened done);
+  // Ends following; after it neither Wake nor Fail is called. Not from within these.
+  void Close(const std::shared_ptr<Follower>& follower);
+  // Calls Wake at about this time.
+  void WakeAt(absl::Time time, std::weak_ptr<Follower> follower);
+
+  const std::string& epoch() const { return settings_.epoch; }
+  SubscriptionCounters& counters() { return counters_; }
+  // Waits until everything published so far has been looked at. For tests.
+  void Drain();
+
+ private:
+  struct Turn {
+    GraphVersionPtr version;
+    DeltaSum changes;
+    TimeMicros time_us = 0;
+    bool whole = false;
+  };
+  struct Opening {
+    std::string text;
+    sparql::Query query;
+    std::shared_ptr<Follower> follower;
+    Opened done;
+  };
+  struct Standing;  // a query that is followed
+
+  void Run();
+  void Process(Turn turn);
+  void OpenNow(Opening opening);
+  absl::StatusOr<Standing*> FindOrMake(const std::string& text, sparql::Query query);
+  absl::Status Prepare(Standing& standing);
+  void Watch(Standing& standing);
+  void Unwatch(Standing& standing);
+  void LearnConstants();
+  // Why a query is to be looked at: whole, or only with what these changes bind.
+  struct Touched {
+    bool whole = false;
+    std::vector<std::pair<uint32_t, Quad>> seeds;  // trigger and quad
+  };
+  using TouchedSet = absl::btree_map<uint32_t, Touched>;
+  void Gather(const Delta& delta, TouchedSet& touched);
+  void Touch(PatternIndex::Reference reference, const Quad& quad, bool added, TouchedSet& touched);
+  // Of an ASK that does not hold: whether one of the changes makes it hold.
+  absl::StatusOr<bool> HoldsNow(Standing& standing, const Touched& touched, const sparql::RunOptions& run);
+  void Evaluate(Standing& standing, const Touched& touched);
+  void FailAll(Standing& standing, const absl::Status& status);
+  void DropIdle();
+  void Drop(uint32_t number);
+  bool HasWork() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return stopping_ || !turns_.empty() || !openings_.empty();
+  }
+
+  const Settings settings_;
+  SubscriptionCounters counters_;
+
+  absl::Mutex mutex_;
+  std::deque<Turn> turns_ ABSL_GUARDED_BY(mutex_);
+  std::deque<Opening> openings_ ABSL_GUARDED_BY(mutex_);
+  std::multimap<absl::Time, std::weak_ptr<Follower>> alarms_ ABSL_GUARDED_BY(mutex_);
+  bool busy_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_);
+
+  // Who is open, and what it follows. Held while followers are woken, so that Close can promise.
+  absl::Mutex followers_mutex_;
+  absl::flat_hash_map<std::shared_ptr<Follower>, uint32_t> followers_ ABSL_GUARDED_BY(followers_mutex_);
+  absl::flat_hash_map<uint32_t, absl::flat_hash_set<std::shared_ptr<Follower>>> by_standing_
+      ABSL_GUARDED_BY(followers_mutex_);
+
+  // Of the thread.
+  GraphVersionPtr version_;
+  TimeMicros time_us_ = 0;
+  std::vector<std::unique_ptr<Standing>> standing_;  // by number; null: free
+  std::vector<uint32_t> free_;
+  absl::flat_hash_map<std::string, uint32_t> by_text_;
+  absl::flat_hash_set<uint32_t> incomplete_;  // with constants that the dictionary does not know yet
+  absl::flat_hash_set<uint32_t> volatile_;
+  PatternIndex watches_;
+  size_t dictionary_size_ = 0;
+  uint64_t next_answer_ = 1;
+  absl::Time next_idle_check_ = absl::InfinitePast();
+  std::thread thread_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_

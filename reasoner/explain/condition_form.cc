@@ -1,0 +1,472 @@
+#include "reasoner/explain/condition_form.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/sparql/algebra_walk.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent::explain {
+namespace {
+
+using sparql::Algebra;
+using sparql::Expression;
+using sparql::PatternTerm;
+using Clauses = std::vector<Clause>;
+
+template <typename T>
+void Append(std::vector<T>& to, std::vector<T> from) {
+  std::move(from.begin(), from.end(), std::back_inserter(to));
+}
+
+// Names that stand for other names inside an EXISTS or a sub-SELECT.
+struct Scope {
+  std::string prefix;            // of what is local here; empty: the outermost scope
+  std::set<std::string> outer;   // names that keep their meaning
+  const Scope* parent = nullptr;
+
+  std::string NameOf(const std::string& name) const {
+    if (prefix.empty() || outer.contains(name)) return parent == nullptr ? name : parent->NameOf(name);
+    return absl::StrCat(prefix, name);
+  }
+};
+
+int Variable(Clause& clause, const std::string& name, const std::string& written) {
+  const int known = clause.Find(name);
+  if (known >= 0) return known;
+  clause.names.push_back(name);
+  clause.written.push_back(!written.empty() && written[0] != '.' ? written : "");
+  return static_cast<int>(clause.names.size()) - 1;
+}
+
+// `to` and `from` together, the variables of the same name being one.
+Clause Merge(const Clause& to, const Clause& from) {
+  Clause out = to;
+  std::vector<int> place(from.names.size());
+  for (size_t i = 0; i < from.names.size(); ++i) {
+    place[i] = Variable(out, from.names[i], from.written[i]);
+  }
+  const auto move_all = [&](std::vector<int>& variables) {
+    for (int& v : variables) v = place[v];
+  };
+  for (Atom atom : from.atoms) {
+    for (AtomTerm& term : atom.terms) {
+      if (term.variable >= 0) term.variable = place[term.variable];
+    }
+    out.atoms.push_back(atom);
+  }
+  for (Test test : from.tests) {
+    move_all(test.variables);
+    out.tests.push_back(std::move(test));
+  }
+  for (Assignment assignment : from.assignments) {
+    move_all(assignment.variables);
+    assignment.variable = place[assignment.variable];
+    out.assignments.push_back(std::move(assignment));
+  }
+  for (Table table : from.tables) {
+    move_all(table.variables);
+    out.tables.push_back(std::move(table));
+  }
+  for (Part part : from.parts) {
+    move_all(part.variables);
+    out.parts.push_back(std::move(part));
+  }
+  out.absences.insert(out.absences.end(), from.absences.begin(), from.absences.end());
+  return out;
+}
+
+// Every variable that is mentioned anywhere in `node` but below `except`.
+void MentionedBeside(const Algebra& node, const Algebra* except, std::set<std::string>& names) {
+  if (&node == except) return;
+  const auto add = [&names](const PatternTerm& term) {
+    if (term.IsVariable() && !term.variable->name.empty()) names.insert(term.variable->name);
+  };
+  for (const sparql::TriplePattern& triple : node.triples) {
+    add(triple.subject);
+    add(triple.predicate);
+    add(triple.object);
+  }
+  add(node.subject);
+  add(node.object);
+  add(node.name);
+  for (const sparql::Variable& v : node.variables) names.insert(v.name);
+  if (node.expression) {
+    for (const sparql::Variable& v : sparql::MentionedVariables(*node.expression)) names.insert(v.name);
+  }
+  for (const auto& child : node.children) MentionedBeside(*child, except, names);
+}
+
+class Builder {
+ public:
+  Builder(const Algebra& whole, Dictionary& dictionary, TermId default_graph)
+      : whole_(whole), dictionary_(dictionary) {
+    graph_.constant = default_graph;
+  }
+
+  absl::StatusOr<Clauses> Expand(const Algebra& node, const Scope& scope) {
+    switch (node.kind) {
+      case Algebra::Kind::kBgp:
+        return ExpandBgp(node, scope);
+      case Algebra::Kind::kPath:
+        return ExpandPath(node, scope);
+      case Algebra::Kind::kJoin:
+        return ExpandJoin(node, scope);
+      case Algebra::Kind::kUnion:
+        return ExpandUnion(node, scope);
+      case Algebra::Kind::kFilter:
+        return ExpandFilter(node, scope);
+      case Algebra::Kind::kLeftJoin:
+        return ExpandLeftJoin(node, scope);
+      case Algebra::Kind::kMinus:
+        return ExpandMinus(node, scope);
+      case Algebra::Kind::kGraph:
+        return ExpandGraph(node, scope);
+      case Algebra::Kind::kExtend:
+        return ExpandExtend(node, scope);
+      case Algebra::Kind::kValues:
+        return ExpandValues(node, scope);
+      case Algebra::Kind::kOrderBy:
+      case Algebra::Kind::kDistinct:
+      case Algebra::Kind::kReduced:
+        return Expand(*node.children[0], scope);
+      case Algebra::Kind::kProject:
+        return ExpandProject(node, scope);
+      case Algebra::Kind::kService:
+      case Algebra::Kind::kGroup:
+      case Algebra::Kind::kSlice:
+        return Whole(node, scope);
+    }
+    return Whole(node, scope);
+  }
+
+ private:
+  AtomTerm Make(Clause& clause, const PatternTerm& term, const Scope& scope) {
+    if (!term.IsVariable()) return {dictionary_.Intern(term.term), AtomTerm::kConstant};
+    const std::string& name = term.variable->name;
+    return {TermId(), Variable(clause, scope.NameOf(name), name)};
+  }
+
+  Atom MakeAtom(Clause& clause, const PatternTerm& s, const PatternTerm& p, const PatternTerm& o,
+                const Scope& scope) {
+    Atom atom;
+    atom.terms[0] = Make(clause, s, scope);
+    atom.terms[1] = Make(clause, p, scope);
+    atom.terms[2] = Make(clause, o, scope);
+    atom.terms[3] = graph_;
+    if (!graph_name_.empty()) atom.terms[3] = {TermId(), Variable(clause, graph_name_, graph_written_)};
+    return atom;
+  }
+
+  Clauses ExpandBgp(const Algebra& node, const Scope& scope) {
+    Clause clause;
+    for (const sparql::TriplePattern& t : node.triples) {
+      clause.atoms.push_back(MakeAtom(clause, t.subject, t.predicate, t.object, scope));
+    }
+    return {std::move(clause)};
+  }
+
+  // Sequences, alternatives and inverses are triple patterns with variables between them.
+  absl::StatusOr<Clauses> ExpandPath(const Algebra& node, const Scope& scope) {
+    if (!IsPlain(node.path)) return Whole(node, scope);
+    return PathClauses(node.path, node.subject, node.object, scope);
+  }
+
+  static bool IsPlain(const sparql::Path& path) {
+    using Kind = sparql::Path::Kind;
+    if (path.kind == Kind::kIri) return true;
+    if (path.kind != Kind::kInverse && path.kind != Kind::kSequence && path.kind != Kind::kAlternative)
+      return false;
+    return std::all_of(path.children.begin(), path.children.end(), IsPlain);
+  }
+
+  absl::StatusOr<Clauses> PathClauses(const sparql::Path& path, const PatternTerm& from,
+                                      const PatternTerm& to, const Scope& scope) {
+    using Kind = sparql::Path::Kind;
+    if (path.kind == Kind::kIri) {
+      Clause clause;
+      clause.atoms.push_back(MakeAtom(clause, from, PatternTerm::Of(path.iri), to, scope));
+      return Clauses{std::move(clause)};
+    }
+    if (path.kind == Kind::kInverse) return PathClauses(path.children[0], to, from, scope);
+    if (path.kind == Kind::kAlternative) {
+      Clauses all;
+      for (const sparql::Path& child : path.children) {
+        auto one = PathClauses(child, from, to, scope);
+        if (!one.ok()) return one;
+        Append(all, *std::move(one));
+      }
+      return Checked(std::move(all));
+    }
+    Clauses all = {Clause()};
+    PatternTerm at = from;
+    for (size_t i = 0; i < path.children.size(); ++i) {
+      const bool last = i + 1 == path.children.size();
+      PatternTerm next = last ? to : PatternTerm::Of(sparql::Variable{absl::StrCat(".way", ++fresh_)});
+      auto one = PathClauses(path.children[i], at, next, scope);
+      if (!one.ok()) return one;
+      auto product = Cross(all, *one);
+      if (!product.ok()) return product;
+      all = *std::move(product);
+      at = next;
+    }
+    return all;
+  }
+
+  absl::StatusOr<Clauses> ExpandJoin(const Algebra& node, const Scope& scope) {
+    Clauses all = {Clause()};
+    for (const auto& child : node.children) {
+      auto one = Expand(*child, scope);
+      if (!one.ok()) return one;
+      auto product = Cross(all, *one);
+      if (!product.ok()) return product;
+      all = *std::move(product);
+    }
+    return all;
+  }
+
+  absl::StatusOr<Clauses> ExpandUnion(const Algebra& node, const Scope& scope) {
+    Clauses all;
+    for (const auto& child : node.children) {
+      auto one = Expand(*child, scope);
+      if (!one.ok()) return one;
+      Append(all, *std::move(one));
+    }
+    return Checked(std::move(all));
+  }
+
+  absl::StatusOr<Clauses> ExpandFilter(const Algebra& node, const Scope& scope) {
+    // A filter of an inner group sees that group's variables only.
+    std::set<std::string> visible;
+    for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) visible.insert(v.name);
+    if (&node != OutermostFilter(whole_, node) && MentionsOthers(*node.expression, visible)) {
+      return Whole(node, scope);
+    }
+    auto all = Expand(*node.children[0], scope);
+    if (!all.ok()) return all;
+    return Filter(*std::move(all), *node.expression, scope, visible);
+  }
+
+  // `node` itself where only modifiers and filters stand around it.
+  static const Algebra* OutermostFilter(const Algebra& whole, const Algebra& node) {
+    const Algebra* at = &whole;
+    while (at != &node) {
+      switch (at->kind) {
+        case Algebra::Kind::kFilter:
+        case Algebra::Kind::kProject:
+        case Algebra::Kind::kDistinct:
+        case Algebra::Kind::kReduced:
+        case Algebra::Kind::kOrderBy:
+          at = at->children[0].get();
+          break;
+        default:
+          return nullptr;
+      }
+    }
+    return at;
+  }
+
+  static bool MentionsOthers(const Expression& e, const std::set<std::string>& visible) {
+    if (e.kind == Expression::Kind::kVariable) return !visible.contains(e.variable.name);
+    return std::any_of(e.arguments.begin(), e.arguments.end(),
+                       [&](const auto& argument) { return MentionsOthers(*argument, visible); });
+  }
+
+  absl::StatusOr<Clauses> Filter(Clauses all, const Expression& e, const Scope& scope,
+                                 const std::set<std::string>& visible) {
+    if (e.kind == Expression::Kind::kAnd) {
+      for (const auto& argument : e.arguments) {
+        auto one = Filter(std::move(all), *argument, scope, visible);
+        if (!one.ok()) return one;
+        all = *std::move(one);
+      }
+      return all;
+    }
+    const bool negated = e.kind == Expression::Kind::kNot;
+    const Expression& inner = negated ? *e.arguments[0] : e;
+    if (inner.kind == Expression::Kind::kExists || inner.kind == Expression::Kind::kNotExists) {
+      const Scope local{absl::StrCat(".e", ++fresh_, "."), visible, &scope};
+      auto pattern = Expand(*inner.pattern, local);
+      if (!pattern.ok()) return pattern;
+      if ((inner.kind == Expression::Kind::kExists) != negated) return Cross(all, *pattern);
+      for (Clause& clause : all) clause.absences.push_back({*pattern, Share(*inner.pattern)});
+      return all;
+    }
+    for (Clause& clause : all) {
+      Test test{Renamed(e, scope), {}};
+      for (const sparql::Variable& v : sparql::MentionedVariables(e)) {
+        test.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
+      }
+      clause.tests.push_back(std::move(test));
+    }
+    return all;
+  }
+
+  absl::StatusOr<Clauses> ExpandLeftJoin(const Algebra& node, const Scope& scope) {
+    std::set<std::string> beside;
+    MentionedBeside(whole_, &node, beside);
+    std::set<std::string> left;
+    for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) left.insert(v.name);
+    for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[1])) {
+      if (!left.contains(v.name) && beside.contains(v.name) && !IsOnlyShown(v.name)) return Whole(node, scope);
+    }
+    return Expand(*node.children[0], scope);
+  }
+
+  // Whether nothing but an outermost SELECT list looks at the variable; MentionedBeside counts that as well.
+  bool IsOnlyShown(const std::string& name) const {
+    const Algebra& where = WithoutModifiers(whole_);
+    if (&where == &whole_) return false;
+    std::set<std::string> names;
+    const Algebra* inner = &where;
+    // the OPTIONAL at the outside of the pattern
+    while (inner->kind == Algebra::Kind::kFilter) {
+      for (const sparql::Variable& v : sparql::MentionedVariables(*inner->expression)) names.insert(v.name);
+      inner = inner->children[0].get();
+    }
+    return inner->kind == Algebra::Kind::kLeftJoin && !names.contains(name);
+  }
+
+  absl::StatusOr<Clauses> ExpandMinus(const Algebra& node, const Scope& scope) {
+    auto all = Expand(*node.children[0], scope);
+    if (!all.ok()) return all;
+    std::set<std::string> left;
+    for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) left.insert(v.name);
+    const auto right = sparql::InScopeVariables(*node.children[1]);
+    const bool shares = std::any_of(right.begin(), right.end(),
+                                    [&](const sparql::Variable& v) { return left.contains(v.name); });
+    if (!shares) return all;  // section 8.3.2: nothing is taken away
+    const Scope local{absl::StrCat(".m", ++fresh_, "."), left, &scope};
+    auto pattern = Expand(*node.children[1], local);
+    if (!pattern.ok()) return pattern;
+    for (Clause& clause : *all) clause.absences.push_back({*pattern, Share(*node.children[1])});
+    return all;
+  }
+
+  absl::StatusOr<Clauses> ExpandGraph(const Algebra& node, const Scope& scope) {
+    const AtomTerm graph = graph_;
+    const std::string name = graph_name_, written = graph_written_;
+    if (node.name.IsVariable()) {
+      graph_name_ = scope.NameOf(node.name.variable->name);
+      graph_written_ = node.name.variable->name;
+    } else {
+      graph_name_.clear();
+      graph_ = {dictionary_.Intern(node.name.term), AtomTerm::kConstant};
+    }
+    auto all = Expand(*node.children[0], scope);
+    graph_ = graph;
+    graph_name_ = name;
+    graph_written_ = written;
+    return all;
+  }
+
+  absl::StatusOr<Clauses> ExpandExtend(const Algebra& node, const Scope& scope) {
+    auto all = Expand(*node.children[0], scope);
+    if (!all.ok()) return all;
+    for (Clause& clause : *all) {
+      Assignment assignment{Renamed(*node.expression, scope), {}, 0};
+      for (const sparql::Variable& v : sparql::MentionedVariables(*node.expression)) {
+        assignment.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
+      }
+      assignment.variable = Variable(clause, scope.NameOf(node.variable.name), node.variable.name);
+      clause.assignments.push_back(std::move(assignment));
+    }
+    return all;
+  }
+
+  Clauses ExpandValues(const Algebra& node, const Scope& scope) {
+    Clause clause;
+    Table table;
+    for (const sparql::Variable& v : node.variables) {
+      table.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
+    }
+    for (const auto& row : node.rows) {
+      std::vector<TermId>& ids = table.rows.emplace_back();
+      for (const auto& term : row) ids.push_back(term ? dictionary_.Intern(*term) : TermId());
+    }
+    clause.tables.push_back(std::move(table));
+    return {std::move(clause)};
+  }
+
+  // A sub-SELECT: what it does not show is its own.
+  absl::StatusOr<Clauses> ExpandProject(const Algebra& node, const Scope& scope) {
+    if (&node == &whole_ || IsOutermost(node)) return Expand(*node.children[0], scope);
+    std::set<std::string> shown;
+    for (const sparql::Variable& v : node.variables) shown.insert(v.name);
+    const Scope local{absl::StrCat(".s", ++fresh_, "."), shown, &scope};
+    return Expand(*node.children[0], local);
+  }
+
+  bool IsOutermost(const Algebra& node) const {
+    const Algebra* at = &whole_;
+    while (at != &node) {
+      if (at->kind != Algebra::Kind::kDistinct && at->kind != Algebra::Kind::kReduced &&
+          at->kind != Algebra::Kind::kOrderBy && at->kind != Algebra::Kind::kProject)
+        return false;
+      at = at->children[0].get();
+    }
+    return true;
+  }
+
+  Clauses Whole(const Algebra& node, const Scope& scope) {
+    Clause clause;
+    Part part;
+    part.pattern = Share(node);
+    for (const sparql::Variable& v : sparql::InScopeVariables(node)) {
+      part.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
+    }
+    clause.parts.push_back(std::move(part));
+    return {std::move(clause)};
+  }
+
+  static std::shared_ptr<const Algebra> Share(const Algebra& node) { return node.Clone(); }
+
+  std::shared_ptr<const Expression> Renamed(const Expression& e, const Scope& scope) {
+    sparql::ExpressionPtr copy = e.Clone();
+    Rename(*copy, scope);
+    return copy;
+  }
+  static void Rename(Expression& e, const Scope& scope) {
+    if (e.kind == Expression::Kind::kVariable) e.variable.name = scope.NameOf(e.variable.name);
+    for (const auto& argument : e.arguments) Rename(*argument, scope);
+  }
+
+  static absl::StatusOr<Clauses> Checked(Clauses clauses) {
+    if (clauses.size() <= kMaxClauses) return clauses;
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the pattern has more than ", kMaxClauses,
+                     " alternatives; ask about one alternative of its UNIONs at a time"));
+  }
+  static absl::StatusOr<Clauses> Cross(const Clauses& a, const Clauses& b) {
+    Clauses all;
+    if (a.size() * b.size() > kMaxClauses) all.resize(kMaxClauses + 1);
+    if (!all.empty()) return Checked(std::move(all));
+    for (const Clause& left : a) {
+      for (const Clause& right : b) all.push_back(Merge(left, right));
+    }
+    return all;
+  }
+
+  const Algebra& whole_;
+  Dictionary& dictionary_;
+  AtomTerm graph_;
+  std::string graph_name_, graph_written_;  // GRAPH ?g
+  int fresh_ = 0;
+};
+
+}  // namespace
+
+int Clause::Find(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+absl::StatusOr<std::vector<Clause>> ToClauses(const sparql::Algebra& where, Dictionary& dictionary,
+                                              TermId default_graph) {
+  return Builder(where, dictionary, default_graph).Expand(where, Scope());
+}
+
+}  // namespace docent::explain

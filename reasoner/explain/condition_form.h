@@ -1,0 +1,94 @@
+// A pattern as alternatives of plain conjunctions: what explanations reason about.
+//
+//   { ?v a :Visitor ; :isAt ?r . FILTER NOT EXISTS { ?v :served true } } UNION { … }
+//     → clause 1: facts  ?v a :Visitor, ?v :isAt ?r    absent  { ?v :served true }
+//       clause 2: …
+//
+// UNION and alternative paths are carried to the outside, EXISTS and sub-SELECTs become facts with variables of
+// their own, an OPTIONAL that nothing else looks at is left out: the clauses have a solution exactly when the
+// pattern has one. What cannot be taken apart (recursive paths, aggregates, LIMIT) stays whole as a *part* that
+// only the evaluator understands. Values; any thread.
+#ifndef DOCENT_REASONER_EXPLAIN_CONDITION_FORM_H_
+#define DOCENT_REASONER_EXPLAIN_CONDITION_FORM_H_
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/algebra.h"
+
+namespace docent::explain {
+
+// A constant, or a variable of the clause.
+struct AtomTerm {
+  static constexpr int kConstant = -1;
+  TermId constant;  // none with kConstant: any graph
+  int variable = kConstant;
+};
+
+// ?v :isAt ?r, in subject, predicate, object, graph order.
+struct Atom {
+  std::array<AtomTerm, 4> terms;
+};
+
+struct Clause;
+
+// NOT EXISTS { … } or MINUS { … }: none of the alternatives may have a solution. Their variables of the same name as
+// the clause's are the clause's.
+struct Absence {
+  std::vector<Clause> alternatives;
+  std::shared_ptr<const sparql::Algebra> source;  // for people
+};
+
+// FILTER, without EXISTS at its top.
+struct Test {
+  std::shared_ptr<const sparql::Expression> expression;
+  std::vector<int> variables;  // of the clause
+};
+
+// BIND(expression AS ?variable)
+struct Assignment {
+  std::shared_ptr<const sparql::Expression> expression;
+  std::vector<int> variables;  // that the expression mentions
+  int variable = 0;
+};
+
+// VALUES
+struct Table {
+  std::vector<int> variables;
+  std::vector<std::vector<TermId>> rows;  // none: UNDEF
+};
+
+// What stays whole.
+struct Part {
+  std::shared_ptr<const sparql::Algebra> pattern;
+  std::vector<int> variables;  // in scope of it
+};
+
+struct Clause {
+  std::vector<std::string> names;     // of its variables
+  std::vector<std::string> written;   // as the query has them; empty: made here, or a blank node
+  std::vector<Atom> atoms;
+  std::vector<Absence> absences;
+  std::vector<Test> tests;
+  std::vector<Assignment> assignments;
+  std::vector<Table> tables;
+  std::vector<Part> parts;
+
+  // -1: none of that name.
+  int Find(const std::string& name) const;
+};
+
+// The alternatives of `where`, constants interned in `dictionary` (the caller's own, over the server's).
+// `default_graph`: where patterns outside GRAPH are looked for; none: all graphs. RESOURCE_EXHAUSTED for more than
+// kMaxClauses alternatives.
+inline constexpr size_t kMaxClauses = 64;
+absl::StatusOr<std::vector<Clause>> ToClauses(const sparql::Algebra& where, Dictionary& dictionary,
+                                              TermId default_graph = TermId());
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_CONDITION_FORM_H_

@@ -1,0 +1,135 @@
+#include "reasoner/explain/explainer.h"
+
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent::explain {
+
+Explainer::Explainer(const Settings& settings) : settings_(settings), dictionary_(settings.dictionary) {
+  run_.version = settings_.version.get();
+  run_.cancellation = settings_.cancellation;
+  run_.now_us = settings_.now_us;
+  if (settings_.default_graph == sparql::DefaultGraph::kStrict)
+    default_graph_ = dictionary_.InternIri(kDefaultGraph);
+}
+
+absl::StatusOr<std::unique_ptr<Explainer>> Explainer::Make(const Settings& settings) {
+  std::unique_ptr<Explainer> made(new Explainer(settings));
+  auto rules = RuleBase::Make(settings.rules, made->dictionary_, settings.limits);
+  if (!rules.ok()) return rules.status();
+  made->rules_ = *std::move(rules);
+  made->prover_ = std::make_unique<Prover>(*settings.version, made->dictionary_, *made->rules_,
+                                           settings.functions, made->run_, settings.explain_limits,
+                                           settings.prefixes);
+  return made;
+}
+
+absl::Status Explainer::LookUpTellings(Proof& proof) {
+  if (settings_.history == nullptr) return absl::OkStatus();
+  std::vector<TermQuad> quads;
+  std::vector<Told*> places;
+  for (ProofStep& step : proof.steps) {
+    for (Told& told : step.told) {
+      quads.push_back({step.fact.subject, step.fact.predicate, step.fact.object, told.graph});
+      places.push_back(&told);
+    }
+  }
+  auto tellings = settings_.history->Find(quads, *settings_.version, settings_.cancellation);
+  if (!tellings.ok()) return tellings.status();
+  for (size_t i = 0; i < places.size(); ++i) {
+    if (!(*tellings)[i]) continue;
+    places[i]->offset = (*tellings)[i]->offset;
+    places[i]->time_us = (*tellings)[i]->time_us;
+    places[i]->by = (*tellings)[i]->by;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::optional<Proof>> Explainer::WhyFact(const TermQuad& fact) {
+  Quad quad;
+  const auto subject = dictionary_.Find(fact.subject);
+  const auto predicate = dictionary_.Find(fact.predicate);
+  const auto object = dictionary_.Find(fact.object);
+  if (!subject || !predicate || !object) return std::optional<Proof>();
+  quad = {*subject, *predicate, *object, TermId()};
+  Proof proof;
+  auto root = prover_->Add(quad, proof);
+  if (!root.ok()) return root.status();
+  if (!*root) return std::optional<Proof>();
+  proof.roots.push_back(**root);
+  if (absl::Status status = LookUpTellings(proof); !status.ok()) return status;
+  return std::optional<Proof>(std::move(proof));
+}
+
+absl::StatusOr<bool> Explainer::Holds(const sparql::Query& ask) {
+  sparql::PrepareOptions options;
+  options.functions = settings_.functions;
+  options.default_graph = settings_.default_graph;
+  auto prepared = sparql::PreparedQuery::Prepare(ask, dictionary_, options);
+  if (!prepared.ok()) return prepared.status();
+  return (*prepared)->Ask(run_);
+}
+
+absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask) {
+  if (!ask.from.empty() || !ask.from_named.empty()) {
+    return absl::UnimplementedError("explanations of queries with FROM; leave it out, or use GRAPH");
+  }
+  auto holds = Holds(ask);
+  if (!holds.ok()) return holds.status();
+  if (!*holds) return std::optional<Proof>();
+  auto clauses = ToClauses(WithoutModifiers(*ask.algebra), dictionary_, default_graph_);
+  if (!clauses.ok()) return clauses.status();
+  Solver solver(*settings_.version, dictionary_, settings_.functions, run_, settings_.explain_limits.explain_steps);
+  for (const Clause& clause : *clauses) {
+    std::optional<Solution> first;
+    absl::Status status = solver.Solve(clause, {}, SolveOptions(), [&](const Solution& solution) {
+      first = solution;
+      return false;
+    });
+    if (!status.ok()) return status;
+    if (!first) continue;
+    Proof proof;
+    for (const Quad& quad : first->facts) {
+      auto root = prover_->Add(quad, proof);
+      if (!root.ok()) return root.status();
+      if (*root) proof.roots.push_back(**root);
+    }
+    for (size_t v = 0; v < clause.names.size(); ++v) {
+      if (clause.written[v].empty() || first->row[v].IsNone()) continue;
+      proof.bindings.emplace_back(clause.written[v], dictionary_.Decode(first->row[v]));
+    }
+    proof.conditions = prover_->Conditions(clause, first->row);
+    if (absl::Status found = LookUpTellings(proof); !found.ok()) return found;
+    return std::optional<Proof>(std::move(proof));
+  }
+  return absl::ResourceExhaustedError(
+      "the condition holds, but its facts were not found within explain_steps");
+}
+
+absl::StatusOr<WhyNotAnswer> Explainer::WhyNot(const sparql::Query& ask, size_t sets) {
+  if (!ask.from.empty() || !ask.from_named.empty()) {
+    return absl::UnimplementedError("explanations of queries with FROM; leave it out, or use GRAPH");
+  }
+  auto holds = Holds(ask);
+  if (!holds.ok()) return holds.status();
+  WhyNotAnswer answer;
+  answer.holds = *holds;
+  if (answer.holds) return answer;
+  auto hypothesis = Hypothesis::Make(settings_.version, dictionary_, settings_.rules, settings_.functions,
+                                     settings_.limits);
+  if (!hypothesis.ok()) return hypothesis.status();
+  WhyNotFinder::Parts parts;
+  parts.version = settings_.version.get();
+  parts.dictionary = &dictionary_;
+  parts.rules = rules_.get();
+  parts.hypothesis = hypothesis->get();
+  parts.prover = prover_.get();
+  parts.functions = settings_.functions;
+  parts.run = run_;
+  parts.limits = settings_.explain_limits;
+  parts.default_graph = default_graph_;
+  parts.prefixes = settings_.prefixes;
+  return WhyNotFinder(std::move(parts)).Find(ask, sets);
+}
+
+}  // namespace docent::explain

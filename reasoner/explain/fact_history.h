@@ -1,0 +1,37 @@
+// Who told a fact, and when: asked of whoever reads the log. The server's implementation is
+// kb_server/app/log_history.h.
+#ifndef DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
+#define DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/ids.h"
+#include "kb_server/rdf/term.h"
+#include "kb_server/store/graph_version.h"
+
+namespace docent::explain {
+
+struct Telling {
+  uint64_t offset = 0;
+  TimeMicros time_us = 0;
+  std::string by;  // "reading of <sensor>", "ontology NAME"; empty: a plain fact
+};
+
+class FactHistory {
+ public:
+  virtual ~FactHistory() = default;
+  // For each quad its newest telling up to the version; nullopt where it is older than what is looked at (limit
+  // explain_log_records) or was told by none. Any thread.
+  virtual absl::StatusOr<std::vector<std::optional<Telling>>> Find(const std::vector<TermQuad>& quads,
+                                                                   const GraphVersion& version,
+                                                                   Cancellation* cancellation) = 0;
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_

@@ -1,0 +1,44 @@
+// A graph version as it would be with some facts more and some less, rules applied. Nothing is written. One thread,
+// beside the writer.
+#ifndef DOCENT_REASONER_EXPLAIN_HYPOTHESIS_H_
+#define DOCENT_REASONER_EXPLAIN_HYPOTHESIS_H_
+
+#include <memory>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/statusor.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/explain/rule_base.h"
+#include "reasoner/rules/rule_engine.h"
+
+namespace docent::explain {
+
+class Hypothesis {
+ public:
+  // `version` holds what `rules` derive. `dictionary` is the caller's own, over the server's.
+  static absl::StatusOr<std::unique_ptr<Hypothesis>> Make(GraphVersionPtr version, Dictionary& dictionary,
+                                                          const std::vector<RuleText>& rules,
+                                                          const sparql::FunctionRegistry* functions,
+                                                          const Limits& limits);
+
+  // Calls `look` with the changed graph and what changed, told and inferred, then forgets it. What it gives is
+  // given back. Errors of the rules: RESOURCE_EXHAUSTED naming the rule and the limit.
+  absl::Status With(const std::vector<Quad>& add, const std::vector<Quad>& remove,
+                    absl::FunctionRef<absl::Status(const GraphVersion&, const Delta&)> look);
+
+ private:
+  Hypothesis(GraphVersionPtr version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+             const Limits& limits)
+      : writer_(std::move(version)), rules_(dictionary, limits, functions) {}
+
+  GraphWriter writer_;
+  RuleEngine rules_;
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_HYPOTHESIS_H_

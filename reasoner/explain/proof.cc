@@ -1,0 +1,200 @@
+#include "reasoner/explain/proof.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/explain/display.h"
+
+namespace docent::explain {
+namespace {
+
+constexpr int kDeepest = 1000;             // of a proof; deeper ones are not looked for
+constexpr int kIdleRounds = 8;             // without a new fact or proof: by rules that are not known here
+constexpr size_t kDerivationsLooked = 2000;  // of one fact
+
+Quad WithoutGraph(const Quad& quad) {
+  return {quad.subject, quad.predicate, quad.object, TermId()};
+}
+
+}  // namespace
+
+Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
+               const sparql::FunctionRegistry* functions, const sparql::RunOptions& run,
+               const ExplainLimits& limits, std::vector<std::pair<std::string, std::string>> prefixes)
+    : version_(version),
+      dictionary_(dictionary),
+      rules_(rules),
+      limits_(limits),
+      inferred_(dictionary.InternIri(kInferredGraph)),
+      prefixes_(std::move(prefixes)),
+      solver_(version, dictionary, functions, run, limits.explain_steps) {}
+
+std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
+  std::vector<Quad> told;
+  version_.ForEach(
+      {fact.subject, fact.predicate, fact.object, TermId()}, [&](const Quad& quad) {
+        if (quad.graph != inferred_) told.push_back(quad);
+        return true;
+      });
+  return told;
+}
+
+// All ways in which one rule makes the fact of facts that the version holds.
+absl::Status Prover::Derive(const Quad& fact, Known& known) {
+  known.derived = true;
+  std::vector<RuleBase::Head> heads;
+  rules_.ForEachHead(fact.predicate, [&](RuleBase::Head h) { heads.push_back(h); });
+  const std::array<TermId, 3> terms = {fact.subject, fact.predicate, fact.object};
+  for (const RuleBase::Head& place : heads) {
+    const RuleClause& rule = rules_.clauses()[place.clause];
+    const Atom& head = rule.heads[place.head];
+    std::vector<TermId> seed(rule.body.names.size());
+    bool fits = true;
+    for (int i = 0; i < 3 && fits; ++i) {
+      if (head.terms[i].variable < 0) {
+        fits = head.terms[i].constant == terms[i];
+      } else {
+        TermId& value = seed[head.terms[i].variable];
+        fits = value.IsNone() || value == terms[i];
+        value = terms[i];
+      }
+    }
+    if (!fits) continue;
+    absl::Status status = solver_.Solve(rule.body, seed, SolveOptions(), [&](const Solution& solution) {
+      Derivation derivation{place.clause, solution.row, {}};
+      for (const Quad& quad : solution.facts) {
+        const Quad premise = WithoutGraph(quad);
+        if (premise == fact) return true;  // rests on itself
+        if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
+          derivation.facts.push_back(premise);
+      }
+      known.derivations.push_back(std::move(derivation));
+      return known.derivations.size() < kDerivationsLooked;
+    });
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+// Whether there is a proof of at most this depth. Iterative deepening: what is found first is the least deep.
+absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
+  if (solver_.exhausted() || ++calls_ > limits_.explain_steps) {
+    return absl::ResourceExhaustedError(absl::StrCat("the search for a proof took more than explain_steps = ",
+                                                     limits_.explain_steps, " steps"));
+  }
+  std::unique_ptr<Known>& place = known_[fact];
+  if (place == nullptr) {
+    place = std::make_unique<Known>();
+    if (!ToldQuads(fact).empty()) place->proven = 0;
+  }
+  Known& known = *place;  // stays where it is
+  if (known.proven >= 0) return known.proven <= depth;
+  for (int d = known.refuted + 1; d <= depth; ++d) {
+    if (d > 0 && !known.derived) {
+      if (absl::Status status = Derive(fact, known); !status.ok()) return status;
+    }
+    known.refuted = d;  // a proof of it with itself inside is none
+    for (size_t i = 0; d > 0 && i < known.derivations.size(); ++i) {
+      bool all = true;
+      for (size_t p = 0; all && p < known.derivations[i].facts.size(); ++p) {
+        auto proven = Prove(known.derivations[i].facts[p], d - 1);
+        if (!proven.ok()) return proven;
+        all = *proven;
+      }
+      if (!all) continue;
+      known.proven = d;
+      ++proven_;
+      known.best = i;
+      return true;
+    }
+  }
+  return false;
+}
+
+absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
+                                     absl::flat_hash_map<Quad, size_t>& placed) {
+  if (const auto found = placed.find(fact); found != placed.end()) return found->second;
+  if (proof.steps.size() >= limits_.explain_facts) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the proof has more facts than explain_facts = ", limits_.explain_facts));
+  }
+  const size_t number = proof.steps.size();
+  placed[fact] = number;
+  ProofStep step;
+  step.fact = {dictionary_.Decode(fact.subject), dictionary_.Decode(fact.predicate),
+               dictionary_.Decode(fact.object), Term()};
+  for (const Quad& quad : ToldQuads(fact)) step.told.push_back({dictionary_.Decode(quad.graph), 0, 0, ""});
+  proof.steps.push_back(step);
+  if (!step.told.empty()) return number;
+  const Known& known = *known_.at(fact);
+  if (known.proven < 0) return number;  // by rules that are not known here
+  const Derivation& derivation = known.derivations[known.best];
+  const RuleClause& rule = rules_.clauses()[derivation.clause];
+  step.rule = rules_.rules()[rule.rule].label;
+  step.depth = static_cast<size_t>(known.proven);
+  for (size_t v = 0; v < rule.body.names.size(); ++v) {
+    if (rule.body.written[v].empty() || derivation.row[v].IsNone()) continue;
+    step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row[v]));
+  }
+  step.conditions = Conditions(rule.body, derivation.row);
+  for (const Quad& premise : derivation.facts) {
+    auto placed_at = Write(premise, proof, placed);
+    if (!placed_at.ok()) return placed_at;
+    step.premises.push_back(*placed_at);
+  }
+  proof.steps[number] = std::move(step);
+  return number;
+}
+
+absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof) {
+  const Quad fact = WithoutGraph(quad);
+  if (version_.Count({fact.subject, fact.predicate, fact.object, TermId()}) == 0)
+    return std::optional<size_t>();
+  size_t before = 0;
+  int idle = 0;
+  for (int depth = 0; depth <= kDeepest && idle < kIdleRounds; ++depth) {
+    auto proven = Prove(fact, depth);
+    if (!proven.ok()) return proven.status();
+    if (*proven) break;
+    const size_t learnt = known_.size() + proven_;
+    idle = learnt == before ? idle + 1 : 0;
+    before = learnt;
+  }
+  absl::flat_hash_map<Quad, size_t> placed;
+  for (size_t i = 0; i < proof.steps.size(); ++i) {
+    const TermQuad& f = proof.steps[i].fact;
+    placed[{*dictionary_.Find(f.subject), *dictionary_.Find(f.predicate), *dictionary_.Find(f.object),
+            TermId()}] = i;
+  }
+  auto number = Write(fact, proof, placed);
+  if (!number.ok()) return number.status();
+  return std::optional<size_t>(*number);
+}
+
+absl::StatusOr<std::vector<Quad>> Prover::ToldSupport(const Quad& fact) {
+  Proof proof;
+  auto added = Add(fact, proof);
+  if (!added.ok()) return added.status();
+  std::vector<Quad> told;
+  for (const ProofStep& step : proof.steps) {
+    const Quad leaf{*dictionary_.Find(step.fact.subject), *dictionary_.Find(step.fact.predicate),
+                    *dictionary_.Find(step.fact.object), TermId()};
+    for (const Quad& quad : ToldQuads(leaf)) told.push_back(quad);
+  }
+  return told;
+}
+
+std::vector<std::string> Prover::Conditions(const Clause& clause, absl::Span<const TermId> row) const {
+  std::vector<std::string> texts;
+  const Display display(prefixes_);
+  const Values values = ValuesOf(clause, row, dictionary_);
+  for (const Test& test : clause.tests) texts.push_back(display.Filter(*test.expression, values));
+  for (const Absence& absence : clause.absences) {
+    texts.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
+  }
+  for (const Part& part : clause.parts) texts.push_back(display.Pattern(*part.pattern, values));
+  return texts;
+}
+
+}  // namespace docent::explain

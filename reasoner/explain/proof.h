@@ -1,0 +1,102 @@
+// Why a fact holds: who told it, or by which rule and from which facts it follows, down to what was told.
+//
+// Proofs are looked for on demand, from the rules backward, on one immutable version. A proof is well-founded: no
+// fact rests on itself, and each step is shown with a proof of the smallest depth. (Facts that were inferred when the
+// version was made always have one.)
+#ifndef DOCENT_REASONER_EXPLAIN_PROOF_H_
+#define DOCENT_REASONER_EXPLAIN_PROOF_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/statusor.h"
+#include "kb_server/base/clock.h"
+#include "kb_server/base/explain_limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/term.h"
+#include "reasoner/explain/rule_base.h"
+#include "reasoner/explain/solver.h"
+
+namespace docent::explain {
+
+// One telling of a fact.
+struct Told {
+  Term graph;               // the named graph that holds it: its source
+  uint64_t offset = 0;      // of the log record that told it last; 0: not looked up or not found
+  TimeMicros time_us = 0;   // when
+  std::string by;           // "reading of <sensor>", "ontology world.ttl", …; empty: a plain fact
+};
+
+// A fact with what it rests on.
+struct ProofStep {
+  TermQuad fact;  // without graph
+  std::vector<Told> told;  // empty: inferred
+  std::string rule;        // inferred: "guide.rules rule 1 (line 5)"
+  std::vector<std::pair<std::string, Term>> bindings;  // of the rule's variables, in its order
+  std::vector<size_t> premises;                        // indexes in Proof::steps, in the rule's order
+  std::vector<std::string> conditions;                 // filters and absences that hold, as SPARQL
+  size_t depth = 0;                                    // 0: told
+};
+
+// A fact stands in it once, however many steps rest on it.
+struct Proof {
+  std::vector<ProofStep> steps;
+  std::vector<size_t> roots;  // what was asked for
+  std::vector<std::pair<std::string, Term>> bindings;  // of an ASK: its variables
+  std::vector<std::string> conditions;                 // of an ASK: its filters and absences
+};
+
+class Prover {
+ public:
+  Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
+         const sparql::FunctionRegistry* functions, const sparql::RunOptions& run, const ExplainLimits& limits,
+         std::vector<std::pair<std::string, std::string>> prefixes);
+
+  // Adds the fact and what it rests on. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
+  // explain_steps or explain_facts.
+  absl::StatusOr<std::optional<size_t>> Add(const Quad& fact, Proof& proof);
+  // The told facts at the leaves of the fact's proof, each in all graphs that tell it.
+  absl::StatusOr<std::vector<Quad>> ToldSupport(const Quad& fact);
+  // What holds in a solution besides facts.
+  std::vector<std::string> Conditions(const Clause& clause, absl::Span<const TermId> row) const;
+
+ private:
+  // A way to infer a fact.
+  struct Derivation {
+    uint32_t clause;
+    std::vector<TermId> row;
+    std::vector<Quad> facts;
+  };
+  struct Known {
+    int proven = -1;         // the smallest depth of a proof
+    int refuted = -1;        // there is none up to this depth
+    size_t best = 0;         // the derivation of that proof
+    bool derived = false;    // whether `derivations` were looked for
+    std::vector<Derivation> derivations;
+  };
+
+  std::vector<Quad> ToldQuads(const Quad& fact) const;
+  absl::Status Derive(const Quad& fact, Known& known);
+  absl::StatusOr<bool> Prove(const Quad& fact, int depth);
+  absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
+
+  const GraphVersion& version_;
+  Dictionary& dictionary_;
+  const RuleBase& rules_;
+  const ExplainLimits limits_;
+  const TermId inferred_;
+  const std::vector<std::pair<std::string, std::string>> prefixes_;
+  Solver solver_;
+  size_t calls_ = 0;
+  size_t proven_ = 0;
+  absl::flat_hash_map<Quad, std::unique_ptr<Known>> known_;  // without graph
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_PROOF_H_

@@ -1,0 +1,85 @@
+#include "reasoner/explain/rule_base.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "reasoner/rules/rule_parser.h"
+
+namespace docent::explain {
+namespace {
+
+AtomTerm HeadTerm(const sparql::PatternTerm& term, const Clause& body, Dictionary& dictionary) {
+  if (!term.IsVariable()) return {dictionary.Intern(term.term), AtomTerm::kConstant};
+  return {TermId(), body.Find(term.variable->name)};
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector<RuleText>& sets,
+                                                               Dictionary& dictionary,
+                                                               const Limits& limits) {
+  auto base = std::make_shared<RuleBase>();
+  base->type_ = dictionary.InternIri(kRdfType);
+  for (const RuleText& set : sets) {
+    const ParsedRules parsed = ParseRules(*set.text, set.name, limits);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, *set.text);
+    int number = 0;
+    for (const Rule& rule : parsed.rules) {
+      const auto index = static_cast<uint32_t>(base->rules_.size());
+      base->rules_.push_back(
+          {absl::StrCat(set.name, " rule ", ++number, " (line ", rule.span.line, ")"), set.name,
+           rule.span.line});
+      auto clauses = ToClauses(*rule.body.algebra, dictionary);
+      if (!clauses.ok()) return clauses.status();
+      for (Clause& clause : *clauses) {
+        RuleClause& made = base->clauses_.emplace_back();
+        made.rule = index;
+        made.body = std::move(clause);
+        for (const sparql::TriplePattern& head : rule.head) {
+          Atom atom;
+          atom.terms[0] = HeadTerm(head.subject, made.body, dictionary);
+          atom.terms[1] = HeadTerm(head.predicate, made.body, dictionary);
+          atom.terms[2] = HeadTerm(head.object, made.body, dictionary);
+          const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3, [](const AtomTerm& t) {
+            return t.variable >= 0 || !t.constant.IsNone();
+          });
+          if (!whole) continue;  // a variable that this alternative leaves open makes no fact
+          const Head place{static_cast<uint32_t>(base->clauses_.size() - 1),
+                           static_cast<uint32_t>(made.heads.size())};
+          made.heads.push_back(atom);
+          base->by_predicate_[atom.terms[1].constant].push_back(place);
+        }
+      }
+    }
+  }
+  return std::shared_ptr<const RuleBase>(std::move(base));
+}
+
+void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const {
+  if (predicate.IsNone()) {
+    for (uint32_t c = 0; c < clauses_.size(); ++c) {
+      for (uint32_t h = 0; h < clauses_[c].heads.size(); ++h) visit({c, h});
+    }
+    return;
+  }
+  for (TermId key : {predicate, TermId()}) {
+    const auto found = by_predicate_.find(key);
+    if (found == by_predicate_.end()) continue;
+    for (const Head& head : found->second) visit(head);
+  }
+}
+
+bool RuleBase::IsMadeByName(TermId predicate, TermId object) const {
+  const auto found = by_predicate_.find(predicate);
+  if (found == by_predicate_.end() || predicate.IsNone()) return false;
+  if (predicate != type_) return true;
+  return std::any_of(found->second.begin(), found->second.end(), [&](const Head& head) {
+    const AtomTerm& made = clauses_[head.clause].heads[head.head].terms[2];
+    return made.variable < 0 && made.constant == object;
+  });
+}
+
+}  // namespace docent::explain

@@ -1,0 +1,60 @@
+// The rules of the server as clauses with heads, for reasoning backward from a fact. Immutable after Make; any
+// thread reads.
+#ifndef DOCENT_REASONER_EXPLAIN_RULE_BASE_H_
+#define DOCENT_REASONER_EXPLAIN_RULE_BASE_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
+#include "absl/status/statusor.h"
+#include "kb_server/base/limits.h"
+#include "kb_server/rdf/dictionary.h"
+#include "reasoner/explain/condition_form.h"
+#include "reasoner/explain/rule_text.h"
+
+namespace docent::explain {
+
+struct RuleInfo {
+  std::string label;  // "guide.rules rule 1 (line 5)", as RuleEngine names it
+  std::string set;
+  int line = 0;
+};
+
+// One alternative of a rule's body, with the facts that the rule makes of its solutions.
+struct RuleClause {
+  uint32_t rule = 0;  // in RuleBase::rules
+  Clause body;
+  std::vector<Atom> heads;  // over body's variables; the graph is left open
+};
+
+class RuleBase {
+ public:
+  struct Head {
+    uint32_t clause = 0;
+    uint32_t head = 0;
+  };
+
+  // INVALID_ARGUMENT where a text is not one that RuleEngine would take.
+  static absl::StatusOr<std::shared_ptr<const RuleBase>> Make(const std::vector<RuleText>& sets,
+                                                              Dictionary& dictionary, const Limits& limits);
+
+  const std::vector<RuleInfo>& rules() const { return rules_; }
+  const std::vector<RuleClause>& clauses() const { return clauses_; }
+  // The heads that may make a fact with this predicate (none: any) and object, in order of the rules.
+  void ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const;
+  // Whether a rule names this predicate, of rdf:type also this class, as what it makes.
+  bool IsMadeByName(TermId predicate, TermId object) const;
+
+ private:
+  std::vector<RuleInfo> rules_;
+  std::vector<RuleClause> clauses_;
+  absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable
+  TermId type_;
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_RULE_BASE_H_

@@ -1,0 +1,195 @@
+// Finds how a clause holds on a graph version, or what would have to be told for it to hold.
+//
+// Without changes allowed it enumerates the solutions of the clause, each with the facts that it rests on. With
+// changes it is abductive: a pattern without a match may be taken as a fact that is missing, directly or through a
+// rule whose body would give it (Kakas, Kowalski, Toni, Abductive Logic Programming, J. Logic Comput. 1992), and
+// what stands against an absence may be taken as a fact in the way. Patterns are treated in the order of their
+// exact counts, so the search begins with what is rare.
+//
+// One thread. Works beside the writer: it reads an immutable version and a dictionary of the caller's own.
+#ifndef DOCENT_REASONER_EXPLAIN_SOLVER_H_
+#define DOCENT_REASONER_EXPLAIN_SOLVER_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/types/span.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/explain/condition_form.h"
+#include "reasoner/explain/rule_base.h"
+
+namespace docent::explain {
+
+// A fact that is not there. What may be anything is an open variable, the same number for the same one.
+struct MissingFact {
+  static constexpr int kBound = -1;
+  std::array<TermId, 4> terms;  // subject, predicate, object, graph (none: any)
+  std::array<int, 4> open = {kBound, kBound, kBound, kBound};
+
+  friend bool operator==(const MissingFact&, const MissingFact&) = default;
+  friend auto operator<=>(const MissingFact&, const MissingFact&) = default;
+};
+
+// A filter whose variables are not all bound.
+struct OpenTest {
+  const Test* test = nullptr;
+  const Clause* clause = nullptr;   // whose it is: the question's, or a rule's
+  std::vector<TermId> values;  // for Test::variables; none: open
+  std::vector<int> open;       // likewise the open variable; kBound
+};
+
+// An absence that does not hold: one match of what must not be there.
+struct Blocker {
+  const Absence* absence = nullptr;
+  std::vector<Quad> facts;
+};
+
+// A rule through which a missing fact would be inferred.
+struct Inference {
+  uint32_t rule = 0;
+  MissingFact fact;
+};
+
+struct Solution {
+  std::vector<TermId> row;  // of the clause's variables; none where open
+  std::vector<int> open;    // of those, the open variable; MissingFact::kBound
+  std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: where found first
+  std::vector<MissingFact> missing;
+  std::vector<Blocker> blockers;
+  std::vector<OpenTest> tests;
+  std::vector<Inference> inferences;
+  // What an open variable is called in the query or rule; empty: it has no name.
+  absl::flat_hash_map<int, std::string> names;
+};
+
+struct SolveOptions {
+  // Facts missing and matches in the way, together exactly so many.
+  int changes = 0;
+  // Null: only direct facts.
+  const RuleBase* rules = nullptr;
+  int rule_depth = 4;
+  // Also take as missing what only rules make.
+  bool tell_derived = false;
+};
+
+class Solver {
+ public:
+  // All must outlive the solver. `steps`: how much work it may do over its life.
+  Solver(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+         const sparql::RunOptions& run, size_t steps);
+  ~Solver();
+
+  // Calls `visit` with each solution that agrees with `seed` (by the clause's variables; empty: nothing), until
+  // it returns false. The same solution may come more than once. CANCELLED or DEADLINE_EXCEEDED. Not re-entrant.
+  absl::Status Solve(const Clause& clause, absl::Span<const TermId> seed, const SolveOptions& options,
+                     absl::FunctionRef<bool(const Solution&)> visit);
+  // The steps are used up: there may be more than was found.
+  bool exhausted() const { return exhausted_; }
+  // As many steps again.
+  void Refresh() {
+    steps_ = 0;
+    exhausted_ = false;
+  }
+  // A part that found no solution when everything else before it held; null: none.
+  const Part* failed_part() const { return failed_part_; }
+
+  // Whether the filter lets these values through, by Test::variables.
+  bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
+
+ private:
+  struct Frame {
+    const Clause* clause;
+    int base;      // of its variables among the cells
+    int parent;    // the goal that it is to infer; -1: none
+    int depth;     // rules above it
+    uint32_t rule;
+  };
+  struct Goal {
+    int frame;
+    const Atom* atom;
+    int chain;  // the goal that this one's rule is to infer; -1
+    bool done = false;
+    Quad match;  // once done by a fact
+    bool matched = false;
+  };
+  struct Pending {
+    enum class Kind : uint8_t { kTest, kAssignment, kTable, kPart } kind;
+    int frame;
+    size_t index;
+    bool done = false;
+  };
+  struct Undo {
+    enum class Kind : uint8_t { kValue, kLink, kGoal, kPending } kind;
+    int index;
+  };
+
+  int Root(int cell) const;
+  TermId Value(int cell) const { return values_[Root(cell)]; }
+  TermId TermOf(const AtomTerm& term, int base) const;
+  bool Bind(int cell, TermId value);
+  bool Alias(int a, int b);
+  bool Unify(const AtomTerm& a, int a_base, const AtomTerm& b, int b_base);
+  bool BindQuad(const Atom& atom, int base, const Quad& quad);
+  size_t Mark() const { return trail_.size(); }
+  void Rewind(size_t mark);
+  QuadPattern PatternOf(const Goal& goal) const;
+
+  void PushFrame(const Clause& clause, int parent, int depth, uint32_t rule);
+  void PopFrame();
+  bool Step();
+  bool StepAtom(int goal);
+  bool TryMatches(int goal);
+  bool TryRules(int goal);
+  bool TryMissing(int goal);
+  bool TryMissingAlready(int goal);
+  bool TryTable(int pending);
+  bool TryPart(int pending);
+  bool Settle();
+  bool SettleOne(Pending& pending, bool& changed);
+  bool Leaf();
+  bool IsTellable(const Goal& goal) const;
+  bool IsInOwnChain(int goal) const;
+  int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
+  MissingFact FactOf(const Atom& atom, int base) const;
+  bool AddBlockers(Solution& solution);
+  absl::StatusOr<std::vector<std::vector<TermId>>> RowsOf(const Part& part, int base);
+  sparql::PreparedExpression* Prepared(const sparql::Expression& e, const std::vector<std::string>& names);
+
+  const GraphVersion& version_;
+  Dictionary& dictionary_;
+  const sparql::FunctionRegistry* functions_;
+  const sparql::RunOptions run_;
+  const size_t step_limit_;
+  size_t steps_ = 0;
+  bool exhausted_ = false;
+  absl::Status status_;
+  const Part* failed_part_ = nullptr;
+  absl::flat_hash_map<const sparql::Expression*, std::unique_ptr<sparql::PreparedExpression>> expressions_;
+  absl::flat_hash_map<std::string, std::unique_ptr<sparql::PreparedQuery>> parts_;
+  std::unique_ptr<Solver> inner_;  // for absences
+
+  // of the running Solve
+  SolveOptions options_;
+  const absl::FunctionRef<bool(const Solution&)>* visit_ = nullptr;
+  std::vector<TermId> values_;
+  std::vector<int> links_;
+  std::vector<Frame> frames_;
+  std::vector<Goal> goals_;
+  std::vector<Pending> pending_;
+  std::vector<Undo> trail_;
+  std::vector<int> missing_;  // goals
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_SOLVER_H_

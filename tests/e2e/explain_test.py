@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Why, why not, what if and watch through the command line, in the hall of scenario s01."""
+import json
+import subprocess
+import time
+import unittest
+
+from docent_e2e import StageTest, stage
+
+EXPO = ["--prefix", "expo=https://w3id.org/docent/expo#"]
+
+
+class Explain(StageTest):
+    def setUp(self):
+        super().setUp()
+        self.server = self.stage.server()
+        stage.load_s01(self.server)
+        self.server.tell("expo:R01 docent:isAt expo:RobotDock ; docent:status docent:Standby ; docent:localised false")
+        self.server.tell(readings=[("expo:DoorSensor", "tag-17")])
+
+    def test_why_not_and_then_why(self):
+        done = self.server.run("whynot", *EXPO, "expo:John docent:isNear expo:R01")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("missing     expo:R01 docent:isAt expo:Entrance   (now expo:RobotDock)", done.stdout)
+        self.assertIn("then        expo:John docent:isNear expo:R01   by guide.rules rule 1", done.stdout)
+        self.assertEqual(self.server.run("why", *EXPO, "expo:John docent:isNear expo:R01").returncode, 1)
+
+        self.server.tell("expo:R01 docent:isAt expo:Entrance")
+        done = self.server.run("why", *EXPO, "expo:John docent:isNear expo:R01")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("by guide.rules rule 1", done.stdout)
+        self.assertIn("reading of <https://w3id.org/docent/expo#DoorSensor>", done.stdout)
+        self.assertIn("log offset", done.stdout)
+        proof = json.loads(self.server.run("why", "--json", *EXPO, "ask", "ASK { ?v docent:isNear ?r }").stdout)
+        self.assertEqual(proof["proof"]["steps"][0]["depth"], 1)
+        self.assertIn("prov:wasDerivedFrom", self.server.run("why", "--prov", *EXPO, "expo:John docent:isNear expo:R01").stdout)
+        self.assertEqual(self.server.run("whynot", *EXPO, "expo:John docent:isNear expo:R01").returncode, 1)
+
+    def test_what_if(self):
+        done = self.server.run("whatif", *EXPO, "+expo:R01 docent:localised true",
+                               "+expo:John docent:chose expo:BoothGuideService", "-expo:John docent:isAt expo:Entrance")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("+ expo:R01 a docent:AvailableRobot   (inferred)", done.stdout)
+        self.assertIn("- expo:John docent:isAt expo:Entrance", done.stdout)
+        self.assertIn("activator of BoothGuide", done.stdout)
+        self.assertIn("BoothGuide-1: running", done.stdout)
+        self.assertFalse(self.server.ask("?r a docent:AvailableRobot"))
+        self.assertFalse(self.server.ask("?r docent:runState ?s"))
+
+    def test_watch_goes_on_after_the_server_was_away(self):
+        log = open(self.stage.folder / "watch.log", "w+b")
+        self.addCleanup(log.close)
+        watch = subprocess.Popen([str(self.stage.bin / "docent"), "watch", "--server", self.server.grpc, "--count", "3",
+                                  "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }"],
+                                 stdout=log, stderr=log)
+        self.addCleanup(lambda: watch.poll() is None and watch.kill())
+
+        def seen(text):
+            for _ in range(600):
+                log.flush()
+                if text in open(log.name).read():
+                    return
+                time.sleep(0.1)
+            self.fail(f"no {text!r} in {open(log.name).read()!r}")
+
+        seen("Entrance")
+        self.server.tell(readings=[("expo:B01Beacon", "tag-17")])
+        seen("B01")
+        self.server.kill()
+        seen("the connection was lost")
+        self.server.start()
+        watch.wait(60)
+        self.assertEqual(watch.returncode, 0)
+
+    def test_bad_questions(self):
+        self.assert_refused(self.server.run("why", "ask", "ASK { ?x"), 2, "1:")
+        self.assert_refused(self.server.run("why", "expo:John docent:isAt"), 2, "error")
+        self.assert_refused(self.server.run("whatif"), 2, "no facts given")
+        self.assert_refused(self.server.run("watch", "CONSTRUCT WHERE { ?s ?p ?o }"), 2, "ASK and SELECT")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,300 @@
+#include "kb_server/service/subscriptions.h"
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/sparql/parser.h"
+#include "kb_server/store/graph_writer.h"
+#include "tests/property/reasoner_random.h"
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+namespace {
+
+constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
+
+using Bag = std::map<std::string, uint64_t>;
+
+std::string TextOf(const std::vector<std::optional<Term>>& row) {
+  std::string text;
+  for (const auto& value : row) absl::StrAppend(&text, value ? ToNTriples(*value) : "-", " ");
+  return text;
+}
+
+// A client that keeps the answer by its changes.
+struct Client final : Follower {
+  void Wake() override { ++wakes; }
+  void Fail(const absl::Status& status) override { failed = status; }
+
+  // Takes what is there and gives the answer at each revision that was told of.
+  void TakeAll() {
+    while (true) {
+      auto next = answer->Get(position + 1);
+      if (!next.ok()) {
+        lost = true;
+        Begin();
+        return;
+      }
+      if (*next == nullptr) return;
+      Take(**next);
+    }
+  }
+  void Begin() {
+    rows.clear();
+    Take(*answer->Whole());
+  }
+  void Take(const AnswerChange& change) {
+    position = change.number;
+    boolean = change.boolean;
+    for (const CountedRow& row : change.appeared) rows[TextOf(row.values)] += row.count;
+    for (const CountedRow& row : change.disappeared) {
+      uint64_t& count = rows[TextOf(row.values)];
+      EXPECT_GE(count, row.count);
+      count -= row.count;
+      if (count == 0) rows.erase(TextOf(row.values));
+    }
+    told[change.revision.value()] = {boolean, rows};
+  }
+
+  StandingAnswerPtr answer;
+  absl::Status failed;
+  std::atomic<int> wakes{0};
+  uint64_t position = 0;
+  bool boolean = false;
+  bool lost = false;
+  Bag rows;
+  std::map<uint64_t, std::pair<bool, Bag>> told;  // by revision
+};
+
+class SubscriptionsTest : public ::testing::Test {
+ protected:
+  void Make(const SubscriptionLimits& limits = {}) {
+    Subscriptions::Settings settings;
+    settings.dictionary = &world_.dictionary;
+    settings.clock = &clock_;
+    settings.subscription_limits = limits;
+    settings.epoch = "1";
+    subscriptions_ = std::make_unique<Subscriptions>(settings);
+    subscriptions_->PublishWhole(world_.writer.Freeze(Revision(revision_)));
+  }
+
+  std::shared_ptr<Client> Open(const std::string& query) {
+    auto client = std::make_shared<Client>();
+    absl::Status status;
+    subscriptions_->Open(kPrefix + query, client, [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
+      status = answer.status();
+      if (answer.ok()) client->answer = *answer;
+    });
+    subscriptions_->Drain();
+    if (client->answer != nullptr) client->Begin();
+    if (!status.ok()) client->failed = status;
+    return client;
+  }
+
+  void Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {}) {
+    const Delta delta = world_.Apply(add, remove);
+    version_ = world_.writer.Freeze(Revision(++revision_));
+    subscriptions_->Publish(version_, delta, 0);
+  }
+
+  // The answer, by running the query again.
+  std::pair<bool, Bag> Rerun(const std::string& query) {
+    const sparql::Query parsed = world_.Parse(kPrefix + query);
+    auto prepared = sparql::PreparedQuery::Prepare(parsed, world_.dictionary);
+    EXPECT_TRUE(prepared.ok()) << prepared.status();
+    sparql::RunOptions run;
+    run.version = version_.get();
+    if (parsed.form == sparql::Query::Form::kAsk) return {*(*prepared)->Ask(run), {}};
+    Bag rows;
+    EXPECT_TRUE((*prepared)
+                    ->Select(run, {},
+                             [&](absl::Span<const TermId> row) {
+                               std::vector<std::optional<Term>> values;
+                               for (TermId id : row)
+                                 values.push_back(id.IsNone() ? std::optional<Term>() : (*prepared)->Decode(id));
+                               ++rows[TextOf(values)];
+                               return true;
+                             })
+                    .ok());
+    return {false, rows};
+  }
+
+  TestWorld world_;
+  ManualClock clock_;
+  uint64_t revision_ = 1;
+  GraphVersionPtr version_ = std::make_shared<const GraphVersion>();
+  std::unique_ptr<Subscriptions> subscriptions_;
+};
+
+TEST_F(SubscriptionsTest, TellsTheAnswerAndThenItsChanges) {
+  world_.Apply({"ann at b1", "bob at b1"});
+  Make();
+  auto client = Open("SELECT ?who { ?who :at :b1 }");
+  EXPECT_EQ(client->rows.size(), 2u);
+  Turn({"cid at b1"}, {"ann at b1"});
+  Turn({"cid likes ann"});  // nothing of it
+  Turn({"cid at b2"});
+  subscriptions_->Drain();
+  EXPECT_EQ(client->wakes, 1);
+  client->TakeAll();
+  EXPECT_EQ(client->rows, (Bag{{"<http://example.org/bob> ", 1}, {"<http://example.org/cid> ", 1}}));
+  EXPECT_EQ(subscriptions_->counters().evaluations, 2u);  // the first answer, and the one turn that matched
+}
+
+TEST_F(SubscriptionsTest, AnAskIsNotEvaluatedWhereTheChangeCannotTurnIt) {
+  world_.Apply({"ann at b1"});
+  Make();
+  auto client = Open("ASK { ?who :at :b1 FILTER NOT EXISTS { ?who :busy true } }");
+  EXPECT_TRUE(client->boolean);
+  Turn({"bob at b1"});
+  subscriptions_->Drain();
+  EXPECT_EQ(subscriptions_->counters().evaluations, 1u);
+  Turn({}, {"ann at b1", "bob at b1"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_FALSE(client->boolean);
+}
+
+TEST_F(SubscriptionsTest, AConstantThatNobodyHasTold) {
+  Make();
+  auto client = Open("SELECT ?x { ?x :unheardOf :neverSeen }");
+  Turn({"a p b"});
+  Turn({"a unheardOf neverSeen"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_EQ(client->rows.size(), 1u);
+}
+
+TEST_F(SubscriptionsTest, AValueThatWasComputedAndIsToldLaterIsTheSameRow) {
+  world_.Apply({"a n 5"});
+  Make();
+  auto client = Open("SELECT ?label { ?x :n ?n BIND(CONCAT(\"n\", STR(?n)) AS ?label) }");
+  EXPECT_EQ(client->rows.size(), 1u);
+  Turn({"a says 'n5"});
+  Turn({"b n 5"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_EQ(client->rows, (Bag{{"\"n5\" ", 2}}));
+}
+
+TEST_F(SubscriptionsTest, WhatNobodyNeedsAnyMoreIsNotKeptForAClientThatFellBehind) {
+  SubscriptionLimits limits;
+  limits.subscription_changes_kept = 3;
+  Make(limits);
+  auto client = Open("SELECT ?x { ?x :p ?y }");
+  for (int i = 0; i < 3; ++i) Turn({absl::StrCat("n", i, " p o")});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_FALSE(client->lost);  // at the limit
+  for (int i = 3; i < 7; ++i) Turn({absl::StrCat("n", i, " p o")});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_TRUE(client->lost);  // one past it
+  EXPECT_EQ(client->rows.size(), 7u);
+}
+
+TEST_F(SubscriptionsTest, LimitsAndRefusals) {
+  SubscriptionLimits limits;
+  limits.subscription_rows = 3;
+  limits.subscriptions_open = 2;
+  world_.Apply({"a p 1", "a p 2", "a p 3"});
+  Make(limits);
+  EXPECT_TRUE(absl::IsInvalidArgument(Open("CONSTRUCT WHERE { ?s ?p ?o }")->failed));
+  EXPECT_TRUE(absl::IsInvalidArgument(Open("SELECT {")->failed));
+  auto first = Open("SELECT ?x { ?x :p ?y }");
+  EXPECT_TRUE(first->failed.ok()) << first->failed;
+  auto second = Open("ASK { :a :p 4 }");
+  auto third = Open("ASK { :a :p 5 }");
+  EXPECT_TRUE(absl::IsResourceExhausted(third->failed)) << third->failed;
+  Turn({"a p 4"});
+  subscriptions_->Drain();
+  EXPECT_TRUE(absl::IsResourceExhausted(first->failed)) << first->failed;
+  EXPECT_NE(first->failed.message().find("subscription_rows"), std::string::npos);
+  second->TakeAll();
+  EXPECT_TRUE(second->boolean);
+  EXPECT_EQ(subscriptions_->counters().open, 1u);
+}
+
+TEST_F(SubscriptionsTest, ManyClientsOfOneQueryShareItAndAClosedOneIsNotWoken) {
+  Make();
+  std::vector<std::shared_ptr<Client>> clients;
+  for (int i = 0; i < 50; ++i) clients.push_back(Open("ASK { :a :p :b }"));
+  EXPECT_EQ(subscriptions_->counters().queries, 1u);
+  subscriptions_->Close(clients[0]);
+  Turn({"a p b"});
+  subscriptions_->Drain();
+  EXPECT_EQ(clients[0]->wakes, 0);
+  EXPECT_EQ(clients[1]->wakes, 1);
+  EXPECT_EQ(subscriptions_->counters().evaluations, 2u);
+}
+
+TEST_F(SubscriptionsTest, TheSumOfChangesIsTheirNet) {
+  Make();
+  auto client = Open("SELECT ?x { ?x :p ?y }");
+  Turn({"a p 1"});
+  Turn({"a p 2", "b p 1"});
+  Turn({}, {"b p 1"});
+  subscriptions_->Drain();
+  auto sum = client->answer->Sum(1);
+  ASSERT_TRUE(sum.ok() && *sum != nullptr);
+  ASSERT_EQ((*sum)->appeared.size(), 1u);
+  EXPECT_EQ((*sum)->appeared[0].count, 2u);
+  EXPECT_TRUE((*sum)->disappeared.empty());
+  EXPECT_EQ((*sum)->number, 3u);
+}
+
+// Replaying the changes gives, at every revision, what running the query again gives.
+TEST_F(SubscriptionsTest, ReplayedChangesAreTheAnswerAtEachRevision) {
+  const std::vector<std::string> queries = {
+      "SELECT ?x ?y { ?x :p0 ?y }",
+      "SELECT ?x { ?x :p0 ?y . ?y :p1 ?z }",
+      "SELECT DISTINCT ?x ?z { ?x :p0 ?y . ?y :p1 ?z FILTER(?x != ?z) }",
+      "SELECT ?x ?v { ?x :p1 ?v FILTER(?v > 2) }",
+      "SELECT ?x ?v ?w { ?x :p1 ?v OPTIONAL { ?x :p2 ?w } }",
+      "SELECT ?x (COUNT(?y) AS ?n) { ?x :p0 ?y } GROUP BY ?x",
+      "SELECT ?x ?s { ?x :p3 ?v BIND(CONCAT(STR(?v), \"!\") AS ?s) }",
+      "SELECT ?x { ?x :p0 ?y MINUS { ?y :p1 ?x } }",
+      "SELECT ?x ?y { ?x :p0+ ?y }",
+      "SELECT ?x ?y { ?x ?p ?y } ORDER BY ?x LIMIT 4",
+      "SELECT ?g ?x { GRAPH ?g { ?x :p2 ?y } }",
+      "ASK { :n0 :p0 ?x . ?x :p1 ?y }",
+      "ASK { ?x :p2 ?v FILTER(?v < 3) FILTER NOT EXISTS { ?x :p0 ?v } }",
+      "ASK { ?x :p3 :n1 } ",
+      "SELECT ?x ?y { { ?x :p0 ?y } UNION { ?y :p3 ?x } }",
+  };
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomWorld random(seed);
+    std::set<std::string> told;  // what earlier rounds left is just more data
+    subscriptions_.reset();
+    Make();
+    std::vector<std::shared_ptr<Client>> clients;
+    for (const std::string& query : queries) clients.push_back(Open(query));
+    std::vector<std::map<uint64_t, std::pair<bool, Bag>>> truth(queries.size());
+    const uint64_t first = revision_;
+    for (int turn = 0; turn < 40; ++turn) {
+      const RandomBatch batch = random.Batch(told);
+      Turn(batch.add, batch.remove);
+      for (size_t q = 0; q < queries.size(); ++q) truth[q][revision_] = Rerun(queries[q]);
+      if (random.Chance(30)) subscriptions_->Drain();
+    }
+    subscriptions_->Drain();
+    for (size_t q = 0; q < queries.size(); ++q) {
+      SCOPED_TRACE(queries[q]);
+      ASSERT_TRUE(clients[q]->failed.ok()) << clients[q]->failed;
+      clients[q]->TakeAll();
+      for (uint64_t revision = first + 1; revision <= revision_; ++revision) {
+        // as of the newest change up to it
+        auto known = clients[q]->told.upper_bound(revision);
+        ASSERT_NE(known, clients[q]->told.begin());
+        ASSERT_EQ(std::prev(known)->second, truth[q][revision]) << "revision " << revision;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace docent
