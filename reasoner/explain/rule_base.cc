@@ -29,9 +29,12 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
     int number = 0;
     for (const Rule& rule : parsed.rules) {
       const auto index = static_cast<uint32_t>(base->rules_.size());
+      ++number;
+      // of its IRI the last part, as in "owl2rl cax-sco (line 94)"
+      const std::string called = rule.name.empty() ? absl::StrCat("rule ", number)
+                                                   : rule.name.substr(rule.name.find_last_of("#/:") + 1);
       base->rules_.push_back(
-          {absl::StrCat(set.name, " rule ", ++number, " (line ", rule.span.line, ")"), set.name,
-           rule.span.line});
+          {absl::StrCat(set.name, " ", called, " (line ", rule.span.line, ")"), set.name, rule.span.line});
       auto clauses = ToClauses(*rule.body.algebra, dictionary);
       if (!clauses.ok()) return clauses.status();
       for (Clause& clause : *clauses) {
