@@ -28,13 +28,19 @@ struct Output {
   }
 };
 
+sparql::DefaultGraph DefaultGraphOf(const v1::QueryRequest& request, const ServicePorts& ports) {
+  if (request.default_graph() == v1::QueryRequest::UNION) return sparql::DefaultGraph::kUnion;
+  if (request.default_graph() == v1::QueryRequest::STRICT) return sparql::DefaultGraph::kStrict;
+  return ports.default_graph;
+}
+
 // The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool explain, const QueryGraph& graph,
+absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1::QueryRequest& request, const QueryGraph& graph,
                       Cancellation* cancellation, const Output& out) {
   const GraphVersion& version = *graph.version;
   const Dictionary& dictionary = *graph.dictionary;
   sparql::PrepareOptions options;
-  options.default_graph = ports.default_graph;
+  options.default_graph = DefaultGraphOf(request, ports);
   options.functions = ports.functions;
   options.memory_bytes = ports.limits.query_memory_bytes;
   sparql::RunOptions run_options;
@@ -50,7 +56,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, bool expl
 
   v1::QueryReply header;
   header.mutable_header()->set_revision(version.revision().value());
-  if (explain) {
+  if (request.explain()) {
     auto plan = run.ExplainRun(run_options);
     if (!plan.ok()) return plan.status();
     header.mutable_header()->set_plan(*std::move(plan));
@@ -105,7 +111,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
   auto graph =
       GraphForQuery(ports, Revision(request.min_revision()), request.as_of(), out.deadline, cancellation);
   if (!graph.ok()) return graph.status();
-  return Evaluate(ports, parsed.query, request.explain(), *graph, cancellation, out);
+  return Evaluate(ports, parsed.query, request, *graph, cancellation, out);
 }
 
 }  // namespace
