@@ -45,6 +45,14 @@ struct Limits {
   size_t query_elements =
       4000;  // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
 
+  // the second engine, Rasqal (docent query --engine rasqal)
+  size_t rasqal_rows = 1000000;    // of one answer
+  size_t rasqal_quads = 10000000;  // of the copy of the graph that it works on
+  int rasqal_optional_nesting = 6;  // OPTIONAL inside each other; preparing doubles with each
+
+  // Redland programs
+  int redland_answer_ms = 60000;  // waiting for the server's answer to one read or write
+
   // updates and other servers
   size_t update_text_bytes = 16u << 20;  // a SPARQL Update or a graph sent to the graph store
   int update_attempts = 3;               // evaluations beside the writer before one is made on its turn
