@@ -1,16 +1,13 @@
 // docent query 'SELECT …': a SPARQL query to a running server.
-#include <algorithm>
 #include <iostream>
 #include <optional>
 
 #include "docent/v1/context.grpc.pb.h"
+#include "kb_server/app/answer_printer.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/serializer.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/app/query_with_rasqal.h"
 #include "kb_server/service/convert.h"
-#include "kb_server/sparql/results.h"
 
 namespace docent {
 namespace {
@@ -23,41 +20,7 @@ struct QueryArguments {
   std::string as_of;
   uint32_t timeout_ms = 0;
   bool explain = false;
-};
-
-// Rows as an aligned table, printed when all are known.
-class Table {
- public:
-  explicit Table(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
-  void Add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-
-  void Print() const {
-    std::vector<size_t> widths(rows_[0].size(), 0);
-    for (const auto& row : rows_) {
-      for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
-    }
-    for (size_t r = 0; r < rows_.size(); ++r) {
-      std::string line;
-      for (size_t i = 0; i < rows_[r].size(); ++i) {
-        line += rows_[r][i];
-        if (i + 1 < rows_[r].size()) line += std::string(widths[i] - Width(rows_[r][i]) + 2, ' ');
-      }
-      std::cout << line << "\n";
-      if (r > 0) continue;
-      std::string rule;
-      for (size_t i = 0; i < widths.size(); ++i) {
-        rule += std::string(widths[i], '-') + (i + 1 < widths.size() ? "  " : "");
-      }
-      std::cout << rule << "\n";
-    }
-  }
-
- private:
-  static size_t Width(const std::string& text) {
-    return std::count_if(text.begin(), text.end(),
-                         [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-  }
-  std::vector<std::vector<std::string>> rows_;
+  std::string engine = "docent";
 };
 
 std::optional<Term> Optional(const v1::Term& term) {
@@ -67,70 +30,32 @@ std::optional<Term> Optional(const v1::Term& term) {
   return *result;
 }
 
-// Reads the stream and prints it in the asked form.
+// Reads the stream and prints it in the asked form. The exit code, if the stream ends well.
 int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments& arguments) {
-  auto format = sparql::ResultFormatOfName(arguments.format);
+  AnswerPrinter printer(arguments.format);
   v1::QueryReply reply;
-  v1::QueryHeader header;
-  std::optional<Table> table;
-  std::string text;
-  std::unique_ptr<sparql::ResultWriter> writer;
-  std::vector<TermQuad> quads;
-  size_t rows = 0;
+  uint64_t revision = 0;
   while (reader->Read(&reply)) {
     if (reply.has_header()) {
-      header = reply.header();
+      const v1::QueryHeader& header = reply.header();
+      revision = header.revision();
       if (arguments.explain) {
         std::cout << header.plan();
-        std::cerr << "revision " << header.revision() << "\n";
-        continue;
-      }
-      std::vector<std::string> names(header.variables().begin(), header.variables().end());
-      if (header.is_boolean()) continue;
-      if (format) {
-        writer = sparql::ResultWriter::Make(*format, &text);
-        writer->Begin(names);
+        std::cerr << "revision " << revision << "\n";
+      } else if (header.is_boolean()) {
+        printer.Boolean(header.boolean());
       } else {
-        for (std::string& name : names) name.insert(0, "?");
-        table.emplace(std::move(names));
+        printer.Begin({header.variables().begin(), header.variables().end()});
       }
     } else if (reply.has_row()) {
-      ++rows;
       std::vector<std::optional<Term>> terms;
       for (const v1::Term& term : reply.row().values()) terms.push_back(Optional(term));
-      if (writer) {
-        writer->Row(terms);
-        std::cout << text;
-        text.clear();
-      } else {
-        std::vector<std::string> cells;
-        for (const auto& term : terms) cells.push_back(term ? OneLine(ToDisplay(*term), 120) : "");
-        table->Add(std::move(cells));
-      }
+      printer.Row(terms);
     } else if (reply.has_quad()) {
-      if (auto quad = FromProto(reply.quad(), "triple"); quad.ok()) quads.push_back(*std::move(quad));
+      if (auto quad = FromProto(reply.quad(), "triple"); quad.ok()) printer.Triple(*std::move(quad));
     }
   }
-  if (header.is_boolean()) {
-    std::cout << (format             ? sparql::WriteBoolean(header.boolean(), *format)
-                  : header.boolean() ? "yes\n"
-                                     : "no\n");
-    return header.boolean() ? kExitOk : kExitNegative;
-  }
-  if (writer && header.variables_size() > 0) {
-    writer->End();
-    std::cout << text;
-  } else if (!quads.empty()) {
-    std::vector<std::pair<std::string, std::string>> prefixes(kWellKnownPrefixes.begin(),
-                                                              kWellKnownPrefixes.end());
-    auto turtle = SerializeRdf(quads, RdfFormat::kTurtle, prefixes);
-    if (!turtle.ok()) return Fail(turtle.status());
-    std::cout << *turtle;
-  } else if (table && header.variables_size() > 0) {
-    table->Print();
-    std::cerr << rows << (rows == 1 ? " row" : " rows") << ", revision " << header.revision() << "\n";
-  }
-  return kExitOk;
+  return printer.End(revision);
 }
 
 int RunQuery(const QueryArguments& arguments) {
@@ -142,6 +67,11 @@ int RunQuery(const QueryArguments& arguments) {
   }
   if (query.empty())
     return Fail(absl::InvalidArgumentError("no query given; pass it as an argument or with --file"));
+  if (arguments.engine == "rasqal") {
+    if (arguments.explain)
+      return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
+    return QueryWithRasqal(query, arguments.client.server, arguments.format, arguments.timeout_ms);
+  }
   auto stub = v1::Context::NewStub(Connect(arguments.client));
   grpc::ClientContext context;
   v1::QueryRequest request;
@@ -173,6 +103,12 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
                       "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z");
   command->add_flag("--explain", arguments->explain,
                     "Run it and print its plan instead: estimated and real rows and the time of each operator");
+  command
+      ->add_option(
+          "--engine", arguments->engine,
+          "rasqal: copy the graph and ask Redland's engine, for comparing; what it cannot do it refuses")
+      ->check(CLI::IsMember({"docent", "rasqal"}))
+      ->capture_default_str();
   command->callback([arguments, exit_code] {
     if (arguments->client.json && arguments->format.empty()) arguments->format = "json";
     *exit_code = RunQuery(*arguments);

@@ -9,6 +9,8 @@
 
 int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);  // what gRPC would log reaches people through our own errors
+  setenv("REDLAND_MODULE_PATH", "/dev/null",
+         1);  // librdf must not load our own storage module into ourselves
   CLI::App app{"Docent: a semantic context-reasoning server for service robots"};
   app.set_version_flag("--version", std::string(DOCENT_VERSION));
   app.require_subcommand(1);
