@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Redland programs on our graph: rdfproc and Python's RDF module load the storage module `docent`, on a data folder and
+on a running server; `docent query --engine rasqal` answers beside our own engine."""
+import json
+import os
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+import unittest
+
+from docent_e2e import StageTest
+
+MODULES = pathlib.Path(os.environ["DOCENT_BINARIES"]).parent / "redland"
+E = "http://example.org/"
+
+
+def interpreter_with_redland():
+    """python3-librdf belongs to Debian's own Python, which need not be the one that runs this test."""
+    for python in (sys.executable, "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import RDF"], capture_output=True, check=False).returncode == 0:
+            return python
+    return None
+
+
+PYTHON = interpreter_with_redland()
+
+
+@unittest.skipUnless(shutil.which("rdfproc") and PYTHON, "redland-utils and python3-librdf are not installed")
+class Redland(StageTest):
+    def program(self, argv, text=None):
+        return subprocess.run([str(a) for a in argv], input=text, capture_output=True, text=True, timeout=120,
+                              env={**os.environ, "REDLAND_MODULE_PATH": str(MODULES)}, check=False)
+
+    def rdfproc(self, store, *arguments):
+        return self.program(["rdfproc", "-q", "-s", "docent", store, *arguments])
+
+    def must(self, done):
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertNotIn("docent:", done.stderr)
+        return done.stdout
+
+    def python(self, script, *arguments):
+        """Runs a script that has `model` over the storage named by its first argument."""
+        head = textwrap.dedent("""
+            import sys, RDF
+            storage = RDF.Storage(storage_name="docent", name=sys.argv[1], options_string=sys.argv[2])
+            model = RDF.Model(storage)
+            E = "http://example.org/"
+            def statement(s, p, o):
+                return RDF.Statement(RDF.Uri(E + s), RDF.Uri(E + p), RDF.Node(o) if isinstance(o, str) else RDF.Uri(E + o[0]))
+            """)
+        return self.program([PYTHON, "-", *arguments], text=head + textwrap.dedent(script))
+
+    def refused_in_one_line(self, done, *words):
+        lines = [line for line in done.stderr.splitlines() if "docent:" in line]
+        self.assertEqual(len(lines), 1, done.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+    def test_rdfproc_on_a_data_folder(self):
+        folder = self.stage.folder / "data"
+        self.refused_in_one_line(self.rdfproc(folder, "print"), "there is no data folder", "new='yes'")
+        self.assertFalse(folder.exists())
+        done = self.program(["rdfproc", "-q", "-n", "-s", "docent", folder, "add", E + "a", E + "p", "one"])
+        self.must(done)
+        self.must(self.rdfproc(folder, "add", E + "a", E + "p", "two", E + "g"))
+        data = self.file("data.nt", f"<{E}b> <{E}p> <{E}c> .\n<{E}b> <{E}q> \"4\"^^<http://www.w3.org/2001/XMLSchema#integer> .\n")
+        self.must(self.rdfproc(folder, "parse", data, "ntriples"))
+        self.assertEqual(sorted(self.must(self.rdfproc(folder, "serialize", "ntriples")).splitlines()), sorted([
+            f'<{E}a> <{E}p> "one" .', f'<{E}a> <{E}p> "two" .', f"<{E}b> <{E}p> <{E}c> .",
+            f'<{E}b> <{E}q> "4"^^<http://www.w3.org/2001/XMLSchema#integer> .']))
+        self.assertIn(f"<{E}g>", self.must(self.rdfproc(folder, "serialize", "nquads")))
+        self.assertIn("4", self.must(self.rdfproc(folder, "size")) + self.rdfproc(folder, "size").stderr)
+        self.assertIn(E + "g", self.must(self.rdfproc(folder, "contexts")))
+        self.assertIn(E + "b", self.must(self.rdfproc(folder, "sources", E + "p", E + "c")))
+        query = f"SELECT ?o WHERE {{ <{E}b> <{E}q> ?o FILTER(?o > 3) }}"
+        self.assertIn('"4"', self.must(self.program(["rdfproc", "-q", "-r", "json", "-s", "docent", folder, "query", "sparql", "-", query])))
+        self.must(self.rdfproc(folder, "remove-context", E + "g"))
+        self.must(self.rdfproc(folder, "remove", E + "b", E + "p", E + "c"))
+        # what Redland wrote, the server has; and while it runs, the folder is its own
+        server = self.stage.server(data="data")
+        self.assertEqual(sorted(r["o"] for r in server.select("SELECT ?o { ?s ?p ?o }")), ["4", "one"])
+        self.refused_in_one_line(self.rdfproc(folder, "print"), "in use by process", str(server.process.pid))
+        done = self.rdfproc(folder, "add", E + "a", E + "p", "three")
+        self.assertNotEqual(done.returncode, 0)
+        server.stop()
+        self.refused_in_one_line(self.program(["rdfproc", "-q", "-n", "-s", "docent", folder, "add", E + "a", E + "p", "x"]),
+                                 "records")
+
+    def test_rdfproc_on_a_server(self):
+        server = self.stage.server()
+        store = f"grpc://{server.grpc}"
+        server.tell(f'<{E}a> <{E}p> "told"', source="urn:source")
+        self.must(self.rdfproc(store, "add", E + "a", E + "p", "added", E + "g"))
+        self.assertEqual(sorted(r["g"] for r in server.select(f"SELECT ?g {{ GRAPH ?g {{ <{E}a> ?p ?o }} }}")),
+                         [E + "g", "urn:source"])
+        self.assertIn("told", self.must(self.rdfproc(store, "find", E + "a", "-", "-")))
+        self.assertIn("urn:source", self.must(self.rdfproc(store, "contexts")))
+        self.refused_in_one_line(self.rdfproc(store, "add", E + "a", E + "p", "x", "https://w3id.org/docent#runs"),
+                                 "the server alone writes")
+        self.refused_in_one_line(self.rdfproc(store, "remove", E + "a", E + "p", "told"), "<urn:source>")
+        self.must(self.rdfproc(store, "remove", E + "a", E + "p", "told", "urn:source"))
+        self.assertEqual([r["o"] for r in server.select("SELECT ?o { ?s ?p ?o }")], ["added"])
+        server.stop()
+        self.refused_in_one_line(self.rdfproc(store, "print"), "no server answers at " + server.grpc)
+
+    def test_python_on_both(self):
+        server = self.stage.server(data="served")
+        script = """
+            g = RDF.Node(RDF.Uri(E + "g"))
+            model.append(statement("a", "p", "one"))
+            model.append(statement("a", "p", ["b"]), context=g)
+            import Redland
+            assert Redland.librdf_model_transaction_start(model._model) == 0
+            model.append(statement("a", "p", "two"))
+            assert statement("a", "p", "two") in model
+            assert Redland.librdf_model_transaction_rollback(model._model) == 0
+            assert statement("a", "p", "two") not in model
+            assert Redland.librdf_model_transaction_start(model._model) == 0
+            model.append(statement("a", "p", "three"))
+            model.append(statement("a", "p", "four"))
+            assert Redland.librdf_model_transaction_commit(model._model) == 0
+            print(sorted(str(n) for n in model.get_contexts()))
+            print(sorted(str(n) for n in model.get_targets(RDF.Uri(E + "a"), RDF.Uri(E + "p"))))
+            print(sorted((str(s.object), str(c)) for s, c in model.find_statements_context(RDF.Statement(None, None, None))))
+            rows = RDF.SPARQLQuery("SELECT ?o { ?s <http://example.org/p> ?o FILTER(isLiteral(?o)) }").execute(model)
+            print(sorted(str(row["o"]) for row in rows))
+            model.remove_statements_with_context(g)
+            model.sync()
+            print(model.size())
+            """
+        for store, options in ((self.stage.folder / "data", "new='yes'"), (f"grpc://{server.grpc}", "")):
+            self.assertEqual(self.must(self.python(script, store, options)).splitlines(), [
+                f"['{E}g']", f"['four', '{E}b', 'one', 'three']",
+                f"[('four', 'None'), ('{E}b', '{E}g'), ('one', 'None'), ('three', 'None')]",
+                "['four', 'one', 'three']", "3"])
+        self.assertEqual(sorted(r["o"] for r in server.select("SELECT ?o { ?s ?p ?o }")), ["four", "one", "three"])
+        done = self.python("print('not reached')", self.stage.folder / "none", "")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("there is no data folder", done.stderr)
+
+    def test_no_acknowledged_write_is_lost_when_the_server_is_killed_and_none_is_half(self):
+        seed = int(os.environ.get("DOCENT_E2E_SEED", random.randrange(1 << 30)))
+        print(f"seed {seed}", flush=True)
+        moments = random.Random(seed)
+        server = self.stage.server()
+        script = """
+            import Redland
+            for number in range(int(sys.argv[3])):
+                Redland.librdf_model_transaction_start(model._model)
+                model.append(statement("s%d" % number, "left", str(number)))
+                model.append(statement("s%d" % number, "right", str(number)))
+                if Redland.librdf_model_transaction_commit(model._model) == 0:
+                    print(number, flush=True)
+            """
+        outcome = []
+        writer = threading.Thread(target=lambda: outcome.append(self.python(script, f"grpc://{server.grpc}", "", 400)))
+        writer.start()
+        kills = 0
+        while writer.is_alive() and kills < 5:
+            time.sleep(moments.uniform(0.05, 0.5))
+            server.kill()
+            kills += 1
+            server.start()
+        writer.join()
+        acknowledged = [int(line) for line in outcome[0].stdout.split()]
+        self.assertGreater(len(acknowledged), 50, outcome[0].stderr)
+        server.kill()
+        server.start()
+        left, right = ({int(r["n"]) for r in server.select(f"SELECT ?n {{ ?s <{E}{side}> ?n }}")} for side in ("left", "right"))
+        self.assertEqual(left, right, "a transaction was made by half")
+        self.assertEqual(set(acknowledged) - left, set(), "acknowledged and lost")
+        print(f"{kills} kills, {len(acknowledged)} of 400 transactions acknowledged", flush=True)
+
+    def test_the_second_engine_answers_as_the_first(self):
+        server = self.stage.server()
+        server.tell(f'<{E}a> <{E}p> 1, 2, 3 . <{E}b> <{E}q> "x"@en', source="urn:one")
+        server.tell(f"<{E}a> <{E}p> 2", source="urn:two")
+        environment = {**os.environ, "REDLAND_MODULE_PATH": str(MODULES), "DOCENT_SERVER": server.grpc}
+
+        def both(query, *options):
+            runs = [subprocess.run([str(self.stage.bin / "docent"), "query", *engine, *options, query], capture_output=True,
+                                   text=True, timeout=60, env=environment, check=False) for engine in ([], ["--engine", "rasqal"])]
+            return runs
+
+        ours, rasqal = both(f"SELECT ?o {{ <{E}a> <{E}p> ?o FILTER(?o > 1) }} ORDER BY ?o", "--format", "json")
+        self.assertEqual(json.loads(ours.stdout), json.loads(rasqal.stdout), rasqal.stderr)
+        self.assertEqual([b["o"]["value"] for b in json.loads(rasqal.stdout)["results"]["bindings"]], ["2", "3"])
+        ours, rasqal = both(f"ASK {{ <{E}b> ?p ?o FILTER(lang(?o) = 'fr') }}")
+        self.assertEqual((ours.returncode, ours.stdout), (1, "no\n"))
+        self.assertEqual((rasqal.returncode, rasqal.stdout), (1, "no\n"), rasqal.stderr)
+        ours, rasqal = both(f"CONSTRUCT {{ ?s <{E}r> ?o }} WHERE {{ ?s <{E}q> ?o }}")
+        self.assertEqual(ours.stdout, rasqal.stdout)
+        self.assertIn('"x"@en', rasqal.stdout)
+        for query, word in ((f"SELECT * {{ ?s <{E}p>+ ?o }}", "property paths"), ("SELECT * { ?s ?p ?o MINUS { ?s ?p 1 } }", "MINUS"),
+                            ("SELECT * { ?s ?p", "expected")):
+            self.assert_refused(both(query)[1], 2, word)
+        cross = "SELECT * { " + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(24)) + " FILTER(?a0 = <urn:none>) }"
+        self.assert_refused(both(cross, "--timeout-ms", "500")[1], 2, "query_timeout_ms = 500")
+
+
+if __name__ == "__main__":
+    unittest.main()
