@@ -143,7 +143,8 @@ struct Context {
 };
 
 // <event operation="doorbell"/>
-// An event is the fact `?e a docent:Event ; docent:operation "doorbell"`; it counts in the turn that tells it.
+// An event is the fact `?e a docent:Event ; docent:operation "doorbell"`; it counts in the turn that tells it;
+// where only robots that serve other runs could take it, when one of them is freed, if it still stands.
 struct Event {
   Text operation;
   SourceSpan span;

@@ -101,7 +101,7 @@ void Fields(Archive& a, OpenCommand& open) {
 }
 template <class Archive>
 void Fields(Archive& a, ArmedCondition& armed) {
-  a(armed.handle, armed.ask);
+  a(armed.handle, armed.ask, armed.waiting_events);
 }
 
 // Lists of types of namespace docent whose Fields stand here, not where the archive would look.

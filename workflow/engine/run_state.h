@@ -69,6 +69,8 @@ struct InvocationState {
 struct ArmedCondition {
   ConditionHandle handle = 0;
   cawl::CompiledAsk ask;
+  // ask.by_event(): events that came while only robots that serve other runs could take them, and still stand.
+  std::set<TermBinding> waiting_events;
 };
 
 // A link with ext:while, waiting for the level of its condition.

@@ -186,7 +186,8 @@ void RunStepper::DisarmNode(size_t index) {
 
 bool RunStepper::TryOpen(size_t index) {
   std::set<RobotId> busy;
-  for (const ArmedCondition& armed : run_.nodes[index].armed) {
+  for (ArmedCondition& armed : run_.nodes[index].armed) {
+    TakeEvents(&armed);
     if (TryOpenWith(index, armed, &busy)) return true;
   }
   if (busy != run_.nodes[index].busy_robots) {
@@ -196,14 +197,22 @@ bool RunStepper::TryOpen(size_t index) {
   return false;
 }
 
+// Those that do not open the node now wait: for a robot that can take them, or until they are gone.
+void RunStepper::TakeEvents(ArmedCondition* armed) {
+  auto edge = core_.edges.find(armed->handle);
+  if (!armed->ask.by_event() || edge == core_.edges.end()) return;
+  for (const TermBinding& gone : edge->second->disappeared) armed->waiting_events.erase(gone);
+  armed->waiting_events.insert(edge->second->appeared.begin(), edge->second->appeared.end());
+}
+
 // The solutions with which a condition can open its node now.
 std::vector<TermBinding> RunStepper::Solutions(const ArmedCondition& armed) const {
   std::vector<TermBinding> all;
   std::vector<TermBinding> fixed;
   if (!armed.ask.by_event()) {
     if (core_.input->conditions->Holds(armed.handle)) fixed.emplace_back();
-  } else if (auto edge = core_.edges.find(armed.handle); edge != core_.edges.end()) {
-    fixed = edge->second->appeared;
+  } else {
+    fixed.assign(armed.waiting_events.begin(), armed.waiting_events.end());
   }
   for (const TermBinding& binding : fixed) {
     auto solutions = core_.input->conditions->Solutions(armed.handle, binding, kSolutionLimit);

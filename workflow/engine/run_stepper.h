@@ -44,6 +44,7 @@ class RunStepper {
   void ArmNode(size_t index);
   void DisarmNode(size_t index);
   bool TryOpen(size_t index);
+  void TakeEvents(ArmedCondition* armed);
   std::vector<TermBinding> Solutions(const ArmedCondition& armed) const;
   bool TryOpenWith(size_t index, const ArmedCondition& armed, std::set<RobotId>* busy);
   void Open(size_t index, const std::vector<TermBinding>& bindings, std::string evidence,

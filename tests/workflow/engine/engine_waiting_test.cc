@@ -101,6 +101,40 @@ TEST_F(EngineWaitingTest, ANodeWhoseRobotsAreBusyOpensWhenOneIsFreedOrAnotherOne
   EXPECT_EQ(commands_[0].robot.value(), "urn:r2");
 }
 
+// An event that came while its robot served another run is not lost; one that is gone by then is.
+TEST_F(EngineWaitingTest, AnEventWaitsForABusyRobotAsLongAsItStands) {
+  std::string near = Condition("near");
+  near.replace(near.find("?s"), 2, "?robot");
+  near.replace(near.find("<condition>"), 11,
+               "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
+  Deploy(Flow("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node><sink name=\"t\"/>" +
+              Link("s", "A") + Link("A", "t")) +
+         "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
+         "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
+  robots_.news = false;
+  auto ring = [](const std::string& event) {
+    return TermBinding{{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:y")}, {"_event_1", Term::Iri(event)}};
+  };
+  Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
+  CommandId busy = commands_[0].id;
+  Start();
+  conditions_.Set("urn:near", {ring("urn:e1")});
+  Turn();
+  EXPECT_THAT(commands_, IsEmpty());
+  Turn({Done(busy)});
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("F-2/"));
+
+  busy = commands_[0].id;
+  Start();
+  conditions_.Set("urn:near", {ring("urn:e1"), ring("urn:e2")});
+  Turn();
+  conditions_.Set("urn:near", {ring("urn:e1")});  // e2 is gone before the robot is free; e1 came before the run
+  Turn();
+  Turn({Done(busy)});
+  EXPECT_THAT(commands_, IsEmpty());
+}
+
 TEST_F(EngineWaitingTest, AServiceThatIsRegisteredLaterIsUsedByTheInvocationThatWaits) {
   robots_.offers.clear();
   robots_.only = "go";
