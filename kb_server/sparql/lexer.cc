@@ -157,7 +157,7 @@ Lexer::Lexer(std::string_view text)
     : text_(text), ascii_(std::all_of(text.begin(), text.end(), [](char c) { return static_cast<uint8_t>(c) < 0x80; })) {}
 
 void Lexer::Advance(size_t bytes) {
-  if (ascii_ && std::memchr(text_.data() + at_, '\n', bytes) == nullptr) {
+  if (ascii_ && text_.substr(at_, bytes).find('\n') == std::string_view::npos) {
     at_ += bytes;
     column_ += static_cast<int>(bytes);
     return;
