@@ -2,6 +2,7 @@
 """Queries, updates and graphs over HTTP that must not succeed: each is refused with the name of what it broke, and the server
 goes on, with its memory given back."""
 import http.client
+import os
 import threading
 import time
 import unittest
@@ -74,7 +75,9 @@ class OverHttp(StageTest):
             with self.subTest(text):
                 self.assert_refused(self.query(text), "query_memory_bytes")
         # What glibc keeps for later is not given back to the system, but it is used again: it does not add up.
-        self.assertLess(self.resident_mb() - before, 700)
+        # The address sanitizer holds back freed memory on purpose; it finds leaks itself.
+        if "ASAN_OPTIONS" not in os.environ:
+            self.assertLess(self.resident_mb() - before, 700)
 
     def test_other_queries_go_on_beside_bombs(self):
         bombs = [threading.Thread(target=self.query, args=(f"SELECT (COUNT(*) AS ?n) {{ ?a ?b ?c . {NEVER} }}",),
