@@ -15,15 +15,10 @@
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
-#include "kb_server/service/convert.h"
+#include "kb_server/wire/term_proto.h"
 
 namespace docent {
 namespace {
-
-Term FromProtoTrusted(const v1::Term& term) {
-  auto result = FromProto(term, "term");
-  return result.ok() ? *result : Term::Literal("");
-}
 
 // The object of `_:s <urn:p> TEXT .`, which is how a single term is read with the N-Triples parser.
 absl::StatusOr<Term> ParseNTriplesTerm(const std::string& text) {
@@ -144,10 +139,10 @@ void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& 
 }
 
 std::string ToNTriples(const v1::Term& term) {
-  return ToNTriples(FromProtoTrusted(term));
+  return ToNTriples(FromProto(term).value_or(Term::Literal("")));
 }
 std::string ToDisplay(const v1::Term& term) {
-  return ToDisplay(FromProtoTrusted(term));
+  return ToDisplay(FromProto(term).value_or(Term::Literal("")));
 }
 
 std::string OneLine(std::string_view text, size_t width) {

@@ -23,13 +23,6 @@ struct QueryArguments {
   std::string engine = "docent";
 };
 
-std::optional<Term> Optional(const v1::Term& term) {
-  if (term.kind_case() == v1::Term::KIND_NOT_SET) return std::nullopt;
-  auto result = FromProto(term, "row");
-  if (!result.ok()) return std::nullopt;
-  return *result;
-}
-
 // Reads the stream and prints it in the asked form. The exit code, if the stream ends well.
 int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments& arguments) {
   AnswerPrinter printer(arguments.format);
@@ -49,7 +42,7 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
       }
     } else if (reply.has_row()) {
       std::vector<std::optional<Term>> terms;
-      for (const v1::Term& term : reply.row().values()) terms.push_back(Optional(term));
+      for (const v1::Term& term : reply.row().values()) terms.push_back(FromProto(term));
       printer.Row(terms);
     } else if (reply.has_quad()) {
       if (auto quad = FromProto(reply.quad(), "triple"); quad.ok()) printer.Triple(*std::move(quad));

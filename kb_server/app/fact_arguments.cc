@@ -7,7 +7,7 @@
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
-#include "kb_server/service/convert.h"
+#include "kb_server/wire/term_proto.h"
 
 namespace docent {
 
@@ -45,12 +45,7 @@ absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, st
 }
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
-  for (const TermQuad& quad : quads) {
-    v1::Quad* q = out->Add();
-    ToProto(quad.subject, q->mutable_subject());
-    ToProto(quad.predicate, q->mutable_predicate());
-    ToProto(quad.object, q->mutable_object());
-  }
+  for (const TermQuad& quad : quads) ToProto(quad, out->Add());
 }
 
 absl::Status AddPrefixes(const std::vector<std::string>& prefixes,

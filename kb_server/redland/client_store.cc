@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "kb_server/rdf/term_check.h"
+#include "kb_server/wire/term_proto.h"
 
 namespace docent::redland {
 namespace {
@@ -17,37 +18,6 @@ namespace {
 // A server that is being restarted is waited for this long.
 constexpr int kAttempts = 10;
 constexpr absl::Duration kPause = absl::Milliseconds(500);
-
-void ToProto(const Term& term, v1::Term* out) {
-  switch (term.kind) {
-    case TermKind::kIri:
-      out->set_iri(term.lexical);
-      return;
-    case TermKind::kBlank:
-      out->set_blank(term.lexical);
-      return;
-    case TermKind::kLiteral:
-      out->mutable_literal()->set_lexical(term.lexical);
-      out->mutable_literal()->set_datatype(term.datatype);
-      out->mutable_literal()->set_language(term.language);
-      return;
-  }
-}
-
-void ToProto(const TermQuad& quad, v1::Quad* out) {
-  ToProto(quad.subject, out->mutable_subject());
-  ToProto(quad.predicate, out->mutable_predicate());
-  ToProto(quad.object, out->mutable_object());
-  ToProto(quad.graph, out->mutable_graph());
-}
-
-Term FromProto(const v1::Term& term) {
-  if (term.kind_case() == v1::Term::kIri) return Term::Iri(term.iri());
-  if (term.kind_case() == v1::Term::kBlank) return Term::Blank(term.blank());
-  const v1::Literal& literal = term.literal();
-  return literal.language().empty() ? Term::Literal(literal.lexical(), literal.datatype())
-                                    : Term::LangString(literal.lexical(), literal.language());
-}
 
 // Whether a quad of a graph can have these terms at all.
 bool CanMatch(const QuadQuery& query, size_t term_bytes) {
@@ -134,7 +104,7 @@ absl::StatusOr<std::vector<TermQuad>> ClientStore::FindAtMost(const QuadQuery& q
           absl::StrCat("more quads match than the limit ", limit_name, " = ", max));
     }
     const auto part = [&row](int i, const std::optional<Term>& given) {
-      return row.values(i).kind_case() == v1::Term::KIND_NOT_SET && given ? *given : FromProto(row.values(i));
+      return FromProto(row.values(i)).value_or(given.value_or(Term()));
     };
     TermQuad quad = {part(0, query.subject), part(1, query.predicate), part(2, query.object),
                      part(3, query.graph)};
@@ -167,7 +137,7 @@ absl::StatusOr<uint64_t> ClientStore::Size() {
 absl::StatusOr<std::vector<Term>> ClientStore::Graphs() {
   std::vector<Term> graphs;
   absl::Status status = Query("SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } }", [&graphs](const v1::Row& row) {
-    graphs.push_back(FromProto(row.values(0)));
+    graphs.push_back(FromProto(row.values(0)).value_or(Term()));
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

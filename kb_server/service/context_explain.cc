@@ -18,13 +18,6 @@ namespace {
 
 constexpr size_t kDefaultSets = 3;
 
-void ToProto(const TermQuad& quad, v1::Quad* out) {
-  ToProto(quad.subject, out->mutable_subject());
-  ToProto(quad.predicate, out->mutable_predicate());
-  ToProto(quad.object, out->mutable_object());
-  if (!quad.graph.lexical.empty()) ToProto(quad.graph, out->mutable_graph());
-}
-
 void ToProto(const std::vector<std::pair<std::string, Term>>& bindings,
              google::protobuf::RepeatedPtrField<v1::NamedTerm>* out) {
   for (const auto& [name, value] : bindings) {

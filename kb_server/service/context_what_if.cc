@@ -15,13 +15,6 @@ namespace {
 
 using explain::Display;
 
-void ToProto(const TermQuad& quad, v1::Quad* out) {
-  ToProto(quad.subject, out->mutable_subject());
-  ToProto(quad.predicate, out->mutable_predicate());
-  ToProto(quad.object, out->mutable_object());
-  ToProto(quad.graph, out->mutable_graph());
-}
-
 std::string BindingText(const std::vector<std::pair<std::string, Term>>& binding, const Display& display) {
   return absl::StrJoin(binding, ", ", [&](std::string* out, const auto& pair) {
     absl::StrAppend(out, "?", pair.first, " = ", display.Of(pair.second));

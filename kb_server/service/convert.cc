@@ -1,5 +1,7 @@
 #include "kb_server/service/convert.h"
 
+#include <optional>
+
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
@@ -29,22 +31,6 @@ absl::Status CheckSize(size_t bytes, const Limits& limits, const std::string& wh
 
 }  // namespace
 
-void ToProto(const Term& term, v1::Term* out) {
-  switch (term.kind) {
-    case TermKind::kIri:
-      out->set_iri(term.lexical);
-      break;
-    case TermKind::kBlank:
-      out->set_blank(term.lexical);
-      break;
-    case TermKind::kLiteral:
-      out->mutable_literal()->set_lexical(term.lexical);
-      out->mutable_literal()->set_datatype(term.datatype);
-      out->mutable_literal()->set_language(term.language);
-      break;
-  }
-}
-
 void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out) {
   out->set_file(diagnostic.file);
   out->set_line(diagnostic.span.line);
@@ -63,23 +49,10 @@ void ToProto(const BatchOutcome& outcome, v1::AssertReply* out) {
 }
 
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
-  switch (term.kind_case()) {
-    case v1::Term::kIri:
-      if (!IsAbsoluteIri(term.iri())) {
-        return absl::InvalidArgumentError(
-            absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
-      }
-      return Term::Iri(term.iri());
-    case v1::Term::kBlank:
-      return Term::Blank(term.blank());
-    case v1::Term::kLiteral:
-      if (!term.literal().language().empty()) {
-        return Term::LangString(term.literal().lexical(), term.literal().language());
-      }
-      return Term::Literal(term.literal().lexical(), term.literal().datatype());
-    case v1::Term::KIND_NOT_SET:
-      break;
+  if (term.kind_case() == v1::Term::kIri && !IsAbsoluteIri(term.iri())) {
+    return absl::InvalidArgumentError(absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
   }
+  if (std::optional<Term> out = FromProto(term)) return *std::move(out);
   return absl::InvalidArgumentError(absl::StrCat(what, " is not set; give iri, blank or literal"));
 }
 

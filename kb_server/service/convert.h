@@ -12,21 +12,21 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "docent/v1/context.pb.h"
-#include "docent/v1/term.pb.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/rdf/term.h"
 #include "kb_server/store/write_batch.h"
+#include "kb_server/wire/term_proto.h"
 
 namespace docent {
 
-void ToProto(const Term& term, v1::Term* out);
 void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out);
 
 void ToProto(const BatchOutcome& outcome, v1::AssertReply* out);
 
-// INVALID_ARGUMENT for an unset term or a relative IRI; `what` names the place, e.g. "add[3].subject".
+// What a client sent. INVALID_ARGUMENT for an unset term or a relative IRI; `what` names the place, e.g.
+// "add[3].subject".
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
 // As above; an unset graph gives a term with an empty IRI.
 absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);

@@ -88,9 +88,7 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   if (rdf) {
     for (const TermQuad& triple : shapes::ToRdf(report, dictionary)) {
       v1::Quad* out = reply->add_report();
-      docent::ToProto(triple.subject, out->mutable_subject());
-      docent::ToProto(triple.predicate, out->mutable_predicate());
-      docent::ToProto(triple.object, out->mutable_object());
+      docent::ToProto(triple, out);
       bytes += out->ByteSizeLong();
       if (bytes > room) {
         return absl::ResourceExhaustedError(absl::StrCat("the report as RDF is larger than half of the limit grpc_message_bytes = ",

@@ -2,36 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+
+#include "kb_server/wire/term_proto.h"
 
 namespace docent {
 namespace {
-
-void ToProto(const Term& term, v1::Term* out) {
-  switch (term.kind) {
-    case TermKind::kIri:
-      out->set_iri(term.lexical);
-      return;
-    case TermKind::kBlank:
-      out->set_blank(term.lexical);
-      return;
-    case TermKind::kLiteral:
-      out->mutable_literal()->set_lexical(term.lexical);
-      out->mutable_literal()->set_datatype(term.datatype);
-      out->mutable_literal()->set_language(term.language);
-      return;
-  }
-}
-
-std::optional<Term> FromProto(const v1::Term& term) {
-  if (term.has_iri()) return Term::Iri(term.iri());
-  if (term.has_blank()) return Term::Blank(term.blank());
-  if (!term.has_literal()) return std::nullopt;
-  if (!term.literal().language().empty()) {
-    return Term::LangString(term.literal().lexical(), term.literal().language());
-  }
-  return Term::Literal(term.literal().lexical(), term.literal().datatype());
-}
 
 CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
   switch (state) {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "robot_adapters/sdk/term_proto.h"
+#include "kb_server/wire/term_proto.h"
 
 namespace docent::robot {
 namespace {

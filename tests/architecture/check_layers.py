@@ -6,7 +6,7 @@
 Prints one line for each fault, FILE:LINE: MESSAGE, and exits 1 if there is any. What is a fault:
   * an include of a folder that the including folder may not include, or of a third-party header outside its folders;
   * an include that is not written from the root (relative, or beside the including file);
-  * a folder with C++ or .proto files that layers.txt does not list;
+  * a folder with C++ or .proto files that layers.txt does not list, or lists twice;
   * a third-party header that layers.txt does not list;
   * a cycle among the folders, allowed or real;
   * a .cc file whose first include is not its own header (this proves that the header compiles alone).
@@ -35,6 +35,8 @@ class Layers:
             elif line:
                 name, _, allowed = line.partition(":")
                 if section == "[folders]":
+                    if name.strip() in self.folders:
+                        self.faults.append(f"{path.name}:{number}: {name.strip()} is listed a second time")
                     self.folders[name.strip()] = allowed.split()
                     self.lines[name.strip()] = number
                 else:

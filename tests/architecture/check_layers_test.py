@@ -112,6 +112,12 @@ class Planted(unittest.TestCase):
         self.plant("kb_server/base/planted.h", "#include <curl/curl.h>\n")
         self.assert_fault("kb_server/base/planted.h:1", "header curl/curl.h is not listed")
 
+    def test_a_folder_listed_twice(self):
+        lines = self.layers.read_text().splitlines()
+        first = next(i for i, line in enumerate(lines) if line.startswith("kb_server/service:"))
+        self.layers.write_text("\n".join(lines[:first + 1] + lines[first:]) + "\n")
+        self.assert_fault(f"layers.txt:{first + 2}", "kb_server/service is listed a second time")
+
     def test_a_table_with_a_cycle(self):
         text = self.layers.read_text().replace("kb_server/rdf:  ", "kb_server/rdf: kb_server/store ", 1)
         self.layers.write_text(text)

@@ -1,6 +1,6 @@
-#include "robot_adapters/sdk/term_proto.h"
+#include "kb_server/wire/term_proto.h"
 
-namespace docent::robot {
+namespace docent {
 
 void ToProto(const Term& term, v1::Term* out) {
   switch (term.kind) {
@@ -42,4 +42,4 @@ std::optional<Term> FromProto(const v1::Term& term) {
   return std::nullopt;
 }
 
-}  // namespace docent::robot
+}  // namespace docent
