@@ -63,6 +63,8 @@ int RunQuery(const QueryArguments& arguments) {
   if (arguments.engine == "rasqal") {
     if (arguments.explain)
       return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
+    if (!arguments.as_of.empty())
+      return Fail(absl::InvalidArgumentError("Rasqal asks the newest graph; leave --as-of away"));
     return QueryWithRasqal(query, arguments.client.server, arguments.format, arguments.timeout_ms);
   }
   auto stub = v1::Context::NewStub(Connect(arguments.client));

@@ -15,13 +15,17 @@ FolderStore::FolderStore(const Clock* clock, const Limits& limits)
 
 absl::StatusOr<std::unique_ptr<FolderStore>> FolderStore::Open(const std::string& folder, bool make_new,
                                                                const Clock* clock, const Limits& limits) {
+  // A name that was mistyped must not leave a log somewhere.
   std::error_code error;
-  if (!make_new && !std::filesystem::exists(folder, error)) {
+  const std::filesystem::path file = std::filesystem::path(folder) / SqliteLog::kFileName;
+  if (!make_new && !std::filesystem::exists(file, error) && !error) {
     return absl::NotFoundError(
         absl::StrCat("there is no data folder ", folder, "; new='yes' makes one (rdfproc --new)"));
   }
   std::unique_ptr<FolderStore> store(new FolderStore(clock, limits));
-  auto log = SqliteLog::Open(folder);
+  SqliteLogOptions options;
+  options.snapshots_kept = limits.snapshots_kept;
+  auto log = SqliteLog::Open(folder, options);
   if (!log.ok()) return log.status();
   store->log_ = *std::move(log);
   auto head = store->log_->Head();
@@ -31,12 +35,14 @@ absl::StatusOr<std::unique_ptr<FolderStore>> FolderStore::Open(const std::string
                                                       " holds ", head->offset,
                                                       " records; leave new away or choose another folder"));
   }
+  store->snapshots_ = std::make_unique<SnapshotKeeper>(store->log_.get(), &store->dictionary_, limits);
   Writer::Ports ports;
   ports.inbox = &store->inbox_;
   ports.log = store->log_.get();
   ports.queries = &store->queries_;
   ports.catalog = &store->catalog_;
   ports.feed = &store->feed_;
+  ports.snapshots = store->snapshots_.get();
   ports.dictionary = &store->dictionary_;
   ports.functions = &store->functions_;
   ports.limits = limits;

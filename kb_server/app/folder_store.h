@@ -1,6 +1,7 @@
-// A data folder as a quad store, without a server: the log is replayed when it is opened, reads are of the
-// newest version, and each change is a turn like a server's (rules infer, conditions hold, workflows move),
-// durable before it is acknowledged. Commands to robots that a change decides are recorded and go out when a
+// A data folder as a quad store, without a server: opening it restores the newest snapshot and replays the log
+// after it, reads are of the newest version, and each change is a turn like a server's (rules infer,
+// conditions hold, workflows move), durable before it is acknowledged. Snapshots are taken and the log is
+// trimmed as in a server that runs. Commands to robots that a change decides are recorded and go out when a
 // server runs on the folder. One thread.
 //
 // The folder is locked meanwhile: a server cannot start on it, and it cannot be opened while one runs.
@@ -8,11 +9,11 @@
 #define DOCENT_KB_SERVER_APP_FOLDER_STORE_H_
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "kb_server/app/snapshot_keeper.h"
 #include "kb_server/app/writer.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
@@ -28,12 +29,12 @@ namespace docent {
 
 class FolderStore final : public redland::QuadStore {
  public:
-  // `clock` must outlive it. Errors, each one line: NOT_FOUND (there is no such folder, and not `make_new`),
+  // `clock` must outlive it. Errors: NOT_FOUND (there is no log in such a folder, and not `make_new`),
   // FAILED_PRECONDITION (in use, by which process; a newer format; `make_new` and the folder has records),
-  // DATA_LOSS, PERMISSION_DENIED.
+  // DATA_LOSS, PERMISSION_DENIED, and those of recovery.
   static absl::StatusOr<std::unique_ptr<FolderStore>> Open(const std::string& folder, bool make_new,
                                                            const Clock* clock, const Limits& limits = {});
-  // Waits for what is being written.
+  // Waits for what is being written, a snapshot too.
   ~FolderStore() override;
 
   absl::StatusOr<std::unique_ptr<redland::QuadStream>> Find(const redland::QuadQuery& query) override;
@@ -52,6 +53,7 @@ class FolderStore final : public redland::QuadStore {
   QueryPort queries_;
   CatalogPort catalog_;
   RunFeed feed_;
+  std::unique_ptr<SnapshotKeeper> snapshots_;
   std::unique_ptr<Writer> writer_;
   std::thread writer_thread_;  // from the first change on: whoever only reads writes nothing, timers neither
 };

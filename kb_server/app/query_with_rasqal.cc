@@ -66,7 +66,7 @@ absl::StatusOr<std::unique_ptr<GraphCopy>> CopyGraph(const std::string& address,
                    copy->dictionary.Intern(quad.object), copy->dictionary.Intern(quad.graph)});
   }
   GraphWriter writer(nullptr);
-  writer.BulkLoad(std::move(ids));
+  writer.AddAll(std::move(ids));
   copy->version = writer.Freeze((*client)->revision());
   return copy;
 }

@@ -48,6 +48,10 @@ ClientStore::ClientStore(std::string address, std::string session, const Limits&
     : address_(std::move(address)), session_(std::move(session)), limits_(limits) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(limits.grpc_message_bytes));
+  // A server that is back is noticed while a change is still sent again.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);  // this long one attempt to connect may take
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
   stub_ = v1::Context::NewStub(
       grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments));
 }

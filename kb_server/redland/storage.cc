@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/redland/buffered_store.h"
 #include "kb_server/redland/redland_nodes.h"
@@ -36,11 +38,11 @@ Instance& Of(librdf_storage* storage) {
   return *static_cast<Instance*>(librdf_storage_get_instance(storage));
 }
 
-// 0, or 1 with the reason in librdf's log.
+// 0, or 1 with the reason in librdf's log, one line.
 int Report(librdf_world* world, const absl::Status& status) {
   if (status.ok()) return 0;
-  librdf_log(world, 0, LIBRDF_LOG_ERROR, LIBRDF_FROM_STORAGE, nullptr, "docent: %s",
-             std::string(status.message()).c_str());
+  const std::string line = absl::StrReplaceAll(absl::StripAsciiWhitespace(status.message()), {{"\n", "; "}});
+  librdf_log(world, 0, LIBRDF_LOG_ERROR, LIBRDF_FROM_STORAGE, nullptr, "docent: %s", line.c_str());
   return 1;
 }
 int Report(librdf_storage* storage, const absl::Status& status) {
@@ -155,11 +157,6 @@ librdf_stream* FindInContext(librdf_storage* storage, librdf_statement* statemen
   return Answer(storage, QueryOf(statement, context), Of(storage).merged);
 }
 
-librdf_stream* FindWithOptions(librdf_storage* storage, librdf_statement* statement, librdf_node* context,
-                               librdf_hash*) {
-  return FindInContext(storage, statement, context);
-}
-
 librdf_stream* SerialiseContext(librdf_storage* storage, librdf_node* context) {
   QuadQuery query;
   query.graph = GraphOf(context);
@@ -216,10 +213,6 @@ int AddStream(librdf_storage* storage, librdf_stream* stream) {
   return AddStreamInContext(storage, nullptr, stream);
 }
 
-int RemoveInContext(librdf_storage* storage, librdf_node* context, librdf_statement* statement) {
-  return Apply(storage, {{kRemove, FromStatement(statement, GraphOf(context))}});
-}
-
 // Without a context a statement is removed from docent:default. One that stays to be seen through another
 // graph is not removed silently.
 int Remove(librdf_storage* storage, librdf_statement* statement) {
@@ -228,13 +221,18 @@ int Remove(librdf_storage* storage, librdf_statement* statement) {
   if (!quads.ok()) return Report(storage, quads.status());
   std::optional<Term> elsewhere;
   for (TermQuad quad; (*quads)->Next(&quad);) {
-    if (quad.graph == wanted.graph) return RemoveInContext(storage, nullptr, statement);
+    if (quad.graph == wanted.graph) return Apply(storage, {{kRemove, wanted}});
     elsewhere = quad.graph;
   }
   if (!elsewhere) return 0;
   return Report(storage, absl::FailedPreconditionError(
                              absl::StrCat("the statement stands in the context ", ToNTriples(*elsewhere),
                                           ": name the context to remove it there")));
+}
+
+int RemoveInContext(librdf_storage* storage, librdf_node* context, librdf_statement* statement) {
+  if (context == nullptr) return Remove(storage, statement);
+  return Apply(storage, {{kRemove, FromStatement(statement, GraphOf(context))}});
 }
 
 int RemoveContext(librdf_storage* storage, librdf_node* context) {
@@ -286,7 +284,6 @@ void FillFactory(librdf_storage_factory* factory) {
   factory->contains_statement = Contains;
   factory->serialise = Serialise;
   factory->find_statements = FindStatements;
-  factory->find_statements_with_options = FindWithOptions;
   factory->find_statements_in_context = FindInContext;
   factory->context_serialise = SerialiseContext;
   factory->get_contexts = GetContexts;

@@ -28,13 +28,23 @@ def interpreter_with_redland():
 
 
 PYTHON = interpreter_with_redland()
+HEAD = textwrap.dedent("""
+    import sys, RDF
+    storage = RDF.Storage(storage_name="docent", name=sys.argv[1], options_string=sys.argv[2])
+    model = RDF.Model(storage)
+    E = "http://example.org/"
+    def statement(s, p, o):
+        return RDF.Statement(RDF.Uri(E + s), RDF.Uri(E + p), RDF.Node(o) if isinstance(o, str) else RDF.Uri(E + o[0]))
+    """)
 
 
 @unittest.skipUnless(shutil.which("rdfproc") and PYTHON, "redland-utils and python3-librdf are not installed")
 class Redland(StageTest):
+    environment = {**os.environ, "REDLAND_MODULE_PATH": str(MODULES)}
+
     def program(self, argv, text=None):
         return subprocess.run([str(a) for a in argv], input=text, capture_output=True, text=True, timeout=120,
-                              env={**os.environ, "REDLAND_MODULE_PATH": str(MODULES)}, check=False)
+                              env=self.environment, check=False)
 
     def rdfproc(self, store, *arguments):
         return self.program(["rdfproc", "-q", "-s", "docent", store, *arguments])
@@ -46,15 +56,22 @@ class Redland(StageTest):
 
     def python(self, script, *arguments):
         """Runs a script that has `model` over the storage named by its first argument."""
-        head = textwrap.dedent("""
-            import sys, RDF
-            storage = RDF.Storage(storage_name="docent", name=sys.argv[1], options_string=sys.argv[2])
-            model = RDF.Model(storage)
-            E = "http://example.org/"
-            def statement(s, p, o):
-                return RDF.Statement(RDF.Uri(E + s), RDF.Uri(E + p), RDF.Node(o) if isinstance(o, str) else RDF.Uri(E + o[0]))
-            """)
-        return self.program([PYTHON, "-", *arguments], text=head + textwrap.dedent(script))
+        return self.program([PYTHON, "-", *arguments], text=HEAD + textwrap.dedent(script))
+
+    def writer_script(self, numbers, size):
+        """A file with a script that makes one transaction of `size` statements for each number, and prints it once it is made."""
+        return self.file("writer.py", HEAD + textwrap.dedent(f"""
+            import Redland
+            for number in {numbers}:
+                try:
+                    Redland.librdf_model_transaction_start(model._model)
+                    for part in range({size}):
+                        model.append(statement("s%d" % number, "part%d" % part, str(number)))
+                    if Redland.librdf_model_transaction_commit(model._model) == 0:
+                        print(number, flush=True)
+                except RDF.RedlandError as error:
+                    print("refused", number, error, file=sys.stderr)
+            """))
 
     def refused_in_one_line(self, done, *words):
         lines = [line for line in done.stderr.splitlines() if "docent:" in line]
@@ -149,17 +166,9 @@ class Redland(StageTest):
         print(f"seed {seed}", flush=True)
         moments = random.Random(seed)
         server = self.stage.server()
-        script = """
-            import Redland
-            for number in range(int(sys.argv[3])):
-                Redland.librdf_model_transaction_start(model._model)
-                model.append(statement("s%d" % number, "left", str(number)))
-                model.append(statement("s%d" % number, "right", str(number)))
-                if Redland.librdf_model_transaction_commit(model._model) == 0:
-                    print(number, flush=True)
-            """
+        script = self.writer_script("range(int(sys.argv[3]))", size=2)
         outcome = []
-        writer = threading.Thread(target=lambda: outcome.append(self.python(script, f"grpc://{server.grpc}", "", 400)))
+        writer = threading.Thread(target=lambda: outcome.append(self.program([PYTHON, script, f"grpc://{server.grpc}", "", 400])))
         writer.start()
         kills = 0
         while writer.is_alive() and kills < 5:
@@ -172,16 +181,78 @@ class Redland(StageTest):
         self.assertGreater(len(acknowledged), 50, outcome[0].stderr)
         server.kill()
         server.start()
-        left, right = ({int(r["n"]) for r in server.select(f"SELECT ?n {{ ?s <{E}{side}> ?n }}")} for side in ("left", "right"))
+        left, right = ({int(r["n"]) for r in server.select(f"SELECT ?n {{ ?s <{E}{side}> ?n }}")} for side in ("part0", "part1"))
         self.assertEqual(left, right, "a transaction was made by half")
         self.assertEqual(set(acknowledged) - left, set(), "acknowledged and lost")
         print(f"{kills} kills, {len(acknowledged)} of 400 transactions acknowledged", flush=True)
+
+    def test_a_killed_program_leaves_no_half_transaction(self):
+        seed = int(os.environ.get("DOCENT_E2E_SEED", random.randrange(1 << 30)))
+        print(f"seed {seed}", flush=True)
+        moments = random.Random(seed)
+        script = self.writer_script("range(int(sys.argv[3]), 10 ** 9)", size=25)
+        server = self.stage.server(data="served")
+        for store, options in ((self.stage.folder / "data", "new='yes'"), (f"grpc://{server.grpc}", "")):
+            acknowledged = []
+            for life in range(6):
+                first = life * 1000000
+                program = subprocess.Popen([PYTHON, script, str(store), options if life == 0 else "", str(first)],
+                                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+                self.assertEqual(program.stdout.readline(), f"{first}\n", "the first is acknowledged")
+                time.sleep(moments.uniform(0, 0.4))
+                program.kill()
+                out, errors = program.communicate()
+                self.assertNotIn("Error", errors)
+                # A line that was cut off by the kill is no acknowledgement.
+                acknowledged += [first] + [int(line) for line in out.splitlines(keepends=True) if line.endswith("\n")]
+            if options:
+                self.assertEqual(self.docent("verify", "--data", store).returncode, 0)
+                there = self.stage.server(data=store.name)
+            else:
+                there = server
+            counts = {int(r["n"]): int(r["count"]) for r in there.select(
+                f"SELECT ?n (COUNT(?p) AS ?count) {{ ?s ?p ?n FILTER(STRSTARTS(STR(?p), '{E}part')) }} GROUP BY ?n")}
+            self.assertEqual(set(counts.values()), {25}, "a transaction was made by half")
+            self.assertEqual(set(acknowledged) - set(counts), set(), "acknowledged and lost")
+            self.assertLessEqual(len(counts) - len(set(acknowledged)), 6, "at most the one under way of each life")
+            print(f"{store}: 6 kills, {len(acknowledged)} transactions acknowledged, {len(counts)} there", flush=True)
+
+    def test_a_refused_write_changes_nothing(self):
+        server = self.stage.server(data="served")
+        script = """
+            import Redland
+            def fails(call, word):
+                try:
+                    done = call()
+                except RDF.RedlandError as error:
+                    assert word in str(error), error
+                else:
+                    assert False, done
+            model.append(statement("a", "p", "kept"))
+            reserved = RDF.Node(RDF.Uri("https://w3id.org/docent#inferred"))
+            Redland.librdf_model_transaction_start(model._model)
+            model.append(statement("a", "p", "first"))
+            model.append(statement("a", "p", "second"), context=reserved)
+            model.remove_statement(statement("a", "p", "kept"))
+            fails(lambda: Redland.librdf_model_transaction_commit(model._model), "the server alone writes")
+            fails(lambda: model.add_statement(RDF.Statement(RDF.Uri("relative"), RDF.Uri(E + "p"), RDF.Node("x"))), "relative")
+            parser = RDF.Parser("turtle")
+            stream = parser.parse_string_as_stream("<http://example.org/b> <http://example.org/p> 1, 2, 3 .", "http://example.org/")
+            fails(lambda: model.add_statements(stream, context=reserved), "the server alone writes")
+            print(sorted(str(s.object) for s in model))
+            """
+        for store, options in ((self.stage.folder / "data", "new='yes'"), (f"grpc://{server.grpc}", "")):
+            self.assertEqual(self.python(script, store, options).stdout.splitlines(), ["['kept']"])
+        server.stop()
+        for data in ("data", "served"):
+            report = self.docent("verify", "--data", self.stage.folder / data)
+            self.assertEqual(report.returncode, 0, report.stdout)
 
     def test_the_second_engine_answers_as_the_first(self):
         server = self.stage.server()
         server.tell(f'<{E}a> <{E}p> 1, 2, 3 . <{E}b> <{E}q> "x"@en', source="urn:one")
         server.tell(f"<{E}a> <{E}p> 2", source="urn:two")
-        environment = {**os.environ, "REDLAND_MODULE_PATH": str(MODULES), "DOCENT_SERVER": server.grpc}
+        environment = {**self.environment, "DOCENT_SERVER": server.grpc}
 
         def both(query, *options):
             runs = [subprocess.run([str(self.stage.bin / "docent"), "query", *engine, *options, query], capture_output=True,

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ constexpr QuadOperation::Kind kAdd = QuadOperation::Kind::kAdd;
 
 class FolderStoreTest : public ServerWorkflowTest {
  protected:
-  std::unique_ptr<FolderStore> Open(bool make_new = false) {
-    auto store = FolderStore::Open(folder_ / "data", make_new, &clock_);
+  std::unique_ptr<FolderStore> Open(bool make_new = false, const Limits& limits = {}) {
+    auto store = FolderStore::Open(folder_ / "data", make_new, &clock_, limits);
     EXPECT_TRUE(store.ok()) << store.status();
     return store.ok() ? *std::move(store) : nullptr;
   }
@@ -102,6 +103,34 @@ TEST_F(FolderStoreTest, AChangeIsATurnRulesInferAndRunsMove) {
   StartServer();  // replays it, and would refuse a record whose decisions are others
   EXPECT_TRUE(Ask("GRAPH <https://w3id.org/docent#inferred> { :John ?p :R1 }"));
   EXPECT_NE(FindNode(GetRun(started.run()), "Hello")->state(), "waiting");
+}
+
+TEST_F(FolderStoreTest, SnapshotsCutTheReplayShortAndTheLogIsTrimmed) {
+  Limits limits;
+  limits.snapshot_records = 10;
+  limits.log_bytes_kept = 1;
+  std::vector<TermQuad> facts;
+  for (int i = 0; i < 60; ++i) facts.push_back(Default(Fact(absl::StrCat("s", i), "p", "o")));
+  for (size_t i = 0; i < facts.size(); ++i) {  // each by a program of its own, as with rdfproc
+    auto store = Open(/*make_new=*/i == 0, limits);
+    ASSERT_TRUE(store);
+    ASSERT_TRUE(store->Apply({{kAdd, facts[i]}}).ok());
+  }
+  {
+    auto log = SqliteLog::Open(folder_ / "data");
+    ASSERT_TRUE(log.ok()) << log.status();
+    EXPECT_GT(*(*log)->First(), 1u) << "trimmed";
+    EXPECT_FALSE((*log)->SnapshotOffsets()->empty());
+  }
+  auto store = Open(/*make_new=*/false, limits);
+  for (const TermQuad& fact : facts) EXPECT_TRUE(Has(store.get(), fact)) << fact.subject.lexical;
+  EXPECT_EQ(*store->Size(), facts.size());
+}
+
+TEST_F(FolderStoreTest, AMistypedFolderIsLeftAsItIs) {
+  std::filesystem::create_directories(folder_ / "other");
+  EXPECT_THAT(Refusal(folder_ / "other"), HasSubstr("there is no data folder"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "other"));
 }
 
 TEST_F(FolderStoreTest, RefusalsAreOneClearLine) {

@@ -23,7 +23,7 @@ struct Difference {
 };
 
 std::vector<Difference> Read() {
-  std::ifstream file(std::string(DOCENT_SOURCE_DIR) + "/tests/kb_server/redland/rasqal_differences.txt");
+  std::ifstream file(DOCENT_SOURCE_DIR "/tests/kb_server/redland/rasqal_differences.txt");
   EXPECT_TRUE(file);
   std::vector<Difference> differences;
   for (std::string line; std::getline(file, line);) {
