@@ -27,12 +27,11 @@ size_t History::Bytes() const {
   return kept_.empty() ? 0 : kept_.back().version->replaced_bytes() - kept_.front().version->replaced_bytes();
 }
 
-void History::Keep(GraphVersionPtr version, TimeMicros time_us) {
-  std::vector<GraphVersionPtr> gone;  // goes after the lock
+void History::Keep(GraphVersionPtr version, TimeMicros time_us, std::vector<GraphVersionPtr>* gone) {
   absl::MutexLock lock(&mutex_);
   kept_.push_back({std::move(version), time_us});
   while (kept_.size() > 1 && Bytes() > limits_.history_bytes) {
-    gone.push_back(std::move(kept_.front().version));
+    gone->push_back(std::move(kept_.front().version));
     kept_.pop_front();
   }
 }

@@ -1,7 +1,7 @@
 // The past of the graph: the newest versions are kept in memory, within a bound of bytes; older ones are made
 // again from the newest snapshot before them and the log after it, on the thread that asks, one at a time.
 //
-// Keep and Clear are the writer thread's, At is for any.
+// Keep is the committer's, Clear the writer's while nothing is committed, At is for any thread.
 #ifndef DOCENT_KB_SERVER_APP_HISTORY_H_
 #define DOCENT_KB_SERVER_APP_HISTORY_H_
 
@@ -28,8 +28,9 @@ class History final : public HistoryPort {
   History(ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
           const sparql::FunctionRegistry* functions, const Limits& limits);
 
-  // The next version, made by a turn of that time.
-  void Keep(GraphVersionPtr version, TimeMicros time_us);
+  // The next version, made by a turn of that time. Those that are no longer kept go to `gone`, for the writer to
+  // free.
+  void Keep(GraphVersionPtr version, TimeMicros time_us, std::vector<GraphVersionPtr>* gone);
   // The versions that follow come from another beginning.
   void Clear();
 

@@ -141,7 +141,8 @@ void WhatIf::Ask(WriteBatch batch, Answered answered) {
   };
   auto question = std::make_shared<WriteBatch>(std::move(batch));
   ports_.inbox->Push(WriteBatch(), [this, copy, question, answered](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (copy->version == nullptr) return answered(outcome.status());
+    // Any other refusal: it did not come to looking, or what was looked at did not happen (the log refused it).
+    if (!absl::IsCancelled(outcome.status())) return answered(outcome.status());
     const bool accepted = ports_.workers->Submit([this, copy, question, answered] {
       Dictionary dictionary(ports_.dictionary);
       question->time_us = ports_.clock->Now();

@@ -15,6 +15,8 @@ namespace {
 // once.
 constexpr TimeMicros kTickPauseUs = 1'000'000;
 constexpr uint64_t kTurnsPerProgress = 10000;
+// Handed over together: while the disk syncs them, the next ones are decided.
+constexpr size_t kTurnsPerGroup = 256;
 
 // What its client is told of a turn.
 BatchOutcome OutcomeOf(const TurnResult& result) {
@@ -27,27 +29,45 @@ BatchOutcome OutcomeOf(const TurnResult& result) {
   return outcome;
 }
 
+Committer::Ports ToCommitterPorts(const Writer::Ports& ports, WriterCounters* counters) {
+  Committer::Ports out;
+  out.log = ports.log;
+  out.queries = ports.queries;
+  out.catalog = ports.catalog;
+  out.feed = ports.feed;
+  out.proxies = ports.proxies;
+  out.history = ports.history;
+  out.subscriptions = ports.subscriptions;
+  out.dictionary = ports.dictionary;
+  out.counters = counters;
+  out.turns_per_commit = ports.limits.turns_per_commit;
+  out.halted = [inbox = ports.inbox] { inbox->Wake(); };
+  return out;
+}
+
 }  // namespace
 
 Writer::Writer(const Ports& ports)
     : ports_(ports),
       requests_(ports.limits.request_ids_remembered),
-      teller_(ports.feed, ports.proxies, ports.dictionary) {}
+      committer_(ToCommitterPorts(ports, &counters_)) {}
 
 absl::Status Writer::Recover(const std::function<void(uint64_t, uint64_t)>& progress) {
   absl::Status status = Replay(progress);
   if (!status.ok()) return status;
-  GraphVersionPtr version = stages_->writer.Freeze(Revision(head_));
+  GraphVersionPtr version = stages_->writer.Freeze(Revision(newest_));
   ports_.queries->Publish(version);
   if (ports_.subscriptions != nullptr) ports_.subscriptions->PublishWhole(std::move(version));
   ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
-  teller_.TellAddresses(stages_->writer.current());
+  committer_.TellAddresses(stages_->writer.current());
+  committer_.Start(newest_, epoch_);
   PublishCounters();
   return absl::OkStatus();
 }
 
 absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progress) {
   changes_.Clear();
+  requests_.Clear();
   if (ports_.history != nullptr) ports_.history->Clear();
   auto head = ports_.log->Head();
   if (!head.ok()) return head.status();
@@ -55,26 +75,26 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   auto start = FindStart(ports_.log, head->offset, ports_.dictionary, ports_.functions, ports_.limits);
   if (!start.ok()) return start.status();
   stages_ = std::move(start->stages);
-  head_ = start->offset;
+  newest_ = start->offset;
   newest_time_us_ = start->time_us;
   for (const RememberedRequestPtr& request : start->requests) requests_.Remember(request->id, request->outcome);
   ports_.inbox->StartAfter(newest_time_us_);
-  FillFeed(head_);
+  FillFeed(newest_);
   uint64_t bytes = 0;
   absl::Status status = ReplayTurns(
-      ports_.log, head_ + 1, head->offset, stages_.get(), [&](TurnResult turn, size_t record_bytes) {
+      ports_.log, newest_ + 1, head->offset, stages_.get(), [&](TurnResult turn, size_t record_bytes) {
         requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn));
         newest_time_us_ = turn.record.time_us;
         ports_.feed->Keep(EventsOf(turn.record));
-        head_ = turn.record.offset;
+        newest_ = turn.record.offset;
         bytes += record_bytes;
-        if (progress && head_ % kTurnsPerProgress == 0) progress(head_, head->offset);
+        if (progress && newest_ % kTurnsPerProgress == 0) progress(newest_, head->offset);
         return absl::OkStatus();
       });
   if (!status.ok()) return status;
   ports_.inbox->StartAfter(newest_time_us_);
-  if (progress && head_ > start->offset) progress(head_, head->offset);
-  if (ports_.snapshots != nullptr) ports_.snapshots->Recovered(head_ - start->offset, bytes);
+  if (progress && newest_ > start->offset) progress(newest_, head->offset);
+  if (ports_.snapshots != nullptr) ports_.snapshots->Recovered(newest_ - start->offset, bytes);
   return absl::OkStatus();
 }
 
@@ -102,7 +122,7 @@ void Writer::FillFeed(uint64_t up_to) {
 }
 
 ServerState Writer::State() const {
-  return TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(head_)), newest_time_us_);
+  return TakeState(*stages_, requests_, stages_->writer.Freeze(Revision(newest_)), newest_time_us_);
 }
 
 void Writer::ResumeCommands() {
@@ -111,21 +131,31 @@ void Writer::ResumeCommands() {
 }
 
 absl::Status Writer::Run() {
+  const size_t at_most = std::min(ports_.limits.turns_per_commit, kTurnsPerGroup);
   while (fatal_.ok()) {
     std::optional<TimeMicros> deadline = stages_->NextDeadline();
     if (deadline) deadline = std::max(*deadline, next_tick_us_);
-    std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, ports_.limits.turns_per_commit);
-    if (batches.empty()) {
-      if (ports_.inbox->closed()) break;
+    std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, at_most);
+    if (committer_.halted()) fatal_ = Reconcile();
+    if (!batches.empty()) {
+      TakeGroup(std::move(batches));
+    } else if (ports_.inbox->closed()) {
+      break;
+    } else if (deadline && ports_.inbox->Passed(*deadline)) {
       WriteBatch tick;
       tick.clock_tick = true;
       ports_.inbox->Push(std::move(tick), nullptr);
-      continue;
     }
-    if (refused_ && LogTakesNothing(&batches)) continue;
-    TakeGroup(std::move(batches));
   }
-  teller_.WaitUntilTold();
+  return End();
+}
+
+absl::Status Writer::End() {
+  committer_.Wait();
+  if (committer_.halted()) {
+    const absl::Status status = Reconcile();
+    if (fatal_.ok()) fatal_ = status;
+  }
   ports_.inbox->Close();
   for (PendingBatch& pending : ports_.inbox->PopAll(0, SIZE_MAX)) pending.done(fatal_);
   return fatal_;
@@ -134,7 +164,7 @@ absl::Status Writer::Run() {
 // After a refusal, whether the log still refuses: then these are refused, too, before anything is decided that
 // would have to be undone by a recovery.
 bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
-  const absl::Status status = ports_.log->Probe();
+  const absl::Status status = fatal_.ok() ? ports_.log->Probe() : fatal_;
   refused_ = !status.ok();
   if (status.ok()) return false;
   for (PendingBatch& pending : *batches) {
@@ -146,135 +176,92 @@ bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
 }
 
 void Writer::TakeGroup(std::vector<PendingBatch> batches) {
-  std::vector<Decided> group;
-  std::set<std::string> ids;
-  for (PendingBatch& pending : batches) {
-    const std::string& id = pending.batch.request_id;
-    if (const BatchOutcome* first = requests_.Find(id)) {
-      BatchOutcome outcome = *first;
-      outcome.repeated = true;
-      pending.done(outcome);
-      continue;
-    }
-    if (!id.empty() && !ids.insert(id).second) {
-      repeats_.emplace_back(id, std::move(pending.done));
-      continue;
-    }
-    const uint64_t offset = head_ + group.size() + 1;
-    if (pending.prepare) {
-      const TurnView view{stages_->writer.current(), Revision(offset - 1), changes_};
-      if (absl::Status status = pending.prepare(view, &pending.batch); !status.ok()) {
-        pending.done(status);
-        continue;
-      }
-    }
-    bool tick = pending.batch.clock_tick;
-    TimeMicros time_us = pending.batch.time_us;
-    std::string record;
-    auto result = RunTurn(stages_.get(), std::move(pending.batch), offset, &record);
-    if (!result.ok()) {
-      if (tick) next_tick_us_ = time_us + kTickPauseUs;
-      ++counters_.refused;
-      pending.done(result.status());
-      continue;
-    }
-    newest_time_us_ = time_us;
-    changes_.Add(Revision(offset), result->delta);
-    BatchOutcome outcome = OutcomeOf(*result);
-    group.push_back({{*std::move(result), std::move(outcome), std::move(pending.done)}, std::move(record)});
-  }
-  if (!group.empty()) fatal_ = Commit(std::move(group));
-  for (auto& [id, done] : repeats_) {
-    if (const BatchOutcome* first = requests_.Find(id)) {
-      BatchOutcome outcome = *first;
-      outcome.repeated = true;
-      done(outcome);
-    } else {
-      done(absl::AbortedError("the batch with this request_id was refused; send it again"));
-    }
-  }
-  repeats_.clear();
+  if (refused_ && LogTakesNothing(&batches)) return;
+  DecidedGroup group;
+  for (PendingBatch& pending : batches) Decide(std::move(pending), &group);
+  Commit(std::move(group));
   PublishCounters();
 }
 
-absl::Status Writer::Commit(std::vector<Decided> group) {
-  std::vector<std::string> records;
-  size_t bytes = 0;
-  for (Decided& decided : group) {
-    bytes += decided.record.size();
-    records.push_back(std::move(decided.record));
+void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
+  if (const BatchOutcome* first = requests_.Find(pending.batch.request_id)) {
+    BatchOutcome outcome = *first;
+    outcome.repeated = true;
+    group->answers.push_back({std::move(outcome), std::move(pending.done)});
+    return;
   }
-  auto appended = ports_.log->Append(records, epoch_, head_);
-  if (!appended.ok()) return Reconcile(std::move(group), appended.status());
-  if (appended->outcome != AppendResult::Outcome::kAppended) {
-    absl::Status fatal =
-        absl::FailedPreconditionError("another server has taken over the log; this one stops");
-    counters_.refused += group.size();
-    for (Decided& decided : group) decided.turn.done(fatal);
-    return fatal;
-  }
-  head_ += records.size();
-  ++counters_.commits;
-  counters_.turns += group.size();
-  GraphVersionPtr newest = group.back().turn.result.version;
-  Release(std::move(group));
-  if (ports_.snapshots != nullptr) {
-    ports_.snapshots->Appended(records.size(), bytes);
-    if (ports_.snapshots->Due()) {
-      ports_.snapshots->Take(TakeState(*stages_, requests_, std::move(newest), newest_time_us_));
+  if (pending.prepare) {
+    const TurnView view{stages_->writer.current(), Revision(newest_), changes_};
+    if (absl::Status status = pending.prepare(view, &pending.batch); !status.ok()) {
+      group->answers.push_back({std::move(status), std::move(pending.done)});
+      return;
     }
   }
-  return absl::OkStatus();
+  const bool tick = pending.batch.clock_tick;
+  const TimeMicros time_us = pending.batch.time_us;
+  DecidedTurn turn;
+  auto result = RunTurn(stages_.get(), std::move(pending.batch), newest_ + 1, &turn.record);
+  if (!result.ok()) {
+    if (tick) next_tick_us_ = time_us + kTickPauseUs;
+    ++counters_.refused;
+    group->answers.push_back({result.status(), std::move(pending.done)});
+    return;
+  }
+  ++newest_;
+  newest_time_us_ = time_us;
+  changes_.Add(Revision(newest_), result->delta);
+  turn.result = *std::move(result);
+  turn.outcome = OutcomeOf(turn.result);
+  turn.done = std::move(pending.done);
+  requests_.Remember(turn.result.record.batch.request_id, turn.outcome);
+  group->turns.push_back(std::move(turn));
 }
 
-// The log refused the group, or cannot say what it did. What it does not have did not happen; what it has
-// did.
-absl::Status Writer::Reconcile(std::vector<Decided> group, const absl::Status& refusal) {
-  spdlog::error("the log refused {} turns: {}", group.size(), std::string(refusal.message()));
-  next_tick_us_ = group.back().turn.result.record.time_us + kTickPauseUs;
-  const uint64_t head_before = head_;
-  teller_.WaitUntilTold();
+void Writer::Commit(DecidedGroup group) {
+  const bool documents = std::any_of(group.turns.begin(), group.turns.end(),
+                                     [](const DecidedTurn& t) { return t.result.documents_changed; });
+  if (documents) group.catalog = stages_->documents.MakeCatalog(stages_->engine);
+  if (ports_.snapshots != nullptr && !group.turns.empty()) {
+    size_t bytes = 0;
+    for (const DecidedTurn& turn : group.turns) bytes += turn.record.size();
+    ports_.snapshots->Appended(group.turns.size(), bytes);
+    // Written once the log has these turns.
+    if (ports_.snapshots->Due()) {
+      ports_.snapshots->Take(
+          TakeState(*stages_, requests_, group.turns.back().result.version, newest_time_us_));
+    }
+  }
+  committer_.Commit(std::move(group));
+}
+
+// The log refused what is in flight, or cannot say what it did. What it does not have did not happen; what it
+// has did.
+absl::Status Writer::Reconcile() {
+  Committer::Refused refused = committer_.TakeRefused();
+  spdlog::error("the log refused the turns after {}: {}", refused.head, std::string(refused.status.message()));
+  next_tick_us_ = newest_time_us_ + kTickPauseUs;
   refused_ = true;
   if (ports_.snapshots != nullptr) ports_.snapshots->Discard();
-  absl::Status recovered = Recover(nullptr);
-  if (recovered.ok() && head_ > head_before) ResumeCommands();
-  for (Decided& decided : group) {
-    const bool happened = recovered.ok() && decided.turn.outcome.offset <= head_;
-    if (happened) {
-      ++counters_.turns;
-      ports_.feed->Publish(EventsOf(decided.turn.result.record));
-      decided.turn.done(decided.turn.outcome);
-    } else {
-      ++counters_.refused;
-      decided.turn.done(refusal);
+  const absl::Status state = refused.replaced ? refused.status : Recover(nullptr);
+  if (state.ok() && newest_ > refused.head) ResumeCommands();
+  const auto happened = [&](const BatchOutcome& outcome) { return state.ok() && outcome.offset <= newest_; };
+  for (DecidedGroup& group : refused.groups) {
+    for (DecidedTurn& turn : group.turns) {
+      if (happened(turn.outcome)) {
+        ++counters_.turns;
+        ports_.feed->Publish(EventsOf(turn.result.record));
+        turn.done(turn.outcome);
+      } else {
+        ++counters_.refused;
+        turn.done(refused.status);
+      }
+    }
+    // A refusal may suppose what did not happen.
+    for (HeldAnswer& answer : group.answers) {
+      answer.done(answer.outcome.ok() && happened(*answer.outcome) ? answer.outcome : refused.status);
     }
   }
-  return recovered;
-}
-
-// The records are durable: now the world may know.
-void Writer::Release(std::vector<Decided> group) {
-  if (ports_.history != nullptr) {
-    for (const Decided& decided : group) {
-      ports_.history->Keep(decided.turn.result.version, decided.turn.result.record.time_us);
-    }
-  }
-  ports_.queries->Publish(group.back().turn.result.version);
-  if (std::any_of(group.begin(), group.end(), [](const Decided& d) { return d.turn.result.documents_changed; })) {
-    ports_.catalog->Publish(stages_->documents.MakeCatalog(stages_->engine));
-  }
-  std::vector<DurableTurn> turns;
-  for (Decided& decided : group) {
-    TurnResult& result = decided.turn.result;
-    if (ports_.subscriptions != nullptr)
-      ports_.subscriptions->Publish(result.version, result.delta, result.record.time_us);
-    requests_.Remember(result.record.batch.request_id, decided.turn.outcome);
-    counters_.commands += result.record.commands.size();
-    counters_.inferred += result.inferred;
-    result.version.reset();  // freed by the thread that made it
-    turns.push_back(std::move(decided.turn));
-  }
-  teller_.Tell(std::move(turns));
+  return state;
 }
 
 void Writer::PublishCounters() {

@@ -88,13 +88,14 @@ void Inbox::Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare)
 std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size_t max) {
   std::vector<PendingBatch> taken;
   absl::MutexLock lock(&mutex_);
-  auto ready = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !queue_.empty(); };
+  auto ready = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || woken_ || !queue_.empty(); };
   if (deadline) {
     absl::Duration wait = absl::Microseconds(std::max<TimeMicros>(0, *deadline - clock_.Now()));
     mutex_.AwaitWithTimeout(absl::Condition(&ready), wait);
   } else {
     mutex_.Await(absl::Condition(&ready));
   }
+  woken_ = false;
   last_stamp_us_ = std::max(last_stamp_us_, clock_.Now());
   while (!queue_.empty() && taken.size() < max) {
     Waiting& front = queue_.front();
@@ -104,6 +105,11 @@ std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size
     queue_.pop_front();
   }
   return taken;
+}
+
+void Inbox::Wake() {
+  absl::MutexLock lock(&mutex_);
+  woken_ = true;
 }
 
 void Inbox::StartAfter(TimeMicros time_us) {

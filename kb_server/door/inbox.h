@@ -62,10 +62,13 @@ class Inbox {
   // it would exceed inbox_batches or inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare = nullptr);
 
-  // Waits until something is there, `deadline` has passed or the inbox is closed; takes at most `max`
-  // batches, each stamped with the time of taking. Stamps never decrease, across restarts too (see
+  // Waits until something is there, `deadline` has passed, Wake was called or the inbox is closed; takes at most
+  // `max` batches, each stamped with the time of taking. Stamps never decrease, across restarts too (see
   // StartAfter).
   std::vector<PendingBatch> PopAll(std::optional<TimeMicros> deadline, size_t max);
+  // Ends one wait of PopAll, the one under way or the next.
+  void Wake();
+  bool Passed(TimeMicros deadline) const { return clock_.Now() >= deadline; }
 
   // No stamp will be lower than this: the time of the newest record of the log.
   void StartAfter(TimeMicros time_us);
@@ -92,6 +95,7 @@ class Inbox {
   size_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   TimeMicros last_stamp_us_ ABSL_GUARDED_BY(mutex_) = 0;
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace docent

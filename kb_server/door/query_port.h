@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
@@ -44,10 +45,11 @@ class QueryPort {
         "revision ", revision.value(), " is not here yet; the newest is ", newest_->revision().value()));
   }
 
-  // Writer thread only; revisions grow.
-  void Publish(GraphVersionPtr version) {
+  // One thread at a time, that of the committer or of a recovery; revisions grow but for the latter. Returns the
+  // version before: the thread that made it frees it most cheaply.
+  GraphVersionPtr Publish(GraphVersionPtr version) {
     absl::MutexLock lock(&mutex_);
-    newest_.swap(version);  // the old one goes with the parameter, after the lock
+    return std::exchange(newest_, std::move(version));
   }
 
  private:

@@ -42,7 +42,7 @@ std::array<char, 8> LittleEndian(uint64_t value) {
 // there is no log to go on with then.
 class Hasher {
  public:
-  Hasher() { Require(EVP_DigestInit_ex(Context(), EVP_sha256(), nullptr)); }
+  Hasher() { Require(EVP_DigestInit_ex2(Context(), Algorithm(), nullptr)); }
   Hasher& Add(std::string_view bytes) {
     Require(EVP_DigestUpdate(Context(), bytes.data(), bytes.size()));
     return *this;
@@ -60,6 +60,13 @@ class Hasher {
  private:
   static void Require(int ok) {
     if (ok != 1) std::abort();
+  }
+  // Looked up once: EVP_sha256() is looked up by OpenSSL 3 each time that it is used (crypto(7),
+  // "Explicit fetching").
+  static const EVP_MD* Algorithm() {
+    static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+    Require(algorithm != nullptr ? 1 : 0);
+    return algorithm;
   }
   // One context a thread, used again for every record.
   static EVP_MD_CTX* Context() {

@@ -2,10 +2,12 @@
 
 #include <google/protobuf/arena.h>
 
+#include <array>
 #include <deque>
 #include <limits>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
 #include "absl/hash/hash.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/log/record.pb.h"
@@ -22,6 +24,24 @@ static_assert(static_cast<int>(Document::Action::kRemove) == 1);
 static_assert(static_cast<int>(CommandReport::Outcome::kUnreachable) == 6);
 static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
 
+// An arena whose first block lies on the stack: most records need no other.
+class RecordArena {
+ public:
+  RecordArena() : arena_(Options(&first_)) {}
+  log::Turn* NewTurn() { return google::protobuf::Arena::CreateMessage<log::Turn>(&arena_); }
+
+ private:
+  using Block = std::array<char, 4096>;
+  static google::protobuf::ArenaOptions Options(Block* first) {
+    google::protobuf::ArenaOptions options;
+    options.initial_block = first->data();
+    options.initial_block_size = first->size();
+    return options;
+  }
+  alignas(8) Block first_;
+  google::protobuf::Arena arena_;
+};
+
 // Gives each distinct term of a record its number. The terms must outlive the table.
 class TermTable {
  public:
@@ -29,8 +49,7 @@ class TermTable {
 
   uint32_t Number(const Term& term) {
     if (term == Term{}) return 0;
-    const auto [place, added] = numbers_.try_emplace(&term, 0);
-    if (!added) return place->second;
+    if (const uint32_t known = Find(term); known > 0) return known;
     // The datatype first: a term refers only to terms before it.
     const uint32_t datatype = term.datatype.empty() ? 0 : NumberOfDatatype(term.datatype);
     log::TermEntry* entry = turn_->add_terms();
@@ -39,7 +58,7 @@ class TermTable {
     entry->set_datatype(datatype);
     entry->set_language(term.language);
     const uint32_t number = static_cast<uint32_t>(turn_->terms_size());
-    numbers_[&term] = number;  // the number of the datatype may have moved the place
+    Keep(term, number);
     return number;
   }
 
@@ -60,6 +79,26 @@ class TermTable {
     bool operator()(const Term* a, const Term* b) const { return *a == *b; }
   };
 
+  // 0: not known.
+  uint32_t Find(const Term& term) const {
+    if (numbers_.empty()) {
+      for (const auto& [known, number] : few_) {
+        if (*known == term) return number;
+      }
+      return 0;
+    }
+    const auto known = numbers_.find(&term);
+    return known == numbers_.end() ? 0 : known->second;
+  }
+  void Keep(const Term& term, uint32_t number) {
+    if (numbers_.empty() && few_.size() < kFew) {
+      few_.emplace_back(&term, number);
+      return;
+    }
+    if (numbers_.empty()) numbers_.insert(few_.begin(), few_.end());
+    numbers_.emplace(&term, number);
+  }
+
   uint32_t NumberOfDatatype(const std::string& iri) {
     const auto known = datatypes_.find(iri);
     if (known != datatypes_.end()) return known->second;
@@ -67,8 +106,11 @@ class TermTable {
     return datatypes_[iri] = Number(term);
   }
 
+  static constexpr size_t kFew = 8;  // terms that are compared one by one more quickly than by hash
+
   log::Turn* turn_;
-  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;
+  absl::InlinedVector<std::pair<const Term*, uint32_t>, kFew> few_;
+  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;  // all, once there are more
   absl::flat_hash_map<std::string, uint32_t> datatypes_;
   std::deque<Term> owned_;  // datatypes as terms
 };
@@ -272,8 +314,8 @@ class Decoder {
 }  // namespace
 
 absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
-  google::protobuf::Arena arena;
-  auto* turn = google::protobuf::Arena::CreateMessage<log::Turn>(&arena);
+  RecordArena arena;
+  log::Turn* turn = arena.NewTurn();
   turn->set_min_reader(1);
   turn->set_time_us(record.time_us);
   turn->set_engine_version(record.engine_version);
@@ -289,8 +331,8 @@ absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
 }
 
 absl::StatusOr<TurnRecord> DecodeTurnRecord(uint64_t offset, std::string_view data) {
-  google::protobuf::Arena arena;
-  auto* turn = google::protobuf::Arena::CreateMessage<log::Turn>(&arena);
+  RecordArena arena;
+  log::Turn* turn = arena.NewTurn();
   if (data.size() > std::numeric_limits<int>::max() ||
       !turn->ParseFromArray(data.data(), static_cast<int>(data.size()))) {
     return absl::DataLossError(absl::StrCat("log record ", offset, " does not decode: not a record's bytes"));

@@ -84,7 +84,7 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
       return absl::AbortedError("what the shapes read has changed meanwhile");
     };
     auto done = [self = shared_from_this()](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (!outcome.ok() && self->conflict_) return self->Again();
+      if (absl::IsAborted(outcome.status()) && self->conflict_) return self->Again();
       self->job_.done(outcome, self->warnings_);
     };
     ports_.inbox->Push(job_.batch, std::move(done), std::move(prepare));

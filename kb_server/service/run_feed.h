@@ -4,7 +4,8 @@
 // The newest events are kept (Limits::run_events_kept), each under a number that grows by one, so that a
 // watcher reads them at its own pace and one that comes back hears what it missed.
 //
-// Publish, Keep and BeginAfter from the writer thread; the rest from any. A subscriber that cannot keep up
+// Publish from the committer's thread, Keep and BeginAfter from the writer's while nothing is committed (a
+// recovery); the rest from any. A subscriber that cannot keep up
 // (its callback returns false) is dropped.
 #ifndef DOCENT_KB_SERVER_SERVICE_RUN_FEED_H_
 #define DOCENT_KB_SERVER_SERVICE_RUN_FEED_H_
@@ -44,7 +45,7 @@ class RunFeed {
 
   using Callback = std::function<bool(const RunEvent&)>;
 
-  // `callback` hears of every event from now on, on the writer thread.
+  // `callback` hears of every event from now on, on the thread that publishes.
   uint64_t Subscribe(Callback callback);
   void Unsubscribe(uint64_t id);
 

@@ -1,13 +1,13 @@
 // Standing queries of clients: the answer of an ASK or SELECT, and what changes of it after each turn.
 //
-// Off the writer: the writer hands over each durable version with what changed in it; a thread of its own looks up
+// Off the writer: the committer hands over each durable version with what changed in it; a thread of its own looks up
 // by hash which queries a change can match (reasoner/matching), evaluates those on that very version, and keeps what
 // changed of their answers in a ring under growing numbers. An ASK that does not hold is asked only with what the
 // change binds; one that holds is not asked as long as the solution that is known of it stands. Queries of the same text share all of it. A client holds
 // a place in the ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody
 // follows any more is kept for a while, so that a client that lost its connection can go on.
 //
-// Publish from the writer thread, the rest from any.
+// Publish from the committer's thread, PublishWhole from the writer's while nothing is committed; the rest from any.
 #ifndef DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_
 #define DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_
 

@@ -111,7 +111,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
       return absl::AbortedError("what the update read has changed meanwhile");
     };
     auto done = [self = shared_from_this()](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (!outcome.ok() && self->conflict_) return self->Again();
+      if (absl::IsAborted(outcome.status()) && self->conflict_) return self->Again();
       self->done_(outcome);
     };
     ports_.inbox->Push(std::move(batch), std::move(done), std::move(check));

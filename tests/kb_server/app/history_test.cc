@@ -71,7 +71,8 @@ struct Past {
       : written(written),
         history(written->log.get(), &queries, &written->dictionary, &written->functions, limits) {
     for (size_t i = 0; i < written->versions.size(); ++i) {
-      history.Keep(written->versions[i], written->times[i + 1]);
+      std::vector<GraphVersionPtr> gone;
+      history.Keep(written->versions[i], written->times[i + 1], &gone);
     }
     queries.Publish(written->versions.back());
   }

@@ -101,6 +101,21 @@ TEST(InboxTest, PopWaitsForItsDeadlineOnly) {
   later.join();
 }
 
+TEST(InboxTest, WakeEndsOneWait) {
+  SystemClock clock;
+  Inbox inbox(&clock, Limits());
+  inbox.Wake();
+  EXPECT_TRUE(inbox.PopAll(std::nullopt, 10).empty());
+  std::thread later([&inbox] { inbox.Wake(); });
+  EXPECT_TRUE(inbox.PopAll(std::nullopt, 10).empty());
+  later.join();
+  inbox.Wake();
+  inbox.Push(BatchOf(1), nullptr);
+  EXPECT_EQ(inbox.PopAll(std::nullopt, 10).size(), 1u);
+  EXPECT_FALSE(inbox.Passed(clock.Now() + 1'000'000'000));
+  EXPECT_TRUE(inbox.Passed(clock.Now()));
+}
+
 TEST(InboxTest, AClosedInboxRefusesButGivesWhatWaits) {
   ManualClock clock;
   Inbox inbox(&clock, Limits());
