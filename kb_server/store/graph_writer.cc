@@ -1,6 +1,7 @@
 #include "kb_server/store/graph_writer.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
@@ -73,6 +74,27 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
     std::erase_if(quads, [this](const Quad& quad) { return !Add(quad); });
     return quads;
   }
+  const auto erase_known = [this](auto& fresh, auto quad_of) {
+    if (version_->size() == 0) return;
+    QuadCursor cursor;
+    std::erase_if(fresh, [&](const auto& each) {
+      const Quad& quad = quad_of(each);
+      version_->Rescan({quad.subject, quad.predicate, quad.object, quad.graph}, &cursor);
+      return cursor.Valid();
+    });
+  };
+  const auto insert = [this](const std::vector<Quad>& sorted) {
+    std::vector<QuadTree::Key> scratch;
+    for (int i = 0; i < kIndexOrders; ++i) {
+      QuadTree::Edit::InsertSorted(&version_->trees_[i], SortedKeys(sorted, IndexOrder(i), scratch), epoch_);
+    }
+  };
+  const bool rising = std::adjacent_find(quads.begin(), quads.end(), std::greater_equal<>()) == quads.end();
+  if (rising) {  // sorted, and each once
+    erase_known(quads, [](const Quad& quad) -> const Quad& { return quad; });
+    insert(quads);
+    return quads;
+  }
   using Placed = std::pair<Quad, size_t>;
   std::vector<Placed> fresh;
   fresh.reserve(quads.size());
@@ -81,21 +103,11 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
   const auto repeats = std::unique(fresh.begin(), fresh.end(),
                                    [](const Placed& a, const Placed& b) { return a.first == b.first; });
   fresh.erase(repeats, fresh.end());
-  if (version_->size() > 0) {
-    QuadCursor cursor;
-    std::erase_if(fresh, [&](const Placed& placed) {
-      const Quad& quad = placed.first;
-      version_->Rescan({quad.subject, quad.predicate, quad.object, quad.graph}, &cursor);
-      return cursor.Valid();
-    });
-  }
+  erase_known(fresh, [](const Placed& placed) -> const Quad& { return placed.first; });
   std::vector<Quad> sorted;
   sorted.reserve(fresh.size());
   for (const Placed& placed : fresh) sorted.push_back(placed.first);
-  std::vector<QuadTree::Key> scratch;
-  for (int i = 0; i < kIndexOrders; ++i) {
-    QuadTree::Edit::InsertSorted(&version_->trees_[i], SortedKeys(sorted, IndexOrder(i), scratch), epoch_);
-  }
+  insert(sorted);
   if (fresh.size() == quads.size()) return quads;
   std::sort(fresh.begin(), fresh.end(), [](const Placed& a, const Placed& b) { return a.second < b.second; });
   quads.clear();
