@@ -1,6 +1,5 @@
 // Whatever the order of additions, removals and rule changes: docent:inferred is what a computation from
-// scratch gives. The reference below is naive on purpose and shares no code with the engine but the SPARQL
-// evaluator.
+// scratch gives (naive_rules.h).
 
 #include <cstdlib>
 #include <map>
@@ -10,17 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/sparql/evaluator.h"
 #include "reasoner/rules/rule_engine.h"
-#include "reasoner/rules/rule_parser.h"
-#include "reasoner/rules/rule_program.h"
+#include "tests/property/naive_rules.h"
 #include "tests/property/reasoner_random.h"
 #include "tests/reasoner/test_world.h"
 
 namespace docent {
 namespace {
-
-constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
 
 // A rule over variables x, y, z, v; may be unsafe or unstratified: the engine then refuses it and it is not
 // used.
@@ -56,49 +51,6 @@ std::string RandomRule(RandomWorld& random) {
   return "RULE { " + head + " } WHERE { " + body + "}\n";
 }
 
-// The strata of the engine's program (tested by themselves), each applied naively until nothing is new.
-std::vector<std::string> FromScratch(const std::string& rules, const std::set<std::string>& told) {
-  TestWorld world;
-  world.Apply(std::vector<std::string>(told.begin(), told.end()));
-  const TermId inferred = world.dictionary.InternIri(kInferredGraph);
-  RuleSets sets;
-  sets["rules"] = std::make_shared<const ParsedRules>(ParseRules(kPrefix + rules, "rules"));
-  Diagnostics diagnostics;
-  const auto program = RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
-  std::vector<std::unique_ptr<sparql::PreparedQuery>> constructs;
-  for (const Rule& rule : sets["rules"]->rules) {
-    sparql::Query construct = rule.body.Clone();
-    construct.form = sparql::Query::Form::kConstruct;
-    construct.construct_template = rule.head;
-    auto prepared = sparql::PreparedQuery::Prepare(construct, world.dictionary);
-    EXPECT_TRUE(prepared.ok()) << prepared.status();
-    constructs.push_back(*std::move(prepared));
-  }
-  for (int stratum = 0; stratum < program->stratum_count; ++stratum) {
-    for (bool changed = true; changed;) {
-      changed = false;
-      for (size_t r = 0; r < program->rules.size(); ++r) {
-        if (program->rules[r].stratum != stratum) continue;
-        const auto triples = constructs[r]->Construct({.version = &world.writer.current()});
-        EXPECT_TRUE(triples.ok()) << triples.status();
-        for (const TermQuad& t : *triples) {
-          const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
-                             world.dictionary.Intern(t.object), inferred};
-          if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid())
-            continue;
-          changed = world.writer.Add(quad) || changed;
-        }
-      }
-    }
-  }
-  return world.Inferred();
-}
-
-std::vector<std::string> WithoutReports(std::vector<std::string> triples) {
-  std::erase_if(triples, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
-  return triples;
-}
-
 std::set<Quad> InferredQuads(TestWorld& world) {
   std::set<Quad> quads;
   const TermId graph = world.dictionary.InternIri(kInferredGraph);
@@ -121,12 +73,12 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
   for (size_t i = 0; i < 4; ++i) world.Id("p" + std::to_string((i * 3 + rules.size()) % 4));
   RuleEngine engine(world.dictionary);
   std::string current = rules;
-  if (HasErrors(engine.PutRules("rules", kPrefix + rules))) return -1;
+  if (HasErrors(engine.PutRules("rules", kRulesPrefix + rules))) return -1;
   std::set<std::string> told;
   for (size_t i = 0; i < steps.size(); ++i) {
     if (!steps[i].new_rules.empty()) {
       current = steps[i].new_rules;
-      EXPECT_FALSE(HasErrors(engine.PutRules("rules", kPrefix + current)));
+      EXPECT_FALSE(HasErrors(engine.PutRules("rules", kRulesPrefix + current)));
     }
     const std::set<Quad> before = InferredQuads(world);
     const Delta told_delta = world.Apply(steps[i].batch.add, steps[i].batch.remove);
@@ -136,7 +88,7 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
     EXPECT_TRUE(delta.ok()) << delta.status();
     engine.Commit();
     const std::vector<std::string> got = WithoutReports(world.Inferred());
-    const std::vector<std::string> expected = FromScratch(current, told);
+    const std::vector<std::string> expected = NaiveInferences(current, told);
     // The delta must lead from the old inferred graph to the new one.
     std::set<Quad> replayed = before;
     const TermId inferred = world.dictionary.InternIri(kInferredGraph);
@@ -218,7 +170,7 @@ std::string AcceptedRules(RandomWorld& random, int wanted) {
   for (int attempt = 0; attempt < 4 * wanted; ++attempt) {
     const std::string more = rules + RandomRule(random);
     RuleEngine engine(world.dictionary);
-    if (!HasErrors(engine.PutRules("rules", kPrefix + more))) rules = more;
+    if (!HasErrors(engine.PutRules("rules", kRulesPrefix + more))) rules = more;
     if (static_cast<int>(Lines(rules).size()) == wanted) break;
   }
   return rules;

@@ -1,0 +1,67 @@
+// What rules infer from told facts, computed naively: the reference of the property tests. It shares no code
+// with the engine but the parser and the SPARQL evaluator.
+#ifndef DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
+#define DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "kb_server/sparql/evaluator.h"
+#include "reasoner/rules/rule_parser.h"
+#include "reasoner/rules/rule_program.h"
+#include "tests/reasoner/test_world.h"
+
+namespace docent {
+
+inline constexpr char kRulesPrefix[] = "PREFIX : <http://example.org/>\n";
+
+// The strata of the engine's program (tested by themselves), each applied naively until nothing is new.
+inline std::vector<std::string> NaiveInferences(const std::string& rules, const std::set<std::string>& told) {
+  TestWorld world;
+  world.Apply(std::vector<std::string>(told.begin(), told.end()));
+  const TermId inferred = world.dictionary.InternIri(kInferredGraph);
+  RuleSets sets;
+  sets["rules"] = std::make_shared<const ParsedRules>(ParseRules(kRulesPrefix + rules, "rules"));
+  Diagnostics diagnostics;
+  const auto program = RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
+  std::vector<std::unique_ptr<sparql::PreparedQuery>> constructs;
+  for (const Rule& rule : sets["rules"]->rules) {
+    sparql::Query construct = rule.body.Clone();
+    construct.form = sparql::Query::Form::kConstruct;
+    construct.construct_template = rule.head;
+    auto prepared = sparql::PreparedQuery::Prepare(construct, world.dictionary);
+    EXPECT_TRUE(prepared.ok()) << prepared.status();
+    constructs.push_back(*std::move(prepared));
+  }
+  for (int stratum = 0; stratum < program->stratum_count; ++stratum) {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (size_t r = 0; r < program->rules.size(); ++r) {
+        if (program->rules[r].stratum != stratum) continue;
+        const auto triples = constructs[r]->Construct({.version = &world.writer.current()});
+        EXPECT_TRUE(triples.ok()) << triples.status();
+        for (const TermQuad& t : *triples) {
+          const Quad quad = {world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
+                             world.dictionary.Intern(t.object), inferred};
+          if (world.writer.current().Scan({quad.subject, quad.predicate, quad.object, TermId()}).Valid())
+            continue;
+          changed = world.writer.Add(quad) || changed;
+        }
+      }
+    }
+  }
+  return world.Inferred();
+}
+
+inline std::vector<std::string> WithoutReports(std::vector<std::string> triples) {
+  std::erase_if(triples, [](const std::string& t) { return t.find("urn:docent:inconsistency:") != t.npos; });
+  return triples;
+}
+
+}  // namespace docent
+
+#endif  // DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
