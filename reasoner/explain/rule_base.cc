@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "reasoner/rules/rule_parser.h"
@@ -29,12 +28,7 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
     int number = 0;
     for (const Rule& rule : parsed.rules) {
       const auto index = static_cast<uint32_t>(base->rules_.size());
-      ++number;
-      // of its IRI the last part, as in "owl2rl cax-sco (line 94)"
-      const std::string called = rule.name.empty() ? absl::StrCat("rule ", number)
-                                                   : rule.name.substr(rule.name.find_last_of("#/:") + 1);
-      base->rules_.push_back(
-          {absl::StrCat(set.name, " ", called, " (line ", rule.span.line, ")"), set.name, rule.span.line});
+      base->rules_.push_back({RuleLabel(set.name, rule, ++number), set.name, rule.span.line});
       auto clauses = ToClauses(*rule.body.algebra, dictionary);
       if (!clauses.ok()) return clauses.status();
       for (Clause& clause : *clauses) {

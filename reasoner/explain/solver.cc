@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "reasoner/rules/schema_words.h"
 
 namespace docent::explain {
 namespace {
@@ -256,7 +257,17 @@ bool Solver::TryRules(int goal) {
   return true;
 }
 
-bool Solver::IsTellable(const Goal& goal) const {
+bool Solver::IsOfSchema(const Goal& goal) const {
+  const QuadPattern p = PatternOf(goal);
+  const auto text = [&](TermId id) { return id.IsIri() ? dictionary_.Lexical(id) : std::string_view(); };
+  return IsSchemaPattern(text(p.predicate), text(p.object));
+}
+
+bool Solver::IsTellable(const Goal& goal) {
+  if (!options_.tell_schema && frames_[goal.frame].depth > 0 && IsOfSchema(goal)) {
+    spared_schema_ = true;
+    return false;
+  }
   if (options_.tell_derived || options_.rules == nullptr) return true;
   const QuadPattern p = PatternOf(goal);
   if (!options_.rules->IsMadeByName(p.predicate, p.object)) return true;

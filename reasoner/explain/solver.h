@@ -80,6 +80,8 @@ struct SolveOptions {
   int rule_depth = 4;
   // Also take as missing what only rules make.
   bool tell_derived = false;
+  // Also what a rule asks of the schema: an axiom would make many things true.
+  bool tell_schema = false;
 };
 
 class Solver {
@@ -100,6 +102,8 @@ class Solver {
     steps_ = 0;
     exhausted_ = false;
   }
+  // A fact of the schema was not taken as missing because SolveOptions::tell_schema said no.
+  bool spared_schema() const { return spared_schema_; }
   // A part that found no solution when everything else before it held; null: none.
   const Part* failed_part() const { return failed_part_; }
 
@@ -157,7 +161,8 @@ class Solver {
   bool Settle();
   bool SettleOne(Pending& pending, bool& changed);
   bool Leaf();
-  bool IsTellable(const Goal& goal) const;
+  bool IsTellable(const Goal& goal);
+  bool IsOfSchema(const Goal& goal) const;
   bool IsInOwnChain(int goal) const;
   int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
   MissingFact FactOf(const Atom& atom, int base) const;
@@ -172,6 +177,7 @@ class Solver {
   const size_t step_limit_;
   size_t steps_ = 0;
   bool exhausted_ = false;
+  bool spared_schema_ = false;
   absl::Status status_;
   const Part* failed_part_ = nullptr;
   absl::flat_hash_map<const sparql::Expression*, std::unique_ptr<sparql::PreparedExpression>> expressions_;

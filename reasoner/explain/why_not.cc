@@ -415,12 +415,13 @@ void WhyNotFinder::Rank(std::vector<Repair>& repairs) const {
 }
 
 // Partial matches that lack exactly `changes`.
-absl::Status WhyNotFinder::Gather(const Clause& clause, int changes, bool tell_derived,
+absl::Status WhyNotFinder::Gather(const Clause& clause, int changes, bool tell_derived, bool tell_schema,
                                   std::vector<Repair>& found) {
   SolveOptions options;
   options.changes = changes;
   options.rules = parts_.rules;
   options.tell_derived = tell_derived;
+  options.tell_schema = tell_schema;
   // Solutions first: making a repair of one uses the solver's filters, not its search.
   std::vector<Solution> solutions;
   absl::flat_hash_set<std::string> keys;
@@ -463,15 +464,20 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
 
   WhyNotAnswer answer;
   const Display display(parts_.prefixes);
-  for (const bool tell_derived : {false, true}) {
-    if (tell_derived && solver_.exhausted()) {
+  // Facts about things before axioms, whatever the number: one axiom makes everything true.
+  struct Pass {
+    bool tell_derived, tell_schema;
+  };
+  for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{false, true}, Pass{true, true}}) {
+    if (pass.tell_schema && !solver_.spared_schema()) break;
+    if (solver_.exhausted()) {
       solver_.Refresh();
       answer.whole = false;
     }
     for (int changes = 1; changes <= parts_.limits.explain_changes; ++changes) {
       std::vector<Repair> candidates;
       for (const Clause& clause : *clauses) {
-        if (absl::Status status = Gather(clause, changes, tell_derived, candidates); !status.ok())
+        if (absl::Status status = Gather(clause, changes, pass.tell_derived, pass.tell_schema, candidates); !status.ok())
           return status;
       }
       Rank(candidates);

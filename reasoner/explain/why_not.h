@@ -4,7 +4,8 @@
 // Sets are looked for in the order of their size, and each is tried on a copy of the graph with the rules applied: it
 // makes the condition true, and no proper subset of it does. What may be anything (a fact with an open variable) is
 // tried with an example. Sets that would change what a thing is (rdf:type) are named only where no set as small
-// changes less of that.
+// changes less of that; axioms (of classes, properties, equality) that a rule asks for only where no set of facts about
+// things does it, of any size.
 #ifndef DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 #define DOCENT_REASONER_EXPLAIN_WHY_NOT_H_
 
@@ -57,7 +58,8 @@ struct Repair {
 
 struct WhyNotAnswer {
   bool holds = false;           // nothing to explain
-  std::vector<Repair> repairs;  // best first: fewest changes, then changes of state before changes of kind
+  // Best first: facts about things before axioms, fewest changes, then changes of state before changes of kind.
+  std::vector<Repair> repairs;
   size_t more = 0;              // sets as small as the last one that are not listed
   bool whole = true;            // false: the search ended at a limit; there may be smaller or more sets
   std::string failed_part;      // a path, aggregate or sub-SELECT that has no solution; empty: none known
@@ -85,7 +87,8 @@ class WhyNotFinder {
  private:
   using Values = absl::flat_hash_map<int, TermId>;  // by open variable
 
-  absl::Status Gather(const Clause& clause, int changes, bool tell_derived, std::vector<Repair>& found);
+  absl::Status Gather(const Clause& clause, int changes, bool tell_derived, bool tell_schema,
+                      std::vector<Repair>& found);
   absl::StatusOr<bool> Make(const Clause& clause, const Solution& solution, Repair& repair);
   bool PickExamples(const Solution& solution, Values& values);
   bool PickFrom(const std::vector<int>& open, size_t at, const Solution& solution,

@@ -297,6 +297,9 @@ class BodyBuilder {
       filter.test = TestOf(*conjunct);
       filter.terms = TermTestOf(*conjunct);
       filter.source = conjunct->Clone();
+      for (const sparql::Variable& v : sparql::MentionedVariables(*conjunct)) {
+        filter.columns.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
+      }
       filters.push_back(std::move(filter));
     }
     std::vector<std::string> names;
@@ -396,7 +399,7 @@ bool Body::FiltersDecidedBy(uint32_t patterns) const {
 }
 
 absl::Status Body::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                                uint32_t matched, bool filters, Visitor visit) {
+                                uint32_t matched, Filters filters, Visitor visit) {
   return plan_->EvaluateRest(run, seed, matched, filters, visit);
 }
 

@@ -104,9 +104,14 @@ class Body {
   using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
   // The same for a flat body of which the patterns in the bit set `matched` are known to match under `seed`,
-  // or are not to be asked: they are not looked at. `filters` false: neither are the filters.
+  // or are not to be asked: they are not looked at.
+  enum class Filters : uint8_t {
+    kNone,
+    kBound,  // those whose variables are all bound in the row
+    kAll,
+  };
   absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
-                            bool filters, Visitor visit);
+                            Filters filters, Visitor visit);
 
  private:
   friend class BodyBuilder;

@@ -8,7 +8,7 @@ namespace docent {
 struct Body::FlatPlan::Run {
   const sparql::RunOptions& options;
   Visitor visit;
-  bool filters;
+  Filters filters;
   absl::Status status;
 };
 
@@ -79,10 +79,16 @@ bool Body::FlatPlan::TestBound(int16_t column) const {
   return true;
 }
 
+bool Body::FlatPlan::IsBound(const Filter& filter) const {
+  return std::none_of(filter.columns.begin(), filter.columns.end(),
+                      [&](int16_t column) { return column < 0 || row_[column].IsNone(); });
+}
+
 // False: stop.
 bool Body::FlatPlan::Leaf(Run& run) {
-  if (!run.filters) return run.visit(row_);
+  if (run.filters == Filters::kNone) return run.visit(row_);
   for (Filter& filter : filters_) {
+    if (run.filters == Filters::kBound && !IsBound(filter)) continue;
     if (filter.test || filter.terms) {
       const std::optional<bool> decided =
           filter.test ? TestNumbers(*filter.test, row_) : TestTerms(*filter.terms, row_);
@@ -148,7 +154,7 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
 }
 
 absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                                          uint32_t matched, bool filters, Visitor visit) {
+                                          uint32_t matched, Filters filters, Visitor visit) {
   row_.assign(seed.begin(), seed.end());
   if (!filters_.empty()) {
     for (size_t i = 0; i < row_.size(); ++i) {

@@ -32,7 +32,7 @@ class Body::Plan {
                                 Visitor visit) = 0;
   // As Body::EvaluateRest; only flat plans.
   virtual absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                                    uint32_t /*matched*/, bool /*filters*/, Visitor visit) {
+                                    uint32_t /*matched*/, Filters /*filters*/, Visitor visit) {
     return Evaluate(run, seed, visit);
   }
 };
@@ -47,6 +47,7 @@ class Body::FlatPlan final : public Body::Plan {
     std::optional<TermTest> terms;
     sparql::ExpressionPtr source;  // made ready when first needed, where there is a test
     std::unique_ptr<sparql::PreparedExpression> expression;
+    std::vector<int16_t> columns;  // of its variables
   };
   static constexpr size_t kMaxPatterns = 32;
 
@@ -57,10 +58,10 @@ class Body::FlatPlan final : public Body::Plan {
                      std::vector<std::string> names);
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed,
                         Visitor visit) override {
-    return EvaluateRest(run, seed, 0, true, visit);
+    return EvaluateRest(run, seed, 0, Filters::kAll, visit);
   }
   absl::Status EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed, uint32_t matched,
-                            bool filters, Visitor visit) override;
+                            Filters filters, Visitor visit) override;
 
  private:
   struct Run;
@@ -69,6 +70,7 @@ class Body::FlatPlan final : public Body::Plan {
   bool Join(Run& run, uint32_t open);
   // False: a filter rejects the row as far as it is bound.
   bool TestBound(int16_t column) const;
+  bool IsBound(const Filter& filter) const;
   bool Leaf(Run& run);
   absl::Status Prepare(Filter& filter);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,7 +22,7 @@ uint64_t Hash(std::string_view text) {
 }  // namespace
 
 void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId> row,
-                              std::vector<Triple>& out) const {
+                              std::vector<Triple>& out) {
   std::vector<Triple> matched;
   std::string text = absl::StrCat(rule.set, "\n", rule.name.empty() ? rule.text : rule.name);
   for (size_t i = 0; i < rule.body->patterns().size(); ++i) matched.push_back(rule.Premise(i, row));
@@ -38,18 +39,52 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   const std::string iri =
       absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
-  const TermId of_rule = dictionary_.InternIri(DocentIri("rule")),
-               with = dictionary_.InternIri(DocentIri("evidence"));
-  const auto rdf = [&](const char* word) { return dictionary_.InternIri(std::string(kRdfNs) + word); };
-  out.push_back({id, rdf("type"), dictionary_.InternIri(DocentIri("Inconsistency"))});
-  out.push_back({id, of_rule, dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
+  if (inconsistency_.IsNone()) InternWords();
+  reports_.insert(id);
+  out.push_back({id, type_, inconsistency_});
+  out.push_back(
+      {id, words_[kRule], dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
   int number = 0;
   for (const Triple& t : matched) {
     const TermId evidence = dictionary_.InternIri(absl::StrCat(iri, ":", ++number));
-    out.push_back({id, with, evidence});
-    out.push_back({evidence, rdf("subject"), t.subject});
-    out.push_back({evidence, rdf("predicate"), t.predicate});
-    out.push_back({evidence, rdf("object"), t.object});
+    reports_.insert(evidence);
+    out.push_back({id, words_[kEvidence], evidence});
+    out.push_back({evidence, words_[kSubject], t.subject});
+    out.push_back({evidence, words_[kPredicate], t.predicate});
+    out.push_back({evidence, words_[kObject], t.object});
+  }
+}
+
+void InconsistencyFacts::InternWords() {
+  type_ = dictionary_.InternIri(kRdfType);
+  inconsistency_ = dictionary_.InternIri(DocentIri("Inconsistency"));
+  words_[kRule] = dictionary_.InternIri(DocentIri("rule"));
+  words_[kEvidence] = dictionary_.InternIri(DocentIri("evidence"));
+  const auto rdf = [&](const char* word) { return dictionary_.InternIri(std::string(kRdfNs) + word); };
+  words_[kSubject] = rdf("subject");
+  words_[kPredicate] = rdf("predicate");
+  words_[kObject] = rdf("object");
+}
+
+void InconsistencyFacts::Find(const GraphVersion& graph) {
+  reports_.clear();
+  const std::optional<TermId> type = dictionary_.FindIri(kRdfType),
+                              graph_id = dictionary_.FindIri(kInferredGraph),
+                              inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
+  if (!type || !graph_id || !inconsistency) return;
+  std::vector<TermId> found;
+  graph.ForEach({TermId(), *type, *inconsistency, *graph_id}, [&](const Quad& quad) {
+    found.push_back(quad.subject);
+    return true;
+  });
+  if (found.empty()) return;
+  InternWords();
+  for (const TermId report : found) {
+    reports_.insert(report);
+    graph.ForEach({report, words_[kEvidence], TermId(), *graph_id}, [&](const Quad& quad) {
+      reports_.insert(quad.object);
+      return true;
+    });
   }
 }
 

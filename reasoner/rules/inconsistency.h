@@ -7,14 +7,21 @@
 //   ex:Robot .
 //
 // The IRI follows from the rule's name and the matched triples alone, so it is the same in every computation.
+// Nothing but its check makes these facts: that what a report names is the same as another thing is no second
+// report. Rules may match them, and say more about a report with words of their own.
 // Private to this folder. Writer thread only: interns.
 #ifndef DOCENT_REASONER_RULES_INCONSISTENCY_H_
 #define DOCENT_REASONER_RULES_INCONSISTENCY_H_
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/types/span.h"
 #include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/graph_version.h"
 #include "reasoner/rules/rule_program.h"
 
 namespace docent {
@@ -23,10 +30,25 @@ class InconsistencyFacts {
  public:
   explicit InconsistencyFacts(Dictionary& dictionary) : dictionary_(dictionary) {}
   // Appends the facts that say that the body of `rule` holds with `row`.
-  void Make(const CompiledRule& rule, absl::Span<const TermId> row, std::vector<Triple>& out) const;
+  void Make(const CompiledRule& rule, absl::Span<const TermId> row, std::vector<Triple>& out);
+  // A fact of such a form about a report that was made, or that was in `graph` when Find was asked.
+  bool IsOfReport(const Triple& t) const {
+    const bool worded = t.predicate == type_
+                            ? t.object == inconsistency_
+                            : std::find(words_.begin(), words_.end(), t.predicate) != words_.end();
+    return worded && reports_.contains(t.subject);
+  }
+  // Forgets what it knows, and looks for the reports that `graph` holds.
+  void Find(const GraphVersion& graph);
 
  private:
+  enum Word : uint8_t { kRule, kEvidence, kSubject, kPredicate, kObject, kWords };
+  void InternWords();
+
   Dictionary& dictionary_;
+  std::array<TermId, kWords> words_;  // none: not said yet
+  TermId type_, inconsistency_;
+  absl::flat_hash_set<TermId> reports_;  // and their evidence
 };
 
 }  // namespace docent

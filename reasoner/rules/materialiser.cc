@@ -15,7 +15,8 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
       before_(before),
       told_delta_(told),
       context_(context),
-      proofs_(program, context.schema, context.writer, context.inferred_graph, marked_),
+      proofs_(program, context.schema, context.writer, context.inconsistencies, context.inferred_graph,
+              marked_),
       is_entering_(program.rules.size()),
       rederivable_(static_cast<size_t>(program.stratum_count) + 1) {}
 
@@ -79,6 +80,7 @@ absl::Status Materialiser::SettleTold() {
       any_proven = true;
       context_.writer.Add(InferredQuad(entry.triple));
       NowInferred(entry.triple);
+      proofs_.Forget();
       if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
       for (auto& triples : rederivable_) triples.push_back(entry.triple);

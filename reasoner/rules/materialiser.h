@@ -8,7 +8,8 @@
 //      proof (proof_search.h); what has none goes, and what rested on it is asked in its turn
 //   2. what was too far to tell comes back if a rule still makes it
 //   3. add: in rounds, the triples that are new in a round are joined with all others by the rules that they
-//   concern
+//   concern. Rules that are new are evaluated whole; those of the schema before the others, which are then
+//   evaluated for the axioms as they come to be, once.
 //
 // What a rule of negation made is found in the graph as it was before: the writer's own graph with the
 // changes so far undone and then done again; both are as long as the change, not as the graph.
@@ -37,7 +38,7 @@ class Materialiser {
   struct Context {
     GraphWriter& writer;
     SchemaIndex& schema;
-    const InconsistencyFacts& inconsistencies;
+    InconsistencyFacts& inconsistencies;
     TermId inferred_graph;
     const Limits& limits;
     size_t& inferred_so_far;  // quads inferred since the last Commit, counted on here
@@ -67,6 +68,12 @@ class Materialiser {
     Triple triple;
   };
   enum class Phase : uint8_t { kAdd, kTakeAway };
+  // Which rules a new triple is shown to.
+  enum class Scope : uint8_t {
+    kAll,
+    kStaying,         // not those that are new: they are evaluated whole
+    kEnteringSchema,  // those that are new and speak of the schema alone
+  };
 
   Quad InferredQuad(const Triple& t) const {
     return {t.subject, t.predicate, t.object, context_.inferred_graph};
@@ -100,13 +107,17 @@ class Materialiser {
   // materialiser_add.cc
   absl::Status Add(int stratum);
   absl::Status FirstRound(int stratum);
+  absl::Status CloseSchema(int stratum);
+  absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
+  bool InScope(uint32_t rule) const;
   // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
   // The first those with a schema part by its solutions, the second all others (and changes of the schema
   // itself).
   absl::Status DispatchInstances(const Quad& quad, int stratum, Phase phase);
   absl::Status DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative);
   absl::Status FireWhole(RuleProgram& program, uint32_t rule, Phase phase);
+  absl::Status FireInstances(uint32_t rule);
   absl::Status FireTask(const Task& task, Phase phase);
   // False: stop.
   bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
@@ -149,7 +160,7 @@ class Materialiser {
   absl::flat_hash_set<Triple> seen_;  // candidates of this stratum
   size_t compact_at_ = 0;
   absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round
-  bool first_round_ = false;
+  Scope scope_ = Scope::kAll;
   uint32_t last_rule_ = 0;
   std::vector<Triple> made_;  // by rules, in kTakeAway
   std::vector<Triple> scratch_;

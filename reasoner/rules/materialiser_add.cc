@@ -11,32 +11,63 @@ absl::Status Materialiser::Add(int stratum) {
   seen_.clear();
   candidates_.clear();
   compact_at_ = 0;
-  first_round_ = true;
   if (absl::Status status = FirstRound(stratum); !status.ok()) return status;
-  first_round_ = false;
+  scope_ = Scope::kAll;
   for (int rounds = 1; !round_.empty(); ++rounds) {
     if (rounds >= context_.limits.rule_rounds) {
       return LimitError(program_.rules[last_rule_], "rule_rounds",
                         static_cast<size_t>(context_.limits.rule_rounds));
     }
-    whole_.clear();
-    for (const Triple& triple : round_) {
-      const Quad quad = InferredQuad(triple);
-      absl::Status status = DispatchInstances(quad, stratum, Phase::kAdd);
-      if (status.ok()) status = DispatchRules(quad, stratum, Phase::kAdd, /*also_negative=*/true);
-      if (!status.ok()) return status;
-    }
-    if (absl::Status status = EndRound(); !status.ok()) return status;
+    if (absl::Status status = DispatchRound(stratum); !status.ok()) return status;
   }
   return absl::OkStatus();
+}
+
+// Shows the triples of the last round to the rules in scope_; what these make is the next round.
+absl::Status Materialiser::DispatchRound(int stratum) {
+  whole_.clear();
+  for (const Triple& triple : round_) {
+    const Quad quad = InferredQuad(triple);
+    absl::Status status = DispatchInstances(quad, stratum, Phase::kAdd);
+    if (status.ok()) status = DispatchRules(quad, stratum, Phase::kAdd, /*also_negative=*/true);
+    if (!status.ok()) return status;
+  }
+  return EndRound();
+}
+
+// What new rules of the schema make of the schema, to the end. It is new to the rules that stay.
+absl::Status Materialiser::CloseSchema(int stratum) {
+  bool any = false;
+  for (const uint32_t rule : entering_) {
+    if (program_.rules[rule].stratum != stratum || !program_.rules[rule].of_schema) continue;
+    any = true;
+    if (absl::Status status = FireWhole(program_, rule, Phase::kAdd); !status.ok()) return status;
+  }
+  if (!any) return absl::OkStatus();
+  scope_ = Scope::kEnteringSchema;
+  absl::Status status = EndRound();
+  for (int rounds = 1; status.ok() && !round_.empty(); ++rounds) {
+    gained_.insert(gained_.end(), round_.begin(), round_.end());
+    if (rounds >= context_.limits.rule_rounds) {
+      return LimitError(program_.rules[last_rule_], "rule_rounds",
+                        static_cast<size_t>(context_.limits.rule_rounds));
+    }
+    status = DispatchRound(stratum);
+  }
+  return status;
 }
 
 absl::Status Materialiser::FirstRound(int stratum) {
   whole_.clear();
   if (absl::Status status = Rederive(stratum); !status.ok()) return status;
-  for (const uint32_t rule : entering_) {
-    if (program_.rules[rule].stratum != stratum) continue;
-    if (absl::Status status = FireWhole(program_, rule, Phase::kAdd); !status.ok()) return status;
+  if (absl::Status status = CloseSchema(stratum); !status.ok()) return status;
+  scope_ = Scope::kStaying;
+  for (const uint32_t number : entering_) {
+    const CompiledRule& rule = program_.rules[number];
+    if (rule.stratum != stratum || rule.of_schema) continue;
+    const absl::Status status =
+        rule.schema != 0 ? FireInstances(number) : FireWhole(program_, number, Phase::kAdd);
+    if (!status.ok()) return status;
   }
   if (absl::Status status = RepeatChecks(stratum); !status.ok()) return status;
   std::vector<Task> tasks;
@@ -88,13 +119,25 @@ absl::Status Materialiser::EndRound() {
   return absl::OkStatus();
 }
 
+bool Materialiser::InScope(uint32_t rule) const {
+  switch (scope_) {
+    case Scope::kAll:
+      return true;
+    case Scope::kStaying:
+      return !is_entering_[rule];
+    case Scope::kEnteringSchema:
+      return is_entering_[rule] && program_.rules[rule].of_schema;
+  }
+  return true;
+}
+
 absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phase phase) {
   const sparql::RunOptions run{.version = &graph()};
   context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
     const CompiledRule& rule = program_.rules[instance.rule];
     if (rule.stratum != stratum || !status_.ok()) return;
-    if (first_round_ && is_entering_[instance.rule] && phase == Phase::kAdd) return;
+    if (phase == Phase::kAdd && !InScope(instance.rule)) return;
     const Trigger& trigger = rule.body->triggers()[reference.pattern];
     seed_ = instance.row;
     const std::array<TermId, 3> terms = {quad.subject, quad.predicate, quad.object};
@@ -106,9 +149,9 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
       Emit(rule, seed_, phase);
       return;
     }
-    const absl::Status status =
-        rule.body->EvaluateRest(run, seed_, matched, rule.filters,
-                                [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+    const absl::Status status = rule.body->EvaluateRest(
+        run, seed_, matched, rule.filters ? Body::Filters::kAll : Body::Filters::kNone,
+        [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     if (!status.ok()) status_ = status;
   });
   return status_;
@@ -120,7 +163,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
   program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const CompiledRule& rule = program_.rules[reference.owner];
     if (rule.stratum != stratum || !status_.ok()) return;
-    if (first_round_ && is_entering_[reference.owner] && phase == Phase::kAdd) return;
+    if (phase == Phase::kAdd && !InScope(reference.owner)) return;
     const Trigger& trigger = rule.body->triggers()[reference.pattern];
     absl::Status status;
     if (!rule.positive) {
@@ -133,7 +176,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
         Emit(rule, seed_, phase);
         return;
       }
-      status = rule.body->EvaluateRest(run, seed_, matched, /*filters=*/true,
+      status = rule.body->EvaluateRest(run, seed_, matched, Body::Filters::kAll,
                                        [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     }
     if (!status.ok()) status_ = status;
@@ -160,6 +203,20 @@ absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phas
   return status.ok() ? status_ : status;
 }
 
+// A rule with a schema part, for each solution of it.
+absl::Status Materialiser::FireInstances(uint32_t number) {
+  const CompiledRule& rule = program_.rules[number];
+  const auto filters = rule.filters ? Body::Filters::kAll : Body::Filters::kNone;
+  absl::Status status;
+  context_.schema.ForEachInstance(number, [&](const std::vector<TermId>& row) {
+    if (!status.ok()) return;
+    status = rule.body->EvaluateRest(
+        {.version = &graph()}, row, rule.schema, filters,
+        [&](absl::Span<const TermId> found) { return Emit(rule, found, Phase::kAdd); });
+  });
+  return status.ok() ? status_ : status;
+}
+
 bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase) {
   if (rule.check) {
     std::vector<Triple> facts;
@@ -175,7 +232,8 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   }
   for (const HeadTriple& head : rule.head) {
     Triple triple;
-    if (head.Make(row, triple) && !Collect(rule, triple, phase)) return false;
+    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
+    if (!Collect(rule, triple, phase)) return false;
   }
   return true;
 }

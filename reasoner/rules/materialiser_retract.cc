@@ -29,6 +29,7 @@ absl::Status Materialiser::TakeAway(int stratum) {
   made_.clear();
   whole_.clear();
   check_rows_.clear();
+  if (stratum > 0) proofs_.Forget();  // facts were added
   if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
   whole_.clear();
   queue_ = lost_;
@@ -162,16 +163,16 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
     } else {
       seed_.assign(rule.body->columns().size(), TermId());
     }
-    if (rule.stratum > stratum || !head.SeedFrom(triple, seed_)) continue;
+    if (rule.stratum > stratum || !head.SeedFrom(triple, absl::MakeSpan(seed_))) continue;
     bool derivable = false;
     const auto visit = [&](absl::Span<const TermId> row) {
       Triple made;
       derivable = head.Make(row, made) && made == triple;
       return !derivable;
     };
-    const absl::Status status = maker.row != nullptr
-                                    ? rule.body->EvaluateRest(run, seed_, rule.schema, true, visit)
-                                    : rule.body->Evaluate(run, seed_, visit);
+    const absl::Status status =
+        maker.row != nullptr ? rule.body->EvaluateRest(run, seed_, rule.schema, Body::Filters::kAll, visit)
+                             : rule.body->Evaluate(run, seed_, visit);
     if (!status.ok()) return status;
     if (derivable) return true;
   }

@@ -14,9 +14,33 @@ bool ProofSearch::IsTold(const Triple& fact) const {
   return false;
 }
 
+bool Surroundings::MayMatch(const GraphVersion& graph, const QuadPattern& pattern) {
+  const bool by_subject = !pattern.subject.IsNone();
+  if (!by_subject && pattern.object.IsNone()) return true;
+  const auto [place, is_new] =
+      by_subject ? of_subject_.try_emplace(pattern.subject) : of_object_.try_emplace(pattern.object);
+  Facts& facts = place->second;
+  if (is_new) {
+    QuadPattern around;
+    (by_subject ? around.subject : around.object) = place->first;
+    QuadCursor c = graph.Scan(around);
+    for (; c.Valid() && facts.others.size() < kFew; c.Next()) {
+      const Quad& q = c.quad();
+      facts.others.emplace_back(by_subject ? q.predicate : q.subject, by_subject ? q.object : q.predicate);
+    }
+    facts.all = !c.Valid();
+    if (!facts.all) facts.others.clear();
+  }
+  if (!facts.all) return true;
+  const TermId first = by_subject ? pattern.predicate : pattern.subject;
+  const TermId second = by_subject ? pattern.object : pattern.predicate;
+  return std::any_of(facts.others.begin(), facts.others.end(), [&](const auto& other) {
+    return (first.IsNone() || first == other.first) && (second.IsNone() || second == other.second);
+  });
+}
+
 absl::StatusOr<ProofSearch::Answer> ProofSearch::Prove(const Triple& fact) {
   steps_left_ = kSteps;
-  failed_.clear();
   failures_.clear();
   open_.clear();
   const Answer answer = Search(fact, 0);
@@ -26,8 +50,9 @@ absl::StatusOr<ProofSearch::Answer> ProofSearch::Prove(const Triple& fact) {
 
 ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
   if (proven_.contains(fact)) return Answer::kProven;
+  if (failed_.contains(fact)) return Answer::kUnproven;
   if (depth > 0) {
-    if (lost_.contains(fact) || failed_.contains(fact)) return Answer::kUnproven;
+    if (lost_.contains(fact)) return Answer::kUnproven;
     if (const auto on_way = open_.find(fact); on_way != open_.end()) {
       on_way->second = true;
       return Answer::kUnproven;
@@ -37,48 +62,35 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
     proven_.insert(fact);
     return Answer::kProven;
   }
+  // Its check alone knows. One that is asked about for itself has lost what its check matched.
+  if (inconsistencies_.IsOfReport(fact)) return depth > 0 ? Answer::kUndecided : Answer::kUnproven;
   if (depth == kDepth || --steps_left_ < 0) return Answer::kUndecided;
   open_.emplace(fact, false);
   const size_t failures_before = failures_.size();
 
   Answer answer = Answer::kUnproven;
   const Quad quad = {fact.subject, fact.predicate, fact.object, TermId()};
-  const auto try_maker = [&](const CompiledRule& rule, const HeadTriple& head, std::vector<TermId> seed,
-                             uint32_t matched) {
-    if (!rule.positive) {
-      answer = Answer::kUndecided;
-      return;
-    }
-    if (!head.SeedFrom(fact, seed)) return;
-    Bodies bodies;
-    Answer here = Collect(rule, seed, matched, bodies);
-    if (here != Answer::kProven) here = SearchBodies(bodies, depth, here == Answer::kUnproven);
-    if (here != Answer::kUnproven) answer = here;
-  };
-  absl::InlinedVector<PatternIndex::Reference, 8> makers;
-  schema_.heads().ForEachMatch(quad, [&](PatternIndex::Reference r) { makers.push_back(r); });
-  const size_t of_schema = makers.size();
-  program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) { makers.push_back(r); });
+  absl::InlinedVector<Maker, 16> makers;
+  schema_.heads().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+    const SchemaIndex::Instance& instance = schema_.instance(r.owner);
+    makers.push_back({instance.rule, r.pattern, &instance.row});
+  });
+  program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) {
+    makers.push_back({r.owner, r.pattern, nullptr});
+  });
   for (size_t i = 0; i < makers.size() && answer != Answer::kProven && status_.ok(); ++i) {
-    const auto& [owner, number] = makers[i];
-    if (i < of_schema) {
-      const SchemaIndex::Instance& instance = schema_.instance(owner);
-      const CompiledRule& rule = program_.rules[instance.rule];
-      try_maker(rule, rule.head[number], instance.row, rule.schema);
-    } else {
-      const CompiledRule& rule = program_.rules[owner];
-      try_maker(rule, rule.head[number], std::vector<TermId>(rule.body->columns().size()), 0);
-    }
+    const Answer here = SearchMaker(fact, makers[i], depth);
+    if (here != Answer::kUnproven) answer = here;
   }
 
   const bool asked_again = open_.find(fact)->second;
   open_.erase(fact);
+  if (asked_again && answer != Answer::kUnproven) {  // who failed because of this fact may not have to
+    for (size_t i = failures_before; i < failures_.size(); ++i) failed_.erase(failures_[i]);
+    failures_.resize(failures_before);
+  }
   if (answer == Answer::kProven) {
     proven_.insert(fact);
-    if (asked_again) {  // who failed because of this fact may not have to
-      for (size_t i = failures_before; i < failures_.size(); ++i) failed_.erase(failures_[i]);
-      failures_.resize(failures_before);
-    }
   } else if (answer == Answer::kUnproven) {
     failed_.insert(fact);
     failures_.push_back(fact);
@@ -86,12 +98,39 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
   return answer;
 }
 
+ProofSearch::Answer ProofSearch::SearchMaker(const Triple& fact, const Maker& maker, int depth) {
+  const CompiledRule& rule = program_.rules[maker.rule];
+  if (!rule.positive) return Answer::kUndecided;
+  absl::InlinedVector<TermId, 16> seed;
+  if (maker.row != nullptr) {
+    seed.assign(maker.row->begin(), maker.row->end());
+  } else {
+    seed.resize(rule.body->columns().size());
+  }
+  const uint32_t matched = maker.row != nullptr ? rule.schema : 0;
+  if (!rule.head[maker.head].SeedFrom(fact, absl::MakeSpan(seed)) || !MayMatch(rule, seed, matched))
+    return Answer::kUnproven;
+  Bodies bodies;
+  const Answer told = Collect(rule, seed, matched, bodies);
+  return told == Answer::kProven ? told : SearchBodies(bodies, depth, told == Answer::kUnproven);
+}
+
+bool ProofSearch::MayMatch(const CompiledRule& rule, absl::Span<const TermId> seed, uint32_t matched) {
+  for (uint32_t open = rule.patterns & ~matched; open != 0; open &= open - 1) {
+    const Triple premise = rule.Premise(static_cast<size_t>(__builtin_ctz(open)), seed);
+    if (!surroundings_.MayMatch(writer_.current(),
+                                {premise.subject, premise.predicate, premise.object, TermId()}))
+      return false;
+  }
+  return true;
+}
+
 ProofSearch::Answer ProofSearch::Collect(const CompiledRule& rule, absl::Span<const TermId> seed,
                                          uint32_t matched, Bodies& bodies) {
   bool too_many = false;
   bool told = false;
   const size_t count = rule.body->patterns().size();
-  status_ = rule.body->EvaluateRest({.version = &writer_.current()}, seed, matched, /*filters=*/true,
+  status_ = rule.body->EvaluateRest({.version = &writer_.current()}, seed, matched, Body::Filters::kAll,
                                     [&](absl::Span<const TermId> row) {
                                       std::vector<Triple> open;
                                       for (size_t i = 0; i < count; ++i) {

@@ -6,7 +6,8 @@
 // what rests on it is not even looked at. The search goes from the fact through the rules to told facts; a
 // fact on the way to itself is no proof of itself. It gives up after a number of steps (then the fact is
 // taken away and derived again, as in delete and re-derive), so it can never cost much more than it saves.
-// Only positive rules are searched.
+// Only positive rules are searched. What was found out about a fact holds for the questions after it, since
+// the graph only becomes smaller between them (see Forget).
 // Private to this folder. Made for one Update. Writer thread only.
 #ifndef DOCENT_REASONER_RULES_PROOF_SEARCH_H_
 #define DOCENT_REASONER_RULES_PROOF_SEARCH_H_
@@ -17,10 +18,32 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
 #include "kb_server/store/graph_writer.h"
+#include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
 namespace docent {
+
+// The facts around a thing, kept where they are few: rules out most ways to a proof without a lookup each. Of
+// a graph that does not change meanwhile.
+class Surroundings {
+ public:
+  // False: no triple of the graph matches. True: one may.
+  bool MayMatch(const GraphVersion& graph, const QuadPattern& pattern);
+  void Forget() {
+    of_subject_.clear();
+    of_object_.clear();
+  }
+
+ private:
+  static constexpr size_t kFew = 32;
+  struct Facts {
+    bool all = false;
+    std::vector<std::pair<TermId, TermId>>
+        others;  // predicate and object; of an object: subject and predicate
+  };
+  absl::flat_hash_map<TermId, Facts> of_subject_, of_object_;
+};
 
 class ProofSearch {
  public:
@@ -32,10 +55,21 @@ class ProofSearch {
 
   // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile.
   ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer,
-              TermId inferred_graph, const absl::flat_hash_set<Triple>& lost)
-      : program_(program), schema_(schema), writer_(writer), inferred_graph_(inferred_graph), lost_(lost) {}
+              const InconsistencyFacts& inconsistencies, TermId inferred_graph,
+              const absl::flat_hash_set<Triple>& lost)
+      : program_(program),
+        schema_(schema),
+        writer_(writer),
+        inconsistencies_(inconsistencies),
+        inferred_graph_(inferred_graph),
+        lost_(lost) {}
 
   absl::StatusOr<Answer> Prove(const Triple& fact);
+  // To be called where facts came into the graph since the last Prove, or `lost` became smaller.
+  void Forget() {
+    failed_.clear();
+    surroundings_.Forget();
+  }
 
  private:
   static constexpr int kSteps = 64;      // facts looked at for one question
@@ -43,8 +77,15 @@ class ProofSearch {
   static constexpr size_t kBodies = 24;  // ways of one rule to make one fact
   using Bodies = std::vector<std::vector<Triple>>;
 
+  struct Maker {
+    uint32_t rule, head;
+    const std::vector<TermId>* row;  // of an instance of the schema; null: the rule as it is
+  };
+
   bool IsTold(const Triple& fact) const;
   Answer Search(const Triple& fact, int depth);
+  Answer SearchMaker(const Triple& fact, const Maker& maker, int depth);
+  bool MayMatch(const CompiledRule& rule, absl::Span<const TermId> seed, uint32_t matched);
   Answer SearchBodies(const Bodies& bodies, int depth, bool complete);
   // The ways of a rule to make `fact`; kProven where one has told premises alone.
   Answer Collect(const CompiledRule& rule, absl::Span<const TermId> seed, uint32_t matched, Bodies& bodies);
@@ -52,13 +93,15 @@ class ProofSearch {
   RuleProgram& program_;
   const SchemaIndex& schema_;
   const GraphWriter& writer_;
+  const InconsistencyFacts& inconsistencies_;
   const TermId inferred_graph_;
   const absl::flat_hash_set<Triple>& lost_;
 
+  Surroundings surroundings_;
   absl::flat_hash_set<Triple> proven_;
-  absl::flat_hash_set<Triple> failed_;      // in the running question
+  absl::flat_hash_set<Triple> failed_;      // have no proof in the graph as it is
   absl::flat_hash_map<Triple, bool> open_;  // on the way; true: somebody asked again
-  std::vector<Triple> failures_;            // failed_, in order
+  std::vector<Triple> failures_;            // failed_ of the running question, in order
   int steps_left_ = 0;
   absl::Status status_;
 };

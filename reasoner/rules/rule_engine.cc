@@ -43,7 +43,7 @@ struct RuleEngine::Impl {
   const Limits limits;
   const sparql::FunctionRegistry* functions;
   const TermId inferred_graph;
-  const InconsistencyFacts inconsistencies;
+  InconsistencyFacts inconsistencies;
   RuleProgram no_rules;
   SchemaIndex schema;                      // of the applied program, in the graph as of the last Update
   const RuleProgram* schema_of = nullptr;  // null: to be made anew
@@ -94,6 +94,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   if (impl.schema_of != &program) {
     impl.schema_of = nullptr;
     if (absl::Status status = impl.schema.Build(program, writer.current()); !status.ok()) return status;
+    impl.inconsistencies.Find(writer.current());
     impl.schema_of = &program;
   }
   impl.changed_since_commit = true;

@@ -20,20 +20,53 @@ using sparql::PatternTerm;
 using Names = absl::flat_hash_set<std::string>;
 
 struct Refusal {
-  std::string_view what;
-  std::string_view hint;
+  std::string what;
+  std::string hint;
 };
 
+// The first part of a path, from the outside in, that is no fixed number of steps; null: none.
+const sparql::Path* EndlessPart(const sparql::Path& path) {
+  using Kind = sparql::Path::Kind;
+  if (path.kind == Kind::kZeroOrMore || path.kind == Kind::kOneOrMore || path.kind == Kind::kZeroOrOne ||
+      path.kind == Kind::kNegatedSet) {
+    return &path;
+  }
+  for (const sparql::Path& child : path.children) {
+    if (const sparql::Path* part = EndlessPart(child)) return part;
+  }
+  return nullptr;
+}
+
+Refusal RefusalOfPath(const sparql::Path& path) {
+  using Kind = sparql::Path::Kind;
+  const sparql::Path* part = EndlessPart(path);
+  if (part == nullptr) return {"this property path", "write its steps as triple patterns"};
+  if (part->kind == Kind::kNegatedSet) {
+    return {"a negated property set",
+            "match any property and leave those out: ?a ?p ?b FILTER(?p NOT IN (…))"};
+  }
+  if (part->kind == Kind::kZeroOrOne) {
+    return {"a property path with a step that may be left out (?)",
+            "write one rule with the step and one without it"};
+  }
+  const std::string step =
+      part->children[0].kind == Kind::kIri ? ToNTriples(part->children[0].iri) : std::string("PATH");
+  std::string hint = absl::StrCat(
+      "derive the closure with a property of your own, and match that: RULE { ?a ex:reaches ?b } WHERE { ?a ",
+      step, " ?b }  RULE { ?a ex:reaches ?c } WHERE { ?a ex:reaches ?b . ?b ", step, " ?c }");
+  if (part->kind == Kind::kZeroOrMore) absl::StrAppend(&hint, "; for no step at all write a second rule");
+  return {"a property path of any length (+ or *)", std::move(hint)};
+}
+
 // What a body may not contain, and what to do instead.
-std::optional<Refusal> RefusalOf(Algebra::Kind kind) {
-  switch (kind) {
+std::optional<Refusal> RefusalOf(const Algebra& node) {
+  switch (node.kind) {
     case Algebra::Kind::kLeftJoin:
       return Refusal{"OPTIONAL", "write one rule with the optional part and one without it"};
     case Algebra::Kind::kGraph:
       return Refusal{"GRAPH", "rules match the union of all graphs; leave GRAPH out"};
     case Algebra::Kind::kPath:
-      return Refusal{"this property path",
-                     "write the closure as a recursive rule: RULE { ?a p ?c } WHERE { ?a p ?b . ?b p ?c }"};
+      return RefusalOfPath(node.path);
     case Algebra::Kind::kService:
       return Refusal{"SERVICE", "load the data first"};
     case Algebra::Kind::kGroup:
@@ -174,10 +207,9 @@ class Checker {
 
   void CheckBody(const Algebra& node) {
     if (const Algebra* group = GroupOf(node)) return CheckSelect(node, *group);
-    if (const std::optional<Refusal> refusal = RefusalOf(node.kind)) {
+    if (const std::optional<Refusal> refusal = RefusalOf(node)) {
       refused_ = true;
-      Report(node.span, absl::StrCat("a rule body cannot contain ", std::string(refusal->what)),
-             refusal->hint);
+      Report(node.span, absl::StrCat("a rule body cannot contain ", refusal->what), refusal->hint);
       return;
     }
     for (const auto& child : node.children) CheckBody(*child);
@@ -354,6 +386,17 @@ class RulesReader {
 };
 
 }  // namespace
+
+std::string ShortName(const Rule& rule) {
+  const size_t cut = rule.name.find_last_of("#/:");
+  return cut == std::string::npos ? rule.name : rule.name.substr(cut + 1);
+}
+
+std::string RuleLabel(std::string_view set, const Rule& rule, int number) {
+  const std::string name = ShortName(rule);
+  return absl::StrCat(std::string(set), " ", name.empty() ? absl::StrCat("rule ", number) : name, " (line ",
+                      rule.span.line, ")");
+}
 
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits) {
   sparql::ParseOptions options;

@@ -49,11 +49,17 @@ struct ParsedRules {
   bool ok() const { return !HasErrors(diagnostics); }
 };
 
+// The last part of its IRI ("prp-dom"); empty without one.
+std::string ShortName(const Rule& rule);
+// What a rule is called in errors, proofs and reports: "owl2rl prp-dom (line 40)", or where it has no name
+// "guide.rules rule 3 (line 12)". `number`: its place in the document `set`, from 1.
+std::string RuleLabel(std::string_view set, const Rule& rule, int number);
+
 // Reads and checks each rule by itself: syntax; every head variable bound by the body (safety); what a FILTER
 // or BIND uses is bound; no blank node or impossible triple in a head; nothing in the body that cannot be
-// kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECT, aggregates), no NOW() or
-// RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes need no
-// declaration.
+// kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate), no
+// NOW() or RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes
+// need no declaration.
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {});
 
 }  // namespace docent

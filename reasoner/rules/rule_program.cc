@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/sparql/algebra_printer.h"
-#include "reasoner/rules/schema_index.h"
+#include "reasoner/rules/schema_words.h"
 #include "reasoner/rules/stratification.h"
 
 namespace docent {
@@ -45,17 +45,6 @@ HeadTriple CompileHead(const sparql::TriplePattern& triple, const Body& body, Di
   return head;
 }
 
-// What follows the last "#", "/" or ":" of the rule's IRI.
-std::string LocalName(const std::string& iri) {
-  const size_t cut = iri.find_last_of("#/:");
-  return cut == std::string::npos ? iri : iri.substr(cut + 1);
-}
-
-std::string LabelOf(const std::string& set, const CompiledRule& rule, int number) {
-  if (rule.name.empty()) return absl::StrCat(set, " rule ", number, " (line ", rule.span.line, ")");
-  return absl::StrCat(set, " ", rule.name, " (line ", rule.span.line, ")");
-}
-
 std::string CanonicalText(const Rule& rule) {
   std::string text = rule.name;
   for (const sparql::TriplePattern& triple : rule.head) {
@@ -72,7 +61,8 @@ void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
     const Body::Pattern& pattern = rule.body->patterns()[i];
     if (IsSchemaPattern(text(pattern.constants[1]), text(pattern.constants[2]))) schema |= 1u << i;
   }
-  rule.schema = schema == rule.patterns ? 0 : schema;
+  rule.of_schema = schema == rule.patterns;
+  rule.schema = rule.of_schema ? 0 : schema;
   rule.filters = rule.body->has_filters() && (rule.schema == 0 || !rule.body->FiltersDecidedBy(rule.schema));
 }
 
@@ -150,7 +140,7 @@ bool HeadTriple::Make(absl::Span<const TermId> row, Triple& out) const {
   return !out.subject.IsLiteral() && out.predicate.IsIri();
 }
 
-bool HeadTriple::SeedFrom(const Triple& triple, std::vector<TermId>& seed) const {
+bool HeadTriple::SeedFrom(const Triple& triple, absl::Span<TermId> seed) const {
   const std::array<TermId, 3> terms = {triple.subject, triple.predicate, triple.object};
   for (int i = 0; i < 3; ++i) {
     if (columns[i] == Trigger::kNoColumn) {
@@ -179,10 +169,10 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
     int number = 0;
     for (const Rule& rule : parsed->rules) {
       CompiledRule compiled;
-      compiled.name = LocalName(rule.name);
+      compiled.name = ShortName(rule);
       compiled.set = name;
       compiled.span = rule.span;
-      compiled.label = LabelOf(name, compiled, ++number);
+      compiled.label = RuleLabel(name, rule, ++number);
       compiled.text = CanonicalText(rule);
       compiled.check = rule.head.empty();
       auto body = Body::Compile(rule.body, dictionary, functions);

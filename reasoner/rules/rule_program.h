@@ -38,7 +38,7 @@ struct HeadTriple {
   // False where the row does not make an RDF triple (unbound variable, literal as subject).
   bool Make(absl::Span<const TermId> row, Triple& out) const;
   // Extends `seed` by what makes this head `triple`; false if it cannot.
-  bool SeedFrom(const Triple& triple, std::vector<TermId>& seed) const;
+  bool SeedFrom(const Triple& triple, absl::Span<TermId> seed) const;
   QuadPattern Pattern() const { return {constants[0], constants[1], constants[2], TermId()}; }
 };
 
@@ -56,7 +56,8 @@ struct CompiledRule {
   uint32_t patterns = 0;  // bit set: all of a positive body
   // Those of them that speak of the schema, if others do not: the SchemaIndex knows their solutions. Else 0.
   uint32_t schema = 0;
-  bool filters = false;  // there are filters that the schema part alone does not decide
+  bool filters = false;    // there are filters that the schema part alone does not decide
+  bool of_schema = false;  // positive, and all of its patterns speak of the schema
 
   // The triple that a solution matches with pattern `i` of a flat body.
   Triple Premise(size_t i, absl::Span<const TermId> row) const;

@@ -3,25 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kb_server/rdf/vocabulary.h"
-
 namespace docent {
-
-bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri) {
-  const auto of_standard = [](std::string_view iri) {
-    return iri.starts_with(kOwlNs) || iri.starts_with(kRdfsNs) || iri.starts_with(kRdfNs);
-  };
-  if (predicate_iri == kRdfType) return of_standard(object_iri);
-  if (predicate_iri == "http://www.w3.org/2002/07/owl#differentFrom") return false;
-  static const std::string* list_node = new std::string(DocentIri("listNode"));
-  if (predicate_iri == *list_node) return true;
-  if (predicate_iri.starts_with(kOwlNs)) return true;
-  for (const std::string_view word : {"subClassOf", "subPropertyOf", "domain", "range"}) {
-    if (predicate_iri.starts_with(kRdfsNs) && predicate_iri.substr(kRdfsNs.size()) == word) return true;
-  }
-  return predicate_iri.starts_with(kRdfNs) &&
-         (predicate_iri.substr(kRdfNs.size()) == "first" || predicate_iri.substr(kRdfNs.size()) == "rest");
-}
 
 absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph) {
   program_ = &program;
@@ -57,7 +39,7 @@ absl::Status SchemaIndex::Find(uint32_t rule, absl::Span<const TermId> seed, uin
                                const GraphVersion& graph) {
   const CompiledRule& compiled = program_->rules[rule];
   const uint32_t data = compiled.patterns & ~compiled.schema;
-  return compiled.body->EvaluateRest({.version = &graph}, seed, matched | data, /*filters=*/!compiled.filters,
+  return compiled.body->EvaluateRest({.version = &graph}, seed, matched | data, Body::Filters::kBound,
                                      [&](absl::Span<const TermId> row) {
                                        Add(rule, row);
                                        return true;

@@ -13,7 +13,6 @@
 #ifndef DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
 #define DOCENT_REASONER_RULES_SCHEMA_INDEX_H_
 
-#include <string_view>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -41,6 +40,13 @@ class SchemaIndex {
   void Lost(const Triple& triple);
 
   const Instance& instance(uint32_t id) const { return instances_[id]; }
+  // Calls `visit(row)` for each instance of a rule. O(size).
+  template <typename Visit>
+  void ForEachInstance(uint32_t rule, Visit visit) const {
+    for (const Instance& instance : instances_) {
+      if (instance.rule == rule && !instance.triggers.empty()) visit(instance.row);
+    }
+  }
   // References: instance, trigger of its rule's body; instance, triple of its rule's head.
   const PatternIndex& triggers() const { return triggers_; }
   const PatternIndex& heads() const { return heads_; }
@@ -60,10 +66,6 @@ class SchemaIndex {
   PatternIndex heads_;
   std::vector<TermId> seed_;
 };
-
-// True for patterns whose predicate is a word of RDFS or OWL about classes and properties, of lists, or
-// owl:sameAs; and for those that ask for a class of RDF, RDFS or OWL. `iri` of a constant: its text.
-bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri);
 
 }  // namespace docent
 

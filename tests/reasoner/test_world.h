@@ -36,7 +36,7 @@ class TestWorld {
     }
     if (word[0] == '\'') return Term::Literal(word.substr(1));
     if (word.back() == 'f' && word.find_first_not_of("-.0123456789f") == std::string::npos) {
-      return Term::Literal(word.substr(0, word.size() - 1), std::string(kXsdNs) + "float");
+      return Term::Literal(word.substr(0, word.size() - 1), "http://www.w3.org/2001/XMLSchema#float");
     }
     if (word.find_first_not_of("-.0123456789") == std::string::npos) {
       return Term::Literal(word,
@@ -51,7 +51,7 @@ class TestWorld {
     const TermId graph = words.size() > 3 ? Id(words[3].substr(1)) : dictionary.InternIri(kDefaultGraph);
     // "a" stands for rdf:type as predicate only.
     const auto node = [&](const std::string& w) {
-      return w == "a" ? dictionary.InternIri(std::string(kExampleNs) + "a") : Id(w);
+      return w == "a" ? dictionary.InternIri("http://example.org/a") : Id(w);
     };
     return {node(words[0]), Id(words[1]), node(words[2]), graph};
   }

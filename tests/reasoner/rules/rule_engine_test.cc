@@ -116,6 +116,22 @@ TEST_F(RuleEngineTest, ACheckReportsItsSolutionsWithTheirTriples) {
   EXPECT_EQ(world_.Inferred(), reported) << "the same inconsistency bears the same name";
 }
 
+TEST_F(RuleEngineTest, WhatFollowsFromAReportStaysWithIt) {
+  Put("RULE :odd { } WHERE { ?x :at ?a . ?x :near ?a }\n"
+      "RULE { :ops :sees ?rule } WHERE { ?i docent:rule ?rule }\n"
+      "RULE { :ops :sees ?rule } WHERE { ?w :watches ?rule }");
+  Turn({"r1 at b1", "r1 near b1", "w watches 'odd"});
+  const auto sees = [&] {
+    const std::vector<std::string> inferred = world_.Inferred();
+    return std::count(inferred.begin(), inferred.end(), "ops sees 'odd");
+  };
+  EXPECT_EQ(sees(), 1);
+  Turn({}, {"w watches 'odd"});
+  EXPECT_EQ(sees(), 1) << "the report is still there";
+  Turn({}, {"r1 near b1"});
+  EXPECT_EQ(sees(), 0);
+}
+
 TEST_F(RuleEngineTest, RuleChangesAreMaintainedNotComputedAnew) {
   Put("RULE { ?x :q ?y } WHERE { ?x :p ?y }\nRULE { ?x :s ?y } WHERE { ?x :q ?y }");
   std::vector<std::string> facts;

@@ -65,7 +65,12 @@ TEST(RuleParser, AFilterOnAnUnboundVariableIsAnError) {
 TEST(RuleParser, RefusesWhatCannotBeKeptUpToDate) {
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { ?a :q ?b OPTIONAL { ?a :r ?c } }"), HasSubstr("OPTIONAL"));
   EXPECT_THAT(Errors("RULE { ?a :p :x } WHERE { GRAPH :g { ?a :q ?b } }"), HasSubstr("GRAPH"));
-  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"), HasSubstr("property path"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q+ ?b }"),
+              HasSubstr("?b . ?b <http://example.org/q> ?c }\n"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q/:r* ?b }"), HasSubstr("property path of any length"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a :q/:r? ?b }"),
+              HasSubstr("one rule with the step and one without"));
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { ?a !:q ?b }"), HasSubstr("NOT IN"));
   EXPECT_THAT(Errors("RULE { ?a :n ?n } WHERE { { SELECT ?a (AVG(?b) AS ?n) { ?a :q ?b } GROUP BY ?a } }"),
               HasSubstr("COUNT, SUM, MIN and MAX can be kept"));
   EXPECT_THAT(Errors("RULE { ?a :n ?b } WHERE { { SELECT DISTINCT ?a ?b { ?a :q ?b } } }"),

@@ -1,0 +1,17 @@
+// Which patterns and facts speak of the schema (classes, properties, lists of axioms, equality) and not of
+// things. Pure; any thread.
+#ifndef DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
+#define DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
+
+#include <string_view>
+
+namespace docent {
+
+// True for patterns whose predicate is a word of RDFS or OWL about classes and properties, of lists, or
+// owl:sameAs; and for those that ask for a class of RDF, RDFS or OWL. Each IRI: the text of a constant, empty
+// of a variable.
+bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
