@@ -130,6 +130,13 @@ RULE rl:dt-type1 {
   xsd:Name a rdfs:Datatype . xsd:NCName a rdfs:Datatype . xsd:NMTOKEN a rdfs:Datatype .
   xsd:boolean a rdfs:Datatype . xsd:hexBinary a rdfs:Datatype . xsd:base64Binary a rdfs:Datatype .
   xsd:anyURI a rdfs:Datatype . xsd:dateTime a rdfs:Datatype . xsd:dateTimeStamp a rdfs:Datatype } WHERE { }
+# two values of what may have one: literals that prp-fp and cls-maxc2 would make the same (eq-diff1)
+RULE rl:dt-diff { } WHERE {
+  ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2
+  FILTER(ISLITERAL(?y1) && ISLITERAL(?y2) && ?y1 != ?y2 && STR(?y1) < STR(?y2)) }
+RULE rl:dt-diff { } WHERE {
+  ?c owl:maxCardinality ?n . ?c owl:onProperty ?p . ?x a ?c . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?n = 1)
+  FILTER(ISLITERAL(?y1) && ISLITERAL(?y2) && ?y1 != ?y2 && STR(?y1) < STR(?y2)) }
 
 # Table 9: schema vocabulary
 RULE rl:scm-cls { ?c rdfs:subClassOf ?c . ?c owl:equivalentClass ?c . ?c rdfs:subClassOf owl:Thing .
@@ -181,6 +188,61 @@ std::string List(const char* item, int length) {
   return text;
 }
 
+// FILTERs that let a literal ?y through that is not of the datatype ?d (OWL 2, section 4): other spaces of
+// values, or a lexical form that is none. IRIs are left alone: they may name a value.
+constexpr char kOutside[] = R"rules(
+  FILTER(?d IN (xsd:decimal, xsd:integer, xsd:nonNegativeInteger, xsd:nonPositiveInteger, xsd:positiveInteger,
+    xsd:negativeInteger, xsd:long, xsd:int, xsd:short, xsd:byte, xsd:unsignedLong, xsd:unsignedInt,
+    xsd:unsignedShort, xsd:unsignedByte, xsd:float, xsd:double, xsd:string, xsd:boolean, xsd:dateTime,
+    xsd:dateTimeStamp, xsd:anyURI, xsd:hexBinary, xsd:base64Binary, rdf:langString))
+  FILTER(ISLITERAL(?y))
+  FILTER(
+    IF(?d IN (xsd:float, xsd:double), DATATYPE(?y) != ?d || !ISNUMERIC(?y),
+    IF(?d = xsd:boolean, DATATYPE(?y) != ?d || STR(?y) NOT IN ("true", "false", "1", "0"),
+    IF(?d = xsd:string, DATATYPE(?y) NOT IN (xsd:string, xsd:normalizedString, xsd:token, xsd:language, xsd:Name,
+      xsd:NCName, xsd:NMTOKEN),
+    IF(?d IN (xsd:dateTime, xsd:dateTimeStamp), DATATYPE(?y) NOT IN (xsd:dateTime, xsd:dateTimeStamp)
+      || COALESCE(YEAR(?y), 0) = 0 || (?d = xsd:dateTimeStamp && TZ(?y) = ""),
+    IF(?d IN (xsd:anyURI, xsd:hexBinary, xsd:base64Binary, rdf:langString), DATATYPE(?y) != ?d,
+    !ISNUMERIC(?y) || DATATYPE(?y) IN (xsd:float, xsd:double) || (?d != xsd:decimal && FLOOR(?y) != ?y)
+      || (?d IN (xsd:nonNegativeInteger, xsd:unsignedLong, xsd:unsignedInt, xsd:unsignedShort, xsd:unsignedByte)
+          && ?y < 0)
+      || (?d = xsd:positiveInteger && ?y < 1) || (?d = xsd:nonPositiveInteger && ?y > 0)
+      || (?d = xsd:negativeInteger && ?y > -1)
+      || (?d = xsd:long && (?y < -9223372036854775808 || ?y > 9223372036854775807))
+      || (?d = xsd:int && (?y < -2147483648 || ?y > 2147483647)) || (?d = xsd:unsignedInt && ?y > 4294967295)
+      || (?d = xsd:short && (?y < -32768 || ?y > 32767)) || (?d = xsd:unsignedShort && ?y > 65535)
+      || (?d = xsd:byte && (?y < -128 || ?y > 127)) || (?d = xsd:unsignedByte && ?y > 255)
+      || (?d = xsd:unsignedLong && ?y > 18446744073709551615)))))))
+)rules";
+
+std::string DatatypeRules() {
+  return absl::StrCat(
+      "\n# Table 8 again: what prp-rng and cls-avf would say of a literal\n"
+      "RULE rl:dt-not-type { } WHERE { ?p rdfs:range ?d . ?x ?p ?y",
+      kOutside,
+      "}\nRULE rl:dt-not-type { } WHERE {\n"
+      "  ?c owl:allValuesFrom ?d . ?c owl:onProperty ?p . ?x a ?c . ?x ?p ?y",
+      kOutside, "}\n");
+}
+
+// Intersections of more classes, from the last one on: ?y docent:inAllFrom ?n where ?y is in the classes of
+// the cell ?n and of all after it.
+std::string LongIntersections() {
+  std::string text = "\nRULE rl:list { ?l0 docent:longList ?n } WHERE { ?c owl:intersectionOf ?l0 .";
+  for (int i = 0; i < kIntersectionClasses; ++i)
+    absl::StrAppend(&text, " ?l", i, " rdf:rest ?l", i + 1, " .");
+  absl::StrAppend(&text, " ?l0 docent:listNode ?n FILTER(?l", kIntersectionClasses, " != rdf:nil) }", R"rules(
+RULE rl:cls-int1 { ?y docent:inAllFrom ?n } WHERE {
+  ?l docent:longList ?n . ?n rdf:rest rdf:nil . ?n rdf:first ?c1 . ?y a ?c1 }
+RULE rl:cls-int1 { ?y docent:inAllFrom ?n } WHERE {
+  ?l docent:longList ?n . ?n rdf:rest ?m . ?n rdf:first ?c1 . ?y a ?c1 . ?y docent:inAllFrom ?m }
+RULE rl:cls-int1 { ?y a ?c } WHERE {
+  ?c owl:intersectionOf ?l . ?l docent:longList ?l . ?y docent:inAllFrom ?l }
+)rules");
+  return text;
+}
+
 // The rules whose body is as long as a list.
 std::string ListRules() {
   std::string text = "\n# tables 5 and 6 again: one rule for each length of the list\n";
@@ -207,7 +269,8 @@ std::string ListRules() {
 }  // namespace
 
 std::string Owl2RlRules() {
-  return absl::StrCat(kEquality, kProperties, kClasses, kSchema, ListRules());
+  return absl::StrCat(kEquality, kProperties, kClasses, kSchema, DatatypeRules(), ListRules(),
+                      LongIntersections());
 }
 
 }  // namespace docent

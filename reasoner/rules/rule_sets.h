@@ -17,8 +17,9 @@ std::vector<std::string> BuiltInRuleSets();
 // Empty if there is none of that name.
 std::string BuiltInRuleSet(std::string_view name);
 
-// Longest lists that the list rules of owl2rl take: classes of one intersection (cls-int1), properties of one
-// chain (prp-spo2) and of one key (prp-key).
+// Longest lists that have a rule of their own length in owl2rl: classes of one intersection (cls-int1; longer
+// ones go cell by cell), properties of one chain (prp-spo2) and of one key (prp-key). A body has at most 32
+// patterns.
 inline constexpr int kIntersectionClasses = 10;
 inline constexpr int kChainProperties = 8;
 inline constexpr int kKeyProperties = 6;

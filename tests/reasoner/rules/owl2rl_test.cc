@@ -133,6 +133,14 @@ const Case kCases[] = {
      "a :A . :x a :B .",
      ""},
     {"dt-type1", "", "xsd:integer a rdfs:Datatype . xsd:dateTime a rdfs:Datatype ."},
+    {"dt-diff", ":p a owl:FunctionalProperty . :x :p 5 . :x :p 6 .", ""},
+    {"dt-diff",
+     ":R owl:maxCardinality \"1\"^^xsd:nonNegativeInteger . :R owl:onProperty :p . :u a :R . :u :p \"a\" . "
+     ":u "
+     ":p \"b\" .",
+     ""},
+    {"dt-not-type", ":p rdfs:range xsd:integer . :x :p \"five\" .", ""},
+    {"dt-not-type", ":R owl:allValuesFrom xsd:byte . :R owl:onProperty :p . :u a :R . :u :p 128 .", ""},
     {"scm-cls", ":C a owl:Class .", ":C rdfs:subClassOf :C , owl:Thing . :C owl:equivalentClass :C ."},
     {"scm-cls", ":C a owl:Class .", "owl:Nothing rdfs:subClassOf :C ."},
     {"scm-sco", ":A rdfs:subClassOf :B . :B rdfs:subClassOf :C .", ":A rdfs:subClassOf :C ."},
@@ -263,6 +271,112 @@ TEST(Owl2Rl, ListsAsLongAsTheLimits) {
   world.Change(world.Read(absl::StrCat(classes, ") . ", types, chain, ") . ", steps).c_str()), {});
   EXPECT_TRUE(world.Holds(world.Read(":y a :C .")));
   EXPECT_TRUE(world.Holds(world.Read(absl::StrCat(":n0 :p :n", kChainProperties, " .").c_str())));
+}
+
+TEST(Owl2Rl, AnIntersectionOfAnyNumberOfClasses) {
+  World world;
+  const uint64_t axioms = world.size();
+  for (const int classes : {kIntersectionClasses + 1, 40}) {
+    std::string list = ":C owl:intersectionOf (", types;
+    for (int i = 0; i < classes; ++i) {
+      absl::StrAppend(&list, " :A", i);
+      absl::StrAppend(&types, ":y a :A", i, " . :z a :A", i, " . ");
+    }
+    const std::vector<Quad> told = world.Read((list + ") . " + types).c_str());
+    world.Change(told, {});
+    EXPECT_TRUE(world.Holds(world.Read(":y a :C . :z a :C ."))) << classes;
+    for (const int i : {0, classes / 2, classes - 1}) {
+      const std::vector<Quad> one = world.Read(absl::StrCat(":y a :A", i, " .").c_str());
+      world.Change({}, one);
+      EXPECT_FALSE(world.Holds(world.Read(":y a :C ."))) << i << " of " << classes;
+      EXPECT_TRUE(world.Holds(world.Read(":z a :C ."))) << i << " of " << classes;
+      world.Change(one, {});
+      EXPECT_TRUE(world.Holds(world.Read(":y a :C ."))) << i << " of " << classes;
+    }
+    world.Change({}, told);
+    EXPECT_EQ(world.size(), axioms) << "nothing is left when all is retracted";
+  }
+}
+
+TEST(Owl2Rl, LiteralsOutsideTheDatatypeThatTheirPropertyAsksFor) {
+  struct Value {
+    const char* datatype;
+    const char* literal;
+    bool outside;
+  };
+  const Value kValues[] = {
+      {"xsd:integer", "5", false},
+      {"xsd:integer", "5.0", false},
+      {"xsd:integer", "5.5", true},
+      {"xsd:integer", "5.0e0", true},
+      {"xsd:integer", "\"5\"", true},
+      {"xsd:integer", "\"five\"^^xsd:integer", true},
+      {"xsd:integer", ":five", false},
+      {"xsd:decimal", "5", false},
+      {"xsd:decimal", "-0.25", false},
+      {"xsd:decimal", "true", true},
+      {"xsd:nonNegativeInteger", "0", false},
+      {"xsd:nonNegativeInteger", "-1", true},
+      {"xsd:positiveInteger", "0", true},
+      {"xsd:nonPositiveInteger", "0", false},
+      {"xsd:negativeInteger", "0", true},
+      {"xsd:byte", "-128", false},
+      {"xsd:byte", "-129", true},
+      {"xsd:unsignedShort", "65535", false},
+      {"xsd:unsignedShort", "65536", true},
+      {"xsd:int", "2147483648", true},
+      {"xsd:long", "9223372036854775807", false},
+      {"xsd:long", "9223372036854775808", true},
+      {"xsd:unsignedLong", "18446744073709551615", false},
+      {"xsd:double", "5.0e0", false},
+      {"xsd:double", "5", true},
+      {"xsd:double", "\"x\"^^xsd:double", true},
+      {"xsd:float", "\"5\"^^xsd:float", false},
+      {"xsd:string", "\"text\"", false},
+      {"xsd:string", "\"token\"^^xsd:token", false},
+      {"xsd:string", "\"Text\"@en", true},
+      {"rdf:langString", "\"Text\"@en", false},
+      {"xsd:string", "5", true},
+      {"xsd:boolean", "true", false},
+      {"xsd:boolean", "\"maybe\"^^xsd:boolean", true},
+      {"xsd:boolean", "1", true},
+      {"xsd:dateTime", "\"2026-11-22T02:00:00Z\"^^xsd:dateTime", false},
+      {"xsd:dateTime", "\"2026-13-22T02:00:00Z\"^^xsd:dateTime", true},
+      {"xsd:dateTimeStamp", "\"2026-11-22T02:00:00\"^^xsd:dateTime", true},
+      {"xsd:dateTime", "\"yesterday\"", true},
+      {"xsd:anyURI", "\"urn:x\"^^xsd:anyURI", false},
+      {"rdfs:Literal", "5", false},
+      {":Class", "5", false},
+  };
+  World world;
+  for (const Value& value : kValues) {
+    const std::vector<Quad> told =
+        world.Read(absl::StrCat(":p rdfs:range ", value.datatype, " . :x :p ", value.literal, " .").c_str());
+    world.Change(told, {});
+    EXPECT_EQ(world.Reported("dt-not-type"), value.outside) << value.datatype << " " << value.literal;
+    world.Change({}, told);
+  }
+}
+
+TEST(Owl2Rl, TwoLiteralsOfAFunctionalPropertyThatAreOneValue) {
+  World world;
+  world.Change(world.Read(":p a owl:FunctionalProperty . :x :p 5 , 5.0 . :y :p \"a\" , :b ."), {});
+  EXPECT_FALSE(world.Reported("dt-diff"));
+  world.Change(world.Read(":x :p 5.5 ."), {});
+  EXPECT_TRUE(world.Reported("dt-diff"));
+}
+
+TEST(Owl2Rl, AReportOfAThingThatIsEqualToAnotherForATimeStays) {
+  World world;
+  world.Change(world.Read(":A owl:disjointWith :B . :x a :A , :B ."), {});
+  const uint64_t before = world.size();
+  EXPECT_TRUE(world.Reported("cax-dw"));
+  for (const char* equal : {":x owl:sameAs :y .", ":A owl:sameAs :C ."}) {
+    world.Change(world.Read(equal), {});
+    EXPECT_GT(world.size(), before);
+    world.Change({}, world.Read(equal));
+    EXPECT_EQ(world.size(), before) << equal;
+  }
 }
 
 TEST(Owl2Rl, AChainOfEqualThingsIsCutInTheMiddle) {
