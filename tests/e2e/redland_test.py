@@ -206,7 +206,7 @@ class Redland(StageTest):
                 # A line that was cut off by the kill is no acknowledgement.
                 acknowledged += [first] + [int(line) for line in out.splitlines(keepends=True) if line.endswith("\n")]
             if options:
-                self.assertEqual(self.docent("verify", "--data", store).returncode, 0)
+                self.assertEqual(self.docent("verify", store).returncode, 0)
                 there = self.stage.server(data=store.name)
             else:
                 there = server
@@ -246,7 +246,7 @@ class Redland(StageTest):
             self.assertEqual(self.must(self.python(script, store, options)).splitlines(), ["['kept']"])
         server.stop()
         for data in ("data", "served"):
-            report = self.docent("verify", "--data", self.stage.folder / data)
+            report = self.docent("verify", self.stage.folder / data)
             self.assertEqual(report.returncode, 0, report.stdout)
 
     def test_the_second_engine_answers_as_the_first(self):
