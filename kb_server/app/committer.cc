@@ -6,6 +6,7 @@
 
 #include "kb_server/app/run_events.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "kb_server/store/delta_sum.h"
 
 namespace docent {
 namespace {
@@ -19,6 +20,15 @@ RobotCommand ToCommand(const CommandEntry& entry) {
           entry.guard_revision,
           entry.deadline_us,
           entry.idempotent};
+}
+
+std::vector<History::Step> StepsOf(const DecidedGroup& group) {
+  std::vector<History::Step> steps;
+  steps.reserve(group.turns.size());
+  for (const DecidedTurn& turn : group.turns) {
+    steps.push_back({turn.result.record.time_us, steps.empty() ? Delta() : turn.result.delta});
+  }
+  return steps;
 }
 
 }  // namespace
@@ -110,6 +120,7 @@ void Committer::Forget(size_t count, std::vector<GraphVersionPtr> gone) {
     told.push_back(std::move(groups_.front()));
     groups_.pop_front();
     turns_ -= told.back().turns.size();
+    gone.push_back(std::move(told.back().version));
     for (DecidedTurn& turn : told.back().turns) gone.push_back(std::move(turn.result.version));
   }
   std::move(gone.begin(), gone.end(), std::back_inserter(gone_));
@@ -146,23 +157,29 @@ void Committer::Publish(const Groups& groups, std::vector<GraphVersionPtr>* gone
   GraphVersionPtr newest;
   std::shared_ptr<const Catalog> catalog;
   for (const DecidedGroup* group : groups) {
-    for (const DecidedTurn& turn : group->turns) {
-      if (ports_.history != nullptr) {
-        ports_.history->Keep(turn.result.version, turn.result.record.time_us, gone);
-      }
-    }
-    if (!group->turns.empty()) newest = group->turns.back().result.version;
+    if (group->turns.empty()) continue;
+    newest = group->version;
     if (group->catalog != nullptr) catalog = group->catalog;
+    if (ports_.history != nullptr) ports_.history->Keep(newest, StepsOf(*group), gone);
   }
   if (newest == nullptr) return;
   gone->push_back(ports_.queries->Publish(std::move(newest)));
   if (catalog != nullptr) ports_.catalog->Publish(std::move(catalog));
   if (ports_.subscriptions == nullptr) return;
-  for (const DecidedGroup* group : groups) {
-    for (const DecidedTurn& turn : group->turns) {
+  for (const DecidedGroup* group : groups) TellFollowers(*group);
+}
+
+void Committer::TellFollowers(const DecidedGroup& group) {
+  if (group.turns.empty()) return;
+  if (group.turns.front().result.version != nullptr) {
+    for (const DecidedTurn& turn : group.turns) {
       ports_.subscriptions->Publish(turn.result.version, turn.result.delta, turn.result.record.time_us);
     }
+    return;
   }
+  DeltaSum sum;
+  for (const DecidedTurn& turn : group.turns) sum.Add(turn.result.delta);
+  ports_.subscriptions->Publish(group.version, sum.Net(), group.turns.back().result.record.time_us);
 }
 
 void Committer::Tell(DecidedTurn* turn) {

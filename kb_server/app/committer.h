@@ -53,7 +53,7 @@ struct WriterCounters {
   std::atomic<uint64_t> live_runs{0};
 };
 
-struct DecidedTurn {
+struct DecidedTurn {  // `result.version`: only where somebody follows queries, who is to see each turn
   TurnResult result;
   BatchOutcome outcome;
   BatchCallback done;
@@ -70,6 +70,7 @@ struct HeldAnswer {
 // Turns decided one after the other, and what is to be told when they are durable. May hold answers alone.
 struct DecidedGroup {
   std::vector<DecidedTurn> turns;
+  GraphVersionPtr version;  // after them; null if there are none
   std::vector<HeldAnswer> answers;
   std::shared_ptr<const Catalog> catalog;  // after the turns; null: they have not changed it
 };
@@ -126,6 +127,7 @@ class Committer {
   Groups Next();
   absl::Status Append(const Groups& groups);
   void Publish(const Groups& groups, std::vector<GraphVersionPtr>* gone);
+  void TellFollowers(const DecidedGroup& group);
   void Tell(DecidedTurn* turn);
   void Forget(size_t groups, std::vector<GraphVersionPtr> gone);
   void TellAddress(const Quad& fact);

@@ -7,6 +7,7 @@
 #include "absl/time/time.h"
 #include "kb_server/app/recovery.h"
 #include "kb_server/log/record_codec.h"
+#include "kb_server/store/graph_writer.h"
 
 namespace docent {
 namespace {
@@ -23,28 +24,51 @@ History::History(ContextLog* log, const QueryPort* queries, const Dictionary* di
                  const sparql::FunctionRegistry* functions, const Limits& limits)
     : log_(log), queries_(queries), dictionary_(dictionary), functions_(functions), limits_(limits) {}
 
-size_t History::Bytes() const {
-  return kept_.empty() ? 0 : kept_.back().version->replaced_bytes() - kept_.front().version->replaced_bytes();
+size_t History::Kept::DeltaBytes() const {
+  size_t bytes = turns.size() * sizeof(Step);
+  for (const Step& turn : turns) bytes += turn.delta.size() * sizeof(Quad);
+  return bytes;
 }
 
-void History::Keep(GraphVersionPtr version, TimeMicros time_us, std::vector<GraphVersionPtr>* gone) {
+GraphVersionPtr History::Kept::At(uint64_t offset) const {
+  if (offset == last()) return version;
+  GraphWriter writer(version);
+  for (uint64_t revision = last(); revision > offset; --revision) {
+    const Delta& delta = turns[revision - first()].delta;
+    writer.Apply(delta.removed, delta.added);
+  }
+  return writer.Freeze(Revision(offset));
+}
+
+size_t History::Bytes() const {
+  if (kept_.empty()) return 0;
+  return kept_.back()->version->replaced_bytes() - kept_.front()->version->replaced_bytes() + delta_bytes_;
+}
+
+void History::Keep(GraphVersionPtr version, std::vector<Step> turns, std::vector<GraphVersionPtr>* gone) {
+  auto kept = std::make_shared<const Kept>(Kept{std::move(version), std::move(turns)});
+  std::vector<std::shared_ptr<const Kept>> dropped;  // goes after the lock
   absl::MutexLock lock(&mutex_);
-  kept_.push_back({std::move(version), time_us});
+  delta_bytes_ += kept->DeltaBytes();
+  kept_.push_back(std::move(kept));
   while (kept_.size() > 1 && Bytes() > limits_.history_bytes) {
-    gone->push_back(std::move(kept_.front().version));
+    delta_bytes_ -= kept_.front()->DeltaBytes();
+    gone->push_back(kept_.front()->version);
+    dropped.push_back(std::move(kept_.front()));
     kept_.pop_front();
   }
 }
 
 void History::Clear() {
-  std::deque<Kept> gone;
+  std::deque<std::shared_ptr<const Kept>> gone;
   absl::MutexLock lock(&mutex_);
   gone.swap(kept_);
+  delta_bytes_ = 0;
 }
 
 size_t History::kept_versions() const {
   absl::MutexLock lock(&mutex_);
-  return kept_.size();
+  return kept_.empty() ? 0 : kept_.back()->last() + 1 - kept_.front()->first();
 }
 
 size_t History::kept_bytes() const {
@@ -73,19 +97,29 @@ absl::StatusOr<QueryGraph> History::At(const AsOf& when, Cancellation* cancellat
 }
 
 GraphVersionPtr History::FindKept(uint64_t offset) const {
-  absl::MutexLock lock(&mutex_);
-  if (kept_.empty() || offset < kept_.front().version->revision().value()) return nullptr;
-  const uint64_t index = offset - kept_.front().version->revision().value();
-  return index < kept_.size() ? kept_[index].version : nullptr;
+  std::shared_ptr<const Kept> kept;
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto found = std::lower_bound(
+        kept_.begin(), kept_.end(), offset,
+        [](const std::shared_ptr<const Kept>& k, uint64_t asked) { return k->last() < asked; });
+    if (found == kept_.end() || offset < (*found)->first()) return nullptr;
+    kept = *found;
+  }
+  return kept->At(offset);
 }
 
 std::optional<uint64_t> History::KeptAt(TimeMicros time_us) const {
   absl::MutexLock lock(&mutex_);
-  const auto after =
-      std::upper_bound(kept_.begin(), kept_.end(), time_us,
-                       [](TimeMicros asked, const Kept& kept) { return asked < kept.time_us; });
+  const auto after = std::upper_bound(kept_.begin(), kept_.end(), time_us,
+                                      [](TimeMicros asked, const std::shared_ptr<const Kept>& k) {
+                                        return asked < k->turns.front().time_us;
+                                      });
   if (after == kept_.begin()) return std::nullopt;
-  return std::prev(after)->version->revision().value();
+  const Kept& kept = **std::prev(after);
+  const auto later = std::upper_bound(kept.turns.begin(), kept.turns.end(), time_us,
+                                      [](TimeMicros asked, const Step& turn) { return asked < turn.time_us; });
+  return kept.first() + static_cast<uint64_t>(later - kept.turns.begin()) - 1;
 }
 
 absl::StatusOr<TimeMicros> History::TimeOf(uint64_t offset) {

@@ -1,4 +1,5 @@
-// The past of the graph: the newest versions are kept in memory, within a bound of bytes; older ones are made
+// The past of the graph: the newest versions are kept in memory, within a bound of bytes, and what the turns
+// between them changed; older ones are made
 // again from the newest snapshot before them and the log after it, on the thread that asks, one at a time.
 //
 // Keep is the committer's, Clear the writer's while nothing is committed, At is for any thread.
@@ -19,6 +20,7 @@
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/service/history_port.h"
 #include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/delta.h"
 
 namespace docent {
 
@@ -28,9 +30,14 @@ class History final : public HistoryPort {
   History(ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
           const sparql::FunctionRegistry* functions, const Limits& limits);
 
-  // The next version, made by a turn of that time. Those that are no longer kept go to `gone`, for the writer to
-  // free.
-  void Keep(GraphVersionPtr version, TimeMicros time_us, std::vector<GraphVersionPtr>* gone);
+  // What a turn changed; of the first of several that led to a version it may be left empty.
+  struct Step {
+    TimeMicros time_us;
+    Delta delta;
+  };
+  // The next version, and the turns that led to it from the one before: at least one. Versions that are no longer
+  // kept go to `gone`, for the writer to free.
+  void Keep(GraphVersionPtr version, std::vector<Step> turns, std::vector<GraphVersionPtr>* gone);
   // The versions that follow come from another beginning.
   void Clear();
 
@@ -41,9 +48,15 @@ class History final : public HistoryPort {
   size_t kept_bytes() const;
 
  private:
+  // A version and the turns that led to it; those in between are made again by taking the later ones back.
   struct Kept {
     GraphVersionPtr version;
-    TimeMicros time_us;
+    std::vector<Step> turns;
+
+    uint64_t last() const { return version->revision().value(); }
+    uint64_t first() const { return last() + 1 - turns.size(); }
+    size_t DeltaBytes() const;
+    GraphVersionPtr At(uint64_t offset) const;
   };
   // A version that was made again.
   struct Remade {
@@ -71,7 +84,8 @@ class History final : public HistoryPort {
   const Limits limits_;
 
   mutable absl::Mutex mutex_;
-  std::deque<Kept> kept_ ABSL_GUARDED_BY(mutex_);                              // revisions without a gap
+  std::deque<std::shared_ptr<const Kept>> kept_ ABSL_GUARDED_BY(mutex_);       // revisions without a gap
+  size_t delta_bytes_ ABSL_GUARDED_BY(mutex_) = 0;                             // of these
   std::vector<std::shared_ptr<const Remade>> remade_ ABSL_GUARDED_BY(mutex_);  // last used last
   bool making_ ABSL_GUARDED_BY(mutex_) = false;
 };

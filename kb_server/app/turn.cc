@@ -94,6 +94,7 @@ absl::Status Encode(const TurnRecord& record, const Limits& limits, std::string*
 }  // namespace
 
 void Stages::Commit() {
+  writer.Commit();
   applier.Commit();
   rules.Commit();
   constraints.Commit();

@@ -56,8 +56,7 @@ struct Stages {
   GraphRobotDirectory robots;
   Engine engine;
   Documents documents;
-  // Whether each turn makes an immutable version. Replay needs none and is quicker without; its caller freezes
-  // the last one.
+  // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.
   bool freezes = true;
 
   void Commit();
@@ -68,7 +67,7 @@ struct Stages {
 
 struct TurnResult {
   TurnRecord record;
-  GraphVersionPtr version;
+  GraphVersionPtr version;         // null unless Stages::freezes
   Delta delta;                     // everything that changed in the graph, net
   size_t inferred = 0;             // facts that rules added or withdrew
   std::vector<CommandId> cancels;  // commands to be ended

@@ -17,6 +17,7 @@ constexpr TimeMicros kTickPauseUs = 1'000'000;
 constexpr uint64_t kTurnsPerProgress = 10000;
 // Handed over together: while the disk syncs them, the next ones are decided.
 constexpr size_t kTurnsPerGroup = 256;
+constexpr size_t kLarge = 10000;  // operations
 
 // What its client is told of a turn.
 BatchOutcome OutcomeOf(const TurnResult& result) {
@@ -178,7 +179,10 @@ bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
 void Writer::TakeGroup(std::vector<PendingBatch> batches) {
   if (refused_ && LogTakesNothing(&batches)) return;
   DecidedGroup group;
+  // A version for each turn costs more than most turns do: only for those who follow queries.
+  stages_->freezes = ports_.subscriptions != nullptr && ports_.subscriptions->counters().open > 0;
   for (PendingBatch& pending : batches) Decide(std::move(pending), &group);
+  if (!group.turns.empty()) group.version = stages_->writer.Freeze(Revision(newest_));
   Commit(std::move(group));
   PublishCounters();
 }
@@ -197,6 +201,8 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
       return;
     }
   }
+  // What a large batch changed is taken back most cheaply to a version.
+  if (pending.batch.OperationCount() > kLarge) stages_->writer.Freeze(Revision(newest_));
   const bool tick = pending.batch.clock_tick;
   const TimeMicros time_us = pending.batch.time_us;
   DecidedTurn turn;
@@ -228,7 +234,7 @@ void Writer::Commit(DecidedGroup group) {
     // Written once the log has these turns.
     if (ports_.snapshots->Due()) {
       ports_.snapshots->Take(
-          TakeState(*stages_, requests_, group.turns.back().result.version, newest_time_us_));
+          TakeState(*stages_, requests_, group.version, newest_time_us_));
     }
   }
   committer_.Commit(std::move(group));

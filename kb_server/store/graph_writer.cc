@@ -19,12 +19,14 @@ GraphWriter::GraphWriter(GraphVersionPtr start)
 bool GraphWriter::Add(const Quad& quad) {
   if (!version_->trees_[0].Insert(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
   for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_);
+  Note(quad, true);
   return true;
 }
 
 bool GraphWriter::Remove(const Quad& quad) {
   if (!version_->trees_[0].Erase(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
   for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_);
+  Note(quad, false);
   return true;
 }
 
@@ -88,6 +90,7 @@ std::vector<Quad> GraphWriter::AddAll(std::vector<Quad> quads) {
     for (int i = 0; i < kIndexOrders; ++i) {
       QuadTree::Edit::InsertSorted(&version_->trees_[i], SortedKeys(sorted, IndexOrder(i), scratch), epoch_);
     }
+    for (const Quad& quad : sorted) Note(quad, true);
   };
   const bool rising = std::adjacent_find(quads.begin(), quads.end(), std::greater_equal<>()) == quads.end();
   if (rising) {  // sorted, and each once
@@ -122,15 +125,26 @@ size_t GraphWriter::RemoveAll(std::vector<Quad> quads) {
     return before - version_->size();
   }
   SortQuads(quads);
+  std::erase_if(quads, [this](const Quad& quad) {
+    return !version_->trees_[0].Erase(KeyOf(quad, IndexOrder::kSpog), epoch_);
+  });
   std::vector<QuadTree::Key> scratch;
-  for (int i = 0; i < kIndexOrders; ++i) {
+  for (int i = 1; i < kIndexOrders; ++i) {
     QuadTree& tree = version_->trees_[i];
     for (const QuadTree::Key& key : SortedKeys(quads, IndexOrder(i), scratch)) tree.Erase(key, epoch_);
   }
+  for (const Quad& quad : quads) Note(quad, false);
   return before - version_->size();
 }
 
+void GraphWriter::Commit() {
+  committed_ = true;
+  journal_.clear();
+}
+
 GraphVersionPtr GraphWriter::Freeze(Revision revision) {
+  committed_ = false;
+  journal_.clear();
   version_->revision_ = revision;
   start_.reset(new GraphVersion(*version_));
   epoch_ = QuadTree::NewEpoch();
@@ -138,6 +152,13 @@ GraphVersionPtr GraphWriter::Freeze(Revision revision) {
 }
 
 void GraphWriter::Rollback() {
+  if (committed_) {
+    committed_ = false;  // what is taken back needs no note
+    for (auto change = journal_.rbegin(); change != journal_.rend(); ++change) {
+      change->added ? Remove(change->quad) : Add(change->quad);
+    }
+    return Commit();
+  }
   version_.reset(new GraphVersion(*start_));
   epoch_ = QuadTree::NewEpoch();
 }

@@ -2,8 +2,8 @@
 //
 // A writer starts from a version and changes a private copy (nodes made by this writer are changed in place).
 // `current()` is readable at any time by the writer thread: rules and constraints read the unpublished state
-// through it. `Freeze` makes it immutable; `Rollback` goes back to the start. Between them nothing is visible
-// to others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
+// through it. `Freeze` makes it immutable; `Commit` keeps what was done and is cheaper: later changes are made in
+// place. `Rollback` goes back to the last of either. Before a Freeze nothing is visible to others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
 // Several writers may start from one version; they do not see each other.
 #ifndef DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
 #define DOCENT_KB_SERVER_STORE_GRAPH_WRITER_H_
@@ -37,15 +37,27 @@ class GraphWriter {
 
   const GraphVersion& current() const { return *version_; }
 
+  // Rollback goes back to here.
+  void Commit();
   // The version made so far, as revision `revision`; the writer goes on from it.
   GraphVersionPtr Freeze(Revision revision);
-  // Back to the last frozen (or start) version.
+  // Back to the last Commit, frozen or start version.
   void Rollback();
 
  private:
   GraphVersionPtr start_;
   std::unique_ptr<GraphVersion> version_;
   uint64_t epoch_;  // nodes with this epoch are ours to change
+  // After a Commit that no Freeze followed: the real changes since, to be taken back by a Rollback.
+  struct Change {
+    Quad quad;
+    bool added;
+  };
+  void Note(const Quad& quad, bool added) {
+    if (committed_) journal_.push_back({quad, added});
+  }
+  bool committed_ = false;
+  std::vector<Change> journal_;
 };
 
 }  // namespace docent

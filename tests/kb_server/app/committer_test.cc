@@ -176,6 +176,30 @@ TEST(CommitterTest, WhereAnAnswerIsLostTheLogSaysWhichOfTheGroupsInFlightHappene
   EXPECT_EQ(second->offset, 4u);
 }
 
+// A rule that explodes is noticed when the turn has already changed the graph: what the turns of the group before it
+// did stays.
+TEST(CommitterTest, ATurnThatFailsLateTakesBackItsOwnChangesAlone) {
+  FakeLog log;
+  Limits limits;
+  limits.inferred_per_turn = 5;
+  Node node(&log, false, limits);
+  std::vector<TermQuad> many;
+  for (int i = 0; i < 20; ++i) many.push_back(Fact(absl::StrCat("b", i), "p", "q"));
+  auto outcomes = node.AskTogether(
+      {Put(Document::Kind::kRules, "r.rules", "RULE { ?s <urn:w:r> ?o } WHERE { ?s <urn:w:p> ?o }"),
+       Tell({Fact("a", "p", "q")}), Tell(many), Tell({Fact("c", "p", "q")}, {Fact("a", "p", "q")})});
+  ASSERT_TRUE(outcomes[0].ok()) << outcomes[0].status();
+  EXPECT_TRUE(outcomes[1].ok()) << outcomes[1].status();
+  EXPECT_EQ(outcomes[2].status().code(), absl::StatusCode::kResourceExhausted) << outcomes[2].status();
+  EXPECT_TRUE(outcomes[3].ok()) << outcomes[3].status();
+  EXPECT_EQ(node.writer->counters().commits, 1u);
+  EXPECT_EQ(node.Quads().size(), 2u) << "told and inferred";
+  EXPECT_TRUE(node.Knows("<urn:w:c> <urn:w:r> <urn:w:q>"));
+  Node restarted(&log, false, limits);
+  ASSERT_TRUE(restarted.recovered.ok()) << restarted.recovered;
+  EXPECT_EQ(restarted.Quads(), node.Quads());
+}
+
 TEST(CommitterTest, ARepeatIsAnsweredWhenItsFirstIsDurable) {
   const WriteBatch batch = Named("x", Tell({Fact("John", "p", "q")}));
   {

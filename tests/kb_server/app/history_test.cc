@@ -43,6 +43,7 @@ class WrittenLog {
     ASSERT_TRUE(log->Append(absl::MakeSpan(&record, 1), 1, head).ok());
     ++head;
     versions.push_back(result->version);
+    deltas.push_back(result->delta);
     expected.push_back(Lines(dictionary, *result->version));
     times.push_back(time_us);
     if (head % 40 == 0) Snapshot();
@@ -61,6 +62,7 @@ class WrittenLog {
   Stages stages{&dictionary, &functions, Limits()};
   uint64_t head = 0;
   std::vector<GraphVersionPtr> versions;           // of offset i + 1
+  std::vector<Delta> deltas;                       // that led to it
   std::vector<std::vector<std::string>> expected;  // by offset
   std::vector<TimeMicros> times;
 };
@@ -70,9 +72,15 @@ struct Past {
   explicit Past(WrittenLog* written, const Limits& limits = {})
       : written(written),
         history(written->log.get(), &queries, &written->dictionary, &written->functions, limits) {
-    for (size_t i = 0; i < written->versions.size(); ++i) {
+    // in groups of one to four turns, of which the last alone has a version
+    for (size_t i = 0, size = 1; i < written->versions.size(); i += size, size = size % 4 + 1) {
+      size = std::min(size, written->versions.size() - i);
+      std::vector<History::Step> turns;
+      for (size_t t = i; t < i + size; ++t) {
+        turns.push_back({written->times[t + 1], t == i ? Delta() : written->deltas[t]});
+      }
       std::vector<GraphVersionPtr> gone;
-      history.Keep(written->versions[i], written->times[i + 1], &gone);
+      history.Keep(written->versions[i + size - 1], std::move(turns), &gone);
     }
     queries.Publish(written->versions.back());
   }

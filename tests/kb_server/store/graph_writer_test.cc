@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 #include "kb_server/store/delta_sum.h"
 
@@ -68,6 +69,59 @@ TEST(GraphWriterTest, RollbackGoesToTheLastFrozenVersion) {
   GraphVersionPtr two = writer.Freeze(Revision(2));
   EXPECT_EQ(two->size(), 2u);
   EXPECT_EQ(one->size(), 1u);
+}
+
+// Random turns, one by one or many quads at a time, each committed, frozen or taken back.
+TEST(GraphWriterTest, RollbackGoesToTheLastCommit) {
+  std::mt19937 random(11);
+  GraphWriter writer(nullptr);
+  std::set<Quad> expected;
+  GraphVersionPtr frozen = writer.Freeze(Revision(1));
+  std::set<Quad> of_frozen;
+  for (uint64_t turn = 2; turn < 400; ++turn) {
+    std::set<Quad> changed = expected;
+    for (auto change = random() % 4; change > 0; --change) {
+      std::vector<Quad> quads;
+      for (auto count = random() % 3 == 0 ? 60u : random() % 3; count > 0; --count) {
+        quads.push_back(Q(random() % 12, random() % 4, random() % 12));
+      }
+      switch (random() % 4) {
+        case 0:
+          writer.AddAll(quads);
+          changed.insert(quads.begin(), quads.end());
+          break;
+        case 1:
+          writer.RemoveAll(quads);
+          for (const Quad& quad : quads) changed.erase(quad);
+          break;
+        case 2:
+          for (const Quad& quad : quads) EXPECT_EQ(writer.Add(quad), changed.insert(quad).second);
+          break;
+        default:
+          for (const Quad& quad : quads) EXPECT_EQ(writer.Remove(quad), changed.erase(quad) == 1);
+      }
+    }
+    switch (random() % 4) {
+      case 0:
+        writer.Rollback();
+        break;
+      case 1:
+        frozen = writer.Freeze(Revision(turn));
+        of_frozen = expected = changed;
+        break;
+      default:
+        writer.Commit();
+        expected = changed;
+    }
+    writer.current().CheckInvariants();
+    const auto quads_of = [](const GraphVersion& version) {
+      std::set<Quad> quads;
+      version.ForEach({}, [&quads](const Quad& quad) { return quads.insert(quad).second; });
+      return quads;
+    };
+    ASSERT_EQ(quads_of(writer.current()), expected) << turn;
+    ASSERT_EQ(quads_of(*frozen), of_frozen) << turn;
+  }
 }
 
 TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
