@@ -189,9 +189,9 @@ bool Solver::StepAtom(int goal) {
   trail_.push_back({Undo::Kind::kGoal, goal});
   bool go_on = TryMatches(goal);
   if (go_on && !missing_.empty()) go_on = TryMissingAlready(goal);
-  if (go_on && ChangesSoFar() < options_.changes) {
-    if (options_.rules != nullptr) go_on = TryRules(goal);
-    if (go_on && IsTellable(goals_[goal])) go_on = TryMissing(goal);
+  if (go_on && ChangesSoFar() < options_.changes && !IsGivenAxiom(goals_[goal])) {
+    if (IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: the ways through rules may be endless
+    if (go_on && options_.rules != nullptr) go_on = TryRules(goal);
   }
   Rewind(mark);
   return go_on;
@@ -257,17 +257,17 @@ bool Solver::TryRules(int goal) {
   return true;
 }
 
-bool Solver::IsOfSchema(const Goal& goal) const {
+// An axiom that a rule asks for has to be there where none may be told; its closure is in the graph.
+bool Solver::IsGivenAxiom(const Goal& goal) {
+  if (options_.tell_schema || frames_[goal.frame].depth == 0) return false;
   const QuadPattern p = PatternOf(goal);
   const auto text = [&](TermId id) { return id.IsIri() ? dictionary_.Lexical(id) : std::string_view(); };
-  return IsSchemaPattern(text(p.predicate), text(p.object));
+  if (!IsSchemaPattern(text(p.predicate), text(p.object))) return false;
+  spared_schema_ = true;
+  return true;
 }
 
-bool Solver::IsTellable(const Goal& goal) {
-  if (!options_.tell_schema && frames_[goal.frame].depth > 0 && IsOfSchema(goal)) {
-    spared_schema_ = true;
-    return false;
-  }
+bool Solver::IsTellable(const Goal& goal) const {
   if (options_.tell_derived || options_.rules == nullptr) return true;
   const QuadPattern p = PatternOf(goal);
   if (!options_.rules->IsMadeByName(p.predicate, p.object)) return true;

@@ -161,8 +161,8 @@ class Solver {
   bool Settle();
   bool SettleOne(Pending& pending, bool& changed);
   bool Leaf();
-  bool IsTellable(const Goal& goal);
-  bool IsOfSchema(const Goal& goal) const;
+  bool IsTellable(const Goal& goal) const;
+  bool IsGivenAxiom(const Goal& goal);
   bool IsInOwnChain(int goal) const;
   int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
   MissingFact FactOf(const Atom& atom, int base) const;

@@ -422,6 +422,7 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int changes, bool tell_d
   options.rules = parts_.rules;
   options.tell_derived = tell_derived;
   options.tell_schema = tell_schema;
+  if (tell_schema) options.rule_depth = 1;  // an axiom follows from many others
   // Solutions first: making a repair of one uses the solver's filters, not its search.
   std::vector<Solution> solutions;
   absl::flat_hash_set<std::string> keys;
