@@ -16,6 +16,8 @@
 #ifndef DOCENT_REASONER_RULES_MATERIALISER_H_
 #define DOCENT_REASONER_RULES_MATERIALISER_H_
 
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -122,6 +124,7 @@ class Materialiser {
   // False: stop.
   bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
   bool Collect(const CompiledRule& rule, const Triple& triple, Phase phase);
+  bool TakeMade();
   bool DropPresent(const CompiledRule& rule);
   void NowInferred(const Triple& t);
   absl::Status LimitError(const CompiledRule& rule, const char* limit, size_t value) const;
@@ -162,7 +165,9 @@ class Materialiser {
   absl::flat_hash_set<uint32_t> whole_;  // rules evaluated whole in this round
   Scope scope_ = Scope::kAll;
   uint32_t last_rule_ = 0;
-  std::vector<Triple> made_;  // by rules, in kTakeAway
+  std::array<std::pair<Triple, const CompiledRule*>, 16> made_now_;  // by rules, in kAdd; not looked at yet
+  size_t made_count_ = 0;
+  std::vector<Triple> made_;  // likewise, in kTakeAway
   std::vector<Triple> scratch_;
   std::vector<TermId> seed_;
   absl::Status status_;

@@ -93,6 +93,7 @@ absl::Status Materialiser::FirstRound(int stratum) {
 
 // What is new becomes part of the graph at once; so each index is walked once, in its order.
 absl::Status Materialiser::EndRound() {
+  if (!TakeMade()) return status_;
   std::sort(candidates_.begin(), candidates_.end());
   round_.clear();
   std::vector<Quad> quads;
@@ -244,10 +245,23 @@ bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase
     made_.push_back(triple);
     return true;
   }
-  if (!seen_.insert(triple).second) return true;
-  candidates_.push_back(triple);
-  last_rule_ = static_cast<uint32_t>(&rule - program_.rules.data());
-  return candidates_.size() < compact_at_ || DropPresent(rule);
+  seen_.prefetch(triple);
+  made_now_[made_count_++] = {triple, &rule};
+  return made_count_ < made_now_.size() || TakeMade();
+}
+
+// Of what was made, what is not a candidate yet becomes one. Some at a time, since most of the time goes by
+// waiting for the places in memory that say whether it is.
+bool Materialiser::TakeMade() {
+  const size_t count = std::exchange(made_count_, 0);
+  for (size_t i = 0; i < count; ++i) {
+    const auto& [triple, rule] = made_now_[i];
+    if (!seen_.insert(triple).second) continue;
+    candidates_.push_back(triple);
+    last_rule_ = static_cast<uint32_t>(rule - program_.rules.data());
+    if (candidates_.size() >= compact_at_ && !DropPresent(*rule)) return false;
+  }
+  return true;
 }
 
 // Many candidates may be in the graph already; and what is beyond the limit anyway need not be collected.
