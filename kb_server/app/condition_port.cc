@@ -22,38 +22,56 @@ TermBinding ConditionPort::Decode(const Binding& binding) const {
   return terms;
 }
 
+std::vector<TermBinding> ConditionPort::Decode(const std::vector<Binding>& bindings) const {
+  std::vector<TermBinding> terms;
+  for (const Binding& binding : bindings) terms.push_back(Decode(binding));
+  return terms;
+}
+
+absl::StatusOr<ConstraintId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
+                                                     const std::vector<std::string>& key_variables,
+                                                     const GraphVersion& version, TimeMicros now_us) {
+  RegisterOptions options;
+  options.key_variables = key_variables;
+  options.now_us = now_us;
+  auto id = constraints_->Register(query, version, options);
+  if (id.ok()) return id;
+  return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", text));
+}
+
 absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
                                 TimeMicros now_us) {
   for (const ConditionRequest& request : requests) {
     sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
     auto query = std::make_shared<const sparql::Query>(std::move(parsed.query));
-    RegisterOptions options;
-    options.key_variables = request.key_variables;
-    options.now_us = now_us;
-    auto id = constraints_->Register(*query, version, options);
-    if (!id.ok()) {
-      return absl::Status(id.status().code(),
-                          absl::StrCat(id.status().message(), "\nin the condition\n", request.ask));
-    }
-    conditions_[request.handle] = {*id, std::move(query), std::make_shared<const ConditionRequest>(request)};
+    std::shared_ptr<Lasting> lasting;
+    if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
+    auto id = Register(*query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
+                       now_us);
+    if (!id.ok()) return id.status();
+    conditions_[request.handle] = {*id, std::move(query), std::make_shared<const ConditionRequest>(request), lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
+    if (lasting) {
+      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us); !s.ok()) return s;
+      continue;
+    }
     if (request.only_new || !constraints_->Holds(*id)) continue;
     ConditionEdge edge;
     edge.handle = request.handle;
     edge.rose = true;
-    if (!request.key_variables.empty()) {
-      for (const Binding& key : constraints_->Keys(*id)) edge.appeared.push_back(Decode(key));
-    }
+    if (!request.key_variables.empty()) edge.appeared = Decode(constraints_->Keys(*id));
     Gather(std::move(edge));
   }
   return absl::OkStatus();
 }
 
 absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& requests,
-                                    const GraphVersion& version, TimeMicros now_us) {
+                                    const std::vector<LastingSince>& times, const GraphVersion& version,
+                                    TimeMicros now_us) {
   absl::Status status = Arm(requests, version, now_us);
+  if (status.ok()) RestoreTimes(times);
   gathered_.clear();
   gathered_at_.clear();
   return status;
@@ -65,6 +83,7 @@ void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
     if (it == conditions_.end()) continue;
     constraints_->Remove(it->second.id);
     handles_.erase(it->second.id);
+    if (it->second.lasting) DisarmParts(*it->second.lasting);
     disarmed_.emplace_back(handle, std::move(it->second));
     conditions_.erase(it);
   }
@@ -78,16 +97,17 @@ std::vector<ConditionRequest> ConditionPort::Requests() const {
   return requests;
 }
 
-void ConditionPort::Take(const std::vector<ConstraintChange>& changes) {
+void ConditionPort::Take(const std::vector<ConstraintChange>& changes, TimeMicros now_us) {
   for (const ConstraintChange& change : changes) {
+    if (TakeLasting(change, now_us)) continue;
     auto it = handles_.find(change.id);
     if (it == handles_.end()) continue;
     ConditionEdge edge;
     edge.handle = it->second;
     edge.rose = change.edge == ConstraintChange::Edge::kRose;
     edge.fell = change.edge == ConstraintChange::Edge::kFell;
-    for (const Binding& key : change.appeared) edge.appeared.push_back(Decode(key));
-    for (const Binding& key : change.disappeared) edge.disappeared.push_back(Decode(key));
+    edge.appeared = Decode(change.appeared);
+    edge.disappeared = Decode(change.disappeared);
     Gather(std::move(edge));
   }
 }
@@ -120,6 +140,7 @@ void ConditionPort::Gather(ConditionEdge edge) {
 }
 
 void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us) {
+  SettleLasting(now_us);
   edges_ = std::move(gathered_);
   gathered_.clear();
   gathered_at_.clear();
@@ -129,7 +150,9 @@ void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us) {
 
 bool ConditionPort::Holds(ConditionHandle handle) const {
   auto it = conditions_.find(handle);
-  return it != conditions_.end() && constraints_->Holds(it->second.id);
+  if (it == conditions_.end()) return false;
+  if (it->second.lasting) return it->second.lasting->condition.holds();
+  return constraints_->Holds(it->second.id);
 }
 
 absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle,
@@ -137,11 +160,13 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
                                                                   size_t limit) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
-  auto solutions =
-      constraints_->Solutions(it->second.id, *version_, fixed.empty() ? limit : SIZE_MAX, now_us_);
+  const Lasting* lasting = it->second.lasting.get();
+  const bool all = !fixed.empty() || lasting != nullptr;
+  auto solutions = constraints_->Solutions(it->second.id, *version_, all ? SIZE_MAX : limit, now_us_);
   if (!solutions.ok()) return solutions.status();
   std::vector<TermBinding> bindings;
   for (const Binding& solution : *solutions) {
+    if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;
     TermBinding terms = Decode(solution);
     bool agrees = std::all_of(fixed.begin(), fixed.end(), [&](const auto& pair) {
       auto found = terms.find(pair.first);
@@ -195,6 +220,8 @@ std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& b
 }
 
 void ConditionPort::Commit() {
+  for (const std::shared_ptr<Lasting>& lasting : changed_) lasting->condition.Commit();
+  changed_.clear();
   armed_.clear();
   disarmed_.clear();
 }
@@ -204,13 +231,20 @@ void ConditionPort::Rollback() {
     auto it = conditions_.find(handle);
     if (it == conditions_.end()) continue;
     handles_.erase(it->second.id);
+    if (it->second.lasting) ForgetParts(*it->second.lasting);
     conditions_.erase(it);
   }
   for (auto& [handle, condition] : disarmed_) {
     if (std::find(armed_.begin(), armed_.end(), handle) != armed_.end()) continue;
     handles_[condition.id] = handle;
+    if (condition.lasting) RememberParts(*condition.lasting);
     conditions_[handle] = std::move(condition);
   }
+  for (const std::shared_ptr<Lasting>& lasting : changed_) {
+    lasting->condition.Rollback();
+    if (conditions_.contains(lasting->handle)) List(*lasting, lasting->condition.NextDeadline());
+  }
+  unsettled_.clear();
   gathered_.clear();
   gathered_at_.clear();
   edges_.clear();

@@ -1,23 +1,39 @@
 // The engine's conditions, kept by the constraint set: handles ↔ constraints, text ↔ queries, ids ↔ terms,
 // and the facts that made a condition hold.
 //
+// Conditions with parts that must have held for some time are several constraints and a LastingCondition; when the
+// next of those times is full, a clock tick is needed.
+//
 // Journaled like the stages it stands between: Commit or Rollback at the end of a turn. Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_CONDITION_PORT_H_
 #define DOCENT_KB_SERVER_APP_CONDITION_PORT_H_
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/function_registry.h"
 #include "reasoner/constraints/constraint_set.h"
+#include "reasoner/constraints/lasting_condition.h"
 #include "workflow/engine/ports.h"
 
 namespace docent {
+
+// Since when a binding of a condition's part has held, for snapshots.
+struct LastingSince {
+  ConditionHandle handle = 0;
+  uint32_t part = 0;
+  TermBinding binding;
+  TimeMicros since_us = 0;
+  bool full = false;
+};
 
 class ConditionPort final : public ConditionView {
  public:
@@ -30,13 +46,17 @@ class ConditionPort final : public ConditionView {
   absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
                    TimeMicros now_us);
   void Disarm(const std::vector<ConditionHandle>& handles);
-  // As Arm, for conditions whose edges the engine has had (a start from a snapshot).
-  absl::Status Restore(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
-                       TimeMicros now_us);
+  // As Arm, for conditions whose edges the engine has had and whose times run already (a start from a snapshot).
+  absl::Status Restore(const std::vector<ConditionRequest>& requests, const std::vector<LastingSince>& times,
+                       const GraphVersion& version, TimeMicros now_us);
+  // The times that run, in order of handle, part and binding.
+  std::vector<LastingSince> Times() const;
+  // When a clock tick is needed, if ever.
+  std::optional<TimeMicros> NextDeadline() const;
   // What is armed now, in order of the handles.
   std::vector<ConditionRequest> Requests() const;
   // Adds the edges of these changes to the next round's.
-  void Take(const std::vector<ConstraintChange>& changes);
+  void Take(const std::vector<ConstraintChange>& changes, TimeMicros now_us);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
   void BeginRound(const GraphVersion& version, TimeMicros now_us);
 
@@ -50,13 +70,40 @@ class ConditionPort final : public ConditionView {
   void Rollback();
 
  private:
+  struct Lasting {
+    Lasting(ConditionHandle handle_in, const ConditionRequest& request);
+    const ConditionHandle handle;
+    LastingCondition condition;
+    std::vector<ConstraintId> parts;
+    std::optional<TimeMicros> listed_us;  // its place in deadlines_
+  };
   struct Condition {
     ConstraintId id;
     std::shared_ptr<const sparql::Query> query;
     std::shared_ptr<const ConditionRequest> request;
+    std::shared_ptr<Lasting> lasting;  // null: it has no such parts
   };
 
   TermBinding Decode(const Binding& binding) const;
+  std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
+  absl::StatusOr<ConstraintId> Register(const sparql::Query& query, const std::string& text,
+                                        const std::vector<std::string>& key_variables, const GraphVersion& version,
+                                        TimeMicros now_us);
+  // Registers the parts and tells the condition what holds now.
+  absl::Status ArmParts(const ConditionRequest& request, const Condition& condition, const GraphVersion& version,
+                        TimeMicros now_us);
+  // What a condition with parts is like at once. False: the change is not about one.
+  bool TakeLasting(const ConstraintChange& change, TimeMicros now_us);
+  // Something changed about it in this round.
+  void Touch(const std::shared_ptr<Lasting>& lasting);
+  void SettleLasting(TimeMicros now_us);
+  void RestoreTimes(const std::vector<LastingSince>& times);
+  // Which constraint is which part.
+  void RememberParts(Lasting& lasting);
+  void ForgetParts(Lasting& lasting);
+  void DisarmParts(Lasting& lasting);
+  // Brings its place in deadlines_ in line; nullopt: none.
+  void List(Lasting& lasting, std::optional<TimeMicros> due_us);
   // One edge a condition and round, however often it changed.
   void Gather(ConditionEdge edge);
 
@@ -65,6 +112,9 @@ class ConditionPort final : public ConditionView {
   const sparql::FunctionRegistry* functions_;
   absl::flat_hash_map<ConditionHandle, Condition> conditions_;
   absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
+  absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>> parts_;  // → condition and which part of it
+  absl::btree_set<std::pair<TimeMicros, ConditionHandle>> deadlines_;
+  absl::btree_set<ConditionHandle> unsettled_;  // of which something changed in this round
   std::vector<ConditionEdge> gathered_;
   absl::flat_hash_map<ConditionHandle, size_t> gathered_at_;  // index in gathered_
   std::vector<ConditionEdge> edges_;
@@ -73,6 +123,7 @@ class ConditionPort final : public ConditionView {
   // the journal
   std::vector<ConditionHandle> armed_;
   std::vector<std::pair<ConditionHandle, Condition>> disarmed_;
+  std::vector<std::shared_ptr<Lasting>> changed_;
 };
 
 }  // namespace docent

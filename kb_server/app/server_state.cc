@@ -8,6 +8,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/archive.h"
+#include "kb_server/rdf/term_archive.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "workflow/engine/run_facts.h"
 
@@ -178,6 +179,19 @@ bool ReadRequests(ByteReader* in, std::vector<RememberedRequestPtr>* requests) {
   return in->ok();
 }
 
+void WriteTimes(const std::vector<LastingSince>& times, ByteWriter* out) {
+  out->Varint(times.size());
+  for (const LastingSince& t : times) (*out)(t.handle, t.part, t.binding, t.since_us, t.full);
+}
+
+bool ReadTimes(ByteReader* in, std::vector<LastingSince>* times) {
+  for (size_t left = in->Count(); left > 0 && in->ok(); --left) {
+    LastingSince& t = times->emplace_back();
+    (*in)(t.handle, t.part, t.binding, t.since_us, t.full);
+  }
+  return in->ok();
+}
+
 // The facts of the graph docent:runs by the run that they are about: "urn:docent:run:R" and what lies below
 // it.
 class RunFactsOfGraph {
@@ -227,7 +241,7 @@ class RunFactsOfGraph {
   absl::flat_hash_map<std::string_view, std::vector<TermId>> subjects_;
 };
 
-absl::Status RestoreEngine(std::string_view bytes, TimeMicros time_us, const Limits& limits, Stages* stages) {
+absl::Status RestoreEngine(std::string_view bytes, const std::vector<LastingSince>& times, TimeMicros time_us, const Limits& limits, Stages* stages) {
   const GraphVersion& graph = stages->writer.current();
   const RunFactsOfGraph facts(stages->dictionary, graph);
   absl::StatusOr<EngineState> engine =
@@ -235,7 +249,7 @@ absl::Status RestoreEngine(std::string_view bytes, TimeMicros time_us, const Lim
   if (!engine.ok()) return engine.status();
   const std::vector<ConditionRequest> conditions = ArmedConditions(*engine);
   stages->engine.Restore(*std::move(engine));
-  return stages->conditions.Restore(conditions, graph, time_us);
+  return stages->conditions.Restore(conditions, times, graph, time_us);
 }
 
 }  // namespace
@@ -250,6 +264,7 @@ ServerState TakeState(const Stages& stages, const RequestMemory& requests, Graph
   state.lifetimes = stages.applier.Lifetimes();
   state.documents = stages.documents.entries();
   state.engine = stages.engine.Save();
+  state.times = stages.conditions.Times();
   state.requests = requests.All();
   return state;
 }
@@ -264,6 +279,7 @@ absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictiona
   WriteLifetimes(state.lifetimes, &out);
   WriteDocuments(state.documents, &out);
   out.Text(*engine);
+  WriteTimes(state.times, &out);
   WriteRequests(state.requests, &out);
   return out.Take();
 }
@@ -289,13 +305,15 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   std::map<Documents::Key, Documents::Entry> documents;
   if (!ReadDocuments(&in, &documents)) return Damaged("documents");
   const std::string_view engine = in.Text();
+  std::vector<LastingSince> times;
+  if (!ReadTimes(&in, &times)) return Damaged("times of conditions");
   if (!ReadRequests(&in, &restored.requests) || !in.AtEnd()) return Damaged("request ids");
 
   absl::Status status = stages.documents.Restore(std::move(documents), &stages.rules);
   if (!status.ok()) return status;
   // Another engine may infer otherwise: it computes anew with its first turn.
   if (engine_version == kEngineVersion) stages.rules.Adopt();
-  status = RestoreEngine(engine, restored.time_us, limits, &stages);
+  status = RestoreEngine(engine, times, restored.time_us, limits, &stages);
   if (!status.ok()) return status;
   stages.Commit();
   stages.writer.Freeze(Revision(restored.offset));

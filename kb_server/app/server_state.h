@@ -30,6 +30,7 @@ struct ServerState {
   std::vector<std::pair<TimeMicros, Quad>> lifetimes;
   std::map<Documents::Key, Documents::Entry> documents;
   EngineState engine;
+  std::vector<LastingSince> times;  // of conditions that must have held for some time
   std::vector<RememberedRequestPtr> requests;
 };
 

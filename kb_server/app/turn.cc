@@ -56,7 +56,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     const GraphVersion& graph = stages->writer.current();
     auto changes = stages->constraints.Update(graph, *delta, batch.time_us);  // standing constraints
     if (!changes.ok()) return changes.status();
-    stages->conditions.Take(*changes);
+    stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us);
 
     stages->robots.Refresh(graph, *delta);
@@ -115,9 +115,11 @@ void Stages::Rollback() {
 }
 
 std::optional<TimeMicros> Stages::NextDeadline() const {
-  std::optional<TimeMicros> next = applier.NextDeadline();
-  std::optional<TimeMicros> timer = engine.NextDeadline();
-  if (!next || (timer && *timer < *next)) return timer;
+  std::optional<TimeMicros> next;
+  for (const std::optional<TimeMicros>& due :
+       {applier.NextDeadline(), conditions.NextDeadline(), engine.NextDeadline()}) {
+    if (due && (!next || *due < *next)) next = due;
+  }
   return next;
 }
 

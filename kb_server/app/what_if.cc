@@ -92,6 +92,7 @@ StagesCopy CopyStages(Stages* stages, Revision revision) {
   copy.version = stages->writer.Freeze(revision);
   copy.rules = stages->documents.MakeCatalog(stages->engine)->rules;
   copy.conditions = stages->conditions.Requests();
+  copy.times = stages->conditions.Times();
   copy.engine = stages->engine.Save();
   return copy;
 }
@@ -106,10 +107,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   }
   stages.rules.Adopt();
   stages.engine.Restore(copy.engine);
-  std::vector<ConditionRequest> requests = copy.conditions;
-  for (ConditionRequest& request : requests) request.only_new = true;  // what holds already is no news
-  if (absl::Status armed = stages.conditions.Arm(requests, *copy.version, batch.time_us); !armed.ok())
-    return armed;
+  absl::Status armed = stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us);
+  if (!armed.ok()) return armed;
   FlipWatch watch(&stages, copy.conditions);
   if (absl::Status begun = watch.Begin(batch.time_us); !begun.ok()) return begun;
   stages.Commit();

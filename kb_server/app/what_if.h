@@ -21,6 +21,7 @@ struct StagesCopy {
   GraphVersionPtr version;
   std::vector<explain::RuleText> rules;
   std::vector<ConditionRequest> conditions;
+  std::vector<LastingSince> times;  // of those that must have held for some time
   EngineState engine;
 };
 

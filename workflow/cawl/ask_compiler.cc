@@ -1,7 +1,9 @@
 #include "workflow/cawl/ask_compiler.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -9,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "workflow/cawl/ask_writer.h"
 #include "workflow/cawl/formula.h"
+#include "workflow/cawl/lasting_rules.h"
 
 namespace docent::cawl {
 namespace {
@@ -36,6 +39,26 @@ absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& for
 
 std::string NameOr(const Text& name, std::string otherwise) { return name.empty() ? otherwise : name.value; }
 
+// The rules of `context` that must have held for some time become parts of `ask`, and its text says so.
+absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values, CompiledAsk* ask) {
+  std::string notes;
+  for (size_t i = 0; i < context.rules.size(); ++i) {
+    const Rule& rule = context.rules[i];
+    if (!rule.at_least_ms) continue;
+    absl::StatusOr<CompiledAsk> part = Compile(document, FormulaOf(rule), values, "", 0);
+    if (!part.ok()) return part.status();
+    LastingAsk lasting{std::move(part->ask), {}, *rule.at_least_ms};
+    const std::set<std::string> bound = CertainVariables(rule);
+    std::copy_if(part->free_variables.begin(), part->free_variables.end(), std::back_inserter(lasting.variables),
+                 [&bound](const std::string& name) { return bound.contains(name); });
+    ask->lasting.push_back(std::move(lasting));
+    absl::StrAppend(&notes, "# ", absl::StrCat("rule ", NameOr(rule.name, absl::StrCat(i + 1))), ": for at least ",
+                    rule.for_text.value, "\n");
+  }
+  ask->ask = notes + ask->ask;
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document, const Condition& condition,
@@ -56,6 +79,8 @@ absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& docume
     absl::StatusOr<CompiledAsk> ask = Compile(document, FormulaOf(*context), values,
                                               NameOr(context->name, absl::StrCat("context ", out.size() + 1)), context->priority);
     if (!ask.ok()) return ask.status();
+    absl::Status lasting = AddLasting(document, *context, values, &*ask);
+    if (!lasting.ok()) return lasting;
     out.push_back(*std::move(ask));
   }
   for (const Case& c : condition.cases) {
@@ -87,17 +112,19 @@ std::vector<std::string> KeyVariables(const Activator& activator, const Compiled
 std::vector<ConditionText> ConditionTexts(const Document& document) {
   std::vector<ConditionText> out;
   VariableValues none = [](const std::string&) { return std::nullopt; };
+  SourceSpan span;
   auto add = [&](const std::string& place, const absl::StatusOr<CompiledAsk>& ask, const std::string& what) {
     if (!ask.ok()) {
-      out.push_back({place, absl::StrCat("# cannot be compiled: ", ask.status().message())});
+      out.push_back({place, absl::StrCat("# cannot be compiled: ", ask.status().message()), span});
       return;
     }
     std::string notes;
     for (const std::string& name : ask->unset) absl::StrAppend(&notes, "# ?", name, " is the value of $", name, " at run time\n");
     bool says_so = absl::StartsWith(ask->name, what);  // "context 2"
-    out.push_back({absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask});
+    out.push_back({absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask, span});
   };
   auto add_condition = [&](const std::string& place, const Condition& condition) {
+    span = condition.span;
     absl::StatusOr<std::vector<CompiledAsk>> asks = CompileCondition(document, condition, none);
     if (!asks.ok()) return add(place, asks.status(), "");
     for (const CompiledAsk& ask : *asks) add(place, ask, condition.expression ? "condition" : ask.by_event() ? "case" : "context");
@@ -113,6 +140,7 @@ std::vector<ConditionText> ConditionTexts(const Document& document) {
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;
+      span = link.while_text.span;
       add(absl::StrCat(flow_place, " / link ", link.from.value, " → ", link.to.value),
           CompileConstraint(document, *link.while_constraint, none), "while");
     }

@@ -24,6 +24,14 @@ namespace docent::cawl {
 // The value of a variable ("name" or "name.part") now; nullopt: it has none yet.
 using VariableValues = std::function<std::optional<Term>(const std::string&)>;
 
+// A rule with ext:for, as an ASK of its own.
+struct LastingAsk {
+  std::string ask;
+  // What tells its solutions apart: the variables that each of them binds, without "?".
+  std::vector<std::string> variables;
+  int64_t at_least_ms = 0;
+};
+
 struct CompiledAsk {
   std::string name;   // of the context or case ("context 2", "case" without one), or the condition's expression
   std::string ask;    // SPARQL
@@ -37,6 +45,8 @@ struct CompiledAsk {
   // that appears in a turn during which the condition is awaited opens it. What was told before does not count,
   // though it may complete an `and`. Arm the condition with these as key variables and look at what appeared.
   std::vector<std::string> event_variables;
+  // A solution counts only while, for each of these, its part of the solution has held for so long without a break.
+  std::vector<LastingAsk> lasting;
 
   bool by_event() const { return !event_variables.empty(); }
 };
@@ -59,6 +69,7 @@ std::vector<std::string> KeyVariables(const Activator& activator, const Compiled
 struct ConditionText {
   std::string place;  // "activator OnChoice / context C1", "flow BoothGuide / node Move2User / context C1"
   std::string ask;    // SPARQL after comment lines that name the $variables shown as ?name
+  SourceSpan span;    // of the condition, or of the link's condition
 };
 // All conditions of the document, in its order, no variable having a value.
 std::vector<ConditionText> ConditionTexts(const Document& document);

@@ -29,7 +29,7 @@ namespace docent::cawl {
 
 using xml::Text;
 
-// Attributes in this namespace are Docent's extensions: timeout, retry, onFailure, compensate, forEach, while.
+// Attributes in this namespace are Docent's extensions: timeout, retry, onFailure, compensate, forEach, while, for.
 inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-ext#";
 
 // <part name="booth" type="docent:Booth" element="…"/>
@@ -124,8 +124,12 @@ struct Constraint {
 
 // <rule name="standby" expression="near and not busy"> constraint* </rule>
 // Without expression all constraints must hold.
+// ext:for="5s": the rule must have held for at least so long, without a break and with the same values of its
+// variables (see lasting_rules.h). With expression="not seen", that is "not seen for 5 s".
 struct Rule {
   Text name;
+  Text for_text;
+  std::optional<int64_t> at_least_ms;
   Text expression_text;
   std::optional<Expression> expression;
   std::vector<Constraint> constraints;

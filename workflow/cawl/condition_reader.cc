@@ -17,7 +17,10 @@ std::optional<Expression> ReadExpression(const Text& text, const Limits& limits,
 Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reader) {
   Constraint out;
   out.span = element.span;
-  reader->CheckAttributes(element, {"name"});
+  reader->CheckAttributes(element, {"name"}, {"for"});
+  if (const Text time = reader->Extension(element, "for"); time.given()) {
+    reader->Error(time.span, "for stands at a <constraint>", "write it at the <rule>, which may have this constraint alone");
+  }
   out.name = reader->Attribute(element, "name");
   int subjects = 0, verbs = 0, objects = 0;
   auto once = [&](int* count, Word* word, WordRole role) {
@@ -46,8 +49,10 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
 Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementReader* reader) {
   Rule out;
   out.span = element.span;
-  reader->CheckAttributes(element, {"name", "expression"});
+  reader->CheckAttributes(element, {"name", "expression"}, {"for"});
   out.name = reader->Attribute(element, "name");
+  out.for_text = reader->Extension(element, "for");
+  out.at_least_ms = reader->Duration(element, "for");
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
   reader->ReadChildren(element, {{"constraint", [&](const xml::Element& child) {

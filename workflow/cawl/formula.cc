@@ -40,19 +40,6 @@ Formula Combine(const std::optional<Expression>& expression, const std::vector<c
   });
 }
 
-Formula OfRule(const Rule& rule) {
-  std::vector<const Text*> names;
-  std::vector<Formula> children;
-  for (const Constraint& constraint : rule.constraints) {
-    names.push_back(&constraint.name);
-    Formula leaf;
-    leaf.kind = Formula::Kind::kConstraint;
-    leaf.constraint = &constraint;
-    children.push_back(std::move(leaf));
-  }
-  return Combine(rule.expression, names, children);
-}
-
 absl::Status TooMany() {
   return absl::InvalidArgumentError(absl::StrCat("the condition has more than ", kMaxAlternatives,
                                                  " alternatives when its `or`s are carried to the outside; split it into "
@@ -71,9 +58,22 @@ void Append(const Conjunction& from, Conjunction* to) {
 
 }  // namespace
 
+Formula FormulaOf(const Rule& rule) {
+  std::vector<const Text*> names;
+  std::vector<Formula> children;
+  for (const Constraint& constraint : rule.constraints) {
+    names.push_back(&constraint.name);
+    Formula leaf;
+    leaf.kind = Formula::Kind::kConstraint;
+    leaf.constraint = &constraint;
+    children.push_back(std::move(leaf));
+  }
+  return Combine(rule.expression, names, children);
+}
+
 Formula FormulaOf(const Context& context) {
   Formula all;
-  for (const Rule& rule : context.rules) all.children.push_back(OfRule(rule));
+  for (const Rule& rule : context.rules) all.children.push_back(FormulaOf(rule));
   return all;
 }
 

@@ -20,6 +20,7 @@ struct Formula {
 };
 
 // Expressions over children's names are put in their places; without one, all children.
+Formula FormulaOf(const Rule& rule);
 Formula FormulaOf(const Context& context);
 Formula FormulaOf(const Case& event_case);
 // Of a condition with an expression.

@@ -21,6 +21,7 @@ ParsedCawl ParseCawl(std::string_view text, const std::string& file, const Limit
   if (ReadDocument(*parsed.root, limits, &reader, document.get())) {
     CheckNames(*document, &reader);
     CheckFlows(*document, &reader);
+    CheckLastingRules(*document, &reader);
     out.document = std::move(document);
   }
   out.diagnostics = reader.TakeDiagnostics();

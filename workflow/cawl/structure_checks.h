@@ -14,6 +14,9 @@ namespace docent::cawl {
 // names in expressions, the activator's flow, forEach's variables).
 void CheckNames(const Document& document, xml::ElementReader* reader);
 
+// Rules with ext:for: see lasting_rules.h.
+void CheckLastingRules(const Document& document, xml::ElementReader* reader);
+
 // Each flow's graph: links between nodes that there are, every node reachable from the source and with a way to the
 // sink, no cycle without `while`, join conditions over predecessors, no flow that contains itself.
 void CheckFlows(const Document& document, xml::ElementReader* reader);

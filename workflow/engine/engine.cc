@@ -39,6 +39,15 @@ void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* value
 
 }  // namespace
 
+ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
+                           std::vector<std::string> key_variables) {
+  ConditionRequest request{handle, ask.ask, std::move(key_variables), ask.by_event(), {}};
+  for (const cawl::LastingAsk& part : ask.lasting) {
+    request.lasting.push_back({part.ask, part.variables, part.at_least_ms * 1000});
+  }
+  return request;
+}
+
 Run* Engine::Core::Mutable(const RunId& id) {
   auto it = runs.find(id);
   if (it == runs.end()) return nullptr;
@@ -58,7 +67,7 @@ ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std:
                                   ConditionOwner owner) {
   ConditionHandle handle = next_handle++;
   owners.emplace(handle, std::move(owner));
-  output->arm.push_back({handle, ask.ask, std::move(key_variables), ask.by_event()});
+  output->arm.push_back(RequestOf(handle, ask, std::move(key_variables)));
   return handle;
 }
 
@@ -275,7 +284,7 @@ void Engine::Deploy(cawl::DocumentPtr document) {
         ConditionHandle handle = core_->next_handle++;
         core_->owners[handle] = {RunId(), 0, document->name.value};
         core_->deploy_arm.push_back(
-            {handle, ask.ask, cawl::KeyVariables(*document->activator, ask), ask.by_event()});
+            RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
         fresh.armed.push_back({handle, std::move(ask)});
       }
     }

@@ -32,6 +32,9 @@ struct Deployment {
   std::set<std::string> carried;      // of the version before: start no second run
 };
 
+// How a compiled condition is asked for.
+ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask, std::vector<std::string> key_variables);
+
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 

@@ -16,8 +16,12 @@ namespace docent {
 // Fields() of each type stands in the namespace of the type, where the archive finds it.
 namespace cawl {
 template <class Archive>
+void Fields(Archive& a, LastingAsk& part) {
+  a(part.ask, part.variables, part.at_least_ms);
+}
+template <class Archive>
 void Fields(Archive& a, CompiledAsk& ask) {
-  a(ask.name, ask.ask, ask.priority, ask.free_variables, ask.unset, ask.event_variables);
+  a(ask.name, ask.ask, ask.priority, ask.free_variables, ask.unset, ask.event_variables, ask.lasting);
 }
 }  // namespace cawl
 
@@ -340,15 +344,14 @@ std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
   std::vector<ConditionRequest> requests;
   for (const auto& [name, deployment] : state.deployments) {
     for (const ArmedCondition& armed : deployment.armed) {
-      requests.push_back({armed.handle, armed.ask.ask,
-                          cawl::KeyVariables(*deployment.document->activator, armed.ask),
-                          armed.ask.by_event()});
+      requests.push_back(RequestOf(armed.handle, armed.ask,
+                                   cawl::KeyVariables(*deployment.document->activator, armed.ask)));
     }
   }
   for (const auto& [id, run] : state.runs) {
     for (const NodeState& node : run.nodes) {
       for (const ArmedCondition& armed : node.armed) {
-        requests.push_back({armed.handle, armed.ask.ask, NodeKeys(armed.ask), armed.ask.by_event()});
+        requests.push_back(RequestOf(armed.handle, armed.ask, NodeKeys(armed.ask)));
       }
     }
   }

@@ -26,6 +26,15 @@ using ConditionHandle = uint64_t;
 // Variable name (without "?" or "$") → value.
 using TermBinding = std::map<std::string, Term>;
 
+// A part of a condition that must have held for some time, with the same values of its variables.
+struct LastingPart {
+  std::string ask;                     // SPARQL ASK
+  std::vector<std::string> variables;  // that every solution of it binds
+  TimeMicros at_least_us = 0;
+
+  friend bool operator==(const LastingPart&, const LastingPart&) = default;
+};
+
 // A condition to be kept true or false from now on.
 struct ConditionRequest {
   ConditionHandle handle = 0;
@@ -34,6 +43,9 @@ struct ConditionRequest {
   std::vector<std::string> key_variables;
   // Bindings that are there already when it is armed do not count as appeared (events).
   bool only_new = false;
+  // It holds, and has a solution, only while all these parts of the solution have held for their time. Time is
+  // counted from the turn in which the condition is armed.
+  std::vector<LastingPart> lasting;
 };
 
 // An edge since the last Step, at most one a condition. A condition that was armed since then and holds

@@ -153,12 +153,12 @@ Text ElementReader::Extension(const Element& element, std::string_view name) con
   return Text();
 }
 
-std::optional<int64_t> ElementReader::Timeout(const Element& element) {
-  Text text = Extension(element, "timeout");
+std::optional<int64_t> ElementReader::Duration(const Element& element, std::string_view name) {
+  Text text = Extension(element, name);
   if (!text.given()) return std::nullopt;
   int64_t ms = 0;
   if (ParseDurationMs(text.value, &ms)) return ms;
-  Error(text.span, Concat("timeout \"", text.value, "\" is not a duration"),
+  Error(text.span, Concat(name, " \"", text.value, "\" is not a duration"),
         "write a number and ms, s, min or h, e.g. 30s; at most 720h");
   return std::nullopt;
 }

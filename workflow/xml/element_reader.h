@@ -51,8 +51,9 @@ class ElementReader {
   Text Attribute(const Element& element, std::string_view name) const;
   Text Required(const Element& element, std::string_view name);
   Text Extension(const Element& element, std::string_view name) const;
-  // ext:timeout as milliseconds, ext:retry (0..100), ext:NAME="true|false"; malformed is an error.
-  std::optional<int64_t> Timeout(const Element& element);
+  // ext:NAME, a duration, as milliseconds; ext:timeout; ext:retry (0..100); ext:NAME="true|false"; malformed is an error.
+  std::optional<int64_t> Duration(const Element& element, std::string_view name);
+  std::optional<int64_t> Timeout(const Element& element) { return Duration(element, "timeout"); }
   int Retry(const Element& element);
   bool Flag(const Element& element, std::string_view name);
 
