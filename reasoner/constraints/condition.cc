@@ -1,6 +1,7 @@
 #include "reasoner/constraints/condition.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace docent {
 namespace {
@@ -11,25 +12,64 @@ int ConstantCount(const QuadPattern& pattern) {
 
 }  // namespace
 
-Condition::Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys,
-                     WatchIndexes& indexes)
-    : number_(number), body_(std::move(body)), keys_(std::move(keys)), indexes_(indexes) {}
+Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
+    : body_(body.get()), indexes_(indexes), number_(number), keys_(std::move(keys)), own_(std::move(body)) {
+  Begin();
+}
+
+Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, Keys keys, WatchIndexes& indexes)
+    : body_(&shape->body()),
+      shape_(shape),
+      indexes_(indexes),
+      number_(number),
+      keys_(std::move(keys)),
+      constants_(std::move(constants)) {
+  const std::vector<TermId> seed = shape->SeedOf(constants_);
+  base_.assign(seed.begin(), seed.end());
+  Begin();
+}
+
+void Condition::Begin() {
+  if (has_keys()) keyed_ = std::make_unique<Keyed>();
+  for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
+    if (!Narrows(i)) whole_ |= uint64_t{1} << std::min(i, 63u);
+  }
+}
 
 void Condition::SetShape(Shape* shape, Shape::Constants constants) {
+  Disarm();
   shape_ = shape;
   constants_ = std::move(constants);
 }
 
 Condition::~Condition() {
   Disarm();
-  for (const auto& [key, slot] : by_key_) Unwatch(witnesses_[slot]);
+  for (Witness& witness : witnesses_) Unwatch(witness);
 }
 
 std::vector<Condition::Key> Condition::Present() const {
   std::vector<Key> keys;
-  keys.reserve(by_key_.size());
-  for (const auto& [key, slot] : by_key_) keys.push_back(key);
+  if (!has_keys()) {
+    if (holds()) keys.emplace_back();
+    return keys;
+  }
+  keys.reserve(present_);
+  for (const auto& [key, slot] : keyed_->slots) keys.push_back(key);
   return keys;
+}
+
+std::vector<TermId> Condition::Seed() const {
+  if (base_.empty()) return std::vector<TermId>(columns().size());
+  return {base_.begin(), base_.end()};
+}
+
+std::vector<TermId>& Condition::BeginSeed() const {
+  if (base_.empty()) {
+    indexes_.seed.assign(columns().size(), TermId());
+  } else {
+    indexes_.seed.assign(base_.begin(), base_.end());
+  }
+  return indexes_.seed;
 }
 
 Condition::Key Condition::KeyOf(absl::Span<const TermId> row) const {
@@ -38,31 +78,46 @@ Condition::Key Condition::KeyOf(absl::Span<const TermId> row) const {
   return key;
 }
 
-void Condition::SetWitness(const Key& key, absl::Span<const TermId> row) {
-  uint32_t slot;
-  if (const auto found = by_key_.find(key); found != by_key_.end()) {
-    slot = found->second;
-    Unwatch(witnesses_[slot]);
-  } else {
-    if (free_.empty()) {
-      slot = static_cast<uint32_t>(witnesses_.size());
-      witnesses_.emplace_back();
-    } else {
-      slot = free_.back();
-      free_.pop_back();
-    }
-    by_key_.emplace(key, slot);
+int Condition::SlotOf(const Key& key) const {
+  if (!has_keys()) return holds() ? 0 : -1;
+  const auto found = keyed_->slots.find(key);
+  return found == keyed_->slots.end() ? -1 : static_cast<int>(found->second);
+}
+
+uint32_t Condition::NewSlot(const Key& key) {
+  ++present_;
+  if (!has_keys()) {
+    if (witnesses_.empty()) witnesses_.emplace_back();
+    return 0;
   }
-  witnesses_[slot].key = key;
-  witnesses_[slot].row.assign(row.begin(), row.end());
+  uint32_t slot = static_cast<uint32_t>(witnesses_.size());
+  if (keyed_->free.empty()) {
+    witnesses_.emplace_back();
+  } else {
+    slot = keyed_->free.back();
+    keyed_->free.pop_back();
+  }
+  keyed_->slots.emplace(key, slot);
+  return slot;
+}
+
+void Condition::SetWitness(const Key& key, absl::Span<const TermId> row) {
+  const int known = SlotOf(key);
+  const uint32_t slot = known < 0 ? NewSlot(key) : static_cast<uint32_t>(known);
+  Witness& witness = witnesses_[slot];
+  Unwatch(witness);
+  witness.key = key;
+  witness.row.assign(row.begin(), row.end());
   Watch(slot);
 }
 
 void Condition::DropWitness(const Key& key) {
-  const auto found = by_key_.find(key);
-  Unwatch(witnesses_[found->second]);
-  free_.push_back(found->second);
-  by_key_.erase(found);
+  const auto slot = static_cast<uint32_t>(SlotOf(key));
+  Unwatch(witnesses_[slot]);
+  --present_;
+  if (!has_keys()) return;
+  keyed_->free.push_back(slot);
+  keyed_->slots.erase(key);
 }
 
 void Condition::Watch(uint32_t slot) {
@@ -85,22 +140,38 @@ void Condition::Unwatch(Witness& witness) {
 
 bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   Key key = KeyOf(row);
-  if (by_key_.contains(key)) return false;
+  if (Has(key)) return false;
   SetWitness(key, row);
   edits.push_back({std::move(key), false, {}});
   return true;
 }
 
+void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
+  if (IgnoresRise()) return;
+  if (own_ == nullptr) {
+    Take(row, edits);
+    return;
+  }
+  Row own;
+  for (const int16_t column : shape_->columns()) own.push_back(row[column]);
+  Take(own, edits);
+}
+
 absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits) {
   const Key key = witnesses_[slot].key;
   const Row before = witnesses_[slot].row;
-  seed_.assign(body_->columns().size(), TermId());
+  if (!has_keys() && watches_one() && IsBlocked(*run.version)) {
+    edits.push_back({key, true, before});
+    DropWitness(key);
+    return absl::OkStatus();
+  }
+  std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < keys_.size(); ++i) {
-    if (body_->columns()[keys_[i]].certain) seed_[keys_[i]] = key[i];
+    if (body_->columns()[keys_[i]].certain) seed[keys_[i]] = key[i];
   }
   bool found = false;
   Row after;
-  const absl::Status status = body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
+  const absl::Status status = body_->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
     if (KeyOf(row) != key) return true;
     found = true;
     after.assign(row.begin(), row.end());
@@ -117,26 +188,43 @@ absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Ed
   return absl::OkStatus();
 }
 
-absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run,
+bool Condition::Narrows(uint32_t trigger) const {
+  const Trigger& matched = body_->triggers()[trigger];
+  const bool constant = std::any_of(body_->triggers().begin(), body_->triggers().end(), [this](const Trigger& t) {
+    const QuadPattern constants = MatchOf(t).constants;
+    return t.required && (!constants.subject.IsNone() || !constants.object.IsNone());
+  });
+  return constant || std::any_of(matched.columns.begin(), matched.columns.end(), [this](int16_t column) {
+    if (column == Trigger::kNoColumn || (!base_.empty() && !base_[column].IsNone())) return false;
+    return has_keys() ? body_->columns()[column].certain : body_->columns()[column].seedable;
+  });
+}
+
+absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                               bool& full_done, Edits& edits) {
   if (full_done) return absl::OkStatus();
-  body_->SeedFrom(body_->triggers()[trigger], quad, seed_);
+  std::vector<TermId>& seed = indexes_.seed;
+  body_->SeedFrom(body_->triggers()[trigger], quad, seed);
   bool seeded = false;
-  for (size_t i = 0; i < seed_.size(); ++i) {
+  for (size_t i = 0; i < seed.size(); ++i) {
     const Body::Column& column = body_->columns()[i];
-    if (has_keys() ? !column.certain : !column.seedable) seed_[i] = TermId();
-    seeded = seeded || !seed_[i].IsNone();
+    if (has_keys() ? !column.certain : !column.seedable) seed[i] = TermId();
+    const bool constant = !base_.empty() && !base_[i].IsNone();
+    seeded = seeded || (!seed[i].IsNone() && !constant);
+    if (constant) seed[i] = base_[i];
   }
   full_done = !seeded;
-  return body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
+  const auto take = [&](absl::Span<const TermId> row) {
     Take(row, edits);
     return has_keys();
-  });
+  };
+  if (!added) return body_->Evaluate(run, seed, take);
+  return body_->EvaluateFrom(body_->triggers()[trigger], run, seed, take);
 }
 
 absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
   std::vector<uint32_t> slots;
-  for (const auto& [key, slot] : by_key_) slots.push_back(slot);
+  for (const Key& key : Present()) slots.push_back(static_cast<uint32_t>(SlotOf(key)));
   std::sort(slots.begin(), slots.end());
   for (const uint32_t slot : slots) {
     if (absl::Status status = Recheck(slot, run, edits); !status.ok()) return status;
@@ -146,8 +234,7 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
 
 absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
   if (holds() && !has_keys()) return absl::OkStatus();
-  seed_.assign(body_->columns().size(), TermId());
-  return body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
+  return body_->Evaluate(run, BeginSeed(), [&](absl::Span<const TermId> row) {
     Take(row, edits);
     return has_keys();
   });
@@ -161,27 +248,42 @@ void Condition::Undo(const Edit& edit) {
   }
 }
 
-// A required pattern without any match: nothing can rise before it has one. The most specific of them.
+MatchPattern Condition::MatchOf(const Trigger& trigger) const {
+  return base_.empty() ? trigger.match : body_->Instantiate(trigger, base_);
+}
+
+bool Condition::IsBlocked(const GraphVersion& version) {
+  const Trigger& trigger = body_->triggers()[static_cast<size_t>(armed_trigger_)];
+  blocked_ = !version.Scan(MatchOf(trigger).constants).Valid();
+  return blocked_;
+}
+
+// A required pattern without any match: nothing can rise before it has one. The most specific of them; the one that is
+// watched already where it is as good.
 int Condition::BlockingTrigger(const GraphVersion& version) const {
   int best = -1;
   int best_constants = -1;
   const std::vector<Trigger>& triggers = body_->triggers();
-  for (size_t i = 0; i < triggers.size(); ++i) {
-    const QuadPattern& constants = triggers[i].match.constants;
-    if (!triggers[i].required || triggers[i].polarity != Polarity::kPositive) continue;
-    if (ConstantCount(constants) <= best_constants || version.Count(constants) != 0) continue;
-    best = static_cast<int>(i);
+  const auto look_at = [&](int i) {
+    const Trigger& trigger = triggers[static_cast<size_t>(i)];
+    if (!trigger.required || trigger.polarity != Polarity::kPositive) return;
+    const QuadPattern constants = MatchOf(trigger).constants;
+    if (ConstantCount(constants) <= best_constants || version.Scan(constants).Valid()) return;
+    best = i;
     best_constants = ConstantCount(constants);
-  }
+  };
+  if (watches_one()) look_at(armed_trigger_);
+  for (size_t i = 0; i < triggers.size(); ++i) look_at(static_cast<int>(i));
   return best;
 }
 
 void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
+  const MatchPattern match = MatchOf(watched);
   if (RisesOnAdd(watched.polarity))
-    armed_on_add_.push_back(indexes_.rise_on_add.Add(watched.match, {number_, trigger}));
+    armed_on_add_.push_back(indexes_.rise_on_add.Add(match, {number_, trigger}));
   if (RisesOnRemove(watched.polarity))
-    armed_on_remove_.push_back(indexes_.rise_on_remove.Add(watched.match, {number_, trigger}));
+    armed_on_remove_.push_back(indexes_.rise_on_remove.Add(match, {number_, trigger}));
 }
 
 void Condition::Disarm() {
@@ -194,15 +296,25 @@ void Condition::Disarm() {
   armed_ = Armed::kNothing;
 }
 
-bool Condition::Arm(const GraphVersion* version) {
+bool Condition::Arm(const GraphVersion* version, bool probed) {
+  const bool blocked = std::exchange(blocked_, false);
   Armed wanted = Armed::kAll;
   int one = -1;
-  if (holds()) {
-    if (!has_keys()) wanted = Armed::kNothing;
-  } else if (version != nullptr && body_->triggers().size() > 1 && (one = BlockingTrigger(*version)) >= 0 &&
+  if (blocked && !holds() && watches_one() && version != nullptr) return false;
+  if (holds() && !has_keys()) {
+    if (!in_vain_ && version != nullptr) return false;
+    wanted = Armed::kNothing;
+  } else if (!holds() && version != nullptr && armed_ == Armed::kAll && !(probed && unlooked_)) {
+    // it may rise as it fell; whether less would do is looked at when that costs something
+    unlooked_ = unlooked_ || !probed;
+    return false;
+  } else if (!holds() && version != nullptr && body_->triggers().size() > 1 &&
+             (one = BlockingTrigger(*version)) >= 0 &&
              (shape_ == nullptr || !shape_->Shares(static_cast<size_t>(one)))) {
     wanted = Armed::kOne;
   }
+  in_vain_ = false;
+  unlooked_ = false;
   if (wanted == armed_ && (wanted != Armed::kOne || one == armed_trigger_)) return false;
   Disarm();
   armed_ = wanted;
@@ -212,8 +324,8 @@ bool Condition::Arm(const GraphVersion* version) {
     for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
       if (shape_ == nullptr || !shape_->Shares(i)) WatchTrigger(i);
     }
-    if (shape_ != nullptr) shape_->Join(number_, constants_);
-    joined_ = shape_ != nullptr;
+    joined_ = shape_ != nullptr && shape_->SharesAny();
+    if (joined_) shape_->Join(number_, constants_);
   }
   return true;
 }

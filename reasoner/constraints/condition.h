@@ -9,6 +9,7 @@
 #ifndef DOCENT_REASONER_CONSTRAINTS_CONDITION_H_
 #define DOCENT_REASONER_CONSTRAINTS_CONDITION_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -31,11 +32,14 @@ class Condition {
   using Key = absl::InlinedVector<TermId, 2>;
   using Row = absl::InlinedVector<TermId, 4>;
 
+  using Keys = absl::InlinedVector<int16_t, 2>;
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
-  Condition(uint32_t number, std::unique_ptr<Body> body, std::vector<int16_t> keys, WatchIndexes& indexes);
+  Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes);
+  // A member of `shape`, with the shape's body and these constants in it. `shape` must outlive the condition.
+  Condition(uint32_t number, Shape* shape, Shape::Constants constants, Keys keys, WatchIndexes& indexes);
   ~Condition();
-  // From now on what is watched alike by all conditions of `shape` is watched there. Before the first Arm.
-  // `shape` must outlive the condition.
+  // For a condition with a body of its own: what is watched alike by all conditions of `shape` is watched there. To be
+  // armed afterwards. `shape` must outlive the condition.
   void SetShape(Shape* shape, Shape::Constants constants);
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
@@ -43,9 +47,11 @@ class Condition {
   Body& body() { return *body_; }
   const std::vector<Body::Column>& columns() const { return body_->columns(); }
   bool has_keys() const { return !keys_.empty(); }
-  const std::vector<int16_t>& keys() const { return keys_; }
-  bool holds() const { return !by_key_.empty(); }
-  bool Has(const Key& key) const { return by_key_.contains(key); }
+  const Keys& keys() const { return keys_; }
+  bool holds() const { return present_ > 0; }
+  bool Has(const Key& key) const { return SlotOf(key) >= 0; }
+  // For body(): its constants in it, nothing else.
+  std::vector<TermId> Seed() const;
   std::vector<Key> Present() const;
 
   // What changed, to be told and to be undone.
@@ -54,18 +60,25 @@ class Condition {
     bool was_present = false;
     Row before;  // the witness that was there
   };
-  using Edits = std::vector<Edit>;
+  using Edits = absl::InlinedVector<Edit, 1>;
 
   // The witness `slot` may be broken: looks for another with its key.
   absl::Status Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits);
+  // Whether Probe has anything to go by: what a change that matches `trigger` binds, or a constant of the query.
+  // Otherwise it is a whole evaluation, which costs more the larger the graph is.
+  bool narrows(uint32_t trigger) const { return (whole_ & (uint64_t{1} << std::min(trigger, 63u))) == 0; }
   // `quad` was added or removed and matches `trigger`: takes what new keys come from it.
   // `full_done`: whether a whole evaluation was already made for this update, so nothing is left to find; set
   // when nothing could be bound and one is made here.
-  absl::Status Probe(uint32_t trigger, const Quad& quad, const sparql::RunOptions& run, bool& full_done,
-                     Edits& edits);
-  // Takes a solution that was found elsewhere, if its key is new.
-  void Offer(absl::Span<const TermId> row, Edits& edits) {
-    if (has_keys() || !holds()) Take(row, edits);
+  absl::Status Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
+                     bool& full_done, Edits& edits);
+  // Takes a solution that its shape found, if its key is new. `row`: as the shape's columns are.
+  void Offer(absl::Span<const TermId> row, Edits& edits);
+  // Whether what could make it rise does not matter now. It is remembered that such a thing came.
+  bool IgnoresRise() {
+    if (has_keys() || !holds()) return false;
+    in_vain_ = true;
+    return true;
   }
   // Takes all new keys that there are, by a whole evaluation.
   absl::Status ProbeAll(const sparql::RunOptions& run, Edits& edits);
@@ -74,13 +87,19 @@ class Condition {
   void Undo(const Edit& edit);
 
   // Brings the rise watches in line with the state on `version`. True if they changed. Without a version
-  // every trigger is watched that the state needs.
-  bool Arm(const GraphVersion* version);
+  // every trigger is watched that the state needs. `probed`: a change matched one of them, and nothing rose.
+  bool Arm(const GraphVersion* version, bool probed = false);
   // A rise watch was hit although only one pattern was watched: what was known of it no longer holds.
   bool watches_one() const { return armed_ == Armed::kOne; }
+  // It holds, and what it watches to rise was hit nevertheless. What holds keeps these watches until then: most
+  // often it falls before, and needs them again.
+  bool watches_in_vain() const { return in_vain_; }
 
-  // The update that last touched witness `slot` or the whole condition, for the caller's own use.
+  // For the caller's own use: the update that last touched witness `slot`, or the whole condition and where it is
+  // listed there.
   uint64_t& stamp(uint32_t slot) { return witnesses_[slot].stamp; }
+  uint64_t touched_in = 0;
+  uint32_t touched_at = 0;
 
  private:
   enum class Armed : uint8_t { kNothing, kOne, kAll };
@@ -92,32 +111,53 @@ class Condition {
     absl::InlinedVector<PatternIndex::Handle, 3> on_remove;
   };
 
+  // Only where there are keys.
+  struct Keyed {
+    absl::flat_hash_map<Key, uint32_t> slots;  // → place in witnesses_
+    std::vector<uint32_t> free;
+  };
+
+  void Begin();
   Key KeyOf(absl::Span<const TermId> row) const;
+  int SlotOf(const Key& key) const;  // -1: there is no witness with it
+  uint32_t NewSlot(const Key& key);
   // Takes `row` as witness of its key unless it has one. True if it is new.
   bool Take(absl::Span<const TermId> row, Edits& edits);
   void SetWitness(const Key& key, absl::Span<const TermId> row);
   void DropWitness(const Key& key);
   void Watch(uint32_t slot);
   void Unwatch(Witness& witness);
+  MatchPattern MatchOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
+  // Of a condition that watches one pattern: whether it has no match, so that there is no solution.
+  bool IsBlocked(const GraphVersion& version);
   void WatchTrigger(uint32_t trigger);
   void Disarm();
+  // The scratch seed: the constants, nothing else.
+  std::vector<TermId>& BeginSeed() const;
 
-  const uint32_t number_;
-  const std::unique_ptr<Body> body_;
-  const std::vector<int16_t> keys_;
-  WatchIndexes& indexes_;
+  bool Narrows(uint32_t trigger) const;
+
+  uint64_t whole_ = 0;  // triggers, as bits, that do not narrow; the last bit stands for all beyond
+  Body* body_;
   Shape* shape_ = nullptr;
-  Shape::Constants constants_;                 // what tells this condition from others of the shape
-  bool joined_ = false;                        // it waits there
-  absl::flat_hash_map<Key, uint32_t> by_key_;  // → place in witnesses_
-  std::vector<Witness> witnesses_;
-  std::vector<uint32_t> free_;
+  WatchIndexes& indexes_;
+  const uint32_t number_;
   Armed armed_ = Armed::kNothing;
+  bool joined_ = false;   // it waits at the shape
+  bool in_vain_ = false;
+  bool blocked_ = false;   // kOne: nothing matches the trigger now, as a Recheck of this update saw
+  bool unlooked_ = false;  // kAll: whether one would do was not looked at since it fell
   int16_t armed_trigger_ = -1;  // kOne: which
+  uint32_t present_ = 0;        // witnesses
+  Row base_;                    // the constants by column of the shape's body; empty with a body of its own
+  const Keys keys_;
+  absl::InlinedVector<Witness, 1> witnesses_;  // without keys: the first, while present_
   absl::InlinedVector<PatternIndex::Handle, 3> armed_on_add_;
   absl::InlinedVector<PatternIndex::Handle, 3> armed_on_remove_;
-  std::vector<TermId> seed_;  // scratch
+  Shape::Constants constants_;  // what tells this condition from others of the shape
+  std::unique_ptr<Keyed> keyed_;
+  const std::unique_ptr<Body> own_;
 };
 
 }  // namespace docent

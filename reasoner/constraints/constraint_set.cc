@@ -32,65 +32,107 @@ ConstraintSet::ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegis
     : impl_(std::make_unique<Impl>(dictionary, functions)) {}
 ConstraintSet::~ConstraintSet() = default;
 
-absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, const GraphVersion& now,
-                                                   const RegisterOptions& options, std::string fingerprint) {
-  auto body = Body::Compile(query, dictionary, functions);
-  if (!body.ok()) return body.status();
-  std::vector<int16_t> keys;
-  for (const std::string& name : options.key_variables) {
-    const int column = (*body)->ColumnOf(name);
+namespace {
+
+// The columns of the key variables.
+absl::StatusOr<Condition::Keys> KeyColumns(const Body& body, const std::vector<std::string>& names) {
+  Condition::Keys keys;
+  for (const std::string& name : names) {
+    const int column = body.ColumnOf(name);
     if (column < 0) {
       return absl::InvalidArgumentError(
           absl::StrCat("key variable ?", name, " is not bound by the constraint"));
     }
     keys.push_back(static_cast<int16_t>(column));
   }
+  return keys;
+}
+
+}  // namespace
+
+absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, const GraphVersion& now,
+                                                   const RegisterOptions& options, std::string fingerprint) {
+  const std::optional<ShapeForm> form = SplitConstants(query);
+  std::string shape_name = form ? Fingerprint(form->shared, {}) : "";
   const bool reused = !free_numbers.empty();
   const uint32_t number = reused ? free_numbers.back() : static_cast<uint32_t>(conditions.size());
-  auto condition = std::make_unique<Condition>(number, *std::move(body), std::move(keys), indexes);
+  absl::StatusOr<std::unique_ptr<Condition>> condition = nullptr;
+  if (form) condition = BorrowBody(number, *form, shape_name, options);
+  if (!condition.ok()) return condition.status();
+  const bool borrowed = *condition != nullptr;
+  if (!borrowed) {
+    auto body = Body::Compile(query, dictionary, functions);
+    if (!body.ok()) return body.status();
+    auto keys = KeyColumns(**body, options.key_variables);
+    if (!keys.ok()) return keys.status();
+    *condition = std::make_unique<Condition>(number, *std::move(body), *std::move(keys), indexes);
+  }
   Condition::Edits first;
   const sparql::RunOptions run{.version = &now, .now_us = options.now_us};
-  if (absl::Status status = condition->Refresh(run, first); !status.ok()) return status;
+  if (absl::Status status = (*condition)->Refresh(run, first); !status.ok()) return status;
   if (reused) {
     free_numbers.pop_back();
   } else {
     conditions.emplace_back();
   }
-  if (condition->body().is_volatile()) volatile_conditions.push_back(number);
+  if ((*condition)->body().is_volatile()) volatile_conditions.push_back(number);
   by_fingerprint.emplace(fingerprint, number);
-  conditions[number].condition = std::move(condition);
-  conditions[number].fingerprint = std::move(fingerprint);
-  JoinShape(number, query);
-  conditions[number].condition->Arm(&now);
+  Shared& shared = conditions[number];
+  shared.condition = *std::move(condition);
+  shared.fingerprint = std::move(fingerprint);
+  shared.shape = std::move(shape_name);
+  if (form) JoinShape(number, *form, borrowed, now);
+  shared.condition->Arm(&now);
   return number;
 }
 
-void ConstraintSet::Impl::JoinShape(uint32_t number, const sparql::Query& query) {
-  const std::optional<ShapeForm> form = SplitConstants(query);
-  if (!form) return;
+absl::StatusOr<std::unique_ptr<Condition>> ConstraintSet::Impl::BorrowBody(uint32_t number, const ShapeForm& form,
+                                                                           const std::string& shape_name,
+                                                                           const RegisterOptions& options) {
+  const auto like = alike.find(shape_name);
+  if (like == alike.end() || !like->second.shape) return nullptr;
+  Shape& shape = *shapes[*like->second.shape];
+  if (!shape.lends_body()) return nullptr;
+  auto keys = KeyColumns(shape.body(), options.key_variables);
+  if (!keys.ok()) return keys.status();
+  Shape::Constants constants;
+  for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
+  return std::make_unique<Condition>(number, &shape, std::move(constants), *std::move(keys), indexes);
+}
+
+void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
   Shared& shared = conditions[number];
-  shared.shape = Fingerprint(form->shared, {});
   Alike& like = alike[shared.shape];
-  if (++like.count <= kShapesAlone || like.hopeless) return;
+  ++like.count;
+  if (like.hopeless || borrowed) return;
+  Shape::Constants constants;
+  for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
+  like.alone.emplace_back(number, std::move(constants));
+  if (like.count <= kShapesAlone) return;
   if (!like.shape) {
     const auto free = std::find(shapes.begin(), shapes.end(), nullptr);
     const auto place = static_cast<uint32_t>(free - shapes.begin());
-    auto shape = Shape::Make(place, *form, shared.condition->body(), indexes, dictionary, functions);
+    auto shape = Shape::Make(place, form, shared.condition->body(), indexes, dictionary, functions);
     like.hopeless = !shape.ok() || *shape == nullptr;
-    if (like.hopeless) return;
-    if (free == shapes.end()) shapes.emplace_back();
-    shapes[place] = *std::move(shape);
-    like.shape = place;
+    if (free == shapes.end() && !like.hopeless) shapes.emplace_back();
+    if (!like.hopeless) shapes[place] = *std::move(shape);
+    if (!like.hopeless) like.shape = place;
   }
-  Shape::Constants constants;
-  for (const Term& constant : form->constants) constants.push_back(dictionary.Intern(constant));
-  shared.condition->SetShape(shapes[*like.shape].get(), std::move(constants));
+  for (auto& [alone, values] : std::exchange(like.alone, {})) {
+    if (like.hopeless) continue;
+    conditions[alone].condition->SetShape(shapes[*like.shape].get(), std::move(values));
+    if (alone == number) continue;  // its maker arms it
+    conditions[alone].condition->Arm(&now);
+    journal.push_back({JournalEntry::Kind::kArmed, alone, {}, {}});
+  }
 }
 
 // After its condition is gone.
-void ConstraintSet::Impl::LeaveShape(const std::string& shape) {
+void ConstraintSet::Impl::LeaveShape(const std::string& shape, uint32_t number) {
   const auto found = alike.find(shape);
-  if (found == alike.end() || --found->second.count > 0) return;
+  if (found == alike.end()) return;
+  std::erase_if(found->second.alone, [number](const auto& alone) { return alone.first == number; });
+  if (--found->second.count > 0) return;
   if (found->second.shape) shapes[*found->second.shape].reset();
   alike.erase(found);
 }
@@ -179,6 +221,7 @@ void ConstraintSet::Remove(ConstraintId id) {
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end() || found->second.removed) return;
   found->second.removed = true;
+  ++impl_->removals;
   impl_->journal.push_back({Impl::JournalEntry::Kind::kRemoved, found->second.condition, id, {}});
 }
 
@@ -201,7 +244,7 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   by_fingerprint.erase(shared.fingerprint);
   const std::string shape = std::move(shared.shape);
   shared = Shared{};
-  LeaveShape(shape);
+  LeaveShape(shape, follower.condition);
   free_numbers.push_back(follower.condition);
 }
 
@@ -239,7 +282,7 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
   std::vector<Binding> bindings;
   absl::flat_hash_set<Binding> seen;
   absl::Status compared;
-  const std::vector<TermId> seed(columns.size());
+  const std::vector<TermId> seed = condition.Seed();
   const sparql::RunOptions run{.version = &version, .now_us = now_us};
   const absl::Status status = condition.body().Evaluate(run, seed, [&](absl::Span<const TermId> row) {
     if (follower.threshold) {
@@ -263,10 +306,11 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
 }
 
 size_t ConstraintSet::size() const {
-  const auto removed = std::count_if(impl_->journal.begin(), impl_->journal.end(), [](const auto& entry) {
-    return entry.kind == Impl::JournalEntry::Kind::kRemoved;
-  });
-  return impl_->followers.size() - static_cast<size_t>(removed);
+  return impl_->followers.size() - impl_->removals;
+}
+
+void ConstraintSet::SetStopWatch(StopWatch now_ns) {
+  impl_->now_ns = now_ns;
 }
 
 const ConstraintSet::Counters& ConstraintSet::counters() const {

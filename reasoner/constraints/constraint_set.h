@@ -116,6 +116,10 @@ class ConstraintSet {
   // The turn failed: back to the last Commit. Ids given since then are unknown.
   void Rollback();
 
+  // What time costs are counted in: monotonic nanoseconds. Nothing is decided by it.
+  using StopWatch = uint64_t (*)();
+  void SetStopWatch(StopWatch now_ns);
+
   size_t size() const;  // constraints followed
   // Since construction, for /metrics.
   struct Counters {
@@ -123,6 +127,9 @@ class ConstraintSet {
     uint64_t candidates = 0;   // (constraint, changed quad) pairs that the index found
     uint64_t evaluations = 0;  // queries or delta joins run by Update
     uint64_t changes = 0;      // edges reported
+    // Of these evaluations, those that no change narrowed: what they cost grows with the graph.
+    uint64_t whole_evaluations = 0;
+    uint64_t whole_ns = 0;  // by the stop watch; 0 without one
   };
   const Counters& counters() const;
   uint64_t candidates() const { return counters().candidates; }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -45,6 +46,7 @@ struct ConstraintSet::Impl {
   };
   // What the running Update finds to do with a condition.
   struct Touched {
+    uint32_t condition = 0;
     Condition::Edits edits;
     int rises = 0;           // changes that a rise watch matched
     bool full_done = false;  // evaluated whole: nothing is left to find
@@ -55,12 +57,14 @@ struct ConstraintSet::Impl {
     uint32_t owner;  // condition, or shape with WatchIndexes::kIsShape
     uint32_t trigger;
     const Quad* quad;
+    bool added;  // or removed
   };
   // Conditions that differ only in constants. The first ones have no shape made for them.
   struct Alike {
     int64_t count = 0;
     bool hopeless = false;  // nothing would be shared
     std::optional<uint32_t> shape;
+    std::vector<std::pair<uint32_t, Shape::Constants>> alone;  // conditions that came before there was one
   };
 
   Impl(Dictionary& d, const sparql::FunctionRegistry* f) : dictionary(d), functions(f), comparer(d) {}
@@ -76,14 +80,20 @@ struct ConstraintSet::Impl {
                                                     const GraphVersion& now, const RegisterOptions& options);
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
-  // Gives the condition its shape, if there are enough like it.
-  void JoinShape(uint32_t number, const sparql::Query& query);
-  void LeaveShape(const std::string& shape);
+  // A condition with the body of its shape; null: the shape has none to lend.
+  absl::StatusOr<std::unique_ptr<Condition>> BorrowBody(uint32_t number, const ShapeForm& form,
+                                                        const std::string& shape_name, const RegisterOptions& options);
+  // Counts the condition among those like it. Gives it its shape, if there are enough of them.
+  void JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now);
+  void LeaveShape(const std::string& shape, uint32_t number);
   ThresholdGroup& GroupOf(const Follower& follower) const;
   bool Holds(ConstraintId id, const Follower& follower) const;
+  bool IsRemoved(ConstraintId id) const { return removals > 0 && followers.find(id)->second.removed; }
   void Unfollow(ConstraintId id);
 
   // Update.
+  // Counts an evaluation that no change narrows, and how long it takes.
+  absl::Status Whole(absl::FunctionRef<absl::Status()> evaluate);
   Touched& Touch(uint32_t number);
   void GatherRises(const Delta& delta);
   absl::Status RecheckBroken(const sparql::RunOptions& run, const Delta& delta);
@@ -120,12 +130,15 @@ struct ConstraintSet::Impl {
   absl::flat_hash_map<ConstraintId, Follower> followers;
   std::vector<uint32_t> volatile_conditions;
   std::vector<JournalEntry> journal;
+  size_t removals = 0;  // kRemoved in it
   uint64_t next_id = 1;
   Counters counters;
+  StopWatch now_ns = nullptr;
 
   // of the running Update
-  absl::flat_hash_map<uint32_t, Touched> touched;
+  std::vector<Touched> touched;  // a condition knows its place
   std::vector<Rise> rises;
+  std::vector<PatternIndex::Reference> broken;
   absl::flat_hash_map<uint32_t, int> shape_rises;  // shape → changes that its watches matched
 };
 

@@ -9,14 +9,26 @@
 namespace docent {
 
 ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
-  const auto [place, fresh] = touched.try_emplace(number);
-  if (fresh) place->second.held = conditions[number].condition->holds();
-  return place->second;
+  Condition& condition = *conditions[number].condition;
+  if (condition.touched_in != counters.updates) {
+    condition.touched_in = counters.updates;
+    condition.touched_at = static_cast<uint32_t>(touched.size());
+    touched.push_back({.condition = number, .held = condition.holds()});
+  }
+  return touched[condition.touched_at];
+}
+
+absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evaluate) {
+  ++counters.whole_evaluations;
+  const uint64_t start = now_ns == nullptr ? 0 : now_ns();
+  absl::Status status = evaluate();
+  if (now_ns != nullptr) counters.whole_ns += now_ns() - start;
+  return status;
 }
 
 // Witnesses that a change may have broken.
 absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run, const Delta& delta) {
-  std::vector<PatternIndex::Reference> broken;
+  broken.clear();
   const auto gather = [&](PatternIndex::Reference reference) { broken.push_back(reference); };
   for (const Quad& quad : delta.added) indexes.break_on_add.ForEachMatch(quad, gather);
   for (const Quad& quad : delta.removed) indexes.break_on_remove.ForEachMatch(quad, gather);
@@ -34,17 +46,17 @@ absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run, c
 void ConstraintSet::Impl::GatherRises(const Delta& delta) {
   rises.clear();
   shape_rises.clear();
-  const auto gather = [&](const Quad& quad) {
-    return [this, &quad](PatternIndex::Reference reference) {
+  const auto gather = [&](const Quad& quad, bool added) {
+    return [this, &quad, added](PatternIndex::Reference reference) {
       ++counters.candidates;
       const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
       int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
       if (++count > kMaxProbes) return;
-      rises.push_back({reference.owner, reference.pattern, &quad});
+      rises.push_back({reference.owner, reference.pattern, &quad, added});
     };
   };
-  for (const Quad& quad : delta.added) indexes.rise_on_add.ForEachMatch(quad, gather(quad));
-  for (const Quad& quad : delta.removed) indexes.rise_on_remove.ForEachMatch(quad, gather(quad));
+  for (const Quad& quad : delta.added) indexes.rise_on_add.ForEachMatch(quad, gather(quad, true));
+  for (const Quad& quad : delta.removed) indexes.rise_on_remove.ForEachMatch(quad, gather(quad, false));
 }
 
 absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
@@ -56,14 +68,19 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
     Condition& condition = *conditions[rise.owner].condition;
     Touched& touch = Touch(rise.owner);
     touch.probed = true;
-    if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
+    if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;
     absl::Status status;
     if (touch.rises > kMaxProbes) {
       touch.full_done = true;
-      status = condition.ProbeAll(run, touch.edits);
+      status = Whole([&] { return condition.ProbeAll(run, touch.edits); });
+    } else if (const auto probe = [&] {
+                 return condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, touch.edits);
+               };
+               condition.narrows(rise.trigger)) {
+      status = probe();
     } else {
-      status = condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
+      status = Whole(probe);
     }
     if (!status.ok()) return status;
   }
@@ -77,7 +94,7 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   if (whole) count = -1;
   Shape& shape = *shapes[rise.owner & ~WatchIndexes::kIsShape];
   ++counters.evaluations;
-  absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, run,
+  absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {
                                              conditions[number].condition->Offer(row, Touch(number).edits);
                                            });
@@ -85,11 +102,11 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   for (const uint32_t number : shape.Waiting()) {
     Condition& condition = *conditions[number].condition;
     Touched& touch = Touch(number);
-    if (touch.full_done || (condition.holds() && !condition.has_keys())) continue;
+    if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;
-    absl::Status status = whole
-                              ? condition.ProbeAll(run, touch.edits)
-                              : condition.Probe(rise.trigger, *rise.quad, run, touch.full_done, touch.edits);
+    absl::Status status =
+        whole ? condition.ProbeAll(run, touch.edits)
+              : condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, touch.edits);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -97,8 +114,9 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
 
 absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run) {
   for (const uint32_t number : volatile_conditions) {
+    Condition::Edits& edits = Touch(number).edits;
     ++counters.evaluations;
-    const absl::Status status = conditions[number].condition->Refresh(run, Touch(number).edits);
+    const absl::Status status = Whole([&] { return conditions[number].condition->Refresh(run, edits); });
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -106,10 +124,11 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
 
 // Watches follow the new state; what changed goes into the journal.
 void ConstraintSet::Impl::Settle(const GraphVersion& version) {
-  for (auto& [number, touch] : touched) {
+  for (Touched& touch : touched) {
+    const uint32_t number = touch.condition;
     Condition& condition = *conditions[number].condition;
-    const bool stale = touch.probed && condition.watches_one();
-    if ((!touch.edits.empty() || stale) && condition.Arm(&version)) {
+    const bool failed = touch.probed && touch.edits.empty();
+    if ((touch.probed || !touch.edits.empty() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
       journal.push_back({JournalEntry::Kind::kArmed, number, {}, {}});
     }
     for (const Condition::Edit& edit : touch.edits) {
@@ -148,6 +167,12 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
     change.edge = condition.holds() ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell;
   }
   if (!condition.has_keys()) return change;
+  if (touch.edits.size() == 1) {
+    const Condition::Edit& edit = touch.edits[0];
+    const bool now = condition.Has(edit.key);
+    if (now != edit.was_present) (now ? change.appeared : change.disappeared).push_back(BindingOf(condition, edit.key));
+    return change;
+  }
   // The first edit of a key tells what was before; what is now, the condition knows.
   absl::flat_hash_map<Condition::Key, bool> before;
   std::vector<Condition::Key> order;
@@ -165,17 +190,18 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
 }
 
 absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& changes) {
-  for (const auto& [number, touch] : touched) {
+  for (const Touched& touch : touched) {
     if (touch.edits.empty()) continue;
+    const uint32_t number = touch.condition;
     for (const ConstraintId id : conditions[number].followers) {
-      if (followers[id].removed) continue;
+      if (IsRemoved(id)) continue;
       ConstraintChange change = ChangeOf(id, number, touch);
       const bool edge = change.edge != ConstraintChange::Edge::kBindingsChanged;
       if (edge || !change.appeared.empty() || !change.disappeared.empty())
         changes.push_back(std::move(change));
     }
     const absl::Status status = RelevelGroups(number, [&](ConstraintId id, bool level) {
-      if (followers[id].removed) return;
+      if (IsRemoved(id)) return;
       changes.push_back({id, level ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell, {}, {}});
     });
     if (!status.ok()) return status;
@@ -203,16 +229,19 @@ absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphV
 }
 
 void ConstraintSet::Commit() {
-  std::vector<Impl::JournalEntry> journal = std::move(impl_->journal);
-  impl_->journal.clear();
-  for (const Impl::JournalEntry& entry : journal) {
-    if (entry.kind == Impl::JournalEntry::Kind::kRemoved) impl_->Unfollow(entry.id);
+  if (impl_->removals > 0) {
+    for (const Impl::JournalEntry& entry : impl_->journal) {
+      if (entry.kind == Impl::JournalEntry::Kind::kRemoved) impl_->Unfollow(entry.id);
+    }
+    impl_->removals = 0;
   }
+  impl_->journal.clear();
 }
 
 void ConstraintSet::Rollback() {
   std::vector<Impl::JournalEntry> journal = std::move(impl_->journal);
   impl_->journal.clear();
+  impl_->removals = 0;
   std::vector<uint32_t> changed;
   for (auto entry = journal.rbegin(); entry != journal.rend(); ++entry) {
     Impl::Shared& shared = impl_->conditions[entry->condition];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/vocabulary.h"
 
@@ -15,13 +16,48 @@ using sparql::PatternTerm;
 // A probe gives up where it finds this many solutions more than twice the members.
 constexpr size_t kSpareSolutions = 64;
 
+// The same constant is the same variable.
 void OpenTerm(PatternTerm& term, ShapeForm& form) {
   if (term.IsVariable()) return;
-  // no query has a variable with a space in its name
-  std::string name = absl::StrCat("constant ", form.parameters.size());
-  form.constants.push_back(term.term);
-  term = PatternTerm::Of(sparql::Variable{name});
-  form.parameters.push_back(std::move(name));
+  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term);
+  const auto place = static_cast<size_t>(known - form.constants.begin());
+  if (known == form.constants.end()) {
+    form.constants.push_back(term.term);
+    // no query has a variable with a space in its name
+    form.parameters.push_back(absl::StrCat("constant ", place));
+  }
+  term = PatternTerm::Of(sparql::Variable{form.parameters[place]});
+}
+
+// Inside EXISTS, what stands outside, too, is the variable that it is there.
+void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+  if (term.IsVariable()) return;
+  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term);
+  if (known == form.constants.end()) return;
+  const std::string& name = form.parameters[static_cast<size_t>(known - form.constants.begin())];
+  if (scope.contains(name)) term = PatternTerm::Of(sparql::Variable{name});
+}
+
+void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+  const bool plain = node.kind == Algebra::Kind::kBgp || node.kind == Algebra::Kind::kJoin;
+  if (!plain) return;
+  for (sparql::TriplePattern& triple : node.triples) {
+    OpenKnown(triple.subject, scope, form);
+    const bool type = !triple.predicate.IsVariable() && triple.predicate.term.lexical == kRdfType;
+    if (!type) OpenKnown(triple.object, scope, form);
+  }
+  for (const auto& child : node.children) OpenKnown(*child, scope, form);
+}
+
+void OpenKnown(sparql::Expression& expression, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+  if (expression.pattern) OpenKnown(*expression.pattern, scope, form);
+  for (const auto& argument : expression.arguments) OpenKnown(*argument, scope, form);
+}
+
+Shape::Constants ConstantsOf(const ShapeForm& form, Dictionary& dictionary) {
+  Shape::Constants constants;
+  for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
+  return constants;
 }
 
 bool SameConstants(const QuadPattern& a, const QuadPattern& b) {
@@ -42,6 +78,8 @@ void OpenConstants(Algebra& node, ShapeForm& form) {
       for (const auto& child : node.children) OpenConstants(*child, form);
       return;
     case Algebra::Kind::kFilter:
+      OpenConstants(*node.children[0], form);
+      return OpenKnown(*node.expression, CertainVariables(*node.children[0]), form);
     case Algebra::Kind::kMinus:
     case Algebra::Kind::kLeftJoin:
     case Algebra::Kind::kGraph:
@@ -96,8 +134,44 @@ absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeF
     shape->shared_.push_back(shares);
     any = any || shares;
   }
-  if (!any) return nullptr;
+  shape->shares_any_ = any;
+  shape->lends_body_ = shape->IsSame(member, ConstantsOf(form, dictionary));
+  if (!any && !shape->lends_body_) return nullptr;
+  for (const int16_t column : shape->parameters_) shape->body_->Hide(column);
   return shape;
+}
+
+std::vector<TermId> Shape::SeedOf(const Constants& constants) const {
+  std::vector<TermId> seed(body_->columns().size());
+  for (size_t i = 0; i < constants.size(); ++i) seed[parameters_[i]] = constants[i];
+  return seed;
+}
+
+// Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
+bool Shape::IsSame(const Body& member, const Constants& constants) const {
+  const std::vector<TermId> seed = SeedOf(constants);
+  for (size_t i = 0; i < shared_.size(); ++i) {
+    const Trigger& open = body_->triggers()[i];
+    const Trigger& closed = member.triggers()[i];
+    const MatchPattern match = body_->Instantiate(open, seed);
+    if (!SameConstants(match.constants, closed.match.constants) || match.equal != closed.match.equal ||
+        match.object_guard.has_value() != closed.match.object_guard.has_value() || open.polarity != closed.polarity ||
+        open.required != closed.required) {
+      return false;
+    }
+    for (size_t j = 0; j < closed.columns.size(); ++j) {
+      const int16_t column = closed.columns[j];
+      if (column != Trigger::kNoColumn && open.columns[j] != columns_[column]) return false;
+      const bool bound = open.columns[j] != Trigger::kNoColumn && seed[open.columns[j]].IsNone();
+      if (column == Trigger::kNoColumn && bound) return false;
+    }
+  }
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    const Body::Column& open = body_->columns()[columns_[i]];
+    const Body::Column& closed = member.columns()[i];
+    if (open.seedable != closed.seedable || open.certain != closed.certain) return false;
+  }
+  return body_->columns().size() == columns_.size() + parameters_.size();
 }
 
 void Shape::Watch() {
@@ -139,7 +213,7 @@ std::vector<uint32_t> Shape::Waiting() const {
   return all;
 }
 
-absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, const sparql::RunOptions& run,
+absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
                                   Visitor visit) {
   seed_.assign(body_->columns().size(), TermId());
   if (quad != nullptr) body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
@@ -148,17 +222,18 @@ absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, const spar
   }
   size_t solutions = 0;
   const size_t most = 2 * waiting_ + kSpareSolutions;
-  const absl::Status status = body_->Evaluate(run, seed_, [&](absl::Span<const TermId> row) {
+  const auto take = [&](absl::Span<const TermId> row) {
     if (++solutions > most) return false;
     found_.clear();
     for (const int16_t column : parameters_) found_.push_back(row[column]);
     const auto members = members_.find(found_);
     if (members == members_.end()) return true;
-    row_.clear();
-    for (const int16_t column : columns_) row_.push_back(row[column]);
-    for (const uint32_t condition : members->second) visit(condition, row_);
+    for (const uint32_t condition : members->second) visit(condition, row);
     return true;
-  });
+  };
+  const absl::Status status = quad != nullptr && added
+                                  ? body_->EvaluateFrom(body_->triggers()[trigger], run, seed_, take)
+                                  : body_->Evaluate(run, seed_, take);
   if (!status.ok()) return status;
   return solutions <= most;
 }

@@ -26,8 +26,8 @@
 
 namespace docent {
 
-// A query as a template: subjects and objects of the patterns that every solution matches are variables of
-// their own. Objects of rdf:type stay: classes make another shape.
+// A query as a template: constants that are subjects or objects of the patterns that every solution matches are
+// variables, there and inside EXISTS. Objects of rdf:type stay: classes make another shape.
 struct ShapeForm {
   sparql::Query shared;
   std::vector<std::string> parameters;  // the variables, and
@@ -50,7 +50,17 @@ class Shape {
   Shape(const Shape&) = delete;
   Shape& operator=(const Shape&) = delete;
 
-  // Whether the shape watches this trigger for its members.
+  // Whether members need no body of their own: this one with their constants in it is the same. Such a member's
+  // columns are the shape's.
+  bool lends_body() const { return lends_body_; }
+  Body& body() { return *body_; }
+  // A row of the body with the constants in it, nothing else.
+  std::vector<TermId> SeedOf(const Constants& constants) const;
+  // The shape's columns in the order of those of a member with a body of its own.
+  const std::vector<int16_t>& columns() const { return columns_; }
+
+  // Whether the shape watches this trigger for its members, or any.
+  bool SharesAny() const { return shares_any_; }
   bool Shares(size_t trigger) const { return shared_[trigger]; }
 
   // The condition waits for a solution with these constants. The first that comes makes the shape watch.
@@ -60,16 +70,17 @@ class Shape {
   std::vector<uint32_t> Waiting() const;
 
   // Calls `visit` with each solution that `quad` gives through `trigger` and the conditions that wait for it,
-  // the row in the order of a member's columns. False: there are many more solutions than members, it is
+  // the row in the shape's columns. False: there are many more solutions than members, it is
   // cheaper to ask them. No quad: all solutions.
   using Visitor = absl::FunctionRef<void(uint32_t condition, absl::Span<const TermId> row)>;
-  absl::StatusOr<bool> Probe(uint32_t trigger, const Quad* quad, const sparql::RunOptions& run,
+  absl::StatusOr<bool> Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
                              Visitor visit);
 
  private:
   Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
   void Watch();
   void Unwatch();
+  bool IsSame(const Body& member, const Constants& constants) const;
 
   const uint32_t number_;
   const std::unique_ptr<Body> body_;
@@ -79,8 +90,10 @@ class Shape {
   std::vector<bool> shared_;         // by trigger
   absl::flat_hash_map<Constants, absl::InlinedVector<uint32_t, 1>> members_;
   size_t waiting_ = 0;
+  bool lends_body_ = false;
+  bool shares_any_ = false;
   std::vector<PatternIndex::Handle> on_add_, on_remove_;
-  std::vector<TermId> seed_, row_;  // scratch
+  std::vector<TermId> seed_;  // scratch
   Constants found_;                 // scratch
 };
 

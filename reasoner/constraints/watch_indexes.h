@@ -3,6 +3,7 @@
 #define DOCENT_REASONER_CONSTRAINTS_WATCH_INDEXES_H_
 
 #include <cstdint>
+#include <vector>
 
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
@@ -18,6 +19,7 @@ struct WatchIndexes {
   PatternIndex rise_on_remove;
   PatternIndex break_on_add;
   PatternIndex break_on_remove;
+  std::vector<TermId> seed;  // scratch of whoever evaluates
 };
 
 // In which direction a trigger can make a condition rise.

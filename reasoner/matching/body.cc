@@ -216,6 +216,33 @@ class BodyBuilder {
     return test.left < 0 ? std::nullopt : std::optional<TermTest>(test);
   }
 
+  // EXISTS or NOT EXISTS of one triple pattern, each of whose variables is either one of the body's or stands in it once.
+  std::optional<ExistsTest> ExistsTestOf(const Expression& expression) {
+    const bool negated = expression.kind == Expression::Kind::kNotExists;
+    if (!negated && expression.kind != Expression::Kind::kExists) return std::nullopt;
+    const Algebra& inner = *expression.pattern;
+    if (inner.kind != Algebra::Kind::kBgp || inner.triples.size() != 1) return std::nullopt;
+    const sparql::TriplePattern& triple = inner.triples[0];
+    const std::array<const PatternTerm*, 3> terms = {&triple.subject, &triple.predicate, &triple.object};
+    ExistsTest test;
+    test.negated = negated;
+    std::vector<std::string> open;
+    for (int i = 0; i < 3; ++i) {
+      test.pattern.columns[i] = Trigger::kNoColumn;
+      if (!terms[i]->IsVariable()) {
+        test.pattern.constants[i] = dictionary_.Intern(terms[i]->term);
+        continue;
+      }
+      const std::string& name = terms[i]->variable->name;
+      test.pattern.columns[i] = static_cast<int16_t>(body_.ColumnOf(name));
+      if (test.pattern.columns[i] >= 0) continue;
+      test.pattern.columns[i] = Trigger::kNoColumn;
+      if (std::find(open.begin(), open.end(), name) != open.end()) return std::nullopt;
+      open.push_back(name);
+    }
+    return test;
+  }
+
   // Comparisons with a number that stand in the outermost filters.
   void CollectTests(const Algebra& where) {
     for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get()) {
@@ -296,6 +323,7 @@ class BodyBuilder {
       Body::FlatPlan::Filter filter;
       filter.test = TestOf(*conjunct);
       filter.terms = TermTestOf(*conjunct);
+      filter.exists = ExistsTestOf(*conjunct);
       filter.source = conjunct->Clone();
       for (const sparql::Variable& v : sparql::MentionedVariables(*conjunct)) {
         filter.columns.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
@@ -383,6 +411,18 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
     if (!columns_[i].seedable) usable[i] = TermId();
   }
   return EvaluateSeeded(run, usable, visit);
+}
+
+absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                                Visitor visit) {
+  if (!flat() || trigger.pattern < 0) return Evaluate(run, seed, visit);
+  for (const int16_t column : patterns_[static_cast<size_t>(trigger.pattern)].columns) {
+    if (column != Trigger::kNoColumn && seed[column].IsNone()) return Evaluate(run, seed, visit);
+  }
+  for (const NumberTest& test : tests_) {
+    if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
+  }
+  return plan_->EvaluateRest(run, seed, uint32_t{1} << trigger.pattern, Filters::kAll, visit);
 }
 
 bool Body::FiltersDecidedBy(uint32_t patterns) const {

@@ -79,6 +79,8 @@ class Body {
   const std::vector<Column>& columns() const { return columns_; }
   // -1 if there is none.
   int ColumnOf(const std::string& name) const;
+  // Makes a column invisible.
+  void Hide(int column) { columns_[static_cast<size_t>(column)].visible = false; }
   const std::vector<Trigger>& triggers() const { return triggers_; }
   bool is_volatile() const { return is_volatile_; }
   // A conjunction of patterns() with filters around it.
@@ -103,6 +105,9 @@ class Body {
   // PreparedQuery.
   using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
+  // The same where `seed` comes from a quad that is in the graph and matches `trigger`: that is not looked up again.
+  absl::Status EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
+                            Visitor visit);
   // The same for a flat body of which the patterns in the bit set `matched` are known to match under `seed`,
   // or are not to be asked: they are not looked at.
   enum class Filters : uint8_t {

@@ -35,7 +35,7 @@ absl::Status Body::FlatPlan::Build(std::vector<Pattern> patterns, std::vector<Fi
   filters_ = std::move(filters);
   names_ = std::move(names);
   for (Filter& filter : filters_) {
-    if (filter.test || filter.terms) continue;
+    if (filter.test || filter.terms || filter.exists) continue;
     if (absl::Status status = Prepare(filter); !status.ok()) return status;
   }
   return absl::OkStatus();
@@ -84,11 +84,19 @@ bool Body::FlatPlan::IsBound(const Filter& filter) const {
                       [&](int16_t column) { return column < 0 || row_[column].IsNone(); });
 }
 
+bool Body::FlatPlan::Exists(const ExistsTest& test, const GraphVersion& version) const {
+  return version.Scan(Bind(test.pattern)).Valid() != test.negated;
+}
+
 // False: stop.
 bool Body::FlatPlan::Leaf(Run& run) {
   if (run.filters == Filters::kNone) return run.visit(row_);
   for (Filter& filter : filters_) {
     if (run.filters == Filters::kBound && !IsBound(filter)) continue;
+    if (filter.exists) {
+      if (!Exists(*filter.exists, *run.options.version)) return true;
+      continue;
+    }
     if (filter.test || filter.terms) {
       const std::optional<bool> decided =
           filter.test ? TestNumbers(*filter.test, row_) : TestTerms(*filter.terms, row_);

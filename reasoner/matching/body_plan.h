@@ -21,6 +21,12 @@ struct TermTest {
   bool equal = true;
 };
 
+// FILTER EXISTS or NOT EXISTS of one triple pattern: decided by one lookup.
+struct ExistsTest {
+  Body::Pattern pattern;  // kNoColumn without a constant: anything
+  bool negated = false;
+};
+
 // nullopt where a column is open or holds a literal.
 std::optional<bool> TestTerms(const TermTest& test, absl::Span<const TermId> row);
 
@@ -45,6 +51,7 @@ class Body::FlatPlan final : public Body::Plan {
   struct Filter {
     std::optional<NumberTest> test;
     std::optional<TermTest> terms;
+    std::optional<ExistsTest> exists;  // then no expression is needed
     sparql::ExpressionPtr source;  // made ready when first needed, where there is a test
     std::unique_ptr<sparql::PreparedExpression> expression;
     std::vector<int16_t> columns;  // of its variables
@@ -72,6 +79,7 @@ class Body::FlatPlan final : public Body::Plan {
   bool TestBound(int16_t column) const;
   bool IsBound(const Filter& filter) const;
   bool Leaf(Run& run);
+  bool Exists(const ExistsTest& test, const GraphVersion& version) const;
   absl::Status Prepare(Filter& filter);
 
   const Dictionary& dictionary_;

@@ -18,6 +18,7 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
 #include "absl/functional/function_ref.h"
 #include "kb_server/store/quad.h"
 #include "reasoner/matching/number_range.h"
@@ -83,7 +84,7 @@ class PatternIndex {
     absl::btree_set<Bound> at_most;
   };
   struct Bucket {
-    std::vector<Handle> plain;
+    absl::InlinedVector<Handle, 4> plain;  // most have one or two
     std::unique_ptr<Guarded> guarded;
     bool empty() const { return plain.empty() && !guarded; }
   };

@@ -286,5 +286,54 @@ TEST_F(ConstraintSetTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOneByOne
   EXPECT_EQ(Turn({}, {"zoe at hub"}).size(), 20u);
 }
 
+// What holds keeps watching; being hit in vain it stops, and must watch again when it falls.
+TEST_F(ConstraintSetTest, WhatHoldsAndIsHitInVainRisesAgainAfterItFell) {
+  for (int i = 0; i < 20; ++i) Register("ASK { ?v :at :room . ?v :wants :topic" + std::to_string(i) + " }");
+  Turn({"ann at room", "bob at room"});
+  Commit();
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_THAT(Turn({"ann wants topic7"}), ElementsAre("8 rose"));
+    Commit();
+    EXPECT_THAT(Turn({"bob wants topic7"}), IsEmpty());
+    Commit();
+    EXPECT_THAT(Turn({}, {"ann wants topic7"}), IsEmpty()) << "bob does";
+    Commit();
+    EXPECT_THAT(Turn({}, {"bob wants topic7"}), ElementsAre("8 fell"));
+    Commit();
+  }
+}
+
+TEST_F(ConstraintSetTest, NegationsThatDifferInOneConstantShareTheirBody) {
+  std::vector<std::string> quads;
+  for (int i = 0; i < 20; ++i) quads.push_back("p" + std::to_string(i) + " at hall");
+  Turn(quads);
+  Commit();
+  for (int i = 0; i < 20; ++i) {
+    const std::string p = ":p" + std::to_string(i);
+    EXPECT_TRUE(set_.Holds(Register("ASK { " + p + " :at ?r . FILTER NOT EXISTS { " + p + " :badge ?b } }")));
+  }
+  EXPECT_THAT(Turn({"p9 badge b1"}), ElementsAre("10 fell"));
+  Commit();
+  EXPECT_THAT(Turn({"p9 badge b2"}, {"p9 badge b1"}), IsEmpty());
+  Commit();
+  EXPECT_THAT(Turn({"p3 badge b1"}, {"p9 badge b2"}), ElementsAre("4 fell", "10 rose"));
+  Rollback();
+  EXPECT_THAT(Turn({}, {"p9 badge b2", "p3 at hall"}), ElementsAre("4 fell", "10 rose"));
+}
+
+uint64_t FakeNanos() {
+  static uint64_t now = 0;
+  return now += 10;
+}
+
+TEST_F(ConstraintSetTest, EvaluationsThatNothingNarrowsAreCounted) {
+  set_.SetStopWatch(FakeNanos);
+  Register("ASK { ?s :until ?t . FILTER(?t < NOW()) }");
+  Register("ASK { ?v :at :room }");
+  Turn({"ann at room"});
+  EXPECT_EQ(set_.counters().whole_evaluations, 1u) << "NOW() alone";
+  EXPECT_EQ(set_.counters().whole_ns, 10u);
+}
+
 }  // namespace
 }  // namespace docent
