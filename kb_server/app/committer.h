@@ -48,6 +48,8 @@ struct WriterCounters {
   std::atomic<uint64_t> commands{0};
   std::atomic<uint64_t> constraint_candidates{0};
   std::atomic<uint64_t> constraint_evaluations{0};
+  std::atomic<uint64_t> constraint_whole_evaluations{0};
+  std::atomic<uint64_t> constraint_whole_ns{0};
   std::atomic<uint64_t> constraints{0};
   std::atomic<uint64_t> inferred{0};
   std::atomic<uint64_t> live_runs{0};

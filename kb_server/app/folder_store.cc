@@ -5,13 +5,16 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/app/spatial_functions.h"
 #include "kb_server/log/sqlite_log.h"
 #include "kb_server/redland/version_store.h"
 
 namespace docent {
 
 FolderStore::FolderStore(const Clock* clock, const Limits& limits)
-    : limits_(limits), inbox_(clock, limits), feed_(limits.run_events_kept) {}
+    : limits_(limits), inbox_(clock, limits), feed_(limits.run_events_kept) {
+  RegisterSpatialFunctions(&functions_);
+}
 
 absl::StatusOr<std::unique_ptr<FolderStore>> FolderStore::Open(const std::string& folder, bool make_new,
                                                                const Clock* clock, const Limits& limits) {

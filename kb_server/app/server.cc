@@ -13,6 +13,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "kb_server/app/spatial_functions.h"
 #include "kb_server/log/sqlite_log.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
@@ -87,7 +88,9 @@ Server::Server(const ServerSettings& settings)
       clock_(settings.clock != nullptr ? *settings.clock : system_clock_),
       inbox_(&clock_, settings.limits),
       feed_(settings.limits.run_events_kept),
-      leases_(&clock_) {}
+      leases_(&clock_) {
+  RegisterSpatialFunctions(&functions_);
+}
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
     const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress) {
@@ -269,6 +272,12 @@ void Server::RegisterMetrics() {
       &counters->constraint_candidates);
   add("docent_constraint_evaluations_total",
       "Standing constraints evaluated because a change could match them", &counters->constraint_evaluations);
+  add("docent_constraint_whole_evaluations_total",
+      "Of those, the ones that the change does not narrow: what they cost grows with the graph",
+      &counters->constraint_whole_evaluations);
+  metrics_.AddCounterFunction("docent_constraint_whole_seconds_total", "Time that these took", [counters] {
+    return static_cast<double>(counters->constraint_whole_ns.load()) / 1e9;
+  });
   metrics_.AddGaugeFunction("docent_constraints", "Standing constraints",
                             [counters] { return static_cast<double>(counters->constraints.load()); });
   metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",

@@ -1,6 +1,7 @@
 #include "kb_server/app/writer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +19,12 @@ constexpr uint64_t kTurnsPerProgress = 10000;
 // Handed over together: while the disk syncs them, the next ones are decided.
 constexpr size_t kTurnsPerGroup = 256;
 constexpr size_t kLarge = 10000;  // operations
+
+// For counters alone.
+uint64_t MonotonicNanos() {
+  return static_cast<uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+}
 
 // What its client is told of a turn.
 BatchOutcome OutcomeOf(const TurnResult& result) {
@@ -76,6 +83,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   auto start = FindStart(ports_.log, head->offset, ports_.dictionary, ports_.functions, ports_.limits);
   if (!start.ok()) return start.status();
   stages_ = std::move(start->stages);
+  stages_->constraints.SetStopWatch(MonotonicNanos);
   newest_ = start->offset;
   newest_time_us_ = start->time_us;
   for (const RememberedRequestPtr& request : start->requests) requests_.Remember(request->id, request->outcome);
@@ -273,6 +281,8 @@ absl::Status Writer::Reconcile() {
 void Writer::PublishCounters() {
   counters_.constraint_candidates = stages_->constraints.counters().candidates;
   counters_.constraint_evaluations = stages_->constraints.counters().evaluations;
+  counters_.constraint_whole_evaluations = stages_->constraints.counters().whole_evaluations;
+  counters_.constraint_whole_ns = stages_->constraints.counters().whole_ns;
   counters_.constraints = stages_->constraints.size();
   counters_.live_runs = stages_->engine.live_runs();
 }

@@ -1,5 +1,6 @@
 // Workflows: check, deploy, start, look at and end runs.
 #include "absl/strings/str_cat.h"
+#include "kb_server/service/condition_cost.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/graph_environment.h"
 #include "kb_server/service/grpc_services.h"
@@ -17,7 +18,9 @@ grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grp
 
 cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
   auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
-  return cawl::CheckDocument(text, name, environment.get(), ports.limits);
+  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
+  for (Diagnostic& warning : CostWarnings(report, name, ports)) report.diagnostics.push_back(std::move(warning));
+  return report;
 }
 
 }  // namespace
