@@ -113,6 +113,7 @@ struct Subscriptions::Standing {
   std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
   std::unique_ptr<sparql::PreparedQuery> prepared;
   TriggerAnalysis analysis;
+  std::vector<std::optional<MatchPattern>> matches;  // of the triggers
   std::vector<PatternIndex::Handle> watches;
   StandingAnswerPtr answer;
   // ASK: the query with what a trigger binds, by trigger, made when first needed; and while it holds a solution.
@@ -294,36 +295,74 @@ absl::Status Subscriptions::Prepare(Standing& standing) {
   return absl::OkStatus();
 }
 
-void Subscriptions::Watch(Standing& standing) {
-  const Algebra& where = WithoutModifiers(*standing.query.algebra);
-  for (uint32_t i = 0; i < standing.analysis.triggers.size(); ++i) {
-    const TriggerSource& source = standing.analysis.triggers[i];
-    MatchPattern match;
-    const std::array<const PatternTerm*, 4> terms = {&source.pattern.subject, &source.pattern.predicate,
-                                                     &source.pattern.object, &source.graph};
-    const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate,
-                                        &match.constants.object, &match.constants.graph};
-    bool known = true;
-    for (int t = 0; t < 4; ++t) {
-      if (terms[t]->IsVariable()) continue;
-      const auto id = settings_.dictionary->Find(terms[t]->term);
-      known = known && id.has_value();
-      if (id) *ids[t] = *id;
-    }
-    if (!known) continue;  // no quad can match it yet
-    if (source.pattern.object.IsVariable()) {
-      const std::string& name = source.pattern.object.variable->name;
-      if (std::find(source.seeds.begin(), source.seeds.end(), name) != source.seeds.end())
-        match.object_guard = GuardOf(where, name, *settings_.dictionary);
-    }
-    standing.watches.push_back(watches_.Add(match, {standing.number, i}));
+// What a changed quad must look like to matter to a trigger; nullopt: none can yet.
+std::optional<MatchPattern> Subscriptions::MatchOf(const Standing& standing, const TriggerSource& source) const {
+  MatchPattern match;
+  const std::array<const PatternTerm*, 4> terms = {&source.pattern.subject, &source.pattern.predicate,
+                                                   &source.pattern.object, &source.graph};
+  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate,
+                                      &match.constants.object, &match.constants.graph};
+  for (int t = 0; t < 4; ++t) {
+    if (terms[t]->IsVariable()) continue;
+    const auto id = settings_.dictionary->Find(terms[t]->term);
+    if (!id) return std::nullopt;
+    *ids[t] = *id;
   }
+  if (source.pattern.object.IsVariable()) {
+    const std::string& name = source.pattern.object.variable->name;
+    if (std::find(source.seeds.begin(), source.seeds.end(), name) != source.seeds.end())
+      match.object_guard = GuardOf(WithoutModifiers(*standing.query.algebra), name, *settings_.dictionary);
+  }
+  return match;
+}
+
+void Subscriptions::Watch(Standing& standing) {
+  standing.matches.clear();
+  for (const TriggerSource& source : standing.analysis.triggers)
+    standing.matches.push_back(MatchOf(standing, source));
+  WatchMatches(standing);
   if (standing.analysis.is_volatile) volatile_.insert(standing.number);
 }
 
-void Subscriptions::Unwatch(Standing& standing) {
+// An ASK that holds looks only at what could break the solution that is known of it: of thousands that a number above
+// theirs makes true, the next such number reaches none.
+void Subscriptions::WatchMatches(Standing& standing) {
+  const bool holds = standing.answer->is_boolean() && standing.answer->evaluated() && standing.answer->boolean();
+  for (uint32_t i = 0; i < standing.matches.size(); ++i) {
+    if (!standing.matches[i]) continue;
+    const TriggerSource& source = standing.analysis.triggers[i];
+    const bool narrowed = holds && source.polarity != Polarity::kBoth;
+    standing.watches.push_back(watches_.Add(
+        narrowed ? OfWitness(standing, source, *standing.matches[i]) : *standing.matches[i], {standing.number, i}));
+  }
+}
+
+// `match` with the values that the known solution gives to the variables that a quad may bind.
+MatchPattern Subscriptions::OfWitness(const Standing& standing, const TriggerSource& source, MatchPattern match) {
+  const std::array<std::pair<const PatternTerm*, TermId*>, 4> places = {
+      {{&source.pattern.subject, &match.constants.subject},
+       {&source.pattern.predicate, &match.constants.predicate},
+       {&source.pattern.object, &match.constants.object},
+       {&source.graph, &match.constants.graph}}};
+  for (const auto& [term, id] : places) {
+    if (!term->IsVariable()) continue;
+    const std::string& name = term->variable->name;
+    if (std::find(source.seeds.begin(), source.seeds.end(), name) == source.seeds.end()) continue;
+    for (const auto& [known, value] : standing.witness) {
+      if (known == name) *id = value;
+    }
+  }
+  if (!match.constants.object.IsNone()) match.object_guard.reset();
+  return match;
+}
+
+void Subscriptions::UnwatchMatches(Standing& standing) {
   for (PatternIndex::Handle handle : standing.watches) watches_.Remove(handle);
   standing.watches.clear();
+}
+
+void Subscriptions::Unwatch(Standing& standing) {
+  UnwatchMatches(standing);
   volatile_.erase(standing.number);
 }
 
@@ -337,19 +376,13 @@ void Subscriptions::Touch(PatternIndex::Reference reference, const Quad& quad, b
   const bool helps = added == (source.polarity == Polarity::kPositive);
   const bool holds = standing.answer->boolean();
   if (helps == holds) return;  // it is so already
-  std::vector<std::string> names;
-  std::vector<TermId> values;
-  if (!SeedsOf(source, quad, names, values)) return;
-  if (holds) {
-    // what the known solution does not rest on does not break it
-    for (size_t i = 0; i < names.size(); ++i) {
-      for (const auto& [name, value] : standing.witness) {
-        if (name == names[i] && value != values[i]) return;
-      }
-    }
+  if (holds) {  // it matches the known solution
     touched[reference.owner].whole = true;
     return;
   }
+  std::vector<std::string> names;
+  std::vector<TermId> values;
+  if (!SeedsOf(source, quad, names, values)) return;
   Touched& why = touched[reference.owner];
   if (names.empty() || why.seeds.size() >= kMostSeeds) {
     why.whole = true;
@@ -445,6 +478,10 @@ void Subscriptions::Evaluate(Standing& standing, const Touched& touched) {
                      settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
   }
   if (!status.ok()) return FailAll(standing, status);
+  if (standing.answer->is_boolean()) {
+    UnwatchMatches(standing);
+    WatchMatches(standing);
+  }
   if (!changed) return;
   ++counters_.changes;
   absl::MutexLock lock(&followers_mutex_);

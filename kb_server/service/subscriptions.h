@@ -38,6 +38,7 @@
 #include "kb_server/store/delta_sum.h"
 #include "kb_server/store/graph_version.h"
 #include "reasoner/matching/pattern_index.h"
+#include "reasoner/matching/trigger_analysis.h"
 
 namespace docent {
 
@@ -122,7 +123,11 @@ class Subscriptions {
   absl::StatusOr<Standing*> FindOrMake(const std::string& text, sparql::Query query);
   absl::Status Prepare(Standing& standing);
   void Watch(Standing& standing);
+  void WatchMatches(Standing& standing);
+  void UnwatchMatches(Standing& standing);
   void Unwatch(Standing& standing);
+  std::optional<MatchPattern> MatchOf(const Standing& standing, const TriggerSource& source) const;
+  static MatchPattern OfWitness(const Standing& standing, const TriggerSource& source, MatchPattern match);
   void LearnConstants();
   // Why a query is to be looked at: whole, or only with what these changes bind.
   struct Touched {
