@@ -3,9 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/constraints_bench.h"
 #include "bench/kb_bench.h"
 #include "bench/load_bench.h"
 #include "bench/localisation_bench.h"
+#include "bench/notify_bench.h"
 #include "bench/poses_bench.h"
 #include "bench/reaction_bench.h"
 #include "bench/recovery_bench.h"
@@ -22,6 +24,9 @@ struct Benchmark {
 
 constexpr Benchmark kBenchmarks[] = {
     {"reaction", "from Assert to Invoke, and standing constraints beside re-running them", docent::bench::RunReactionBench},
+    {"constraints", "an update with 100 to 100,000 standing constraints, beside asking again and CLIPS",
+     docent::bench::RunConstraintsBench},
+    {"notify", "from Assert to the notification of the one subscription of thousands that changes", docent::bench::RunNotifyBench},
     {"kb", "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
      docent::bench::RunKbBench},
     {"recovery", "a start from a snapshot and the log after it", docent::bench::RunRecoveryBench},

@@ -1,0 +1,334 @@
+#include "bench/constraints_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "bench/constraint_world.h"
+#include "bench/constraints_peers.h"
+#include "bench/measurement.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/parser.h"
+#include "kb_server/store/graph_writer.h"
+#include "reasoner/constraints/constraint_set.h"
+
+namespace docent::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kWarmUp = 20000;
+constexpr int kUpdates = 100000;
+constexpr int kRuns = 3;
+
+double Micros(Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); }
+
+// What reading the clock costs, twice, in microseconds.
+double ClockCost() {
+  std::vector<double> costs;
+  for (int i = 0; i < 1001; ++i) {
+    const Clock::time_point start = Clock::now();
+    costs.push_back(Micros(Clock::now() - start));
+  }
+  return Median(costs);
+}
+
+sparql::Query Parse(const std::string& text) {
+  sparql::ParseOptions options;
+  options.prefixes = {{"", kConstraintNs}};
+  sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
+  if (!parsed.ok()) {
+    std::fprintf(stderr, "%s", Render(parsed.diagnostics, text).c_str());
+    std::exit(1);
+  }
+  return std::move(parsed.query);
+}
+
+// A graph with its background, and updates of it whose terms have ids already.
+class World {
+ public:
+  struct Update {
+    ConstraintShape shape;
+    bool add;
+    Quad quad;
+    size_t constraint;
+  };
+
+  World(size_t count, uint32_t seed, int updates) {
+    std::vector<Quad> quads;
+    for (const TermQuad& fact : ConstraintBackground(count)) quads.push_back(Encode(fact));
+    writer_.AddAll(quads);
+    writer_.Freeze(Revision(1));
+    ConstraintUpdates source(count, seed);
+    for (int i = 0; i < updates; ++i) {
+      const ConstraintUpdates::Update next = source.Next();
+      updates_.push_back({next.shape, next.add, Encode(next.fact), next.constraint});
+    }
+  }
+
+  Delta Apply(const Update& update) {
+    return update.add ? writer_.Apply({update.quad}, {}) : writer_.Apply({}, {update.quad});
+  }
+  Dictionary& dictionary() { return dictionary_; }
+  GraphWriter& writer() { return writer_; }
+  const std::vector<Update>& updates() const { return updates_; }
+
+ private:
+  Quad Encode(const TermQuad& fact) {
+    return {dictionary_.Intern(fact.subject), dictionary_.Intern(fact.predicate), dictionary_.Intern(fact.object),
+            graph_};
+  }
+
+  Dictionary dictionary_;
+  const TermId graph_ = dictionary_.InternIri(kDefaultGraph);
+  GraphWriter writer_{nullptr};
+  std::vector<Update> updates_;
+};
+
+struct Sum {
+  double us = 0;
+  int count = 0;
+  double mean() const { return count == 0 ? 0 : us / count; }
+};
+
+class ConstraintsBench {
+ public:
+  ConstraintsBench(std::vector<size_t> counts, bool peers) : counts_(std::move(counts)), peers_(peers) {}
+
+  int Run() {
+    for (const size_t count : counts_) {
+      name_ = absl::StrCat(count, " constraints");
+      Figures figures;
+      for (int run = 0; run < kRuns; ++run) Measure(count, static_cast<uint32_t>(run + 1), figures);
+      Tell(count, figures);
+      RunAgain(std::min<size_t>(count, 10000), count);
+      if (peers_) Peers(count, figures);
+    }
+    Flat();
+    return missed_ ? 1 : 0;
+  }
+
+  std::vector<Measurement> measurements;
+
+ private:
+  struct Figures {
+    std::vector<double> registered_s, mean, p50, p99, turn, store, evaluations, like_peer;
+    std::array<std::vector<double>, kConstraintShapes> shapes;
+  };
+
+  void Note(const std::string& system, const std::string& metric, const std::string& unit, std::vector<double> runs) {
+    measurements.push_back({"constraints", name_, system, metric, unit, std::move(runs), ""});
+  }
+  void Require(bool met, const char* what) {
+    if (!met) std::fprintf(stderr, "%s: missed: %s\n", name_.c_str(), what);
+    missed_ = missed_ || !met;
+  }
+
+  // Matching alone, each update timed by itself.
+  void Measure(size_t count, uint32_t seed, Figures& figures) {
+    World world(count, seed, kWarmUp + kUpdates);
+    ConstraintSet set(world.dictionary());
+    std::vector<ConstraintId> ids;
+    Register(count, world, set, ids, figures);
+    const double clock_us = ClockCost();
+    std::vector<double> times;
+    std::array<Sum, kConstraintShapes> shapes;
+    uint64_t evaluations = 0;
+    uint64_t revision = 1;
+    for (int i = 0; i < kWarmUp + kUpdates; ++i) {
+      const World::Update& update = world.updates()[static_cast<size_t>(i)];
+      if (i == kWarmUp) evaluations = set.counters().evaluations;
+      const Delta delta = world.Apply(update);
+      const Clock::time_point start = Clock::now();
+      const auto changes = set.Update(world.writer().current(), delta);
+      set.Commit();
+      const double us = Micros(Clock::now() - start) - clock_us;
+      world.writer().Freeze(Revision(++revision));
+      if (!changes.ok() || changes->size() != 1 || (*changes)[0].id != ids[update.constraint]) {
+        std::fprintf(stderr, "update %d flips %zu constraints, not constraint %zu alone\n", i,
+                     changes.ok() ? changes->size() : 0, update.constraint);
+        std::exit(1);
+      }
+      if (i < kWarmUp) continue;
+      times.push_back(us);
+      Sum& sum = shapes[static_cast<size_t>(update.shape)];
+      sum.us += us;
+      ++sum.count;
+    }
+    double total = 0;
+    for (const double t : times) total += t;
+    figures.mean.push_back(total / kUpdates);
+    std::sort(times.begin(), times.end());
+    figures.p50.push_back(times[times.size() / 2]);
+    figures.p99.push_back(times[times.size() * 99 / 100]);
+    figures.evaluations.push_back(static_cast<double>(set.counters().evaluations - evaluations) / kUpdates);
+    for (size_t s = 0; s < shapes.size(); ++s) figures.shapes[s].push_back(shapes[s].mean());
+    figures.like_peer.push_back(0.5 * shapes[1].mean() + 0.25 * shapes[2].mean() + 0.25 * shapes[3].mean());
+    figures.turn.push_back(Turns(count, seed, &world, &set));
+    figures.store.push_back(Turns(count, seed, nullptr, nullptr));
+  }
+
+  void Register(size_t count, World& world, ConstraintSet& set, std::vector<ConstraintId>& ids, Figures& figures) {
+    std::vector<std::pair<sparql::Query, RegisterOptions>> queries;
+    for (size_t i = 0; i < count; ++i) {
+      const StandingConstraint constraint = StandingConstraintNumber(i);
+      queries.emplace_back(Parse(constraint.ask), RegisterOptions{constraint.keys, 0});
+    }
+    const Clock::time_point start = Clock::now();
+    for (const auto& [query, options] : queries) {
+      const auto id = set.Register(query, world.writer().current(), options);
+      if (!id.ok()) {
+        std::fprintf(stderr, "%s\n", id.status().ToString().c_str());
+        std::exit(1);
+      }
+      ids.push_back(*id);
+    }
+    set.Commit();
+    figures.registered_s.push_back(Micros(Clock::now() - start) / 1e6);
+  }
+
+  // A turn from the fact to the immutable version, with the constraints or without; microseconds each. `measured` has
+  // gone through all its updates: a further round of them takes them back.
+  double Turns(size_t count, uint32_t seed, World* measured, ConstraintSet* set) {
+    std::unique_ptr<World> own;
+    if (measured == nullptr) own = std::make_unique<World>(count, seed, kWarmUp + kUpdates);
+    World& world = own ? *own : *measured;
+    uint64_t revision = 1u << 30;
+    std::vector<World::Update> updates = world.updates();
+    if (measured != nullptr) {
+      std::reverse(updates.begin(), updates.end());
+      for (World::Update& update : updates) update.add = !update.add;
+    }
+    Clock::time_point start;
+    for (size_t i = 0; i < updates.size(); ++i) {
+      if (i == kWarmUp) start = Clock::now();
+      const Delta delta = world.Apply(updates[i]);
+      if (set != nullptr) {
+        if (!set->Update(world.writer().current(), delta).ok()) std::exit(1);
+        set->Commit();
+      }
+      world.writer().Freeze(Revision(++revision));
+    }
+    return Micros(Clock::now() - start) / kUpdates;
+  }
+
+  void Tell(size_t count, const Figures& f) {
+    Note("docent", "registered", "s", f.registered_s);
+    Note("docent", "update: matching, mean", "us", f.mean);
+    for (int s = 0; s < kConstraintShapes; ++s) {
+      Note("docent", absl::StrCat("update: matching, ", NameOf(static_cast<ConstraintShape>(s))), "us",
+           f.shapes[static_cast<size_t>(s)]);
+    }
+    Note("docent", "update: matching, p50", "us", f.p50);
+    Note("docent", "update: matching, p99", "us", f.p99);
+    Note("docent", "evaluations an update", "", f.evaluations);
+    Note("docent", "turn: store, matching, version", "us", f.turn);
+    Note("docent", "turn: store and version alone", "us", f.store);
+    turns_.push_back(Median(f.turn));
+    Require(count != 100000 || Median(f.registered_s) < 1, "100,000 registered in under 1 s");
+    Require(count != 10000 || Median(f.mean) < 0.5, "matching under 0.5 us at 10,000");
+    Require(count != 100000 || Median(f.mean) < 1, "matching under 1 us at 100,000");
+    Require(Median(f.turn) <= 1.5 * Median(f.store), "turn at most 1.5 times the store's own");
+  }
+
+  // Each constraint whose predicates occur in the update is asked again; of `asked` of them, scaled to `count`.
+  void RunAgain(size_t asked, size_t count) {
+    constexpr size_t kUpdatesAgain = 40;
+    World world(count, 1, kUpdatesAgain);
+    struct Prepared {
+      std::unique_ptr<sparql::PreparedQuery> query;
+      std::set<TermId> predicates;
+    };
+    std::vector<Prepared> prepared;
+    for (size_t i = 0; i < asked; ++i) {
+      const sparql::Query query = Parse(StandingConstraintNumber(i).ask);
+      Prepared p;
+      for (const sparql::PatternOccurrence& o : sparql::AllTriplePatterns(*query.algebra)) {
+        p.predicates.insert(world.dictionary().Intern(o.pattern->predicate.term));
+        if (!o.pattern->object.IsVariable()) world.dictionary().Intern(o.pattern->object.term);
+      }
+      auto made = sparql::PreparedQuery::Prepare(query, world.dictionary());
+      if (!made.ok()) std::exit(1);
+      p.query = *std::move(made);
+      prepared.push_back(std::move(p));
+    }
+    Clock::duration took{};
+    for (const World::Update& update : world.updates()) {
+      world.Apply(update);
+      const sparql::RunOptions run{.version = &world.writer().current()};
+      const Clock::time_point start = Clock::now();
+      for (Prepared& p : prepared) {
+        if (p.predicates.contains(update.quad.predicate)) p.query->Ask(run).IgnoreError();
+      }
+      took += Clock::now() - start;
+    }
+    const double scale = static_cast<double>(count) / static_cast<double>(asked);
+    Note("asked again by predicate", asked < count ? "update, scaled from 10,000" : "update", "us",
+         {Micros(took) / kUpdatesAgain * scale});
+  }
+
+  void Peers(size_t count, const Figures& figures) {
+    Note("docent", "update, join, negated, free variable", "us", figures.like_peer);
+    for (Measurement& m : MeasureConstraintPeers(count)) {
+      const bool whole = !m.runs.empty() && m.metric == "update net, join, negated, free variable";
+      Require(!whole || count < 10000 || Median(figures.like_peer) <= m.runs[0] / 2, "at most half of CLIPS");
+      measurements.push_back(std::move(m));
+    }
+  }
+
+  void Flat() {
+    if (turns_.size() < 2) return;
+    name_ = "all sizes";
+    const double ratio =
+        *std::max_element(turns_.begin(), turns_.end()) / *std::min_element(turns_.begin(), turns_.end());
+    Note("docent", "turn, dearest against cheapest", "times", {ratio});
+    Require(ratio <= 1.5, "flat within 1.5 times");
+  }
+
+  const std::vector<size_t> counts_;
+  const bool peers_;
+  std::string name_;
+  std::vector<double> turns_;
+  bool missed_ = false;
+};
+
+}  // namespace
+
+int RunConstraintsBench(const std::vector<std::string>& args) {
+  bool json = false, peers = true;
+  std::vector<size_t> counts;
+  for (const std::string& arg : args) {
+    size_t count = 0;
+    if (arg == "--json") {
+      json = true;
+    } else if (arg == "--no-peers") {
+      peers = false;
+    } else if (absl::SimpleAtoi(arg, &count) && count >= 96) {
+      counts.push_back(count);
+    } else {
+      std::fprintf(arg == "--help" ? stdout : stderr,
+                   "usage: docent-bench constraints [--json] [--no-peers] [COUNT...]   (at least 96; by default 100 "
+                   "1000 10000 100000)\n");
+      return arg == "--help" ? 0 : 2;
+    }
+  }
+  if (counts.empty()) counts = {100, 1000, 10000, 100000};
+  ConstraintsBench bench(counts, peers);
+  const int code = bench.Run();
+  if (json) {
+    for (const Measurement& m : bench.measurements) std::printf("%s\n", ToJsonLine(m).c_str());
+  } else {
+    std::printf("%s", ToTable(bench.measurements).c_str());
+  }
+  return code;
+}
+
+}  // namespace docent::bench

@@ -1,0 +1,135 @@
+#include "bench/constraints_peers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+
+namespace docent::bench {
+namespace {
+
+constexpr int kTimeoutSeconds = 120;
+constexpr int kPairs = 20000;  // an assert and a retract
+
+// One rule a shape, with the constraints as facts (cj, cn, cf): a rule for each constraint takes CLIPS minutes to build.
+// Patterns stand in the order that makes an update cheapest. Each firing is counted, so that nothing is left out.
+constexpr char kClips[] = R"clp(
+(defglobal ?*fired* = 0)
+(deftemplate at (slot v) (slot r))
+(deftemplate wants (slot v) (slot t))
+(deftemplate badge (slot v) (slot b))
+(deftemplate carries (slot v) (slot i))
+(deftemplate owned (slot i) (slot o))
+(deftemplate other (slot v) (slot t))
+(deftemplate cj (slot r) (slot t))
+(deftemplate cn (slot v))
+(deftemplate cf (slot o))
+(defrule join (wants (v ?v) (t ?t)) (at (v ?v) (r ?r)) (cj (t ?t) (r ?r)) => (bind ?*fired* (+ ?*fired* 1)))
+(defrule negated (cn (v ?v)) (at (v ?v)) (not (badge (v ?v))) => (bind ?*fired* (+ ?*fired* 1)))
+(defrule free (carries (v ?v) (i ?i)) (owned (i ?i) (o ?o)) (cf (o ?o)) => (bind ?*fired* (+ ?*fired* 1)))
+(deffunction join (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (wants (v (sym-cat v (+ (* (random 0 63) 64) (mod ?i 64)))) (t (sym-cat t ?i)))))
+  (run) (retract ?f) (run))
+(deffunction negated (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (badge (v (sym-cat p ?i)) (b (sym-cat b ?k))))) (run) (retract ?f) (run))
+(deffunction free (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (carries (v (sym-cat c ?k)) (i (sym-cat i ?i))))) (run) (retract ?f) (run))
+(deffunction base-join (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (other (v (sym-cat v (+ (* (random 0 63) 64) (mod ?i 64)))) (t (sym-cat t ?i)))))
+  (run) (retract ?f) (run))
+(deffunction base-negated (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (other (v (sym-cat p ?i)) (t (sym-cat b ?k))))) (run) (retract ?f) (run))
+(deffunction base-free (?n ?k) (bind ?i (random 0 (- ?n 1)))
+  (bind ?f (assert (other (v (sym-cat c ?k)) (t (sym-cat i ?i))))) (run) (retract ?f) (run))
+(deffunction timed (?f ?n ?pairs)
+  (loop-for-count (?k 1 1000) do (funcall ?f ?n ?k))
+  (bind ?*fired* 0)
+  (bind ?start (time))
+  (loop-for-count (?k 1 ?pairs) do (funcall ?f ?n (+ ?k 1000)))
+  (bind ?took (- (time) ?start))
+  (printout t ?f "-seconds " ?took crlf ?f "-fired " ?*fired* crlf))
+)clp";
+
+std::string RunAndRead(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen(absl::StrCat("timeout ", kTimeoutSeconds, " ", command, " 2>/dev/null").c_str(), "r");
+  if (pipe == nullptr) return text;
+  char buffer[4096];
+  for (size_t n; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
+  pclose(pipe);
+  return text;
+}
+
+// The number after `word` and a space, or below zero.
+double NumberAfter(const std::string& text, const std::string& word) {
+  const size_t at = text.rfind("\n" + word + " ");
+  double number = -1;
+  if (at == std::string::npos) return -1;
+  const size_t start = at + word.size() + 2;
+  if (!absl::SimpleAtod(text.substr(start, text.find_first_of(" \n", start) - start), &number)) return -1;
+  return number;
+}
+
+void WriteFacts(const std::string& path, size_t constraints) {
+  std::ofstream file(path);
+  const size_t sixth = constraints / 6;
+  for (size_t v = 0; v < 64 * 64; ++v) file << "(at (v v" << v << ") (r r" << v % 64 << "))\n";
+  for (size_t n = 0; n < sixth; ++n) {
+    file << "(at (v p" << n << ") (r h" << n % 64 << "))\n(owned (i i" << n << ") (o o" << n << "))\n";
+    file << "(cn (v p" << n << "))\n(cf (o o" << n << "))\n";
+  }
+  for (size_t n = 0; n < 2 * sixth; ++n) file << "(cj (r r" << n % 64 << ") (t t" << n << "))\n";
+}
+
+}  // namespace
+
+std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
+  std::vector<Measurement> out;
+  const std::string name = absl::StrCat(constraints, " constraints");
+  const auto add = [&](const std::string& metric, std::vector<double> runs, const std::string& reason) {
+    out.push_back({"constraints", name, "CLIPS", metric, "us", std::move(runs), reason});
+  };
+  if (system("command -v clips >/dev/null 2>&1") != 0) {
+    add("update net, join, negated, free variable", {}, "not installed: clips");
+    return out;
+  }
+  std::string folder = (std::filesystem::temp_directory_path() / "docent-constraints-XXXXXX").string();
+  if (mkdtemp(folder.data()) == nullptr) return out;
+  WriteFacts(folder + "/facts.dat", constraints);
+  std::ofstream(folder + "/rules.clp") << kClips;
+  std::ofstream run(folder + "/run.bat");
+  run << "(load \"" << folder << "/rules.clp\")\n(load-facts \"" << folder << "/facts.dat\")\n(run)\n(seed 7)\n";
+  for (const char* shape : {"join", "negated", "free"}) {
+    const size_t n = constraints / 6 * (shape[0] == 'j' ? 2 : 1);
+    for (const char* base : {"base-", ""}) run << "(timed " << base << shape << " " << n << " " << kPairs << ")\n";
+  }
+  run << "(exit)\n";
+  run.close();
+  const std::string text = "\n" + RunAndRead("clips -f2 '" + folder + "/run.bat'");
+  std::filesystem::remove_all(folder);
+  double weighted = 0;
+  bool whole = true;
+  for (const auto& [shape, label, weight] :
+       {std::tuple("join", "join", 0.5), std::tuple("negated", "negated", 0.25), std::tuple("free", "free variable", 0.25)}) {
+    const double gross = NumberAfter(text, absl::StrCat(shape, "-seconds"));
+    const double base = NumberAfter(text, absl::StrCat("base-", shape, "-seconds"));
+    const bool fired = NumberAfter(text, absl::StrCat(shape, "-fired")) == kPairs;
+    if (gross < 0 || base < 0 || !fired) {
+      whole = false;
+      add(absl::StrCat("update net, ", label), {}, fired ? "no answer in time" : "did not fire once a pair");
+      continue;
+    }
+    const double us = (gross - base) / (2.0 * kPairs) * 1e6;
+    weighted += weight * us;
+    add(absl::StrCat("update net, ", label), {us}, "");
+  }
+  if (whole) add("update net, join, negated, free variable", {weighted}, "");
+  return out;
+}
+
+}  // namespace docent::bench

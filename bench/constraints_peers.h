@@ -1,0 +1,18 @@
+// CLIPS on the joins, negations and free variables of the constraints' mix. Runs it as a process.
+#ifndef DOCENT_BENCH_CONSTRAINTS_PEERS_H_
+#define DOCENT_BENCH_CONSTRAINTS_PEERS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "bench/measurement.h"
+
+namespace docent::bench {
+
+// Mean cost of an update in microseconds, net of the same loop over facts that no rule looks at. Without a value and
+// with the reason where CLIPS is not installed or takes too long.
+std::vector<Measurement> MeasureConstraintPeers(size_t constraints);
+
+}  // namespace docent::bench
+
+#endif  // DOCENT_BENCH_CONSTRAINTS_PEERS_H_

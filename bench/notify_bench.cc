@@ -1,0 +1,221 @@
+#include "bench/notify_bench.h"
+
+#include <grpcpp/grpcpp.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "bench/constraint_world.h"
+#include "bench/measurement.h"
+#include "bench/server_process.h"
+#include "bench/subscribers.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/ontologies.grpc.pb.h"
+#include "kb_server/rdf/serializer.h"
+#include "kb_server/service/convert.h"
+
+namespace docent::bench {
+namespace {
+
+struct Arguments {
+  bool json = false;
+  size_t triples = 1000000;
+  size_t constraints = 10000;
+  size_t in_flight = 1000;
+  double seconds = 5;  // of each measurement
+  int runs = 3;
+  std::string folder = ".";
+};
+
+double Percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
+// Facts that no constraint looks at, until there are `triples` in all.
+std::vector<TermQuad> World(size_t triples, size_t constraints) {
+  std::vector<TermQuad> quads = ConstraintBackground(constraints);
+  for (size_t i = 0; quads.size() < triples; ++i) {
+    quads.push_back({Term::Iri(absl::StrCat("urn:thing:", i / 2)),
+                     Term::Iri(i % 2 == 0 ? "urn:bench:knows" : "urn:bench:number"),
+                     i % 2 == 0 ? Term::Iri(absl::StrCat("urn:thing:", i * 7919 % triples))
+                                : Term::Integer(static_cast<int64_t>(i)),
+                     Term()});
+  }
+  return quads;
+}
+
+grpc::Status LoadWorld(const std::shared_ptr<grpc::Channel>& channel, const std::vector<TermQuad>& quads) {
+  auto ontologies = v1::Ontologies::NewStub(channel);
+  constexpr size_t kChunk = 50000;
+  for (size_t from = 0; from < quads.size(); from += kChunk) {
+    const std::vector<TermQuad> chunk(quads.begin() + static_cast<std::ptrdiff_t>(from),
+                                      quads.begin() + static_cast<std::ptrdiff_t>(std::min(quads.size(), from + kChunk)));
+    v1::LoadRequest request;
+    request.set_kind(v1::LoadRequest::DATA);
+    request.set_media_type("application/n-triples");
+    request.set_text(*SerializeRdf(chunk, RdfFormat::kNTriples));
+    v1::LoadReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = ontologies->Load(&context, request, &reply);
+    if (!status.ok()) return status;
+  }
+  return grpc::Status::OK;
+}
+
+struct Phase {
+  double rate = 0;  // updates a second, until the last notification
+  std::vector<double> latencies_us;
+  size_t lost = 0;
+  size_t wrong = 0;
+};
+
+// Tells updates over one stream, `batch` in each request.
+class Teller {
+ public:
+  Teller(const std::shared_ptr<grpc::Channel>& channel, Subscribers* subscribers, const Arguments& arguments)
+      : stub_(v1::Context::NewStub(channel)), subscribers_(*subscribers), arguments_(arguments), updates_(arguments.constraints, 1) {}
+
+  // `rate` updates a second on a fixed schedule (open loop); 0: as many as go with in_flight outstanding.
+  Phase Run(double rate, size_t batch) {
+    grpc::ClientContext context;
+    auto stream = stub_->AssertStream(&context);
+    std::thread reader([&stream] {
+      v1::AssertStreamReply reply;
+      while (stream->Read(&reply)) {
+        if (reply.has_error()) std::fprintf(stderr, "refused: %s\n", reply.error().message().c_str());
+      }
+    });
+    const SteadyClock::time_point start = SteadyClock::now();
+    size_t told = 0;
+    while (true) {
+      SteadyClock::time_point due = SteadyClock::now();
+      if (rate > 0) {
+        due = start + std::chrono::duration_cast<SteadyClock::duration>(
+                          std::chrono::duration<double>(static_cast<double>(told) / rate));
+        std::this_thread::sleep_until(due);
+      } else if (subscribers_.WaitForFewerThan(arguments_.in_flight, absl::Seconds(10))) {
+        due = SteadyClock::now();
+      }
+      if (std::chrono::duration<double>(due - start).count() > arguments_.seconds) break;
+      stream->Write(NextRequest(batch, due));
+      told += batch;
+    }
+    stream->WritesDone();
+    subscribers_.WaitForFewerThan(1, absl::Seconds(20));
+    reader.join();
+    (void)stream->Finish();
+    Subscribers::Result result = subscribers_.Take();
+    const double seconds = std::chrono::duration<double>(result.last - start).count();
+    return {static_cast<double>(result.latencies_us.size()) / seconds, std::move(result.latencies_us), result.lost,
+            result.wrong};
+  }
+
+ private:
+  v1::AssertRequest NextRequest(size_t batch, SteadyClock::time_point due) {
+    v1::AssertRequest request;
+    updates_.NewBatch();
+    for (size_t i = 0; i < batch; ++i) {
+      const ConstraintUpdates::Update update = updates_.Next();
+      v1::Quad* quad = update.add ? request.add_add() : request.add_remove();
+      ToProto(update.fact.subject, quad->mutable_subject());
+      ToProto(update.fact.predicate, quad->mutable_predicate());
+      ToProto(update.fact.object, quad->mutable_object());
+      const bool holds = update.shape == ConstraintShape::kNegated ? !update.add : update.add;
+      subscribers_.Expect(update.constraint, holds, due);
+    }
+    return request;
+  }
+
+  const std::unique_ptr<v1::Context::Stub> stub_;
+  Subscribers& subscribers_;
+  const Arguments& arguments_;
+  ConstraintUpdates updates_;
+};
+
+int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
+  auto server = ServerProcess::Start(arguments.folder);
+  if (!server.ok()) {
+    std::fprintf(stderr, "docent-bench: %s\n", std::string(server.status().message()).c_str());
+    return 2;
+  }
+  auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
+  std::fprintf(stderr, "loading %zu triples ...\n", arguments.triples);
+  const grpc::Status loaded = LoadWorld(channel, World(arguments.triples, arguments.constraints));
+  if (!loaded.ok()) {
+    std::fprintf(stderr, "docent-bench: %s\n", loaded.error_message().c_str());
+    return 2;
+  }
+  std::fprintf(stderr, "subscribing to %zu constraints ...\n", arguments.constraints);
+  Subscribers subscribers((*server)->grpc_address(), arguments.constraints);
+  if (!subscribers.ready()) {
+    std::fprintf(stderr, "docent-bench: not all subscriptions have an answer\n");
+    return 2;
+  }
+  Teller teller(channel, &subscribers, arguments);
+  std::vector<double> saturation, p50, p99, single, cpu_us;
+  size_t lost = 0, wrong = 0;
+  const auto count = [&](const Phase& phase) {
+    lost += phase.lost;
+    wrong += phase.wrong;
+  };
+  for (int run = 0; run < arguments.runs; ++run) {
+    std::fprintf(stderr, "run %d of %d ...\n", run + 1, arguments.runs);
+    const double cpu_before = (*server)->CpuSeconds();
+    const Phase full = teller.Run(0, 10);
+    saturation.push_back(full.rate);
+    cpu_us.push_back(((*server)->CpuSeconds() - cpu_before) / static_cast<double>(full.latencies_us.size()) * 1e6);
+    const Phase half = teller.Run(full.rate / 2, 10);
+    p50.push_back(Percentile(half.latencies_us, 0.5) / 1000);
+    p99.push_back(Percentile(half.latencies_us, 0.99) / 1000);
+    const Phase alone = teller.Run(0, 1);
+    single.push_back(alone.rate);
+    for (const Phase* phase : {&full, &half, &alone}) count(*phase);
+  }
+  const std::string name = absl::StrCat("Assert to notification, ", arguments.triples, " triples, ", arguments.constraints,
+                                        " subscriptions");
+  const auto add = [&](const std::string& metric, const std::string& unit, std::vector<double> runs) {
+    figures->push_back({"notify", name, "docent", metric, unit, std::move(runs), ""});
+  };
+  add("saturation, batches of 10", "updates/s", saturation);
+  add("CPU time of the server at saturation", "us an update", cpu_us);
+  add("latency p50, open loop at half saturation", "ms", p50);
+  add("latency p99, open loop at half saturation", "ms", p99);
+  add("batches of 1, one after the other without a pause", "updates/s", single);
+  add("notifications lost", "", {static_cast<double>(lost)});
+  add("notifications out of order or too many", "", {static_cast<double>(wrong)});
+  return Median(saturation) >= 20000 && Median(p99) < 5 && lost == 0 && wrong == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int RunNotifyBench(const std::vector<std::string>& args) {
+  CLI::App app{"From Assert sent to the notification received, over loopback, durable", "docent-bench notify"};
+  Arguments arguments;
+  app.add_flag("--json", arguments.json, "One JSON object a line");
+  app.add_option("--triples", arguments.triples, "Triples in the graph")->capture_default_str();
+  app.add_option("--constraints", arguments.constraints, "Subscriptions")->capture_default_str()->check(CLI::Range(96, 20000));
+  app.add_option("--in-flight", arguments.in_flight, "Updates whose notification is outstanding, at saturation")->capture_default_str();
+  app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
+  app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
+  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
+  std::vector<std::string> reversed(args.rbegin(), args.rend());
+  try {
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  std::vector<Measurement> figures;
+  const int code = Measure(arguments, &figures);
+  for (const Measurement& figure : figures) {
+    if (arguments.json) std::printf("%s\n", ToJsonLine(figure).c_str());
+  }
+  if (!arguments.json) std::printf("%s", ToTable(figures).c_str());
+  return code;
+}
+
+}  // namespace docent::bench
