@@ -9,6 +9,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "maps/wkt.h"
@@ -100,8 +101,8 @@ class LayoutReader {
   // The well-known text of geo:hasGeometry/geo:asWKT; a mistake where there is not exactly one.
   std::optional<std::string> Geometry(const Term& resource) {
     std::vector<Term> texts;
-    for (const Term& geometry : Values(resource, std::string(kGeoNs) + "hasGeometry")) {
-      for (Term& text : Values(geometry, std::string(kGeoNs) + "asWKT")) texts.push_back(std::move(text));
+    for (const Term& geometry : Values(resource, Concat(kGeoNs, "hasGeometry"))) {
+      for (Term& text : Values(geometry, Concat(kGeoNs, "asWKT"))) texts.push_back(std::move(text));
     }
     if (texts.size() == 1) return texts[0].lexical;
     Mistake(resource, texts.empty() ? "no geometry: expected geo:hasGeometry [ geo:asWKT \"…\"^^geo:wktLiteral ]"
@@ -119,7 +120,7 @@ class LayoutReader {
   }
 
   std::string Label(const Term& resource) const {
-    const std::string name = Text(resource, std::string(kSchemaNs) + "name");
+    const std::string name = Text(resource, Concat(kSchemaNs, "name"));
     return name.empty() ? LastPart(resource.lexical) : name;
   }
 
@@ -180,7 +181,7 @@ class LayoutReader {
     Region region;
     region.iri = NameOfResource(subject);
     region.name = Label(subject);
-    region.description = Text(subject, std::string(kSchemaNs) + "description");
+    region.description = Text(subject, Concat(kSchemaNs, "description"));
     region.is_booth = is_booth;
     if (const std::optional<Term> exhibitor = First(subject, DocentIri("exhibitor"))) {
       region.exhibitor = exhibitor->IsLiteral() ? exhibitor->lexical : Label(*exhibitor);
@@ -197,7 +198,7 @@ class LayoutReader {
       Mistake(subject, "more than one docent:servicePoint");
       return std::nullopt;
     }
-    const std::string text = Text(points[0], std::string(kGeoNs) + "asWKT");
+    const std::string text = Text(points[0], Concat(kGeoNs, "asWKT"));
     const absl::StatusOr<Point2> position = ReadWktPoint(text);
     if (!position.ok()) {
       Mistake(subject, "docent:servicePoint: " + std::string(position.status().message()));

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -60,7 +61,7 @@ void InconsistencyFacts::InternWords() {
   inconsistency_ = dictionary_.InternIri(DocentIri("Inconsistency"));
   words_[kRule] = dictionary_.InternIri(DocentIri("rule"));
   words_[kEvidence] = dictionary_.InternIri(DocentIri("evidence"));
-  const auto rdf = [&](const char* word) { return dictionary_.InternIri(std::string(kRdfNs) + word); };
+  const auto rdf = [&](const char* word) { return dictionary_.InternIri(Concat(kRdfNs, word)); };
   words_[kSubject] = rdf("subject");
   words_[kPredicate] = rdf("predicate");
   words_[kObject] = rdf("object");

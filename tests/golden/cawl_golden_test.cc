@@ -1,6 +1,7 @@
 // tests/golden/cawl/CASE: input.xml (or source.txt), optional environment.txt, expected.txt.
 #include <sstream>
 
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/cawl/check.h"
@@ -19,7 +20,7 @@ QuadEnvironment ReadEnvironment(const std::string& text) {
     std::istringstream words(line);
     std::string kind, name;
     words >> kind >> name;
-    std::string type = kind == "class" ? std::string(kOwlNs) + "Class" : std::string(kOwlNs) + "ObjectProperty";
+    std::string type = kind == "class" ? Concat(kOwlNs, "Class") : Concat(kOwlNs, "ObjectProperty");
     if (kind == "operation") {
       OperationSignature operation;
       operation.name = name;
@@ -30,7 +31,7 @@ QuadEnvironment ReadEnvironment(const std::string& text) {
     } else if (kind == "class" || kind == "property") {
       quads.push_back({Term::Iri(name), Term::Iri(std::string(kRdfType)), Term::Iri(type), Term()});
     } else if (kind == "word") {
-      quads.push_back({Term::Iri(name), Term::Iri(std::string(kRdfsNs) + "label"), Term::Literal("x"), Term()});
+      quads.push_back({Term::Iri(name), Term::Iri(Concat(kRdfsNs, "label")), Term::Literal("x"), Term()});
     }
   }
   out.AddOntology(quads);

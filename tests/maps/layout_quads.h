@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/term.h"
 #include "kb_server/rdf/vocabulary.h"
 
@@ -22,19 +23,19 @@ class LayoutQuads {
   LayoutQuads& Thing(const std::string& local, const std::string& docent_class, const std::string& wkt) {
     const Term subject = Term::Iri(Iri(local)), geometry = Term::Blank("g" + std::to_string(++blanks_));
     Add(subject, std::string(kRdfType), Term::Iri(DocentIri(docent_class)));
-    Add(subject, std::string(kGeoNs) + "hasGeometry", geometry);
-    return Add(geometry, std::string(kGeoNs) + "asWKT", Term::Literal(wkt, std::string(kGeoNs) + "wktLiteral"));
+    Add(subject, Concat(kGeoNs, "hasGeometry"), geometry);
+    return Add(geometry, Concat(kGeoNs, "asWKT"), Term::Literal(wkt, Concat(kGeoNs, "wktLiteral")));
   }
   LayoutQuads& Number(const std::string& local, const std::string& property, const std::string& value) {
     return Add(Term::Iri(Iri(local)), DocentIri(property), Term::Literal(value, std::string(kXsdDecimal)));
   }
   LayoutQuads& Name(const std::string& local, const std::string& name) {
-    return Add(Term::Iri(Iri(local)), std::string(kSchemaNs) + "name", Term::Literal(name));
+    return Add(Term::Iri(Iri(local)), Concat(kSchemaNs, "name"), Term::Literal(name));
   }
   LayoutQuads& ServicePoint(const std::string& local, const std::string& point, const std::string& heading) {
     const Term blank = Term::Blank("s" + std::to_string(++blanks_));
     Add(Term::Iri(Iri(local)), DocentIri("servicePoint"), blank);
-    Add(blank, std::string(kGeoNs) + "asWKT", Term::Literal(point, std::string(kGeoNs) + "wktLiteral"));
+    Add(blank, Concat(kGeoNs, "asWKT"), Term::Literal(point, Concat(kGeoNs, "wktLiteral")));
     if (heading.empty()) return *this;
     return Add(blank, DocentIri("heading"), Term::Literal(heading, std::string(kXsdDecimal)));
   }

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_split.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/parser.h"
@@ -42,7 +43,7 @@ class TestWorld {
       return Term::Literal(word,
                            std::string(word.find('.') == std::string::npos ? kXsdInteger : kXsdDecimal));
     }
-    return Term::Iri(std::string(kExampleNs) + word);
+    return Term::Iri(Concat(kExampleNs, word));
   }
   TermId Id(const std::string& word) { return dictionary.Intern(TermOf(word)); }
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent::cawl {
@@ -19,17 +20,17 @@ bool IsClassType(std::string_view type) {
 
 bool IsPropertyType(std::string_view type) {
   static const std::set<std::string, std::less<>> types = {
-      std::string(kRdfNs) + "Property",           std::string(kOwlNs) + "ObjectProperty",
-      std::string(kOwlNs) + "DatatypeProperty",   std::string(kOwlNs) + "AnnotationProperty",
-      std::string(kOwlNs) + "FunctionalProperty", std::string(kDocentNs) + "StateProperty"};
+      Concat(kRdfNs, "Property"),           Concat(kOwlNs, "ObjectProperty"),
+      Concat(kOwlNs, "DatatypeProperty"),   Concat(kOwlNs, "AnnotationProperty"),
+      Concat(kOwlNs, "FunctionalProperty"), Concat(kDocentNs, "StateProperty")};
   return types.contains(type);
 }
 
 }  // namespace
 
 void QuadEnvironment::AddOntology(const std::vector<TermQuad>& quads) {
-  static const std::string sub_class = std::string(kRdfsNs) + "subClassOf";
-  static const std::string sub_property = std::string(kRdfsNs) + "subPropertyOf";
+  static const std::string sub_class = Concat(kRdfsNs, "subClassOf");
+  static const std::string sub_property = Concat(kRdfsNs, "subPropertyOf");
   for (const TermQuad& q : quads) {
     if (!q.subject.IsIri()) continue;
     known_.insert(q.subject.lexical);

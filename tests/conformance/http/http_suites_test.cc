@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "kb_server/app/server.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/http_message.h"
 #include "kb_server/sparql/results.h"
@@ -87,7 +88,7 @@ class Exchange {
 
   std::string Run(const Term& entry) {
     for (const Term& data : graph_.All(entry, std::string(kUt) + "graphData")) {
-      const std::string label = graph_.One(data, std::string(kRdfsNs) + "label").lexical;
+      const std::string label = graph_.One(data, Concat(kRdfsNs, "label")).lexical;
       const HttpReply reply =
           endpoint_.Ask("PUT", "/rdf-graphs?graph=" + label, "Content-Type: application/n-triples\r\n",
                         ReadText(W3cFile(graph_.One(data, std::string(kUt) + "graph").lexical)));

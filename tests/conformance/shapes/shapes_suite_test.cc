@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <set>
 
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/shapes/report.h"
@@ -72,8 +73,8 @@ void ReadManifest(const std::string& iri, std::vector<ShapesTest>* tests) {
 std::vector<TermQuad> ReportTriples(const std::vector<TermQuad>& quads, const Term& root, const std::set<Term>& messages) {
   const std::set<std::string> followed = {Shacl("result"), Shacl("resultPath")};
   const std::set<std::string> parts = {Shacl("inversePath"),    Shacl("alternativePath"), Shacl("zeroOrMorePath"),
-                                       Shacl("oneOrMorePath"),  Shacl("zeroOrOnePath"),   std::string(kRdfNs) + "first",
-                                       std::string(kRdfNs) + "rest"};
+                                       Shacl("oneOrMorePath"),  Shacl("zeroOrOnePath"),   Concat(kRdfNs, "first"),
+                                       Concat(kRdfNs, "rest")};
   std::vector<TermQuad> out;
   std::set<Term> seen = {root};
   std::vector<std::pair<Term, bool>> open = {{root, false}};  // node, inside a path

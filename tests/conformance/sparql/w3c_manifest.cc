@@ -7,6 +7,7 @@
 #include <map>
 #include <sstream>
 
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 
@@ -92,7 +93,7 @@ std::vector<W3cQueryTest> ReadQueryManifest(const std::string& folder) {
         test.named.emplace_back(data.lexical, data.lexical);
       } else {
         const std::string file = graph.One(data, qt + "graph").lexical;
-        const Term label = graph.One(data, std::string(kRdfsNs) + "label");
+        const Term label = graph.One(data, Concat(kRdfsNs, "label"));
         test.named.emplace_back(label.lexical.empty() ? file : label.lexical, file);
       }
     }
@@ -115,7 +116,7 @@ std::vector<W3cUpdateTest> ReadUpdateManifest(const std::string& folder) {
     W3cUpdateTest::State out;
     for (const Term& data : graph.All(node, ut + "data")) out.data.push_back(data.lexical);
     for (const Term& data : graph.All(node, ut + "graphData")) {
-      out.named.emplace_back(graph.One(data, std::string(kRdfsNs) + "label").lexical,
+      out.named.emplace_back(graph.One(data, Concat(kRdfsNs, "label")).lexical,
                              graph.One(data, ut + "graph").lexical);
     }
     return out;

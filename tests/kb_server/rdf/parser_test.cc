@@ -1,3 +1,4 @@
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 
 #include <gmock/gmock.h>
@@ -62,7 +63,7 @@ TEST(ParserTest, TurtleTermsAndPrefixes) {
                   TermQuad{E("s"), E("p"), Term::LangString("x", "en"), kNoGraph},
                   TermQuad{E("s"), E("p"), Term::Literal("y", "http://e/dt"), kNoGraph},
                   TermQuad{E("s"), E("p"), Term::Literal("long\n"), kNoGraph},
-                  TermQuad{Term::Blank("b1"), E("r"), Term::Iri(std::string(kRdfNs) + "nil"), kNoGraph},
+                  TermQuad{Term::Blank("b1"), E("r"), Term::Iri(Concat(kRdfNs, "nil")), kNoGraph},
                   TermQuad{E("s"), E("q"), Term::Blank("b1"), kNoGraph}));
 }
 
