@@ -78,7 +78,7 @@ TEST(LastingTurnTest, WhoWasNotSeenForTheTimeStartsOneRunAtTheTick) {
   const TurnResult ann = side.Turn(Tick(), 40 * kSecond);
   ASSERT_EQ(ann.record.commands.size(), 1u);
   EXPECT_THAT(ann.record.commands[0].id.value(), ::testing::HasSubstr("Search-1"));
-  EXPECT_EQ(side.stages->NextDeadline(), std::nullopt) << "Bob is seen";
+  EXPECT_EQ(side.stages->NextDeadline(), 340 * kSecond) << "Bob is seen: only the command has a deadline";
   EXPECT_THAT(side.Turn(Tick(), 100 * kSecond).record.commands, IsEmpty()) << "once";
 
   side.Turn(Tell({}, {Fact("C1", "docent:sees", "Bob")}), 110 * kSecond);
