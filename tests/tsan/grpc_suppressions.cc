@@ -18,6 +18,10 @@ extern "C" const char* __tsan_default_suppressions() {
          "called_from_lib:libabsl_synchronization.so\n"
          "called_from_lib:libabsl_time.so\n"
          "called_from_lib:libupb.so\n"
+         // Its registry is made behind the guard of a static variable, in a library that is not seen either.
+         "race:spdlog::\n"
+         // Its references are counted in a library that is not seen.
+         "race:absl::debian3::Status::Unref\n"
          "race:libgrpc.so\n"
          "race:libgrpc++.so\n"
          "race:libgpr.so\n"
