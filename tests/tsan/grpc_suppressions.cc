@@ -10,6 +10,7 @@ extern "C" const char* __tsan_default_suppressions() {
          // Strings and errors that gRPC made; the search for deadlocks in mutexes. A pattern may match one
          // library.
          "called_from_lib:libabsl_cord.so\n"
+         "called_from_lib:libabsl_cord_internal.so\n"
          "called_from_lib:libabsl_graphcycles_internal.so\n"
          "called_from_lib:libabsl_malloc_internal.so\n"
          "called_from_lib:libabsl_status.so\n"
@@ -17,6 +18,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "called_from_lib:libabsl_strings.so\n"
          "called_from_lib:libabsl_synchronization.so\n"
          "called_from_lib:libabsl_time.so\n"
+         "called_from_lib:libabsl_time_zone.so\n"
          "called_from_lib:libupb.so\n"
          // Its registry is made behind the guard of a static variable, in a library that is not seen either.
          "race:spdlog::\n"
