@@ -28,7 +28,7 @@ class Timeline:
         order = {"report": 0, "command": 2}
         for event in sorted(events, key=lambda e: (int(e["revision"]), order.get(e["kind"], 1))):
             getattr(self, "show_" + event["kind"])(event, event.get("to", ""), event.get("detail", "").strip(),
-                                                   int(event["timeUs"]) / 1e6)
+                                                   int(event["time_us"]) / 1e6)
 
     def show_run(self, event, to, detail, at):
         facts = [f.strip(" .") + " ." for f in shorten_text(detail.partition(": ")[2]).split(" . ") if f.strip(" .")]

@@ -1,5 +1,6 @@
 #include "kb_server/app/client.h"
 
+#include <google/protobuf/util/json_util.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -128,6 +129,16 @@ std::string MediaTypeOfFile(const std::string& file) {
       return "application/rdf+xml";
   }
   return "text/turtle";
+}
+
+void PrintJson(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  // It fails for Any and the like of unknown types alone, which the API does not have.
+  (void)google::protobuf::util::MessageToJsonString(message, &json, options);
+  std::cout << json << std::endl;
 }
 
 void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {

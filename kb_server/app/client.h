@@ -2,6 +2,7 @@
 #ifndef DOCENT_KB_SERVER_APP_CLIENT_H_
 #define DOCENT_KB_SERVER_APP_CLIENT_H_
 
+#include <google/protobuf/message.h>
 #include <grpcpp/grpcpp.h>
 
 #include <memory>
@@ -35,6 +36,9 @@ std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 // Prints "docent: message" to stderr and gives the exit code for it. A server that is not there is said so.
 int Fail(const grpc::Status& status, const ClientOptions& options);
 int Fail(const absl::Status& status);
+
+// A message of the API as one line of JSON, to standard output: fields as the .proto files call them, all of them.
+void PrintJson(const google::protobuf::Message& message);
 
 // What a batch or update did, for people or as JSON, to standard output.
 void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);

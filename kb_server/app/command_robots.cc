@@ -1,6 +1,4 @@
 // docent robots: the robots that the server knows.
-#include <google/protobuf/util/json_util.h>
-
 #include <iomanip>
 #include <iostream>
 
@@ -19,9 +17,7 @@ int ListRobots(const ClientOptions& options) {
   if (!status.ok()) return Fail(status, options);
   for (const v1::RobotStatus& robot : reply.robots()) {
     if (options.json) {
-      std::string json;
-      (void)google::protobuf::util::MessageToJsonString(robot, &json);
-      std::cout << json << "\n";
+      PrintJson(robot);
       continue;
     }
     std::cout << ToDisplay(Term::Iri(robot.robot())) << "  " << robot.state();

@@ -1,5 +1,4 @@
 // docent run WORKFLOW: starts a run and follows it. docent runs: lists runs, shows one, watches.
-#include <google/protobuf/util/json_util.h>
 #include <CLI/CLI.hpp>
 
 #include <iostream>
@@ -36,13 +35,6 @@ struct RunsArguments {
 std::string LocalTime(int64_t time_us, const char* format) {
   if (time_us == 0) return "";
   return absl::FormatTime(format, absl::FromUnixMicros(time_us), absl::LocalTimeZone());
-}
-
-template <typename Message>
-void PrintJson(const Message& message) {
-  std::string json;
-  (void)google::protobuf::util::MessageToJsonString(message, &json);
-  std::cout << json << std::endl;
 }
 
 void PrintEvent(const v1::RunEvent& event) {

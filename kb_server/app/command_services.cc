@@ -1,6 +1,4 @@
 // docent services: composite robot services (RSEL processes); list, describe, invoke.
-#include <google/protobuf/util/json_util.h>
-
 #include <iostream>
 
 #include "docent/v1/robot_services.grpc.pb.h"
@@ -25,9 +23,7 @@ int ListServices(const ClientOptions& options) {
   if (!status.ok()) return Fail(status, options);
   for (const v1::RobotService& service : reply.services()) {
     if (options.json) {
-      std::string json;
-      (void)google::protobuf::util::MessageToJsonString(service, &json);
-      std::cout << json << "\n";
+      PrintJson(service);
       continue;
     }
     std::cout << service.name() << "(";

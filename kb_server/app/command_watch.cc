@@ -1,6 +1,4 @@
 // docent watch 'SELECT …': the answer of a query, and then what changes of it.
-#include <google/protobuf/util/json_util.h>
-
 #include <chrono>
 #include <iostream>
 #include <set>
@@ -38,10 +36,7 @@ std::string RowText(const v1::CountedRow& row, const std::vector<std::string>& n
 
 void Print(const v1::SubscribeReply& reply, std::vector<std::string>* names, bool json) {
   if (json) {
-    google::protobuf::util::JsonPrintOptions options;
-    options.preserve_proto_field_names = true;
-    std::string text;
-    if (google::protobuf::util::MessageToJsonString(reply, &text, options).ok()) std::cout << text << std::endl;
+    PrintJson(reply);
     return;
   }
   if (reply.reset()) {

@@ -1,6 +1,4 @@
 // docent whatif '+S P O' '-S P O': what facts would do if they were told.
-#include <google/protobuf/util/json_util.h>
-
 #include <iostream>
 
 #include "docent/v1/context.grpc.pb.h"
@@ -48,13 +46,7 @@ int RunWhatIf(const WhatIfArguments& arguments) {
   grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->WhatIf(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   if (arguments.client.json) {
-    google::protobuf::util::JsonPrintOptions options;
-    options.preserve_proto_field_names = true;
-    options.always_print_primitive_fields = true;
-    std::string json;
-    if (!google::protobuf::util::MessageToJsonString(reply, &json, options).ok())
-      return Fail(absl::InternalError("the reply cannot be shown as JSON"));
-    std::cout << json << "\n";
+    PrintJson(reply);
   } else {
     std::cout << reply.text();
     std::cerr << "revision " << reply.revision() << "; nothing was written\n";

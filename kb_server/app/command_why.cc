@@ -1,6 +1,4 @@
 // docent why: who told a fact, or which rules and facts it follows from. docent whynot: what is missing.
-#include <google/protobuf/util/json_util.h>
-
 #include <iostream>
 
 #include "absl/strings/ascii.h"
@@ -66,13 +64,7 @@ std::string AskOf(const TermQuad& fact) {
 
 int Print(const v1::ExplainReply& reply, const WhyArguments& arguments) {
   if (arguments.client.json) {
-    google::protobuf::util::JsonPrintOptions options;
-    options.preserve_proto_field_names = true;
-    options.always_print_primitive_fields = true;
-    std::string json;
-    if (!google::protobuf::util::MessageToJsonString(reply, &json, options).ok())
-      return Fail(absl::InternalError("the reply cannot be shown as JSON"));
-    std::cout << json << "\n";
+    PrintJson(reply);
   } else {
     std::cout << (arguments.prov && !reply.prov().empty() ? reply.prov() : reply.text());
     std::cerr << "revision " << reply.revision() << "\n";
