@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "bench/command_line.h"
 #include "bench/constraint_world.h"
 #include "bench/constraints_peers.h"
 #include "bench/measurement.h"
@@ -305,29 +305,17 @@ class ConstraintsBench {
 int RunConstraintsBench(const std::vector<std::string>& args) {
   bool json = false, peers = true;
   std::vector<size_t> counts;
-  for (const std::string& arg : args) {
-    size_t count = 0;
-    if (arg == "--json") {
-      json = true;
-    } else if (arg == "--no-peers") {
-      peers = false;
-    } else if (absl::SimpleAtoi(arg, &count) && count >= 96) {
-      counts.push_back(count);
-    } else {
-      std::fprintf(arg == "--help" ? stdout : stderr,
-                   "usage: docent-bench constraints [--json] [--no-peers] [COUNT...]   (at least 96; by default 100 "
-                   "1000 10000 100000)\n");
-      return arg == "--help" ? 0 : 2;
-    }
-  }
+  CLI::App app{"An update beside standing constraints of a hard mix, asking again and CLIPS", "docent-bench constraints"};
+  app.add_flag("--json", json, "One JSON object a line");
+  app.add_flag("!--no-peers", peers, "Without CLIPS");
+  app.add_option("COUNT", counts, "How many constraints")
+      ->default_str("100 1000 10000 100000")
+      ->check(CLI::Range(96, 10000000));
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   if (counts.empty()) counts = {100, 1000, 10000, 100000};
   ConstraintsBench bench(counts, peers);
   const int code = bench.Run();
-  if (json) {
-    for (const Measurement& m : bench.measurements) std::printf("%s\n", ToJsonLine(m).c_str());
-  } else {
-    std::printf("%s", ToTable(bench.measurements).c_str());
-  }
+  Print(bench.measurements, json);
   return code;
 }
 

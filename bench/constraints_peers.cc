@@ -1,14 +1,10 @@
 #include "bench/constraints_peers.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
-#include <filesystem>
 #include <fstream>
 #include <string>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "bench/peer_process.h"
 
 namespace docent::bench {
 namespace {
@@ -55,26 +51,6 @@ constexpr char kClips[] = R"clp(
   (printout t ?f "-seconds " ?took crlf ?f "-fired " ?*fired* crlf))
 )clp";
 
-std::string RunAndRead(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(absl::StrCat("timeout ", kTimeoutSeconds, " ", command, " 2>/dev/null").c_str(), "r");
-  if (pipe == nullptr) return text;
-  char buffer[4096];
-  for (size_t n; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  pclose(pipe);
-  return text;
-}
-
-// The number after `word` and a space, or below zero.
-double NumberAfter(const std::string& text, const std::string& word) {
-  const size_t at = text.rfind("\n" + word + " ");
-  double number = -1;
-  if (at == std::string::npos) return -1;
-  const size_t start = at + word.size() + 2;
-  if (!absl::SimpleAtod(text.substr(start, text.find_first_of(" \n", start) - start), &number)) return -1;
-  return number;
-}
-
 void WriteFacts(const std::string& path, size_t constraints) {
   std::ofstream file(path);
   const size_t sixth = constraints / 6;
@@ -94,12 +70,13 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   const auto add = [&](const std::string& metric, std::vector<double> runs, const std::string& reason) {
     out.push_back({"constraints", name, "CLIPS", metric, "us", std::move(runs), reason});
   };
-  if (system("command -v clips >/dev/null 2>&1") != 0) {
+  if (!Installed("clips")) {
     add("update net, join, negated, free variable", {}, "not installed: clips");
     return out;
   }
-  std::string folder = (std::filesystem::temp_directory_path() / "docent-constraints-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return out;
+  const PeerFolder temporary;
+  const std::string& folder = temporary.path();
+  if (folder.empty()) return out;
   WriteFacts(folder + "/facts.dat", constraints);
   std::ofstream(folder + "/rules.clp") << kClips;
   std::ofstream run(folder + "/run.bat");
@@ -110,8 +87,7 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   }
   run << "(exit)\n";
   run.close();
-  const std::string text = "\n" + RunAndRead("clips -f2 '" + folder + "/run.bat'");
-  std::filesystem::remove_all(folder);
+  const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'", kTimeoutSeconds);
   double weighted = 0;
   bool whole = true;
   for (const auto& [shape, label, weight] :

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "bench/command_line.h"
 #include "bench/kb_data.h"
 #include "bench/kb_queries.h"
 #include "bench/kb_systems.h"
@@ -223,12 +223,7 @@ int RunKbBench(const std::vector<std::string>& args) {
       ->delimiter(',');
   app.add_option("--scripts", arguments.scripts, "Folder of the peers' scripts")->capture_default_str();
   app.add_option("--npm", arguments.npm, "Folder with node_modules/oxigraph")->capture_default_str();
-  std::vector<std::string> reversed(args.rbegin(), args.rend());
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   int code = 0;
   for (const size_t triples : arguments.triples) {
     Round round;
@@ -240,7 +235,7 @@ int RunKbBench(const std::vector<std::string>& args) {
     }
     std::vector<Measurement> figures;
     AddFigures(round, &figures);
-    for (const Measurement& figure : figures) std::printf("%s\n", ToJsonLine(figure).c_str());
+    Print(figures, true);
   }
   return code;
 }

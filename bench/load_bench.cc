@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "bench/command_line.h"
 #include "bench/kb_data.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
@@ -68,12 +68,7 @@ int RunLoadBench(const std::vector<std::string>& args) {
   app.add_option("--runs", arguments.runs, "Runs, each into an empty server; the median is reported")->capture_default_str();
   app.add_option("--folder", arguments.folder, "Where the durable log is made")->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of the data")->capture_default_str();
-  std::vector<std::string> reversed(args.rbegin(), args.rend());
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> out;
   for (const size_t triples : arguments.triples) {
     const std::string file = std::filesystem::temp_directory_path() / absl::StrCat("docent-load-", getpid(), ".nt");
@@ -94,10 +89,7 @@ int RunLoadBench(const std::vector<std::string>& args) {
     out.push_back({"load", name, "docent", "of it the check before anything is sent", "triples/s", figures.check, ""});
     out.push_back({"load", name, "docent", "CPU time of the server", "us/triple", figures.server_cpu, ""});
   }
-  for (const Measurement& figure : out) {
-    if (arguments.json) std::printf("%s\n", ToJsonLine(figure).c_str());
-  }
-  if (!arguments.json) std::printf("%s", ToTable(out).c_str());
+  Print(out, arguments.json);
   return 0;
 }
 

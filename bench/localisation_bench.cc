@@ -1,6 +1,5 @@
 #include "bench/localisation_bench.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <numbers>
 
 #include "absl/strings/str_format.h"
+#include "bench/command_line.h"
 #include "bench/hall_tour.h"
 #include "bench/measurement.h"
 #include "bench/mrpt_stock.h"
@@ -220,11 +220,7 @@ int Measure(const Options& options) {
   const absl::StatusOr<std::vector<Measurement>> real = MeasureRealLog(options.scenarios + "/s02_real_robot_log", options.seeds);
   if (!real.ok()) return Fail(real.status());
   append(*real);
-  if (options.json) {
-    for (const Measurement& row : rows) std::printf("%s\n", ToJsonLine(row).c_str());
-  } else {
-    std::printf("%s", ToTable(rows).c_str());
-  }
+  Print(rows, options.json);
   if (TargetsMet(rows)) return 0;
   std::fprintf(stderr, "docent-bench localisation: missed: RMSE of every s01 drive at most %g mm and %g deg\n",
                kTargetRmse_mm, kTargetRmse_deg);
@@ -243,12 +239,7 @@ int RunLocalisationBench(const std::vector<std::string>& args) {
   app.add_option("--make-reference", options.make_reference,
                  "make the reference of s02 with MRPT's stock filter, write it to this file, and end");
   app.add_flag("--json", options.json, "one JSON object a line");
-  std::vector<std::string> reversed(args.rbegin(), args.rend());  // CLI11 takes them last first
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   if (options.make_reference.empty()) return Measure(options);
   if (absl::Status status = MakeReference(options.make_reference); !status.ok()) return Fail(status);
   return 0;

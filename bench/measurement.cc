@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "absl/strings/str_format.h"
 
@@ -62,6 +63,13 @@ std::string ToTable(const std::vector<Measurement>& measurements) {
                            Number(Median(m.runs)), Number(*low), Number(*high), m.unit, m.runs.size());
   }
   return out;
+}
+
+void Print(const std::vector<Measurement>& measurements, bool json) {
+  if (!json) std::printf("%s", ToTable(measurements).c_str());
+  for (const Measurement& m : measurements) {
+    if (json) std::printf("%s\n", ToJsonLine(m).c_str());
+  }
 }
 
 double CpuMillis() {

@@ -28,6 +28,9 @@ std::string ToJsonLine(const Measurement& measurement);
 // A table with the cases and metrics in the order given, one row a measurement.
 std::string ToTable(const std::vector<Measurement>& measurements);
 
+// To standard output, in one of these ways.
+void Print(const std::vector<Measurement>& measurements, bool json);
+
 // CPU time that this process has used, in milliseconds: what figures are taken from on a machine that others use, too.
 double CpuMillis();
 

@@ -2,12 +2,12 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "bench/command_line.h"
 #include "bench/constraint_world.h"
 #include "bench/measurement.h"
 #include "bench/server_process.h"
@@ -203,18 +203,10 @@ int RunNotifyBench(const std::vector<std::string>& args) {
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
   app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
-  std::vector<std::string> reversed(args.rbegin(), args.rend());
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> figures;
   const int code = Measure(arguments, &figures);
-  for (const Measurement& figure : figures) {
-    if (arguments.json) std::printf("%s\n", ToJsonLine(figure).c_str());
-  }
-  if (!arguments.json) std::printf("%s", ToTable(figures).c_str());
+  Print(figures, arguments.json);
   return code;
 }
 

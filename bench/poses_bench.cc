@@ -3,13 +3,13 @@
 #include <malloc.h>
 #include <time.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "bench/command_line.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
 #include "kb_server/app/turn.h"
@@ -74,12 +74,7 @@ int RunPosesBench(const std::vector<std::string>& args) {
   app.add_option("--updates", updates, "Values of state properties told in all")
       ->capture_default_str()
       ->check(CLI::Range(uint64_t{200'000}, uint64_t{1} << 40));
-  std::vector<std::string> reversed(args.rbegin(), args.rend());
-  try {
-    app.parse(reversed);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   Dictionary dictionary;
   Stages stages(&dictionary, nullptr, Limits{});
   WriteBatch declarations;
@@ -123,10 +118,7 @@ int RunPosesBench(const std::vector<std::string>& args) {
   add("index at the end", "kB", last.index / 1e3);
   add("dictionary entries made after the first 100,000", "terms", last.terms - first->terms);
   add("quads at the end", "quads", static_cast<double>(version->size()));
-  for (const Measurement& figure : figures) {
-    if (json) std::printf("%s\n", ToJsonLine(figure).c_str());
-  }
-  if (!json) std::printf("%s", ToTable(figures).c_str());
+  Print(figures, json);
   return growth <= 1.1 && last.terms == first->terms ? 0 : 1;
 }
 

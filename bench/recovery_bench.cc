@@ -9,8 +9,8 @@
 #include <memory>
 #include <utility>
 
-#include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "bench/command_line.h"
 #include "bench/measurement.h"
 #include "kb_server/app/recovery.h"
 #include "kb_server/log/sqlite_log.h"
@@ -222,11 +222,7 @@ int RunRecoveryBench(const std::vector<std::string>& args) {
   app.add_option("--folder", options.folder, "Where the data folder is made, and removed afterwards")
       ->capture_default_str();
   app.add_flag("--json", options.json);
-  try {
-    app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> measurements;
   double worst_s = 0;
   absl::Status status;
@@ -244,10 +240,7 @@ int RunRecoveryBench(const std::vector<std::string>& args) {
     std::fprintf(stderr, "docent-bench: %s\n", std::string(status.message()).c_str());
     return 2;
   }
-  for (const Measurement& measurement : measurements) {
-    if (options.json) std::printf("%s\n", ToJsonLine(measurement).c_str());
-  }
-  if (!options.json) std::printf("%s", ToTable(measurements).c_str());
+  Print(measurements, options.json);
   const bool full = options.triples >= 1000000 && options.records >= 1000000;
   return full && worst_s > kTargetSeconds ? 1 : 0;
 }

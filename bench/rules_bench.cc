@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "bench/command_line.h"
 #include "bench/measurement.h"
 #include "bench/rules_peers.h"
 #include "bench/university_data.h"
@@ -224,29 +224,17 @@ class RulesBench {
 int RunRulesBench(const std::vector<std::string>& args) {
   bool json = false, peers = true;
   std::vector<size_t> sizes;
-  for (const std::string& arg : args) {
-    size_t size = 0;
-    if (arg == "--json") {
-      json = true;
-    } else if (arg == "--no-peers") {
-      peers = false;
-    } else if (absl::SimpleAtoi(arg, &size) && size >= 10000) {
-      sizes.push_back(size);
-    } else {
-      std::fprintf(arg == "--help" ? stdout : stderr,
-                   "usage: docent-bench rules [--json] [--no-peers] [FACTS...]   (at least 10000; by default "
-                   "10000 100000 1000000)\n");
-      return arg == "--help" ? 0 : 2;
-    }
-  }
+  CLI::App app{"Closure, facts and axioms in and out, beside CLIPS, SWI-Prolog and EYE", "docent-bench rules"};
+  app.add_flag("--json", json, "One JSON object a line");
+  app.add_flag("!--no-peers", peers, "Without the peers");
+  app.add_option("FACTS", sizes, "Sizes of the data")
+      ->default_str("10000 100000 1000000")
+      ->check(CLI::Range(10000, 100000000));
+  if (std::optional<int> code = Parse(&app, args)) return *code;
   if (sizes.empty()) sizes = {10000, 100000, 1000000};
   RulesBench bench(sizes, peers);
   const int code = bench.Run();
-  if (json) {
-    for (const Measurement& m : bench.measurements) std::printf("%s\n", ToJsonLine(m).c_str());
-  } else {
-    std::printf("%s", ToTable(bench.measurements).c_str());
-  }
+  Print(bench.measurements, json);
   return code;
 }
 

@@ -1,10 +1,6 @@
 #include "bench/rules_peers.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -12,6 +8,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "bench/peer_process.h"
 #include "bench/university_data.h"
 
 namespace docent::bench {
@@ -71,26 +68,6 @@ constexpr char kEye[] = R"n3(
 {?p :inverseOf ?q. ?x ?q ?y} => {?y ?p ?x}.
 )n3";
 
-std::string RunAndRead(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(absl::StrCat("timeout ", kTimeoutSeconds, " ", command, " 2>/dev/null").c_str(), "r");
-  if (pipe == nullptr) return text;
-  char buffer[4096];
-  for (size_t n; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) text.append(buffer, n);
-  pclose(pipe);
-  return text;
-}
-
-// The number after `word` and a space, or below zero.
-double NumberAfter(const std::string& text, const std::string& word) {
-  const size_t at = text.rfind(word + " ");
-  double number = -1;
-  if (at == std::string::npos) return -1;
-  const size_t start = at + word.size() + 1;
-  if (!absl::SimpleAtod(text.substr(start, text.find_first_of(" \n", start) - start), &number)) return -1;
-  return number;
-}
-
 void Note(const std::string& system, size_t facts, double inferred, double seconds, const std::string& reason,
           std::vector<Measurement>& out, const char* rate = "closure rate") {
   const std::string name = absl::StrCat(facts, " facts, 10 rules");
@@ -114,7 +91,7 @@ void WriteFacts(const std::string& path, size_t facts, Line line) {
 }
 
 void MeasureClips(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
-  if (system("command -v clips >/dev/null 2>&1") != 0)
+  if (!Installed("clips"))
     return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
   if (facts > 300000)
     return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
@@ -128,13 +105,13 @@ void MeasureClips(const std::string& folder, size_t facts, std::vector<Measureme
                                      << "/facts.dat\")\n(bind ?*told* (length$ (get-fact-list)))\n(run)\n"
                                      << "(printout t \"inferred \" (- (length$ (get-fact-list)) ?*told*) "
                                         "crlf \"seconds \" (- (time) ?*start*) crlf)\n(exit)\n";
-  const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'");
+  const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'", kTimeoutSeconds);
   const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
   Note("CLIPS", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
 }
 
 void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
-  if (system("command -v swipl >/dev/null 2>&1") != 0)
+  if (!Installed("swipl"))
     return Note("SWI-Prolog, one table", facts, 0, 1, "not installed: swi-prolog-nox", out);
   if (facts > 100000)
     return Note("SWI-Prolog, one table", facts, 0, 1, "not asked: minutes; see the smaller sizes", out);
@@ -144,7 +121,7 @@ void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurem
              });
   std::ofstream(folder + "/rules.pl") << kProlog;
   const std::string text =
-      RunAndRead("swipl --stack-limit=8g -O '" + folder + "/rules.pl' -- '" + folder + "/facts.pl'");
+      RunAndRead("swipl --stack-limit=8g -O '" + folder + "/rules.pl' -- '" + folder + "/facts.pl'", kTimeoutSeconds);
   const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
   Note("SWI-Prolog, one table", facts, inferred, seconds,
        inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
@@ -155,7 +132,7 @@ void MeasureEye(const std::string& folder, size_t facts, std::vector<Measurement
   const auto note = [&](double inferred, double seconds, const std::string& reason) {
     Note("EYE", facts, inferred, seconds, reason, out, "file to closure");
   };
-  if (system("command -v eye.pvm >/dev/null 2>&1") != 0) return note(0, 1, "not installed: eye");
+  if (!Installed("eye.pvm")) return note(0, 1, "not installed: eye");
   if (facts > 100000)
     return note(0, 1, "not asked: over a minute, and its stack ends at 1 GB; see the smaller sizes");
   WriteFacts(folder + "/facts.n3", facts,
@@ -167,7 +144,7 @@ void MeasureEye(const std::string& folder, size_t facts, std::vector<Measurement
   std::ofstream(folder + "/rules.n3") << kEye;
   const auto start = std::chrono::steady_clock::now();
   const std::string text =
-      RunAndRead("eye.pvm --nope --pass-only-new '" + folder + "/facts.n3' '" + folder + "/rules.n3'");
+      RunAndRead("eye.pvm --nope --pass-only-new '" + folder + "/facts.n3' '" + folder + "/rules.n3'", kTimeoutSeconds);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   // the last line but one: #2026-… in=… out=NEW ent=…
   const size_t at = text.rfind(" out=");
@@ -182,12 +159,12 @@ void MeasureEye(const std::string& folder, size_t facts, std::vector<Measurement
 
 std::vector<Measurement> MeasureRulePeers(size_t facts) {
   std::vector<Measurement> out;
-  std::string folder = (std::filesystem::temp_directory_path() / "docent-rules-XXXXXX").string();
-  if (mkdtemp(folder.data()) == nullptr) return out;
+  const PeerFolder temporary;
+  const std::string& folder = temporary.path();
+  if (folder.empty()) return out;
   MeasureClips(folder, facts, out);
   MeasureProlog(folder, facts, out);
   MeasureEye(folder, facts, out);
-  std::filesystem::remove_all(folder);
   return out;
 }
 
