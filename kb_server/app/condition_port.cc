@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/sparql/evaluator.h"
 #include "kb_server/sparql/parser.h"
 
 namespace docent {
@@ -50,7 +49,8 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
     auto id = Register(*query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
                        now_us);
     if (!id.ok()) return id.status();
-    conditions_[request.handle] = {*id, std::move(query), std::make_shared<const ConditionRequest>(request), lasting};
+    conditions_[request.handle] = {*id, std::make_shared<ConditionEvidence>(std::move(query), dictionary_, functions_),
+                                   std::make_shared<const ConditionRequest>(request), lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
     if (lasting) {
@@ -161,62 +161,28 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
   const Lasting* lasting = it->second.lasting.get();
-  const bool all = !fixed.empty() || lasting != nullptr;
-  auto solutions = constraints_->Solutions(it->second.id, *version_, all ? SIZE_MAX : limit, now_us_);
-  if (!solutions.ok()) return solutions.status();
   std::vector<TermBinding> bindings;
+  Binding wanted;
+  for (const auto& [name, term] : fixed) {
+    const std::optional<TermId> id = dictionary_->Find(term);
+    if (!id) return bindings;
+    wanted.emplace_back(name, *id);
+  }
+  auto solutions =
+      constraints_->Solutions(it->second.id, *version_, wanted, lasting != nullptr ? SIZE_MAX : limit, now_us_);
+  if (!solutions.ok()) return solutions.status();
   for (const Binding& solution : *solutions) {
     if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;
-    TermBinding terms = Decode(solution);
-    bool agrees = std::all_of(fixed.begin(), fixed.end(), [&](const auto& pair) {
-      auto found = terms.find(pair.first);
-      return found != terms.end() && found->second == pair.second;
-    });
-    if (agrees) bindings.push_back(std::move(terms));
+    bindings.push_back(Decode(solution));
     if (bindings.size() >= limit) break;
   }
   return bindings;
 }
 
-// The condition's own positive triple patterns as a CONSTRUCT template over its WHERE, for the first
-// solution.
 std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return "";
-  sparql::Query query = it->second.query->Clone();
-  query.form = sparql::Query::Form::kConstruct;
-  for (const sparql::PatternOccurrence& occurrence : sparql::AllTriplePatterns(*query.algebra)) {
-    if (occurrence.monotone) query.construct_template.push_back(*occurrence.pattern);
-  }
-  auto slice = std::make_unique<sparql::Algebra>(sparql::Algebra::Kind::kSlice);
-  slice->limit = 1;
-  std::vector<sparql::Variable> in_scope = sparql::InScopeVariables(*query.algebra);
-  slice->children.push_back(std::move(query.algebra));
-  query.algebra = std::move(slice);
-
-  sparql::PrepareOptions options;
-  options.functions = functions_;
-  std::vector<TermId> values;
-  for (const auto& [name, term] : binding) {
-    std::optional<TermId> id = dictionary_->Find(term);
-    if (!id || std::find(in_scope.begin(), in_scope.end(), sparql::Variable{name}) == in_scope.end())
-      continue;
-    options.bound.push_back(name);
-    values.push_back(*id);
-  }
-  auto prepared = sparql::PreparedQuery::Prepare(query, *dictionary_, options);
-  if (!prepared.ok()) return "";
-  sparql::RunOptions run;
-  run.version = version_;
-  run.now_us = now_us_;
-  auto triples = (*prepared)->Construct(run, values);
-  if (!triples.ok()) return "";
-  std::string text;
-  for (const TermQuad& triple : *triples) {
-    absl::StrAppend(&text, ToNTriples(triple.subject), " ", ToNTriples(triple.predicate), " ",
-                    ToNTriples(triple.object), " .\n");
-  }
-  return text;
+  return it->second.evidence->Text(*version_, now_us_, binding);
 }
 
 void ConditionPort::Commit() {

@@ -18,6 +18,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
+#include "kb_server/app/condition_evidence.h"
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/function_registry.h"
 #include "reasoner/constraints/constraint_set.h"
@@ -79,7 +80,7 @@ class ConditionPort final : public ConditionView {
   };
   struct Condition {
     ConstraintId id;
-    std::shared_ptr<const sparql::Query> query;
+    std::shared_ptr<ConditionEvidence> evidence;
     std::shared_ptr<const ConditionRequest> request;
     std::shared_ptr<Lasting> lasting;  // null: it has no such parts
   };

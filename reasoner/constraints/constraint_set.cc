@@ -273,18 +273,29 @@ std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
 }
 
 absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, const GraphVersion& version,
-                                                              size_t limit, TimeMicros now_us) {
+                                                              const Binding& fixed, size_t limit,
+                                                              TimeMicros now_us) {
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
   const Impl::Follower& follower = found->second;
   Condition& condition = *impl_->conditions[follower.condition].condition;
   const std::vector<Body::Column>& columns = condition.body().columns();
+  std::vector<TermId> seed = condition.Seed();
+  std::vector<std::pair<size_t, TermId>> wanted;  // column and value
+  for (const auto& [name, value] : fixed) {
+    const int column = condition.body().ColumnOf(name);
+    if (column < 0 || !columns[column].visible) return std::vector<Binding>();
+    wanted.emplace_back(column, value);
+    if (columns[column].certain) seed[column] = value;
+  }
   std::vector<Binding> bindings;
   absl::flat_hash_set<Binding> seen;
   absl::Status compared;
-  const std::vector<TermId> seed = condition.Seed();
   const sparql::RunOptions run{.version = &version, .now_us = now_us};
   const absl::Status status = condition.body().Evaluate(run, seed, [&](absl::Span<const TermId> row) {
+    for (const auto& [column, value] : wanted) {
+      if (row[column] != value) return true;
+    }
     if (follower.threshold) {
       const TermId value = row[condition.keys()[0]];
       const auto admitted = impl_->GroupOf(follower).Admits(id, follower.threshold->constant, value, run);

@@ -106,10 +106,10 @@ class ConstraintSet {
   // The key bindings as of the last Update, in term order. One empty binding for a constraint without keys
   // that holds.
   std::vector<Binding> Keys(ConstraintId id) const;
-  // Solutions on `version` with all visible variables, distinct, in term order, the first `limit` of them.
-  // NOT_FOUND for an unknown id.
-  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, size_t limit,
-                                                 TimeMicros now_us = 0);
+  // Solutions on `version` that have the values of `fixed`, with all visible variables, distinct, in term order, the
+  // first `limit` of them. None where `fixed` has another variable. NOT_FOUND for an unknown id.
+  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, const Binding& fixed,
+                                                 size_t limit, TimeMicros now_us = 0);
 
   // The turn is done: what was registered, removed and learnt since the last Commit stays.
   void Commit();

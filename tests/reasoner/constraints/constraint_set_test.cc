@@ -164,11 +164,27 @@ TEST_F(ConstraintSetTest, KeysOfAUnionAreThoseOfTheQuery) {
 TEST_F(ConstraintSetTest, SolutionsComeInTermOrderUpToTheLimit) {
   world_.Apply({"r at b2", "r at b1", "r at b3", "r at b1 @other"});
   const ConstraintId id = Register("ASK { ?r :at ?b . FILTER NOT EXISTS { ?b a [] } }");
-  const auto two = set_.Solutions(id, world_.writer.current(), 2);
+  const auto two = set_.Solutions(id, world_.writer.current(), {}, 2);
   ASSERT_TRUE(two.ok());
   EXPECT_THAT(Texts(*two), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
-  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), 2).status().code(),
+  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), {}, 2).status().code(),
             absl::StatusCode::kNotFound);
+}
+
+TEST_F(ConstraintSetTest, SolutionsAgreeWithTheFixedValues) {
+  world_.Apply({"r at b1", "s at b1", "r at b2", "r q x"});
+  const auto solutions = [&](ConstraintId id, const char* name, const char* value) {
+    const auto found = set_.Solutions(id, world_.writer.current(), {{name, world_.Id(value)}}, 10);
+    return found.ok() ? Texts(*found) : std::vector<std::string>{found.status().ToString()};
+  };
+  const ConstraintId flat = Register("ASK { ?r :at ?b }");
+  EXPECT_THAT(solutions(flat, "r", "r"), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
+  EXPECT_THAT(solutions(flat, "b", "b1"), ElementsAre("{r=r,b=b1}", "{r=s,b=b1}"));
+  EXPECT_THAT(solutions(flat, "b", "b9"), IsEmpty());
+  EXPECT_THAT(solutions(flat, "other", "r"), IsEmpty());
+  // ?x is bound in some solutions only: those that leave it open do not have the value
+  const ConstraintId open = Register("ASK { ?r :at ?b OPTIONAL { ?r :q ?x } }");
+  EXPECT_THAT(solutions(open, "x", "x"), ElementsAre("{r=r,b=b1,x=x}", "{r=r,b=b2,x=x}"));
 }
 
 TEST_F(ConstraintSetTest, RemovedConstraintsAreSilent) {
