@@ -105,6 +105,9 @@ void Committer::Loop() {
     }
     std::vector<GraphVersionPtr> gone;
     Publish(groups, &gone);
+    for (const DecidedGroup* group : groups) {
+      for (const DecidedTurn& turn : group->turns) Send(turn.result);  // what robots wait for comes first
+    }
     for (DecidedGroup* group : groups) {
       for (DecidedTurn& turn : group->turns) Tell(&turn);
       for (HeldAnswer& answer : group->answers) answer.done(answer.outcome);
@@ -177,25 +180,30 @@ void Committer::TellFollowers(const DecidedGroup& group) {
     }
     return;
   }
+  const TimeMicros time_us = group.turns.back().result.record.time_us;
+  if (group.turns.size() == 1) {
+    return ports_.subscriptions->Publish(group.version, group.turns.front().result.delta, time_us);
+  }
   DeltaSum sum;
   for (const DecidedTurn& turn : group.turns) sum.Add(turn.result.delta);
-  ports_.subscriptions->Publish(group.version, sum.Net(), group.turns.back().result.record.time_us);
+  ports_.subscriptions->Publish(group.version, sum.Net(), time_us);
+}
+
+void Committer::Send(const TurnResult& result) {
+  if (ports_.proxies == nullptr) return;
+  // Where the proxies find the adapters is a fact like any other.
+  if (!address_) address_ = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
+  for (const Quad& quad : result.delta.added) {
+    if (quad.predicate == address_) TellAddress(quad);
+  }
+  for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
+  for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
 }
 
 void Committer::Tell(DecidedTurn* turn) {
-  const TurnResult& result = turn->result;
-  ports_.counters->commands += result.record.commands.size();
-  ports_.counters->inferred += result.inferred;
-  if (ports_.proxies != nullptr) {
-    // Where the proxies find the adapters is a fact like any other.
-    if (!address_) address_ = ports_.dictionary->FindIri(DocentIri("adapterAddress"));
-    for (const Quad& quad : result.delta.added) {
-      if (quad.predicate == address_) TellAddress(quad);
-    }
-    for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
-    for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
-  }
-  ports_.feed->Publish(EventsOf(result.record));
+  ports_.counters->commands += turn->result.record.commands.size();
+  ports_.counters->inferred += turn->result.inferred;
+  ports_.feed->Publish(EventsOf(turn->result.record));
   turn->done(turn->outcome);
 }
 

@@ -130,6 +130,7 @@ class Committer {
   absl::Status Append(const Groups& groups);
   void Publish(const Groups& groups, std::vector<GraphVersionPtr>* gone);
   void TellFollowers(const DecidedGroup& group);
+  void Send(const TurnResult& result);
   void Tell(DecidedTurn* turn);
   void Forget(size_t groups, std::vector<GraphVersionPtr> gone);
   void TellAddress(const Quad& fact);

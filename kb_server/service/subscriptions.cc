@@ -139,6 +139,11 @@ Subscriptions::~Subscriptions() {
 void Subscriptions::Publish(GraphVersionPtr version, const Delta& delta, TimeMicros time_us) {
   absl::MutexLock lock(&mutex_);
   newest_ = version;
+  newest_time_us_ = time_us;
+  if (!followed_ && !busy_ && turns_.empty() && openings_.empty()) {
+    counters_.revision = newest_->revision().value();
+    return;  // nobody is woken for nothing
+  }
   if (turns_.size() < settings_.subscription_limits.subscription_backlog) {
     turns_.emplace_back();
   } else {
@@ -153,9 +158,10 @@ void Subscriptions::Publish(GraphVersionPtr version, const Delta& delta, TimeMic
 void Subscriptions::PublishWhole(GraphVersionPtr version) {
   absl::MutexLock lock(&mutex_);
   newest_ = version;
+  newest_time_us_ = settings_.clock->Now();
   Turn& turn = turns_.emplace_back();
   turn.version = std::move(version);
-  turn.time_us = settings_.clock->Now();
+  turn.time_us = newest_time_us_;
   turn.whole = true;
 }
 
@@ -207,6 +213,7 @@ void Subscriptions::Run() {
     {
       absl::MutexLock lock(&mutex_);
       busy_ = false;
+      followed_ = !by_text_.empty();
       absl::Time until = absl::Now() + absl::Seconds(1);  // an alarm that is set meanwhile is at most so late
       if (!alarms_.empty()) until = std::min(until, alarms_.begin()->first);
       const auto work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return HasWork(); };
@@ -220,6 +227,9 @@ void Subscriptions::Run() {
       if (!turns_.empty()) {
         turn = std::move(turns_.front());
         turns_.pop_front();
+      } else {
+        version_ = newest_;
+        time_us_ = newest_time_us_;
       }
       // who opened now has seen versions up to the newest: not before all turns are looked at
       if (turns_.empty()) openings.swap(openings_);

@@ -156,7 +156,9 @@ class Subscriptions {
   std::multimap<absl::Time, std::weak_ptr<Follower>> alarms_ ABSL_GUARDED_BY(mutex_);
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  bool followed_ ABSL_GUARDED_BY(mutex_) = false;  // there are queries; else turns are not looked at, but for newest_
   GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_);
+  TimeMicros newest_time_us_ ABSL_GUARDED_BY(mutex_) = 0;
 
   // Who is open, and what it follows. Held while followers are woken, so that Close can promise.
   absl::Mutex followers_mutex_;

@@ -144,6 +144,19 @@ TEST_F(SubscriptionsTest, TellsTheAnswerAndThenItsChanges) {
   EXPECT_EQ(subscriptions_->counters().evaluations, 2u);  // the first answer, and the one turn that matched
 }
 
+TEST_F(SubscriptionsTest, WhoOpensAfterTurnsThatNobodyFollowedIsAnsweredOnTheNewest) {
+  Make();
+  for (int n = 0; n < 50; ++n) Turn({absl::StrCat("R", n, " at B", n)});
+  const auto client = Open("SELECT * WHERE { ?r :at ?b }");
+  EXPECT_EQ(client->rows.size(), 50u);
+  EXPECT_EQ(client->told.rbegin()->first, revision_);
+  Turn({"R50 at B50"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_EQ(client->rows.size(), 51u);
+  EXPECT_EQ(client->told.rbegin()->first, revision_);
+}
+
 TEST_F(SubscriptionsTest, AnAskIsNotEvaluatedWhereTheChangeCannotTurnIt) {
   world_.Apply({"ann at b1"});
   Make();
