@@ -42,7 +42,13 @@ class Writer {
     if (!text.empty()) SayDocent(local, Term::Literal(std::string(text)));
   }
   TermId Iri(std::string_view iri) { return dictionary_.InternIri(iri); }
-  TermId Time(TimeMicros time_us) { return dictionary_.Intern(DateTime(time_us)); }
+  TermId Time(TimeMicros time_us) {
+    if (time_us != time_us_ || time_.IsNone()) {  // most are that of the turn
+      time_us_ = time_us;
+      time_ = dictionary_.Intern(DateTime(time_us));
+    }
+    return time_;
+  }
   std::vector<Quad> Take() {
     std::sort(quads_.begin(), quads_.end());
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
@@ -53,6 +59,8 @@ class Writer {
   Dictionary& dictionary_;
   const TermId graph_;
   TermId subject_;
+  TimeMicros time_us_ = 0;
+  TermId time_;
   std::vector<Quad> quads_;
 };
 
