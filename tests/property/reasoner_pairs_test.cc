@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <ostream>
 #include <random>
 #include <set>
 #include <string>
@@ -32,6 +33,7 @@ struct Theme {
   Facts always;
   Facts pool;
 };
+void PrintTo(const Theme& theme, std::ostream* out) { *out << theme.name; }
 
 std::string Node(int i) {
   return absl::StrCat("n", i % 6);
