@@ -159,7 +159,7 @@ std::optional<int64_t> ElementReader::Duration(const Element& element, std::stri
   int64_t ms = 0;
   if (ParseDurationMs(text.value, &ms)) return ms;
   Error(text.span, Concat(name, " \"", text.value, "\" is not a duration"),
-        "write a number and ms, s, min or h, e.g. 30s; at most 720h");
+        "write a number above 0 and ms, s, min or h, e.g. 30s; at most 720h");
   return std::nullopt;
 }
 
