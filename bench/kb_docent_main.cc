@@ -6,7 +6,6 @@
 //   {"case": number, "mode": …, "reason": why there is no figure}
 // cold: text → parse → plan → run, every answer made anew; rows are decoded to terms. Nothing is kept between
 // runs.
-#include <malloc.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -48,7 +47,6 @@ class Engine {
       version_ = writer.Freeze(Revision(1));
     }
     const double load_s = SecondsSince(start);
-    malloc_trim(0);
     Print({{"load_s", load_s},
            {"bytes", ResidentBytes() - before},
            {"index_bytes", version_->bytes()},

@@ -1,6 +1,5 @@
 #include "bench/poses_bench.h"
 
-#include <malloc.h>
 #include <time.h>
 
 #include <chrono>
@@ -58,7 +57,6 @@ struct Memory {
 };
 
 Memory Look(const Stages& stages) {
-  malloc_trim(0);
   return {static_cast<double>(ResidentBytes()), static_cast<double>(stages.writer.current().bytes()),
           static_cast<double>(stages.dictionary.bytes()), static_cast<double>(stages.dictionary.size())};
 }
