@@ -13,6 +13,7 @@
 #include "bench/recovery_bench.h"
 #include "bench/writes_bench.h"
 #include "bench/rules_bench.h"
+#include "kb_server/base/mutex_checks.h"
 
 namespace {
 
@@ -46,6 +47,7 @@ void PrintUsage(FILE* to) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  docent::SetMutexChecks();
   const std::vector<std::string> args(argv + 1, argv + argc);
   if (!args.empty() && (args[0] == "--help" || args[0] == "-h")) {
     PrintUsage(stdout);

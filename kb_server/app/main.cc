@@ -6,8 +6,10 @@
 
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/base/mutex_checks.h"
 
 int main(int argc, char** argv) {
+  docent::SetMutexChecks();
   setenv("GRPC_VERBOSITY", "NONE", 0);  // what gRPC would log reaches people through our own errors
   setenv("REDLAND_MODULE_PATH", "/dev/null",
          1);  // librdf must not load our own storage module into ourselves

@@ -5,10 +5,12 @@
 #include <iostream>
 
 #include "CLI/CLI.hpp"
+#include "kb_server/base/mutex_checks.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/signals.h"
 
 int main(int argc, char** argv) {
+  docent::SetMutexChecks();
   docent::robot::BlockSignals();
   spdlog::set_default_logger(
       spdlog::stderr_logger_mt("docent-robot"));  // results on stdout, diagnostics on stderr
