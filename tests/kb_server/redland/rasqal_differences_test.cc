@@ -1,11 +1,14 @@
 // Holds rasqal_differences.txt against both engines.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "tests/kb_server/redland/two_engines.h"
 
@@ -54,8 +57,10 @@ TEST(RasqalDifferencesTest, TheListIsWhatTheEnginesDo) {
       continue;
     }
     EXPECT_EQ(engines.Docent(d.query), d.docent);
-    EXPECT_EQ(rasqal, d.rasqal);
-    EXPECT_NE(d.docent, d.rasqal) << "no difference: take it out";
+    // some of its answers depend on where its values lie in memory, and are ours at times
+    const std::vector<std::string> listed = absl::StrSplit(d.rasqal, " or ");
+    EXPECT_NE(std::find(listed.begin(), listed.end(), rasqal), listed.end()) << rasqal;
+    EXPECT_TRUE(listed.size() > 1 || d.docent != d.rasqal) << "no difference: take it out";
   }
 }
 
