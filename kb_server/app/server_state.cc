@@ -22,7 +22,7 @@ void Fields(Archive& a, BatchOutcome& o) {
 namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
-constexpr uint64_t kStateFormat = 3;
+constexpr uint64_t kStateFormat = 4;
 
 absl::Status Damaged(const char* what) {
   return absl::DataLossError(absl::StrCat("the snapshot's ", what, " do not decode"));

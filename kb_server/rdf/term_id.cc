@@ -24,6 +24,12 @@ constexpr int64_t kMantissaLimit = int64_t{1} << 54;  // 55 bits, two's compleme
 constexpr int64_t kIntegerLimit = int64_t{1} << 59;   // 60 bits, two's complement
 constexpr int64_t kTimeLimit = int64_t{1} << 55;      // 56 bits, two's complement
 constexpr TimeMicros kDayMicros = 86'400'000'000;
+constexpr int64_t kPlainLimit = int64_t{1} << 53;  // a double up to here is exact,
+constexpr int64_t kPlainScale = 22;                // and a power of ten up to here: their quotient is rounded once
+constexpr int kLeastPower = -26, kPowers = 42;     // of two, of a kNearDouble
+constexpr TimeMicros kZonedStart = 946'684'800'000'000;  // 2000-01-01
+constexpr int64_t kZonedLimit = int64_t{1} << 51;
+constexpr int kQuarters = 56;  // of an hour, in 14 hours
 
 int64_t SignExtend(uint64_t value, int bits) {
   return static_cast<int64_t>(value << (64 - bits)) >> (64 - bits);
@@ -59,7 +65,8 @@ std::string FormatDecimal(InlineDecimalValue value) {
   return value.mantissa < 0 ? "-" + digits : digits;
 }
 
-std::optional<TermId> EncodeDecimal(std::string_view text) {
+// Of a text that FormatDecimal writes, with a mantissa in [-limit, limit).
+std::optional<InlineDecimalValue> ParsePlain(std::string_view text, int64_t limit, int64_t max_scale) {
   std::array<char, 40> digits;
   size_t count = 0;
   int64_t scale = 0;
@@ -75,11 +82,29 @@ std::optional<TermId> EncodeDecimal(std::string_view text) {
   }
   int64_t mantissa = 0;
   auto [end, error] = std::from_chars(digits.data(), digits.data() + count, mantissa);
-  if (error != std::errc() || end != digits.data() + count || scale > kMaxScale) return std::nullopt;
-  if (mantissa < -kMantissaLimit || mantissa >= kMantissaLimit) return std::nullopt;
-  if (FormatDecimal({mantissa, static_cast<int>(scale)}) != text) return std::nullopt;
-  return TermId::Make(Tag::kDecimal,
-                      static_cast<uint64_t>(mantissa) << kScaleBits | static_cast<uint64_t>(scale));
+  if (error != std::errc() || end != digits.data() + count || scale > max_scale) return std::nullopt;
+  if (mantissa < -limit || mantissa >= limit) return std::nullopt;
+  const InlineDecimalValue value{mantissa, static_cast<int>(scale)};
+  if (FormatDecimal(value) != text) return std::nullopt;
+  return value;
+}
+
+std::optional<TermId> EncodeDecimal(std::string_view text) {
+  const std::optional<InlineDecimalValue> value = ParsePlain(text, kMantissaLimit, kMaxScale);
+  if (!value) return std::nullopt;
+  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value->mantissa) << kScaleBits |
+                                         static_cast<uint64_t>(value->scale));
+}
+
+std::optional<TermId> EncodePlainDouble(std::string_view text, bool is_float) {
+  const std::optional<InlineDecimalValue> value = ParsePlain(text, kPlainLimit, kPlainScale);
+  if (!value) return std::nullopt;
+  return TermId::Make(Tag::kPlainDouble, static_cast<uint64_t>(value->mantissa) << (kScaleBits + 1) |
+                                             static_cast<uint64_t>(value->scale) << 1 | (is_float ? 1 : 0));
+}
+
+InlineDecimalValue PlainDouble(TermId id) {
+  return {SignExtend(id.payload(), 60) >> (kScaleBits + 1), static_cast<int>(id.payload() >> 1 & kMaxScale)};
 }
 
 // XML Schema 1.0 part 2, section 3.2.5.2: one digit before the point, at least one after it, "E", no plus
@@ -103,6 +128,37 @@ std::string FormatDouble(double value) {
   return out;
 }
 
+enum class DoubleForm : uint8_t { kCanonical, kFixed, kScientific };
+
+std::string FormatShortest(double value, DoubleForm form) {
+  if (form == DoubleForm::kCanonical) return FormatDouble(value);
+  std::array<char, 80> buffer;
+  const auto format = form == DoubleForm::kFixed ? std::chars_format::fixed : std::chars_format::scientific;
+  return std::string(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr);
+}
+
+std::optional<TermId> EncodeNearDouble(std::string_view text, double value) {
+  const uint64_t bits = std::bit_cast<uint64_t>(value);
+  const int power = static_cast<int>(bits >> 52 & 0x7FF) - 1023 - kLeastPower;
+  if (power < 0 || power >= kPowers) return std::nullopt;
+  const DoubleForm form = text.find('E') != std::string_view::npos   ? DoubleForm::kCanonical
+                          : text.find('e') != std::string_view::npos ? DoubleForm::kScientific
+                                                                     : DoubleForm::kFixed;
+  if (FormatShortest(value, form) != text) return std::nullopt;
+  const uint64_t code = static_cast<uint64_t>(form) * kPowers + static_cast<uint64_t>(power);
+  return TermId::Make(Tag::kNearDouble, bits >> 63 << 59 | code << 52 | (bits & ((uint64_t{1} << 52) - 1)));
+}
+
+DoubleForm NearForm(TermId id) {
+  return static_cast<DoubleForm>((id.payload() >> 52 & 0x7F) / kPowers);
+}
+
+double NearDouble(TermId id) {
+  const uint64_t sign = id.payload() >> 59;
+  const uint64_t power = static_cast<uint64_t>(static_cast<int>((id.payload() >> 52 & 0x7F) % kPowers) + kLeastPower + 1023);
+  return std::bit_cast<double>(sign << 63 | power << 52 | (id.payload() & ((uint64_t{1} << 52) - 1)));
+}
+
 std::optional<TermId> EncodeDouble(std::string_view text) {
   double value = 0;
   if (text == "NaN") {
@@ -111,13 +167,13 @@ std::optional<TermId> EncodeDouble(std::string_view text) {
     value =
         text[0] == '-' ? -std::numeric_limits<double>::infinity() : std::numeric_limits<double>::infinity();
   } else {
-    if (text.find('E') == std::string_view::npos) return std::nullopt;
+    if (std::optional<TermId> plain = EncodePlainDouble(text, false)) return plain;
     auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   }
-  uint64_t bits = std::bit_cast<uint64_t>(value);
-  if ((bits & 15) != 0 || FormatDouble(value) != text) return std::nullopt;
-  return TermId::Make(Tag::kDouble, bits >> 4);
+  const uint64_t bits = std::bit_cast<uint64_t>(value);
+  if ((bits & 15) == 0 && FormatDouble(value) == text) return TermId::Make(Tag::kDouble, bits >> 4);
+  return EncodeNearDouble(text, value);
 }
 
 // Days since 1970-01-01 in the proleptic Gregorian calendar and back
@@ -179,10 +235,13 @@ std::optional<TermId> EncodeDate(std::string_view text) {
   return TermId::Make(Tag::kDate, static_cast<uint64_t>(*days) << 1 | (zone ? 1 : 0));
 }
 
-// Payload of kDateTime: 56 bits of microseconds, 3 bits of digits after the second's point, 1 bit of zone.
-std::optional<TermId> EncodeDateTime(std::string_view text) {
-  bool zone = text.ends_with('Z');
-  if (zone) text.remove_suffix(1);
+struct LocalTime {
+  int64_t time_us;
+  int64_t digits;  // after the second's point
+};
+
+// "YYYY-MM-DDThh:mm:ss" and up to 6 digits of the second.
+std::optional<LocalTime> ParseLocalTime(std::string_view text) {
   if (text.size() < 19 || text[10] != 'T' || text[13] != ':' || text[16] != ':') return std::nullopt;
   std::optional<int64_t> days = ParseDate(text.substr(0, 10));
   int hour = Digits(text, 11, 2), minute = Digits(text, 14, 2), second = Digits(text, 17, 2);
@@ -196,11 +255,38 @@ std::optional<TermId> EncodeDateTime(std::string_view text) {
     if (fraction_us < 0) return std::nullopt;
     for (int64_t i = digits; i < 6; ++i) fraction_us *= 10;
   }
-  int64_t time_us =
-      *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us;
-  if (time_us < -kTimeLimit || time_us >= kTimeLimit) return std::nullopt;
-  return TermId::Make(Tag::kDateTime, static_cast<uint64_t>(time_us) << 4 |
-                                          static_cast<uint64_t>(digits) << 1 | (zone ? 1 : 0));
+  return LocalTime{*days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us, digits};
+}
+
+// Payload of kZonedDateTime: 51 bits of microseconds since kZonedStart on the clock of the zone, 7 bits of quarters of
+// an hour beyond -14:00, 2 bits of a third of the digits after the second's point.
+std::optional<TermId> EncodeZonedDateTime(std::string_view text) {
+  if (text.size() < 25) return std::nullopt;
+  const std::string_view offset = text.substr(text.size() - 6);
+  if ((offset[0] != '+' && offset[0] != '-') || offset[3] != ':') return std::nullopt;
+  const int hours = Digits(offset, 1, 2), minutes = Digits(offset, 4, 2);
+  if (hours < 0 || minutes < 0 || minutes > 45 || minutes % 15 != 0) return std::nullopt;
+  const int quarters = (offset[0] == '-' ? -1 : 1) * (hours * 4 + minutes / 15);
+  if (std::abs(quarters) > kQuarters || (quarters == 0 && offset[0] == '-')) return std::nullopt;
+  const std::optional<LocalTime> time = ParseLocalTime(text.substr(0, text.size() - 6));
+  if (!time || time->digits % 3 != 0) return std::nullopt;
+  const int64_t since = time->time_us - kZonedStart;
+  if (since < 0 || since >= kZonedLimit) return std::nullopt;
+  return TermId::Make(Tag::kZonedDateTime, static_cast<uint64_t>(since) << 9 |
+                                               static_cast<uint64_t>(quarters + kQuarters) << 2 |
+                                               static_cast<uint64_t>(time->digits / 3));
+}
+
+// Payload of kDateTime: 56 bits of microseconds, 3 bits of digits after the second's point, 1 bit of zone.
+std::optional<TermId> EncodeDateTime(std::string_view text) {
+  std::string_view local = text;
+  const bool zone = local.ends_with('Z');
+  if (zone) local.remove_suffix(1);
+  const std::optional<LocalTime> time = ParseLocalTime(local);
+  if (!time) return EncodeZonedDateTime(text);
+  if (time->time_us < -kTimeLimit || time->time_us >= kTimeLimit) return std::nullopt;
+  return TermId::Make(Tag::kDateTime, static_cast<uint64_t>(time->time_us) << 4 |
+                                          static_cast<uint64_t>(time->digits) << 1 | (zone ? 1 : 0));
 }
 
 std::string FormatDate(int64_t days) {
@@ -208,18 +294,26 @@ std::string FormatDate(int64_t days) {
   return absl::StrFormat("%04d-%02d-%02d", date.year, date.month, date.day);
 }
 
-std::string FormatDateTime(TermId id) {
-  TimeMicros time_us = InlineTime(id).time_us;
-  int64_t days = time_us / kDayMicros - (time_us % kDayMicros < 0 ? 1 : 0);
-  int64_t of_day_us = time_us - days * kDayMicros;
+std::string FormatLocalTime(const LocalTime& time) {
+  int64_t days = time.time_us / kDayMicros - (time.time_us % kDayMicros < 0 ? 1 : 0);
+  int64_t of_day_us = time.time_us - days * kDayMicros;
   int64_t seconds = of_day_us / 1'000'000;
   std::string out = FormatDate(days);
   absl::StrAppendFormat(&out, "T%02d:%02d:%02d", seconds / 3600, seconds / 60 % 60, seconds % 60);
-  size_t digits = id.payload() >> 1 & 7;
-  if (digits > 0)
-    absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, digits));
-  if ((id.payload() & 1) != 0) out += 'Z';
+  if (time.digits > 0) {
+    absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, static_cast<size_t>(time.digits)));
+  }
   return out;
+}
+
+std::string FormatDateTime(TermId id) {
+  const InlineTimeValue time = InlineTime(id);
+  if (id.tag() == Tag::kDateTime) {
+    return FormatLocalTime({time.local_us, static_cast<int64_t>(id.payload() >> 1 & 7)}) + (time.zone_minutes ? "Z" : "");
+  }
+  const int zone = std::abs(*time.zone_minutes);
+  return FormatLocalTime({time.local_us, static_cast<int64_t>(id.payload() & 3) * 3}) +
+         absl::StrFormat("%c%02d:%02d", *time.zone_minutes < 0 ? '-' : '+', zone / 60, zone % 60);
 }
 
 }  // namespace
@@ -229,6 +323,7 @@ std::optional<TermId> InlineLiteral(const Term& term) {
   if (term.datatype == kXsdInteger) return EncodeInteger(term.lexical);
   if (term.datatype == kXsdDecimal) return EncodeDecimal(term.lexical);
   if (term.datatype == kXsdDouble) return EncodeDouble(term.lexical);
+  if (term.datatype == kXsdFloat) return EncodePlainDouble(term.lexical, true);
   if (term.datatype == kXsdDateTime) return EncodeDateTime(term.lexical);
   if (term.datatype == kXsdDate) return EncodeDate(term.lexical);
   if (term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false")) {
@@ -244,12 +339,16 @@ std::string_view InlineDatatype(TermId id) {
     case Tag::kDecimal:
       return kXsdDecimal;
     case Tag::kDouble:
+    case Tag::kNearDouble:
       return kXsdDouble;
+    case Tag::kPlainDouble:
+      return InlineIsFloat(id) ? kXsdFloat : kXsdDouble;
     case Tag::kBoolean:
       return kXsdBoolean;
     case Tag::kDate:
       return kXsdDate;
     case Tag::kDateTime:
+    case Tag::kZonedDateTime:
       return kXsdDateTime;
     default:
       return {};
@@ -268,6 +367,12 @@ Term DecodeInline(TermId id) {
     case Tag::kDouble:
       lexical = FormatDouble(InlineDouble(id));
       break;
+    case Tag::kPlainDouble:
+      lexical = FormatDecimal(PlainDouble(id));
+      break;
+    case Tag::kNearDouble:
+      lexical = FormatShortest(NearDouble(id), NearForm(id));
+      break;
     case Tag::kBoolean:
       lexical = InlineBoolean(id) ? "true" : "false";
       break;
@@ -276,6 +381,7 @@ Term DecodeInline(TermId id) {
       if ((id.payload() & 1) != 0) lexical += 'Z';
       break;
     case Tag::kDateTime:
+    case Tag::kZonedDateTime:
       lexical = FormatDateTime(id);
       break;
     default:
@@ -289,7 +395,18 @@ int64_t InlineInteger(TermId id) {
 }
 
 double InlineDouble(TermId id) {
-  return std::bit_cast<double>(id.payload() << 4);
+  if (id.tag() == Tag::kDouble) return std::bit_cast<double>(id.payload() << 4);
+  if (id.tag() == Tag::kNearDouble) return NearDouble(id);
+  static constexpr std::array<double, kPlainScale + 1> kTens = {
+      1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+      1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+  const InlineDecimalValue plain = PlainDouble(id);
+  const double value = static_cast<double>(plain.mantissa) / kTens[static_cast<size_t>(plain.scale)];
+  return InlineIsFloat(id) ? static_cast<double>(static_cast<float>(value)) : value;
+}
+
+bool InlineIsFloat(TermId id) {
+  return (id.payload() & 1) != 0;
 }
 
 bool InlineBoolean(TermId id) {
@@ -301,10 +418,14 @@ InlineDecimalValue InlineDecimal(TermId id) {
 }
 
 InlineTimeValue InlineTime(TermId id) {
-  bool has_zone = (id.payload() & 1) != 0;
+  if (id.tag() == Tag::kZonedDateTime) {
+    const int quarters = static_cast<int>(id.payload() >> 2 & 0x7F) - kQuarters;
+    return {kZonedStart + static_cast<int64_t>(id.payload() >> 9), quarters * 15};
+  }
+  const std::optional<int> zone = (id.payload() & 1) != 0 ? std::optional<int>(0) : std::nullopt;
   int64_t value = SignExtend(id.payload(), 60);
-  if (id.tag() == Tag::kDate) return {(value >> 1) * kDayMicros, has_zone};
-  return {value >> 4, has_zone};
+  if (id.tag() == Tag::kDate) return {(value >> 1) * kDayMicros, zone};
+  return {value >> 4, zone};
 }
 
 }  // namespace docent

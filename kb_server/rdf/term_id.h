@@ -1,8 +1,9 @@
 // A term as 64 bits: a tag of 4 bits and 60 bits that are a dictionary index or the value itself.
 //
-// Integers, decimals, doubles that fit, booleans, dates and date-times are held in the id *only when decoding
+// Integers, decimals, doubles, floats, booleans, dates and date-times are held in the id *only when decoding
 // gives back exactly the text that came in*; "01" or "+1" need the dictionary, "1.50" does not (its scale is
-// kept). So a stream of poses never grows the dictionary. Equal terms have equal ids within one Dictionary.
+// kept). So a stream of poses and times, as programs usually write them, does not grow the dictionary. Equal terms have
+// equal ids within one Dictionary.
 // Values; any thread.
 #ifndef DOCENT_KB_SERVER_RDF_TERM_ID_H_
 #define DOCENT_KB_SERVER_RDF_TERM_ID_H_
@@ -33,6 +34,14 @@ class TermId {
     kDate = 8,      // xsd:date of the years 1 to 9999, without zone or with Z
     kDateTime = 9,  // xsd:dateTime to the microsecond (about 828 to 3111), 0 to 6 digits of it, without zone
                     // or with Z
+    // xsd:double (last bit 0) and xsd:float (1) written as a decimal: 54-bit mantissa, 5-bit scale of at most 22:
+    // "12.340000", "-0.05", "3"
+    kPlainDouble = 10,
+    // xsd:double of 2^-26 up to 2^16 (and below zero) in the shortest text that gives it back, which may need 17
+    // digits: canonical ("1.2345678901234567E1"), fixed ("12.345678901234567") or "9.5e-05"
+    kNearDouble = 11,
+    // xsd:dateTime of 2000 to 2071 with 0, 3 or 6 digits of the second and an offset of whole quarters of an hour
+    kZonedDateTime = 12,
     kLocal = 15,    // made by one query (computed values); index into that query's own table, never stored
   };
 
@@ -49,7 +58,7 @@ class TermId {
   constexpr bool IsIri() const { return tag() == Tag::kIri; }
   constexpr bool IsBlank() const { return tag() == Tag::kBlank; }
   // Literal, whether in the dictionary or in the id. Local ids need their query's table and are not covered.
-  constexpr bool IsLiteral() const { return tag() >= Tag::kLiteral && tag() <= Tag::kDateTime; }
+  constexpr bool IsLiteral() const { return tag() >= Tag::kLiteral && tag() <= Tag::kZonedDateTime; }
   constexpr bool InDictionary() const { return tag() >= Tag::kIri && tag() <= Tag::kLiteral; }
 
   friend constexpr auto operator<=>(TermId, TermId) = default;
@@ -65,14 +74,15 @@ class TermId {
 
 // The id of a literal that fits into an id; nullopt if it needs the dictionary.
 std::optional<TermId> InlineLiteral(const Term& term);
-// The term of an id with an inline tag (kInteger … kDateTime), exactly as it came in.
+// The term of an id with an inline tag (kInteger … kZonedDateTime), exactly as it came in.
 Term DecodeInline(TermId id);
 // The IRI of the datatype of an id with an inline tag.
 std::string_view InlineDatatype(TermId id);
 
 // The value of an inline id without its text, for evaluation. Each requires the tag that it names.
 int64_t InlineInteger(TermId id);  // kInteger
-double InlineDouble(TermId id);    // kDouble
+double InlineDouble(TermId id);    // kDouble, kPlainDouble (a float's value is rounded to float), kNearDouble
+bool InlineIsFloat(TermId id);     // kPlainDouble
 bool InlineBoolean(TermId id);     // kBoolean
 // kDecimal: the value is mantissa / 10^scale, 0 <= scale <= 31.
 struct InlineDecimalValue {
@@ -80,10 +90,10 @@ struct InlineDecimalValue {
   int scale;
 };
 InlineDecimalValue InlineDecimal(TermId id);
-// kDate (its first instant) and kDateTime. A time without zone is taken as if it were UTC.
+// kDate (its first instant), kDateTime and kZonedDateTime: what the clock of its zone shows, as if that were UTC.
 struct InlineTimeValue {
-  TimeMicros time_us;
-  bool has_zone;
+  TimeMicros local_us;
+  std::optional<int> zone_minutes;
 };
 InlineTimeValue InlineTime(TermId id);
 

@@ -244,7 +244,9 @@ Value Value::OfId(TermId id, const Dictionary& dictionary) {
       break;
     }
     case TermId::Tag::kDouble:
-      v.type_ = Type::kDouble;
+    case TermId::Tag::kPlainDouble:
+    case TermId::Tag::kNearDouble:
+      v.type_ = id.tag() == TermId::Tag::kPlainDouble && InlineIsFloat(id) ? Type::kFloat : Type::kDouble;
       v.number_ = InlineDouble(id);
       break;
     case TermId::Tag::kBoolean:
@@ -252,11 +254,12 @@ Value Value::OfId(TermId id, const Dictionary& dictionary) {
       v.boolean_ = InlineBoolean(id);
       break;
     case TermId::Tag::kDate:
-    case TermId::Tag::kDateTime: {
+    case TermId::Tag::kDateTime:
+    case TermId::Tag::kZonedDateTime: {
       const InlineTimeValue time = InlineTime(id);
       v.type_ = id.tag() == TermId::Tag::kDate ? Type::kDate : Type::kDateTime;
-      v.time_us_ = time.time_us;
-      if (time.has_zone) v.zone_ = 0;
+      v.time_us_ = time.local_us;
+      v.zone_ = time.zone_minutes;
       break;
     }
     default:

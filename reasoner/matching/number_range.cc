@@ -42,7 +42,9 @@ NumberView ViewNumber(TermId id) {
       return {NumberView::Kind::kNumber, static_cast<double>(InlineInteger(id))};
     case TermId::Tag::kDecimal:
       return FromDecimal(id);
-    case TermId::Tag::kDouble: {
+    case TermId::Tag::kDouble:
+    case TermId::Tag::kPlainDouble:
+    case TermId::Tag::kNearDouble: {
       const double value = InlineDouble(id);
       if (std::isnan(value)) return {NumberView::Kind::kUnknown, 0};
       return {NumberView::Kind::kNumber, value};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <random>
 #include <string>
@@ -65,15 +67,50 @@ TEST(TermIdTest, EveryPoseFits) {
 }
 
 TEST(TermIdTest, DoublesThatFit) {
-  for (const char* text : {"0.0E0", "-0.0E0", "1.0E0", "1.5E0", "-2.5E-1", "1.0E10", "INF", "-INF", "NaN"}) {
+  for (const char* text : {"0.0E0", "-0.0E0", "1.0E0", "1.5E0", "-2.5E-1", "1.0E10", "INF", "-INF", "NaN",
+                           "1.1E0", "1.2345678901234567E1", "-1.234567890123456E-7",           // canonical
+                           "1", "1.0", "0.0", "-0.05", "12.340000", "-3", "123456789.123456",    // a decimal
+                           "12.345678901234567", "-0.30000000000000004", "65535.99999999999",  // shortest
+                           "9.5e-05", "1e-05", "-1.234567890123456e-05"}) {
     ExpectInline(text, kXsdDouble);
   }
-  for (const char* text : {"1", "1.0", "1e0", "1.0e0", "1E0", "1.50E0", "0.1E0", "1.0E+1", "1.1E0", "+INF",
-                           "inf", "1.0E", "E", "1.0E999"}) {
+  for (const char* text : {"1e0", "1.0e0", "1E0", "1.50E0", "0.1E0", "1.0E+1", "+INF", "inf", "nan", "infinity", "1.0E",
+                           "E", "e", "", "-", ".", ".5", "5.", "+1.0", "-0", "-0.0", "01.0", "1.0E999", "9.5E-05", "9.5e-5",
+                           "12.3456789012345670", "12.34567890123456789", "1.2345678901234567E10",
+                           "0.00000000000000000000001", "1.5 ", "0x1p3", "1.2345678901234567e-10"}) {
     ExpectNotInline(text, kXsdDouble);
   }
-  EXPECT_EQ(InlineDouble(*InlineLiteral(Typed("-2.5E-1", kXsdDouble))), -0.25);
-  EXPECT_TRUE(std::isnan(InlineDouble(*InlineLiteral(Typed("NaN", kXsdDouble)))));
+  const auto value = [](const char* text) { return InlineDouble(*InlineLiteral(Typed(text, kXsdDouble))); };
+  EXPECT_EQ(value("-2.5E-1"), -0.25);
+  EXPECT_EQ(value("12.340000"), 12.34);
+  EXPECT_EQ(value("0.30000000000000004"), 0.1 + 0.2);
+  EXPECT_EQ(value("-9.5e-05"), -9.5e-05);
+  EXPECT_TRUE(std::isnan(value("NaN")));
+}
+
+TEST(TermIdTest, FloatsAsDecimals) {
+  for (const char* text : {"0", "0.1", "-12.340000", "16777217"}) ExpectInline(text, kXsdFloat);
+  for (const char* text : {"1.0E0", "-0.0", "INF", "1e3"}) ExpectNotInline(text, kXsdFloat);
+  EXPECT_EQ(InlineDouble(*InlineLiteral(Typed("0.1", kXsdFloat))), static_cast<double>(0.1f));
+  EXPECT_EQ(InlineDouble(*InlineLiteral(Typed("16777217", kXsdFloat))), 16777216.0);
+}
+
+// As Python, C++ streams and printf write them.
+TEST(TermIdTest, EveryCoordinateFitsHoweverItIsWritten) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> place(-5000, 5000);
+  for (int i = 0; i < 20000; ++i) {
+    const double value = place(random) / (1 + static_cast<double>(random() % 1000));
+    for (const std::chars_format format : {std::chars_format::fixed, std::chars_format::scientific}) {
+      std::array<char, 40> buffer;
+      const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
+      const std::string text(buffer.data(), end);
+      if (std::abs(value) < 0x1p-26) continue;
+      ExpectInline(text, kXsdDouble);
+      EXPECT_EQ(InlineDouble(*InlineLiteral(Typed(text, kXsdDouble))), value) << text;
+    }
+    ExpectInline(std::to_string(std::abs(value) + 1), kXsdDouble);
+  }
 }
 
 TEST(TermIdTest, Booleans) {
@@ -93,8 +130,8 @@ TEST(TermIdTest, Dates) {
     ExpectNotInline(text, kXsdDate);
   }
   InlineTimeValue value = InlineTime(*InlineLiteral(Typed("1969-12-31Z", kXsdDate)));
-  EXPECT_EQ(value.time_us, -86'400'000'000);
-  EXPECT_TRUE(value.has_zone);
+  EXPECT_EQ(value.local_us, -86'400'000'000);
+  EXPECT_EQ(value.zone_minutes, 0);
 }
 
 TEST(TermIdTest, DateTimesKeepTheirDigits) {
@@ -104,14 +141,24 @@ TEST(TermIdTest, DateTimesKeepTheirDigits) {
     ExpectInline(text, kXsdDateTime);
   }
   for (const char* text :
+       {"2026-11-21T14:05:09+01:00", "2026-11-21T14:05:09.040829+00:00", "2000-01-01T00:00:00.000-14:00",
+        "2071-01-01T00:00:00.999999+14:00", "2026-11-21T14:05:09.123-03:30"}) {
+    ExpectInline(text, kXsdDateTime);
+  }
+  for (const char* text :
        {"2026-11-21T24:00:00", "2026-11-21T23:59:60", "2026-11-21T14:60:00", "2026-11-21 14:05:09",
-        "2026-11-21T14:05:09.", "2026-11-21T14:05:09.1234567", "2026-11-21T14:05:09+01:00",
+        "2026-11-21T14:05:09.", "2026-11-21T14:05:09.1234567", "2026-11-21T14:05:09-00:00", "2026-11-21T14:05:09+01:07",
+        "2026-11-21T14:05:09+14:15", "2026-11-21T14:05:09.12+01:00", "1999-12-31T23:59:59+00:00", "2072-01-01T00:00:00+00:00",
+        "2026-11-21T14:05:09+1:00", "2026-11-21T14:05:09 01:00", "2026-11-21T14:05:09+01:60",
         "2026-02-30T00:00:00", "0500-01-01T00:00:00Z", "2026-11-21T14:05", "2026-11-21T1a:05:09"}) {
     ExpectNotInline(text, kXsdDateTime);
   }
+  const InlineTimeValue zoned = InlineTime(*InlineLiteral(Typed("2000-01-02T00:00:00-03:30", kXsdDateTime)));
+  EXPECT_EQ(zoned.zone_minutes, -210);
+  EXPECT_EQ(zoned.local_us, 946'771'200'000'000);
   InlineTimeValue value = InlineTime(*InlineLiteral(Typed("1969-12-31T23:59:59.5", kXsdDateTime)));
-  EXPECT_EQ(value.time_us, -500'000);
-  EXPECT_FALSE(value.has_zone);
+  EXPECT_EQ(value.local_us, -500'000);
+  EXPECT_EQ(value.zone_minutes, std::nullopt);
 }
 
 TEST(TermIdTest, OtherTermsNeedTheDictionary) {
