@@ -1,12 +1,14 @@
 #include "reasoner/ontology/meaning_check.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "reasoner/ontology/hierarchy.h"
+#include "reasoner/rules/rule_sets.h"
 #include "reasoner/shapes/datatype_check.h"
 
 namespace docent::ontology {
@@ -37,6 +39,7 @@ class MeaningCheck {
         CheckRange(q, at);
       }
       CheckEdge(q, at);
+      CheckListLength(q, at);
     }
   }
 
@@ -188,11 +191,39 @@ class MeaningCheck {
                              of_classes ? "owl:equivalentClass" : "owl:equivalentProperty", " if they mean the same"));
   }
 
+  void CheckListLength(const TermQuad& q, const QuadPlace& at) {
+    const bool chain = q.predicate.lexical == Concat(kOwlNs, "propertyChainAxiom");
+    if (!chain && q.predicate.lexical != Concat(kOwlNs, "hasKey")) return;
+    const int most = chain ? kChainProperties : kKeyProperties;
+    const int length = LengthOf(q.object);
+    if (length <= most) return;
+    findings_.Warning("long-list", at.predicate,
+                      absl::StrCat(chain ? "a chain of " : "a key of ", length, " properties; rule set owl2rl follows up to ",
+                                   most, ", and draws nothing from this one"),
+                      chain ? "give a part of the chain a property of its own, and name that in the chain"
+                            : "name fewer properties, or write a rule");
+  }
+
+  // Of a list in this document; a circle has none.
+  int LengthOf(const Term& list) {
+    if (rests_.empty()) {
+      for (const TermQuad& q : document_.rdf.quads) {
+        if (q.predicate.lexical == Concat(kRdfNs, "rest")) rests_.emplace(q.subject, q.object);
+      }
+    }
+    size_t length = 0;
+    for (auto cell = rests_.find(list); cell != rests_.end(); cell = rests_.find(cell->second)) {
+      if (++length > rests_.size()) return 0;
+    }
+    return static_cast<int>(length);
+  }
+
   const LocatedRdf& document_;
   const Vocabulary& vocabulary_;
   std::set<std::string>& cycles_;
   Findings& findings_;
   std::set<std::string> declared_;
+  std::map<Term, Term> rests_;  // rdf:rest, by cell
   std::set<std::pair<std::string, std::string>> judged_;  // a resource, and as what
 };
 

@@ -21,6 +21,7 @@ namespace docent::ontology {
 //                               taken for one, too
 //  warning  missing-label, missing-comment    of a class or property that this document declares
 //  warning  cycle               classes or properties that are each below the other
+//  warning  long-list           a property chain or key of more properties than rule set owl2rl follows
 // `cycles`: those that were told already, for checking several documents; each is told once.
 void CheckMeaning(const LocatedRdf& document, const Vocabulary& vocabulary, std::set<std::string>* cycles,
                   Findings& findings);

@@ -110,6 +110,18 @@ TEST_F(OntologyCheckTest, CirclesAreToldOnce) {
   EXPECT_EQ(text.find("<http://e/q> → <http://e/p> → <http://e/q>"), std::string::npos);
 }
 
+TEST_F(OntologyCheckTest, ChainsAndKeysThatAreTooLongForTheRuleSetAreTold) {
+  const std::string text = Check(":a owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p ) .\n"
+                                 ":b owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p :p ) .\n"
+                                 ":C owl:hasKey ( :p :p :p :p :p :p ) . :D owl:hasKey ( :p :p :p :p :p :p :p ) .\n"
+                                 ":E owl:hasKey :l . :l <http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> :l .");
+  EXPECT_THAT(text, HasSubstr("long-list f.ttl:3:4: warning: a chain of 9 properties; rule set owl2rl follows up to 8"));
+  EXPECT_THAT(text, HasSubstr("a key of 7 properties; rule set owl2rl follows up to 6"));
+  EXPECT_THAT(text, Not(HasSubstr("long-list f.ttl:2:")));
+  EXPECT_THAT(text, Not(HasSubstr("long-list f.ttl:5:")));  // a circle is no list
+  EXPECT_THAT(text, Not(HasSubstr("a key of 6 properties")));
+}
+
 TEST_F(OntologyCheckTest, MissingExplanations) {
   const std::string text = Check(":New a owl:Class . :old a owl:DatatypeProperty ; rdfs:label \"old\" .");
   EXPECT_THAT(text, HasSubstr("missing-label f.ttl:2:1: warning: <http://e/New> has no label"));
