@@ -5,6 +5,7 @@
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/await_version.h"
+#include "kb_server/service/cancellable_reactor.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/sparql/algebra_printer.h"
@@ -166,12 +167,12 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext* context,
-                                                  const v1::ExplainRequest* request, v1::ExplainReply* reply) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*, const v1::ExplainRequest* request,
+                                                  v1::ExplainReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+  auto* reactor = new CancellableReactor(cancellation);
   const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
   const bool accepted = ports_.workers->Submit([this, reactor, cancellation, deadline, request, reply] {
     reactor->Finish(ToGrpc(Answer(ports_, *request, cancellation.get(), deadline, reply)));

@@ -8,6 +8,7 @@
 #include "absl/time/clock.h"
 #include "kb_server/rdf/located_parser.h"
 #include "kb_server/service/await_version.h"
+#include "kb_server/service/cancellable_reactor.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/load_judge.h"
@@ -19,17 +20,6 @@
 
 namespace docent {
 namespace {
-
-// Ends the work when the caller goes away.
-class CancellableReactor final : public grpc::ServerUnaryReactor {
- public:
-  explicit CancellableReactor(std::shared_ptr<Cancellation> cancellation) : cancellation_(std::move(cancellation)) {}
-  void OnCancel() override { cancellation_->Cancel(); }
-  void OnDone() override { delete this; }
-
- private:
-  const std::shared_ptr<Cancellation> cancellation_;
-};
 
 // The shapes of a request's texts, in a graph of their own. Its dictionary knows the server's terms.
 struct GivenShapes {
