@@ -257,6 +257,10 @@ Dictionary::Dictionary(const Dictionary* base) : Dictionary() {
 }
 Dictionary::~Dictionary() = default;
 
+void Dictionary::FollowBase() {
+  if (impl_->count.load(std::memory_order_relaxed) == 0) impl_->base_size = impl_->base->size();
+}
+
 std::optional<TermId> Dictionary::FindInBase(const Term& term) const {
   std::optional<TermId> id = impl_->base->Find(term);
   if (id && id->InDictionary() && id->payload() >= impl_->base_size) return std::nullopt;

@@ -24,6 +24,9 @@ class Dictionary {
   // writer that has to intern (a SPARQL Update that reads what it wrote). One thread; the base goes on
   // growing.
   explicit Dictionary(const Dictionary* base);
+  // Knows from now on what the base has learnt meanwhile, too: only while this one keeps no terms of its own, so that
+  // no term has two ids. The thread of this one.
+  void FollowBase();
   ~Dictionary();
   Dictionary(const Dictionary&) = delete;
   Dictionary& operator=(const Dictionary&) = delete;

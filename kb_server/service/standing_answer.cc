@@ -110,10 +110,43 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows) {
     }
   }
   rows_ = std::move(rows);
+  size_ = 0;
+  for (const auto& [row, count] : rows_) size_ += count;
   evaluated_ = true;
   const bool changed = !change.appeared.empty() || !change.disappeared.empty();
   if (changed) Keep(std::move(change));
   return changed;
+}
+
+bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared,
+                                absl::Span<const Row> disappeared) {
+  absl::flat_hash_map<Row, int64_t> net;
+  for (const Row& row : appeared) ++net[row];
+  for (const Row& row : disappeared) --net[row];
+  absl::MutexLock lock(&mutex_);
+  AnswerChange change;
+  for (const auto& [row, count] : net) {
+    if (count == 0) continue;
+    const auto place = rows_.try_emplace(row, 0).first;
+    place->second += static_cast<uint64_t>(count);
+    size_ += static_cast<uint64_t>(count);
+    if (place->second == 0) rows_.erase(place);
+    if (count > 0) {
+      change.appeared.push_back(Decode(row, static_cast<uint64_t>(count)));
+    } else {
+      change.disappeared.push_back(Decode(row, static_cast<uint64_t>(-count)));
+    }
+  }
+  if (change.appeared.empty() && change.disappeared.empty()) return false;
+  revision_ = revision;
+  whole_.reset();
+  Keep(std::move(change));
+  return true;
+}
+
+size_t StandingAnswer::size() const {
+  absl::MutexLock lock(&mutex_);
+  return size_;
 }
 
 bool StandingAnswer::boolean() const {

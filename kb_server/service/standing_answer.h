@@ -58,6 +58,9 @@ class StandingAnswer {
   // The answer on `revision`. True: it differs from the one before.
   bool SetBoolean(Revision revision, bool holds);
   bool SetRows(Revision revision, Rows rows);
+  // The same by its changes: rows that came, and rows that went; a row in both is one that stayed.
+  bool ChangeRows(Revision revision, absl::Span<const Row> appeared, absl::Span<const Row> disappeared);
+  size_t size() const;  // rows, each as often as it counts
   bool boolean() const;
   bool evaluated() const;
 
@@ -85,6 +88,7 @@ class StandingAnswer {
   Revision revision_ ABSL_GUARDED_BY(mutex_);
   bool boolean_ ABSL_GUARDED_BY(mutex_) = false;
   Rows rows_ ABSL_GUARDED_BY(mutex_);
+  size_t size_ ABSL_GUARDED_BY(mutex_) = 0;
   std::vector<Term> locals_ ABSL_GUARDED_BY(mutex_);
   absl::flat_hash_map<Term, TermId> local_ids_ ABSL_GUARDED_BY(mutex_);
   std::deque<AnswerChangePtr> changes_ ABSL_GUARDED_BY(mutex_);

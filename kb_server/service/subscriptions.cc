@@ -4,10 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/service/followed_form.h"
 #include "kb_server/sparql/algebra_walk.h"
 #include "kb_server/sparql/parser.h"
-#include "reasoner/matching/trigger_analysis.h"
 
 namespace docent {
 namespace {
@@ -17,7 +18,6 @@ using sparql::Expression;
 using sparql::PatternTerm;
 
 constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
-constexpr size_t kMostSeeds = 16;                       // changes of one turn that are tried one by one
 constexpr size_t kIdleKept = 1000;                     // and so many of them
 
 void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
@@ -52,77 +52,24 @@ std::vector<Term> ConstantsOf(const Algebra& whole) {
   return constants;
 }
 
-// A comparison of `name` with a number in the outermost filters: what its values have to satisfy.
-std::optional<NumberGuard> GuardOf(const Algebra& where, const std::string& name, const Dictionary& dictionary) {
-  std::optional<NumberGuard> guard;
-  const auto look = [&](const Expression& e, const auto& self) -> void {
-    if (e.kind == Expression::Kind::kAnd) {
-      for (const auto& argument : e.arguments) self(*argument, self);
-      return;
-    }
-    static constexpr std::pair<Expression::Kind, Comparison> kOrders[] = {
-        {Expression::Kind::kLess, Comparison::kLess},
-        {Expression::Kind::kLessOrEqual, Comparison::kLessOrEqual},
-        {Expression::Kind::kGreater, Comparison::kGreater},
-        {Expression::Kind::kGreaterOrEqual, Comparison::kGreaterOrEqual}};
-    for (const auto& [kind, order] : kOrders) {
-      if (e.kind != kind) continue;
-      const Expression& left = *e.arguments[0];
-      const Expression& right = *e.arguments[1];
-      if (left.kind != Expression::Kind::kVariable || left.variable.name != name ||
-          right.kind != Expression::Kind::kTerm)
-        continue;
-      const auto id = dictionary.Find(right.term);
-      if (!id || ViewNumber(*id).kind != NumberView::Kind::kNumber) continue;
-      guard = NumberGuard{order, ViewNumber(*id).value};
-    }
-  };
-  for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get())
-    look(*node->expression, look);
-  return guard;
-}
-
-// What `quad` binds of the variables that the trigger may bind; false where it is no match after all.
-bool SeedsOf(const TriggerSource& source, const Quad& quad, std::vector<std::string>& names,
-                         std::vector<TermId>& values) {
-  const std::array<std::pair<const PatternTerm*, TermId>, 4> places = {{{&source.pattern.subject, quad.subject},
-                                                                        {&source.pattern.predicate, quad.predicate},
-                                                                        {&source.pattern.object, quad.object},
-                                                                        {&source.graph, quad.graph}}};
-  for (const std::string& name : source.seeds) {
-    if (name.empty() || name[0] == '.') continue;
-    TermId value;
-    for (const auto& [term, id] : places) {
-      if (!term->IsVariable() || term->variable->name != name) continue;
-      if (!value.IsNone() && value != id) return false;
-      value = id;
-    }
-    if (value.IsNone()) continue;
-    names.push_back(name);
-    values.push_back(value);
-  }
-  return true;
-}
-
 }  // namespace
 
 struct Subscriptions::Standing {
   uint32_t number = 0;
   std::string text;
   sparql::Query query;
-  std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
-  std::unique_ptr<sparql::PreparedQuery> prepared;
+  std::optional<FollowedForm> form;  // nullopt: always asked whole
   TriggerAnalysis analysis;
-  std::vector<std::optional<MatchPattern>> matches;  // of the triggers
+  std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
+  std::unique_ptr<sparql::PreparedQuery> prepared;  // null while it is kept
+  std::optional<ConstraintId> kept;
   std::vector<PatternIndex::Handle> watches;
   StandingAnswerPtr answer;
-  // ASK: the query with what a trigger binds, by trigger, made when first needed; and while it holds a solution.
-  std::vector<std::unique_ptr<sparql::PreparedQuery>> seeded;
-  std::vector<std::pair<std::string, TermId>> witness;
   absl::Time idle_since = absl::InfiniteFuture();
 };
 
-Subscriptions::Subscriptions(const Settings& settings) : settings_(settings) {
+Subscriptions::Subscriptions(const Settings& settings) : settings_(settings), names_(settings.dictionary) {
+  ForgetKept();
   version_ = std::make_shared<const GraphVersion>();
   newest_ = version_;
   thread_ = std::thread([this] { Run(); });
@@ -248,51 +195,50 @@ void Subscriptions::Run() {
 void Subscriptions::Process(Turn turn) {
   version_ = turn.version;
   time_us_ = turn.time_us;
-  TouchedSet touched;
-  LearnConstants();
-  if (turn.whole) {
-    for (const auto& standing : standing_) {
-      if (standing != nullptr) touched[standing->number].whole = true;
+  std::vector<uint32_t> anew = LearnConstants();
+  if (!turn.whole) {
+    const Delta delta = turn.changes.Net();
+    if (!UpdateKept(delta)) {
+      for (const auto& [id, number] : by_constraint_) anew.push_back(number);
+      ForgetKept();
     }
+    for (const uint32_t number : Touched(delta)) Evaluate(*standing_[number]);
   } else {
-    Gather(turn.changes.Net(), touched);
+    anew.clear();
+    for (const auto& standing : standing_) {
+      if (standing != nullptr) anew.push_back(standing->number);
+    }
+    ForgetKept();
   }
-  for (const auto& [number, why] : touched) {
-    if (standing_[number] != nullptr) Evaluate(*standing_[number], why);
+  for (const uint32_t number : anew) {
+    if (standing_[number] != nullptr) BeginAnew(*standing_[number]);
   }
   counters_.revision = version_->revision().value();
 }
 
-void Subscriptions::LearnConstants() {
-  if (incomplete_.empty() || settings_.dictionary->size() == dictionary_size_) return;
-  dictionary_size_ = settings_.dictionary->size();
+std::vector<uint32_t> Subscriptions::LearnConstants() {
   std::vector<uint32_t> learnt;
-  for (uint32_t number : incomplete_) {
-    const std::vector<Term>& unknown = standing_[number]->unknown;
-    if (std::any_of(unknown.begin(), unknown.end(),
-                    [this](const Term& term) { return settings_.dictionary->Find(term).has_value(); }))
+  const size_t size = settings_.dictionary->size();
+  for (; dictionary_size_ < size && !awaited_.empty(); ++dictionary_size_) {
+    const TermId id = TermId::Make(settings_.dictionary->EntryAt(dictionary_size_).tag, dictionary_size_);
+    const auto found = awaited_.find(settings_.dictionary->Decode(id));
+    if (found == awaited_.end()) continue;
+    for (const uint32_t number : std::vector<uint32_t>(found->second)) {
+      Forget(*standing_[number]);  // which forgets that it waits
       learnt.push_back(number);
-  }
-  for (uint32_t number : learnt) {
-    Standing& standing = *standing_[number];
-    Unwatch(standing);
-    if (absl::Status status = Prepare(standing); !status.ok()) {
-      FailAll(standing, status);
-      continue;
     }
-    Watch(standing);
   }
+  dictionary_size_ = size;
+  return learnt;
 }
 
 absl::Status Subscriptions::Prepare(Standing& standing) {
-  standing.unknown.clear();
-  for (const Term& term : ConstantsOf(*standing.query.algebra)) {
-    if (!settings_.dictionary->Find(term)) standing.unknown.push_back(term);
-  }
-  if (standing.unknown.empty()) {
-    incomplete_.erase(standing.number);
-  } else {
-    incomplete_.insert(standing.number);
+  for (Term& term : ConstantsOf(*standing.query.algebra)) {
+    if (settings_.dictionary->Find(term)) continue;
+    std::vector<uint32_t>& waiting = awaited_[term];
+    if (std::find(waiting.begin(), waiting.end(), standing.number) != waiting.end()) continue;
+    waiting.push_back(standing.number);
+    standing.unknown.push_back(std::move(term));
   }
   sparql::PrepareOptions options;
   options.default_graph = settings_.default_graph;
@@ -301,157 +247,149 @@ absl::Status Subscriptions::Prepare(Standing& standing) {
   auto prepared = sparql::PreparedQuery::Prepare(standing.query, *settings_.dictionary, options);
   if (!prepared.ok()) return prepared.status();
   standing.prepared = *std::move(prepared);
-  standing.seeded.clear();
   return absl::OkStatus();
 }
 
+void Subscriptions::Begin(Standing& standing) {
+  if (!Evaluate(standing)) return;
+  if (Keep(standing)) {
+    standing.prepared.reset();
+  } else {
+    Watch(standing);
+  }
+}
+
+void Subscriptions::BeginAnew(Standing& standing) {
+  Forget(standing);
+  if (absl::Status status = Prepare(standing); !status.ok()) return FailAll(standing, status);
+  Begin(standing);
+}
+
+bool Subscriptions::Keep(Standing& standing) {
+  if (!standing.form || !standing.unknown.empty()) return false;
+  names_.FollowBase();
+  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  const auto id = kept_->Register(standing.query, *version_, {standing.form->keys, time_us_, &cancellation});
+  if (!id.ok()) {
+    kept_->Rollback();
+    return false;
+  }
+  kept_->Commit();
+  standing.kept = *id;
+  by_constraint_.emplace(*id, standing.number);
+  return true;
+}
+
+void Subscriptions::ForgetKept() {
+  for (const auto& [id, number] : by_constraint_) standing_[number]->kept.reset();
+  by_constraint_.clear();
+  kept_ = std::make_unique<ConstraintSet>(names_, settings_.functions);
+}
+
 // What a changed quad must look like to matter to a trigger; nullopt: none can yet.
-std::optional<MatchPattern> Subscriptions::MatchOf(const Standing& standing, const TriggerSource& source) const {
+std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) const {
   MatchPattern match;
-  const std::array<const PatternTerm*, 4> terms = {&source.pattern.subject, &source.pattern.predicate,
-                                                   &source.pattern.object, &source.graph};
-  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate,
-                                      &match.constants.object, &match.constants.graph};
-  for (int t = 0; t < 4; ++t) {
-    if (terms[t]->IsVariable()) continue;
-    const auto id = settings_.dictionary->Find(terms[t]->term);
-    if (!id) return std::nullopt;
-    *ids[t] = *id;
-  }
-  if (source.pattern.object.IsVariable()) {
-    const std::string& name = source.pattern.object.variable->name;
-    if (std::find(source.seeds.begin(), source.seeds.end(), name) != source.seeds.end())
-      match.object_guard = GuardOf(WithoutModifiers(*standing.query.algebra), name, *settings_.dictionary);
-  }
-  return match;
-}
-
-void Subscriptions::Watch(Standing& standing) {
-  standing.matches.clear();
-  for (const TriggerSource& source : standing.analysis.triggers)
-    standing.matches.push_back(MatchOf(standing, source));
-  WatchMatches(standing);
-  if (standing.analysis.is_volatile) volatile_.insert(standing.number);
-}
-
-// An ASK that holds looks only at what could break the solution that is known of it: of thousands that a number above
-// theirs makes true, the next such number reaches none.
-void Subscriptions::WatchMatches(Standing& standing) {
-  const bool holds = standing.answer->is_boolean() && standing.answer->evaluated() && standing.answer->boolean();
-  for (uint32_t i = 0; i < standing.matches.size(); ++i) {
-    if (!standing.matches[i]) continue;
-    const TriggerSource& source = standing.analysis.triggers[i];
-    const bool narrowed = holds && source.polarity != Polarity::kBoth;
-    standing.watches.push_back(watches_.Add(
-        narrowed ? OfWitness(standing, source, *standing.matches[i]) : *standing.matches[i], {standing.number, i}));
-  }
-}
-
-// `match` with the values that the known solution gives to the variables that a quad may bind.
-MatchPattern Subscriptions::OfWitness(const Standing& standing, const TriggerSource& source, MatchPattern match) {
   const std::array<std::pair<const PatternTerm*, TermId*>, 4> places = {
       {{&source.pattern.subject, &match.constants.subject},
        {&source.pattern.predicate, &match.constants.predicate},
        {&source.pattern.object, &match.constants.object},
        {&source.graph, &match.constants.graph}}};
   for (const auto& [term, id] : places) {
-    if (!term->IsVariable()) continue;
-    const std::string& name = term->variable->name;
-    if (std::find(source.seeds.begin(), source.seeds.end(), name) == source.seeds.end()) continue;
-    for (const auto& [known, value] : standing.witness) {
-      if (known == name) *id = value;
-    }
+    if (term->IsVariable()) continue;
+    const auto known = settings_.dictionary->Find(term->term);
+    if (!known) return std::nullopt;
+    *id = *known;
   }
-  if (!match.constants.object.IsNone()) match.object_guard.reset();
   return match;
 }
 
-void Subscriptions::UnwatchMatches(Standing& standing) {
-  for (PatternIndex::Handle handle : standing.watches) watches_.Remove(handle);
-  standing.watches.clear();
+void Subscriptions::Watch(Standing& standing) {
+  const std::vector<TriggerSource>& triggers = standing.analysis.triggers;
+  for (uint32_t i = 0; i < triggers.size(); ++i) {
+    if (const auto match = MatchOf(triggers[i])) {
+      standing.watches.push_back(watches_.Add(*match, {standing.number, i}));
+    } else if (triggers[i].required) {
+      return Unwatch(standing);  // without that term there is no solution
+    }
+  }
+  if (standing.analysis.is_volatile) volatile_.insert(standing.number);
 }
 
 void Subscriptions::Unwatch(Standing& standing) {
-  UnwatchMatches(standing);
+  for (const PatternIndex::Handle handle : standing.watches) watches_.Remove(handle);
+  standing.watches.clear();
   volatile_.erase(standing.number);
 }
 
-void Subscriptions::Touch(PatternIndex::Reference reference, const Quad& quad, bool added, TouchedSet& touched) {
-  const Standing& standing = *standing_[reference.owner];
-  const TriggerSource& source = standing.analysis.triggers[reference.pattern];
-  if (!standing.answer->is_boolean() || source.polarity == Polarity::kBoth) {
-    touched[reference.owner].whole = true;
-    return;
+void Subscriptions::Forget(Standing& standing) {
+  Unwatch(standing);
+  if (standing.kept) {
+    kept_->Remove(*standing.kept);
+    kept_->Commit();
+    by_constraint_.erase(*standing.kept);
+    standing.kept.reset();
   }
-  const bool helps = added == (source.polarity == Polarity::kPositive);
-  const bool holds = standing.answer->boolean();
-  if (helps == holds) return;  // it is so already
-  if (holds) {  // it matches the known solution
-    touched[reference.owner].whole = true;
-    return;
+  for (const Term& term : standing.unknown) {
+    const auto found = awaited_.find(term);
+    std::erase(found->second, standing.number);
+    if (found->second.empty()) awaited_.erase(found);
   }
-  std::vector<std::string> names;
-  std::vector<TermId> values;
-  if (!SeedsOf(source, quad, names, values)) return;
-  Touched& why = touched[reference.owner];
-  if (names.empty() || why.seeds.size() >= kMostSeeds) {
-    why.whole = true;
-  } else {
-    why.seeds.emplace_back(reference.pattern, quad);
-  }
+  standing.unknown.clear();
 }
 
-// The queries whose answer the change may change.
-void Subscriptions::Gather(const Delta& delta, TouchedSet& touched) {
-  for (uint32_t number : volatile_) touched[number].whole = true;
+bool Subscriptions::UpdateKept(const Delta& delta) {
+  if (by_constraint_.empty()) return true;
+  names_.FollowBase();
+  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  const uint64_t before = kept_->evaluations();
+  const auto changes = kept_->Update(*version_, delta, time_us_, &cancellation);
+  counters_.evaluations += kept_->evaluations() - before;
+  if (!changes.ok()) return false;
+  kept_->Commit();
+  for (const ConstraintChange& change : *changes) {
+    Standing& standing = *standing_[by_constraint_.at(change.id)];
+    bool changed = false;
+    if (standing.answer->is_boolean()) {
+      changed = standing.answer->SetBoolean(version_->revision(), change.edge == ConstraintChange::Edge::kRose);
+    } else {
+      changed = standing.answer->ChangeRows(version_->revision(), standing.form->RowsOf(change.appeared),
+                                            standing.form->RowsOf(change.disappeared));
+      if (standing.answer->size() > settings_.subscription_limits.subscription_rows) {
+        FailAll(standing, TooManyRows());
+        continue;
+      }
+    }
+    if (changed) WakeFollowers(standing);
+  }
+  return true;
+}
+
+bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {
+  const Standing& standing = *standing_[reference.owner];
+  const Polarity polarity = standing.analysis.triggers[reference.pattern].polarity;
+  if (!standing.answer->is_boolean() || polarity == Polarity::kBoth) return true;
+  const bool helps = added == (polarity == Polarity::kPositive);
+  return helps != standing.answer->boolean();
+}
+
+absl::btree_set<uint32_t> Subscriptions::Touched(const Delta& delta) const {
+  absl::btree_set<uint32_t> touched(volatile_.begin(), volatile_.end());
   const auto look = [&](const Quad& quad, bool added) {
-    watches_.ForEachMatch(quad,
-                          [&](PatternIndex::Reference reference) { Touch(reference, quad, added, touched); });
+    watches_.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+      if (MayTurn(reference, added)) touched.insert(reference.owner);
+    });
   };
   for (const Quad& quad : delta.added) look(quad, true);
   for (const Quad& quad : delta.removed) look(quad, false);
+  return touched;
 }
 
-absl::StatusOr<bool> Subscriptions::HoldsNow(Standing& standing, const Touched& touched,
-                                             const sparql::RunOptions& run) {
-  standing.witness.clear();
-  const auto ask = [&](sparql::PreparedQuery& query, absl::Span<const TermId> bound,
-                       const std::vector<std::string>& names) -> absl::StatusOr<bool> {
-    if (absl::Status status = query.Start(run, bound); !status.ok()) return status;
-    if (!query.Next()) {
-      if (!query.status().ok()) return query.status();
-      return false;
-    }
-    for (size_t i = 0; i < query.variables().size(); ++i) {
-      const TermId id = query.row()[i];
-      if (!id.IsNone() && id.tag() != TermId::Tag::kLocal) standing.witness.emplace_back(query.variables()[i], id);
-    }
-    for (size_t i = 0; i < names.size(); ++i) standing.witness.emplace_back(names[i], bound[i]);
-    return true;
-  };
-  if (touched.whole) return ask(*standing.prepared, {}, {});
-  standing.seeded.resize(standing.analysis.triggers.size());
-  for (const auto& [trigger, quad] : touched.seeds) {
-    std::vector<std::string> names;
-    std::vector<TermId> values;
-    SeedsOf(standing.analysis.triggers[trigger], quad, names, values);
-    if (standing.seeded[trigger] == nullptr) {
-      sparql::PrepareOptions options;
-      options.default_graph = settings_.default_graph;
-      options.functions = settings_.functions;
-      options.memory_bytes = settings_.limits.query_memory_bytes;
-      options.bound = names;
-      auto prepared = sparql::PreparedQuery::Prepare(standing.query, *settings_.dictionary, options);
-      if (!prepared.ok()) return ask(*standing.prepared, {}, {});
-      standing.seeded[trigger] = *std::move(prepared);
-    }
-    auto holds = ask(*standing.seeded[trigger], values, names);
-    if (!holds.ok() || *holds) return holds;
-  }
-  return false;
+absl::Status Subscriptions::TooManyRows() const {
+  return absl::ResourceExhaustedError(absl::StrCat("the answer has more rows than the limit subscription_rows = ",
+                                                   settings_.subscription_limits.subscription_rows));
 }
 
-void Subscriptions::Evaluate(Standing& standing, const Touched& touched) {
+bool Subscriptions::Evaluate(Standing& standing) {
   ++counters_.evaluations;
   Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   sparql::RunOptions run;
@@ -462,7 +400,7 @@ void Subscriptions::Evaluate(Standing& standing, const Touched& touched) {
   bool changed = false;
   absl::Status status;
   if (standing.answer->is_boolean()) {
-    auto holds = HoldsNow(standing, touched, run);
+    const auto holds = standing.prepared->Ask(run);
     status = holds.status();
     if (holds.ok()) changed = standing.answer->SetBoolean(version_->revision(), *holds);
   } else {
@@ -476,10 +414,7 @@ void Subscriptions::Evaluate(Standing& standing, const Touched& touched) {
       ++rows[ids];
       return ++count <= settings_.subscription_limits.subscription_rows;
     });
-    if (status.ok() && count > settings_.subscription_limits.subscription_rows) {
-      status = absl::ResourceExhaustedError(absl::StrCat("the answer has more rows than the limit subscription_rows = ",
-                                                         settings_.subscription_limits.subscription_rows));
-    }
+    if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
     if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows));
   }
   if (absl::IsDeadlineExceeded(status)) {
@@ -487,12 +422,15 @@ void Subscriptions::Evaluate(Standing& standing, const Touched& touched) {
         absl::StrCat("the query took longer than the limit subscription_evaluation_ms = ",
                      settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
   }
-  if (!status.ok()) return FailAll(standing, status);
-  if (standing.answer->is_boolean()) {
-    UnwatchMatches(standing);
-    WatchMatches(standing);
+  if (!status.ok()) {
+    FailAll(standing, status);
+    return false;
   }
-  if (!changed) return;
+  if (changed) WakeFollowers(standing);
+  return true;
+}
+
+void Subscriptions::WakeFollowers(const Standing& standing) {
   ++counters_.changes;
   absl::MutexLock lock(&followers_mutex_);
   for (const auto& follower : by_standing_[standing.number]) follower->Wake();
@@ -518,6 +456,7 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::st
   standing->text = text;
   standing->query = std::move(query);
   standing->analysis = AnalyseTriggers(WithoutModifiers(*standing->query.algebra));
+  if (settings_.default_graph == sparql::DefaultGraph::kUnion) standing->form = FollowedFormOf(standing->query, standing->analysis);
   if (free_.empty()) {
     standing->number = static_cast<uint32_t>(standing_.size());
     standing_.emplace_back();
@@ -537,7 +476,6 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::st
   made->answer = std::make_shared<StandingAnswer>(next_answer_++, made->query.form == sparql::Query::Form::kAsk,
                                                   made->prepared->variables(), settings_.dictionary,
                                                   settings_.subscription_limits);
-  Watch(*made);
   return made;
 }
 
@@ -553,7 +491,7 @@ void Subscriptions::OpenNow(Opening opening) {
     counters_.open = followers_.size();
   }
   (*standing)->idle_since = absl::InfiniteFuture();
-  if (!answer->evaluated()) Evaluate(**standing, Touched{true, {}});  // fails the follower where it cannot
+  if (!answer->evaluated()) Begin(**standing);  // fails the follower where it cannot
   if (answer->evaluated()) opening.done(answer);
 }
 
@@ -585,8 +523,7 @@ void Subscriptions::DropIdle() {
 
 void Subscriptions::Drop(uint32_t number) {
   Standing& standing = *standing_[number];
-  Unwatch(standing);
-  incomplete_.erase(number);
+  Forget(standing);
   by_text_.erase(standing.text);
   counters_.queries = by_text_.size();
   standing_[number].reset();

@@ -1,11 +1,11 @@
 // Standing queries of clients: the answer of an ASK or SELECT, and what changes of it after each turn.
 //
-// Off the writer: the committer hands over each durable version with what changed in it; a thread of its own looks up
-// by hash which queries a change can match (reasoner/matching), evaluates those on that very version, and keeps what
-// changed of their answers in a ring under growing numbers. An ASK that does not hold is asked only with what the
-// change binds; one that holds is not asked as long as the solution that is known of it stands. Queries of the same text share all of it. A client holds
-// a place in the ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody
-// follows any more is kept for a while, so that a client that lost its connection can go on.
+// Off the writer: the committer hands over each durable version with what changed in it. A thread of its own brings the
+// answers to that very version and keeps what changed of them in a ring under growing numbers. Answers that a
+// ConstraintSet can keep (followed_form.h says which) cost what the change touches, however many there are; the others
+// are asked whole when a change can match them. Queries of the same text share all of it. A client holds a place in the
+// ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody follows any more is
+// kept for a while, so that a client that lost its connection can go on.
 //
 // Publish from the committer's thread, PublishWhole from the writer's while nothing is committed; the rest from any.
 #ifndef DOCENT_KB_SERVER_SERVICE_SUBSCRIPTIONS_H_
@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-#include "absl/container/btree_map.h"
+#include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
@@ -33,10 +33,12 @@
 #include "kb_server/base/limits.h"
 #include "kb_server/base/subscription_limits.h"
 #include "kb_server/rdf/dictionary.h"
+#include "kb_server/rdf/term.h"
 #include "kb_server/service/standing_answer.h"
 #include "kb_server/sparql/evaluator.h"
 #include "kb_server/store/delta_sum.h"
 #include "kb_server/store/graph_version.h"
+#include "reasoner/constraints/constraint_set.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
@@ -121,25 +123,29 @@ class Subscriptions {
   void Process(Turn turn);
   void OpenNow(Opening opening);
   absl::StatusOr<Standing*> FindOrMake(const std::string& text, sparql::Query query);
+  // From the whole answer on `version_` on, its changes will be noticed.
+  void Begin(Standing& standing);
+  // The same for one that has begun before.
+  void BeginAnew(Standing& standing);
   absl::Status Prepare(Standing& standing);
+  // Asks the whole query. False: it failed, and `standing` is gone.
+  bool Evaluate(Standing& standing);
+  // Gives it to the constraint set. False: that cannot keep it.
+  bool Keep(Standing& standing);
+  void ForgetKept();
   void Watch(Standing& standing);
-  void WatchMatches(Standing& standing);
-  void UnwatchMatches(Standing& standing);
   void Unwatch(Standing& standing);
-  std::optional<MatchPattern> MatchOf(const Standing& standing, const TriggerSource& source) const;
-  static MatchPattern OfWitness(const Standing& standing, const TriggerSource& source, MatchPattern match);
-  void LearnConstants();
-  // Why a query is to be looked at: whole, or only with what these changes bind.
-  struct Touched {
-    bool whole = false;
-    std::vector<std::pair<uint32_t, Quad>> seeds;  // trigger and quad
-  };
-  using TouchedSet = absl::btree_map<uint32_t, Touched>;
-  void Gather(const Delta& delta, TouchedSet& touched);
-  void Touch(PatternIndex::Reference reference, const Quad& quad, bool added, TouchedSet& touched);
-  // Of an ASK that does not hold: whether one of the changes makes it hold.
-  absl::StatusOr<bool> HoldsNow(Standing& standing, const Touched& touched, const sparql::RunOptions& run);
-  void Evaluate(Standing& standing, const Touched& touched);
+  void Forget(Standing& standing);  // neither kept nor watched
+  std::optional<MatchPattern> MatchOf(const TriggerSource& source) const;
+  // Those that named a term which the dictionary has learnt since; they are no longer watched.
+  std::vector<uint32_t> LearnConstants();
+  // False: too much for the constraint set at once.
+  bool UpdateKept(const Delta& delta);
+  // The watched queries whose answer the change may change.
+  absl::btree_set<uint32_t> Touched(const Delta& delta) const;
+  absl::Status TooManyRows() const;
+  bool MayTurn(PatternIndex::Reference reference, bool added) const;
+  void WakeFollowers(const Standing& standing);
   void FailAll(Standing& standing, const absl::Status& status);
   void DropIdle();
   void Drop(uint32_t number);
@@ -172,10 +178,13 @@ class Subscriptions {
   std::vector<std::unique_ptr<Standing>> standing_;  // by number; null: free
   std::vector<uint32_t> free_;
   absl::flat_hash_map<std::string, uint32_t> by_text_;
-  absl::flat_hash_set<uint32_t> incomplete_;  // with constants that the dictionary does not know yet
+  Dictionary names_;  // the constraint set's: the dictionary, read only
+  std::unique_ptr<ConstraintSet> kept_;
+  absl::flat_hash_map<ConstraintId, uint32_t> by_constraint_;
+  PatternIndex watches_;  // of the others
   absl::flat_hash_set<uint32_t> volatile_;
-  PatternIndex watches_;
-  size_t dictionary_size_ = 0;
+  absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
+  size_t dictionary_size_ = 0;                                // that has been looked at for them
   uint64_t next_answer_ = 1;
   absl::Time next_idle_check_ = absl::InfinitePast();
   std::thread thread_;

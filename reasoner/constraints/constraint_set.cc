@@ -68,7 +68,7 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
     *condition = std::make_unique<Condition>(number, *std::move(body), *std::move(keys), indexes);
   }
   Condition::Edits first;
-  const sparql::RunOptions run{.version = &now, .now_us = options.now_us};
+  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
   if (absl::Status status = (*condition)->Refresh(run, first); !status.ok()) return status;
   if (reused) {
     free_numbers.pop_back();
@@ -148,7 +148,7 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::FindOrMake(const sparql::Query& qu
 absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(const ThresholdForm& form,
                                                                             const GraphVersion& now,
                                                                             const RegisterOptions& options) {
-  const RegisterOptions grouped{{form.variable}, options.now_us};
+  const RegisterOptions grouped{{form.variable}, options.now_us, options.cancellation};
   std::string fingerprint = Fingerprint(form.shared, grouped.key_variables);
   const auto found = by_fingerprint.find(fingerprint);
   if (found != by_fingerprint.end()) return found->second;
@@ -159,7 +159,7 @@ absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(cons
   if (!body.ok()) return body.status();
   int64_t solutions = 0;
   const std::vector<TermId> nothing((*body)->columns().size());
-  const sparql::RunOptions run{.version = &now, .now_us = options.now_us};
+  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
   const absl::Status status = (*body)->Evaluate(
       run, nothing, [&](absl::Span<const TermId>) { return ++solutions <= kMaxGroupSolutions; });
   if (!status.ok()) return status;

@@ -17,8 +17,8 @@
 // What cannot be analysed so (sub-SELECT, aggregates, recursive paths) is evaluated whole when one of its
 // patterns is touched, and NOW() or RAND() at every update: correct, slower, and visible in the counters.
 //
-// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. Writer
-// thread only.
+// Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. One thread:
+// the one that interns into its dictionary.
 #ifndef DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
 #define DOCENT_REASONER_CONSTRAINTS_CONSTRAINT_SET_H_
 
@@ -30,6 +30,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/algebra.h"
@@ -77,6 +78,7 @@ struct RegisterOptions {
   // Variables whose distinct bindings are followed (an activator's). Empty: only whether it holds.
   std::vector<std::string> key_variables;
   TimeMicros now_us = 0;  // NOW()
+  Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
 class ConstraintSet {
@@ -97,9 +99,9 @@ class ConstraintSet {
   void Remove(ConstraintId id);
 
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id.
-  // An error is one of the evaluator's limits; the caller then rolls back.
+  // An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
   absl::StatusOr<std::vector<ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
-                                                       TimeMicros now_us = 0);
+                                                       TimeMicros now_us = 0, Cancellation* cancellation = nullptr);
 
   // Whether it holds as of the last Update. False for an unknown id.
   bool Holds(ConstraintId id) const;

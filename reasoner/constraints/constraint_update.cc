@@ -211,11 +211,12 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
 }
 
 absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
-                                                                    const Delta& delta, TimeMicros now_us) {
+                                                                    const Delta& delta, TimeMicros now_us,
+                                                                    Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
   impl.touched.clear();
-  const sparql::RunOptions run{.version = &version, .now_us = now_us};
+  const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   impl.GatherRises(delta);
   absl::Status status = impl.RecheckBroken(run, delta);
   if (status.ok()) status = impl.ProbeRises(run);

@@ -141,7 +141,7 @@ TEST_F(SubscriptionsTest, TellsTheAnswerAndThenItsChanges) {
   EXPECT_EQ(client->wakes, 1);
   client->TakeAll();
   EXPECT_EQ(client->rows, (Bag{{"<http://example.org/bob> ", 1}, {"<http://example.org/cid> ", 1}}));
-  EXPECT_EQ(subscriptions_->counters().evaluations, 2u);  // the first answer, and the one turn that matched
+  EXPECT_EQ(subscriptions_->counters().evaluations, 3u);  // the first answer; who came and who went
 }
 
 TEST_F(SubscriptionsTest, WhoOpensAfterTurnsThatNobodyFollowedIsAnsweredOnTheNewest) {
@@ -259,9 +259,82 @@ TEST_F(SubscriptionsTest, TheSumOfChangesIsTheirNet) {
   EXPECT_EQ((*sum)->number, 3u);
 }
 
+// What one costs does not depend on how many differ from it only in constants.
+TEST_F(SubscriptionsTest, AlikeQueriesShareWhatAChangeCosts) {
+  for (int n = 0; n < 200; ++n) world_.Apply({absl::StrCat("item", n, " ownedBy owner", n)});
+  world_.Apply({"ann carries nothing", "sensor reading 0"});
+  Make();
+  std::vector<std::shared_ptr<Client>> carriers, levels;
+  for (int n = 0; n < 200; ++n) {
+    carriers.push_back(Open(absl::StrCat("SELECT ?v { ?v :carries ?item . ?item :ownedBy :owner", n, " }")));
+    levels.push_back(Open(absl::StrCat("ASK { ?s :reading ?value FILTER(?value > ", n, ") }")));
+  }
+  const uint64_t before = subscriptions_->counters().evaluations;
+  for (int turn = 0; turn < 50; ++turn) {
+    Turn({absl::StrCat("bob", turn, " carries item", turn)});
+    Turn({absl::StrCat("sensor reading ", turn + 1)});
+  }
+  subscriptions_->Drain();
+  EXPECT_LE(subscriptions_->counters().evaluations - before, 200u);
+  for (int n = 0; n < 200; ++n) {
+    carriers[n]->TakeAll();
+    levels[n]->TakeAll();
+    EXPECT_EQ(carriers[n]->rows.size(), n < 50 ? 1u : 0u) << n;
+    EXPECT_EQ(levels[n]->boolean, n < 50) << n;
+  }
+}
+
+// A row of a SELECT without DISTINCT counts as often as there are solutions with it.
+TEST_F(SubscriptionsTest, RowsAreCountedWhereVariablesAreHidden) {
+  world_.Apply({"ann carries cup", "cup ownedBy bob"});
+  Make();
+  const auto bag = Open("SELECT ?v { ?v :carries ?item . ?item :ownedBy :bob }");
+  const auto set = Open("SELECT DISTINCT ?v { ?v :carries ?item . ?item :ownedBy :bob }");
+  const std::string ann = "<http://example.org/ann> ";
+  Turn({"ann carries pen", "pen ownedBy bob"});
+  subscriptions_->Drain();
+  bag->TakeAll();
+  set->TakeAll();
+  EXPECT_EQ(bag->rows, (Bag{{ann, 2}}));
+  EXPECT_EQ(set->rows, (Bag{{ann, 1}}));
+  Turn({"ann carries key", "key ownedBy bob"}, {"ann carries pen"});  // one for another: the same answer
+  subscriptions_->Drain();
+  EXPECT_EQ(bag->wakes, 1);
+  Turn({}, {"ann carries cup", "key ownedBy bob"});
+  subscriptions_->Drain();
+  bag->TakeAll();
+  set->TakeAll();
+  EXPECT_TRUE(bag->rows.empty());
+  EXPECT_TRUE(set->rows.empty());
+}
+
+TEST_F(SubscriptionsTest, WhatTakesTooLongIsEndedAndTheOthersGoOn) {
+  SubscriptionLimits limits;
+  limits.subscription_evaluation_ms = 1;
+  world_.Apply({"ann at b1", "a p 1", "a q 2"});
+  Make(limits);
+  const auto pairs = Open("ASK { ?a :p ?x . ?b :q ?y FILTER(?x * ?y = 0) }");
+  const auto light = Open("SELECT ?who { ?who :at :b1 }");
+  ASSERT_TRUE(pairs->failed.ok()) << pairs->failed;
+  std::vector<std::string> many = {"bob at b1"};
+  for (int n = 1; n < 2000; ++n) {
+    many.push_back(absl::StrCat("a", n, " p ", n));
+    many.push_back(absl::StrCat("a", n, " q ", n));
+  }
+  Turn(many);
+  subscriptions_->Drain();
+  EXPECT_TRUE(absl::IsDeadlineExceeded(pairs->failed)) << pairs->failed;
+  EXPECT_NE(pairs->failed.message().find("subscription_evaluation_ms"), std::string::npos);
+  Turn({"cid at b1"});
+  subscriptions_->Drain();
+  ASSERT_TRUE(light->failed.ok()) << light->failed;
+  light->TakeAll();
+  EXPECT_EQ(light->rows.size(), 3u);
+}
+
 // Replaying the changes gives, at every revision, what running the query again gives.
 TEST_F(SubscriptionsTest, ReplayedChangesAreTheAnswerAtEachRevision) {
-  const std::vector<std::string> queries = {
+  std::vector<std::string> queries = {
       "SELECT ?x ?y { ?x :p0 ?y }",
       "SELECT ?x { ?x :p0 ?y . ?y :p1 ?z }",
       "SELECT DISTINCT ?x ?z { ?x :p0 ?y . ?y :p1 ?z FILTER(?x != ?z) }",
@@ -277,7 +350,17 @@ TEST_F(SubscriptionsTest, ReplayedChangesAreTheAnswerAtEachRevision) {
       "ASK { ?x :p2 ?v FILTER(?v < 3) FILTER NOT EXISTS { ?x :p0 ?v } }",
       "ASK { ?x :p3 :n1 } ",
       "SELECT ?x ?y { { ?x :p0 ?y } UNION { ?y :p3 ?x } }",
+      "SELECT DISTINCT ?x ?y { { ?x :p0 ?y } UNION { ?y :p3 ?x } }",
+      "SELECT * { ?x :p0 [] . ?x :p3 ?z }",
+      "SELECT ?z { ?x :p0 ?y . ?y :p0 ?z FILTER EXISTS { ?z :p1 ?w } }",
+      "SELECT REDUCED ?x { ?x :p0 ?y }",
+      "SELECT ?y ?x { ?x :p2 ?y } ORDER BY ?x",
   };
+  for (int n = 0; n < 10; ++n) {  // so many that differ only in a constant share their work
+    queries.push_back(absl::StrCat("ASK { ?x :p1 ?v FILTER(?v > ", n, ") }"));
+    queries.push_back(absl::StrCat("SELECT ?x { ?x :p0 ?y . ?y :p3 :n", n, " }"));
+    queries.push_back(absl::StrCat("ASK { ?x :p0 :n", n, " FILTER NOT EXISTS { ?x :p2 ?y } }"));
+  }
   for (unsigned seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE(seed);
     RandomWorld random(seed);
