@@ -2,6 +2,8 @@
 
 #include <time.h>
 
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -24,15 +26,32 @@ constexpr const char* kProperties[] = {"x", "y", "heading", "poseTime"};
 // The microsecond that pose number `n` is of.
 TimeMicros TimeOf(uint64_t n) { return TimeMicros{1'800'000'000'000'000} + static_cast<TimeMicros>(n) * 1000 + 7; }
 
-std::string DateTime(TimeMicros us) {
+// `zone_hours` east of Greenwich.
+std::string DateTime(TimeMicros us, int zone_hours) {
+  us += TimeMicros{zone_hours} * 3'600'000'000;
   const time_t seconds = static_cast<time_t>(us / 1'000'000);
   tm utc{};
   gmtime_r(&seconds, &utc);
-  return absl::StrFormat("%04d-%02d-%02dT%02d:%02d:%02d.%06dZ", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
-                         utc.tm_min, utc.tm_sec, us % 1'000'000);
+  return absl::StrFormat("%04d-%02d-%02dT%02d:%02d:%02d.%06d%s", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
+                         utc.tm_min, utc.tm_sec, us % 1'000'000,
+                         zone_hours == 0 ? "Z" : absl::StrFormat("%+03d:00", zone_hours));
 }
 
-std::string Thousandths(uint64_t n) { return absl::StrFormat("%d.%03d", n / 1000, n % 1000); }
+// `n` thousandths as robots' programs write them: a decimal, a double with six digits (C's %f), or with all that it has.
+Term Number(uint64_t n, uint64_t robot) {
+  const double value = static_cast<double>(n) / 1000 + static_cast<double>(n % 977) * 1e-12;
+  switch (robot % 3) {
+    case 0:
+      return Term::Literal(absl::StrFormat("%d.%03d", n / 1000, n % 1000), std::string(kXsdDecimal));
+    case 1:
+      return Term::Literal(absl::StrFormat("%f", value), std::string(kXsdDouble));
+    default: {
+      std::array<char, 32> text;
+      const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+      return Term::Literal(std::string(text.data(), end), std::string(kXsdDouble));
+    }
+  }
+}
 
 // One robot's pose: four state properties.
 WriteBatch Pose(uint64_t n) {
@@ -41,10 +60,8 @@ WriteBatch Pose(uint64_t n) {
   WriteBatch batch;
   batch.source = absl::StrCat("urn:robots:R", robot);
   batch.time_us = TimeOf(n);
-  const Term values[] = {Term::Literal(Thousandths(mixed % 400'000), std::string(kXsdDecimal)),
-                         Term::Literal(Thousandths(mixed / 7 % 300'000), std::string(kXsdDecimal)),
-                         Term::Literal(Thousandths(mixed / 3 % 6283), std::string(kXsdDecimal)),
-                         Term::Literal(DateTime(batch.time_us), std::string(kXsdDateTime))};
+  const Term values[] = {Number(mixed % 400'000, robot), Number(mixed / 7 % 300'000, robot), Number(mixed / 3 % 6283, robot),
+                         Term::Literal(DateTime(batch.time_us, robot % 2 == 0 ? 0 : 9), std::string(kXsdDateTime))};
   for (size_t p = 0; p < std::size(kProperties); ++p) {
     batch.operations.push_back({QuadOperation::Kind::kAdd,
                                 {Term::Iri(batch.source), Term::Iri(DocentIri(kProperties[p])), values[p], Term()}});
