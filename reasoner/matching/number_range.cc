@@ -45,6 +45,8 @@ NumberView ViewNumber(TermId id) {
     case TermId::Tag::kDouble:
     case TermId::Tag::kPlainDouble:
     case TermId::Tag::kNearDouble: {
+      // What is compared with a float is rounded to a float first: 0.1 is not less than "0.1"^^xsd:float.
+      if (id.tag() == TermId::Tag::kPlainDouble && InlineIsFloat(id)) return {NumberView::Kind::kUnknown, 0};
       const double value = InlineDouble(id);
       if (std::isnan(value)) return {NumberView::Kind::kUnknown, 0};
       return {NumberView::Kind::kNumber, value};

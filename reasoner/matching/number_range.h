@@ -14,7 +14,7 @@ struct NumberView {
   enum class Kind : uint8_t {
     kNumber,   // a number; `value` is it, rounded to the nearest double
     kOther,    // certainly no number: a comparison with a number is an error
-    kUnknown,  // a dictionary literal: perhaps a number in a form that does not fit into an id
+    kUnknown,  // a float, or a dictionary literal: perhaps a number in a form that does not fit into an id
   };
   Kind kind = Kind::kUnknown;
   double value = 0;

@@ -16,6 +16,8 @@ TEST(NumberRange, ReadsInlineNumbersOfEachType) {
   EXPECT_EQ(ViewNumber(Number("-7", kXsdInteger)).value, -7);
   EXPECT_EQ(ViewNumber(Number("0.5", kXsdDecimal)).value, 0.5);
   EXPECT_EQ(ViewNumber(Number("2.5E1", kXsdDouble)).value, 25);
+  EXPECT_EQ(ViewNumber(Number("25.000000", kXsdDouble)).value, 25);
+  EXPECT_EQ(ViewNumber(Number("0.30000000000000004", kXsdDouble)).value, 0.1 + 0.2);
 }
 
 TEST(NumberRange, TermsThatAreNoNumbersAreTold) {
@@ -40,6 +42,8 @@ TEST(NumberRange, LeavesOpenWhatDoublesCannotTell) {
   EXPECT_EQ(CompareNumbers(Number("1", kXsdInteger), Comparison::kLess, Number("1.0", kXsdDecimal)),
             std::nullopt);
   EXPECT_EQ(CompareNumbers(TermId::Make(TermId::Tag::kLiteral, 1), Comparison::kLess, a), std::nullopt);
+  // compared in single precision, where both are the same
+  EXPECT_EQ(CompareNumbers(Number("0.1", kXsdDecimal), Comparison::kLess, Number("0.1", kXsdFloat)), std::nullopt);
 }
 
 TEST(NumberRange, AComparisonOfANumberWithAnIriIsAnErrorAndThusFalse) {
