@@ -17,6 +17,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_replace.h"
 #include "bench/kb_process.h"
+#include "kb_server/base/program_setup.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluator.h"
@@ -48,7 +49,7 @@ class Engine {
     }
     const double load_s = SecondsSince(start);
     Print({{"load_s", load_s},
-           {"bytes", ResidentBytes() - before},
+           {"bytes", SettledResidentBytes() - before},
            {"index_bytes", version_->bytes()},
            {"dictionary_bytes", dictionary_.bytes()}});
   }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <fstream>
+#include <thread>
 
 namespace docent::bench {
 
@@ -14,11 +15,24 @@ inline double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// What was needed and is needed no more, malloc may keep for some seconds.
 inline size_t ResidentBytes() {
   std::ifstream statm("/proc/self/statm");
   size_t total = 0, resident = 0;
   statm >> total >> resident;
   return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+}
+
+// When it has not changed for three seconds; at most half a minute.
+inline size_t SettledResidentBytes() {
+  size_t resident = ResidentBytes();
+  for (int second = 0, still = 0; second < 30 && still < 3; ++second) {
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    const size_t now = ResidentBytes();
+    still = now == resident ? still + 1 : 0;
+    resident = now;
+  }
+  return resident;
 }
 
 }  // namespace docent::bench

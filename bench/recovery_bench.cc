@@ -215,7 +215,7 @@ absl::Status Measure(const Options& options, bool replace, std::vector<Measureme
 int RunRecoveryBench(const std::vector<std::string>& args) {
   Options options;
   options.folder = std::filesystem::temp_directory_path() / absl::StrCat("docent-recovery-", getpid());
-  CLI::App app{"How long a start takes, from a snapshot and the log after it"};
+  CLI::App app{"How long a start takes, from a snapshot and the log after it", "docent-bench recovery"};
   app.add_option("--triples", options.triples, "In the snapshot")->capture_default_str();
   app.add_option("--records", options.records, "After it, one fact each")->capture_default_str();
   app.add_option("--runs", options.runs)->capture_default_str();

@@ -6,7 +6,7 @@
 
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
-#include "kb_server/base/mutex_checks.h"
+#include "kb_server/base/program_setup.h"
 
 int main(int argc, char** argv) {
   docent::SetMutexChecks();
