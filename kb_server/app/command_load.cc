@@ -29,7 +29,7 @@ struct LoadArguments {
   std::string source;  // facts only
 };
 
-std::string KindOf(const std::string& file) {
+std::string LoadKindOf(const std::string& file) {
   if (absl::EndsWith(file, ".rules")) return "rules";
   if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return "cawl";
   if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return "rsel";
@@ -44,7 +44,7 @@ class Loader {
   int Load(const std::string& file) {
     auto text = ReadText(file);
     if (!text.ok()) return Fail(text.status());
-    std::string kind = arguments_.as.empty() ? KindOf(file) : arguments_.as;
+    std::string kind = arguments_.as.empty() ? LoadKindOf(file) : arguments_.as;
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
     if (kind == "facts") return Assert(file, *text);

@@ -44,7 +44,7 @@ int PrintRdf(const std::vector<TermQuad>& report, bool conforms) {
   return conforms ? kExitOk : kExitNegative;
 }
 
-void PrintJson(const shapes::ResultText& r) {
+void PrintResultJson(const shapes::ResultText& r) {
   nlohmann::json object = {{"severity", r.severity}, {"focus", r.focus},         {"path", r.path},
                            {"value", r.value},       {"shape", r.shape},         {"constraint", r.component},
                            {"message", r.message},   {"details", r.details}};
@@ -125,7 +125,7 @@ class FileValidator {
       const shapes::ResultText text =
           shapes::Describe(result, graph_.dictionary(), &graph_.Places(kDataGraph), &shape_places);
       if (arguments_.client.json) {
-        PrintJson(text);
+        PrintResultJson(text);
       } else {
         std::cout << shapes::Render(text);
       }
@@ -183,7 +183,7 @@ int ValidateServer(const ValidateArguments& arguments) {
     text.message = r.message();
     text.details.assign(r.details().begin(), r.details().end());
     if (arguments.client.json) {
-      PrintJson(text);
+      PrintResultJson(text);
     } else {
       std::cout << shapes::Render(text);
     }

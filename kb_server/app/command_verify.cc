@@ -18,13 +18,13 @@ struct VerifyArguments {
   bool json = false;
 };
 
-void ShowProgress(uint64_t done, uint64_t all) {
+void ShowChecked(uint64_t done, uint64_t all) {
   if (isatty(STDERR_FILENO) == 0) return;
   std::cerr << "\rchecking records: " << done << " of " << all << (done == all ? "\n" : "") << std::flush;
 }
 
 int Verify(const VerifyArguments& arguments) {
-  const absl::StatusOr<FolderReport> report = CheckFolder(arguments.folder, ShowProgress);
+  const absl::StatusOr<FolderReport> report = CheckFolder(arguments.folder, ShowChecked);
   if (!report.ok()) return Fail(report.status());
   if (arguments.json) {
     const nlohmann::json json = {{"first", report->first},

@@ -9,17 +9,12 @@
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/load_runner.h"
 #include "kb_server/service/module_requests.h"
+#include "kb_server/service/unary_reactors.h"
 
 namespace docent {
 namespace {
 
 constexpr uint32_t kMostShown = 10000;  // facts of each kind in one preview
-
-grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(status);
-  return reactor;
-}
 
 void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
   reply->set_revision(outcome.offset);
@@ -110,7 +105,7 @@ grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* c
     out->set_revision(module.revision.value());
     if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
   }
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
@@ -119,7 +114,7 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
   Document::Kind kind =
       request->kind() == v1::LoadRequest::RULES ? Document::Kind::kRules : Document::Kind::kOntology;
   if (request->kind() == v1::LoadRequest::DATA) {
-    return Finish(context,
+    return FinishNow(context,
                   grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
   }
   WriteBatch batch;

@@ -10,16 +10,11 @@
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/run_reader.h"
 #include "kb_server/service/stream_reactor.h"
+#include "kb_server/service/unary_reactors.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent {
 namespace {
-
-grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(status);
-  return reactor;
-}
 
 // Robots that offer every operation of the plan.
 std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) {
@@ -137,10 +132,10 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
   if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
-    return Finish(context, ToGrpc(size));
+    return FinishNow(context, ToGrpc(size));
   }
   rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
-  if (!parsed.ok()) return Finish(context, ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+  if (!parsed.ok()) return FinishNow(context, ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
   for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
   WriteBatch batch;
@@ -162,7 +157,7 @@ grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext
   for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
     Fill(graph, *plan, reply->add_services());
   }
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerContext* context,
@@ -170,13 +165,13 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
                                                          v1::RobotService* reply) {
   rsel::PlanPtr plan = ports_.catalog->Get()->services.Find(request->name());
   if (plan == nullptr) {
-    return Finish(context,
+    return FinishNow(context,
                   grpc::Status(grpc::StatusCode::NOT_FOUND,
                                absl::StrCat("no robot service \"", request->name(), "\" is registered")));
   }
   GraphVersionPtr version = ports_.queries->Newest();
   Fill(GraphReader(*ports_.dictionary, *version), *plan, reply);
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(

@@ -5,16 +5,11 @@
 #include "kb_server/service/graph_environment.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/run_reader.h"
+#include "kb_server/service/unary_reactors.h"
 #include "workflow/cawl/check.h"
 
 namespace docent {
 namespace {
-
-grpc::ServerUnaryReactor* Finish(grpc::CallbackServerContext* context, const grpc::Status& status) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(status);
-  return reactor;
-}
 
 cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
   auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
@@ -28,7 +23,7 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
   if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-    return Finish(context, ToGrpc(size));
+    return FinishNow(context, ToGrpc(size));
   }
   cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
   for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
@@ -37,16 +32,16 @@ grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* c
     out->set_place(condition.place);
     out->set_ask(condition.ask);
   }
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
   if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-    return Finish(context, ToGrpc(size));
+    return FinishNow(context, ToGrpc(size));
   }
   cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-  if (!report.ok()) return Finish(context, ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+  if (!report.ok()) return FinishNow(context, ToGrpc(ToStatus(report.diagnostics, request->cawl())));
   for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
   reply->set_workflow(report.document->name.value);
   WriteBatch batch;
@@ -71,7 +66,7 @@ grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* co
     if (document->activator) out->set_activated_flow(document->activator->flow.value);
     out->set_revision(revision.value());
   }
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
@@ -83,7 +78,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
   start.target = request->workflow();
   if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());
   auto arguments = FromProto(request->variables(), "variables", ports_.limits);
-  if (!arguments.ok()) return Finish(context, ToGrpc(arguments.status()));
+  if (!arguments.ok()) return FinishNow(context, ToGrpc(arguments.status()));
   start.arguments = *std::move(arguments);
   batch.run_requests.push_back(std::move(start));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -101,10 +96,10 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
                                                 const v1::GetRunRequest* request, v1::Run* reply) {
   GraphVersionPtr version = ports_.queries->Newest();
   if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
-    return Finish(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
+    return FinishNow(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
                                         absl::StrCat("there is no run \"", request->run(), "\"")));
   }
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
@@ -113,7 +108,7 @@ grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext
   GraphVersionPtr version = ports_.queries->Newest();
   GraphReader graph(*ports_.dictionary, *version);
   for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
-  return Finish(context, grpc::Status::OK);
+  return FinishNow(context, grpc::Status::OK);
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,

@@ -170,5 +170,21 @@ TEST_F(ServerExplainTest, WhatIfRefusesWhatAnAssertWouldBeRefused) {
   EXPECT_THAT(status.error_message(), HasSubstr("what_if_operations is 2"));
 }
 
+TEST_F(ServerExplainTest, TheWorkEndsWhenTheCallerGoesAway) {
+  settings_.limits.queries_running = 1;
+  settings_.limits.query_timeout_ms = 600000;
+  StartServer();
+  std::string facts;
+  for (int i = 0; i < 500; ++i) absl::StrAppend(&facts, ":a", i, " :p ", i, " . ");
+  MustTell(facts);
+  v1::ExplainRequest request;
+  request.set_why_ask("PREFIX : <urn:w:> ASK { ?a :p ?x . ?b :p ?y . ?c :p ?z . ?d :p ?w FILTER(?x * ?y * ?z * ?w = 7.5) }");
+  v1::ExplainReply reply;
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
+  EXPECT_EQ(context_->Explain(&context, request, &reply).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_TRUE(Ask(":a1 :p 1"));  // who works on it is free again
+}
+
 }  // namespace
 }  // namespace docent::test

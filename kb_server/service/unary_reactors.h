@@ -1,0 +1,34 @@
+// Reactors of unary calls.
+#ifndef DOCENT_KB_SERVER_SERVICE_UNARY_REACTORS_H_
+#define DOCENT_KB_SERVER_SERVICE_UNARY_REACTORS_H_
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <utility>
+
+#include "kb_server/base/cancellation.h"
+
+namespace docent {
+
+// Of a call that is answered at once.
+inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context, const grpc::Status& status) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(status);
+  return reactor;
+}
+
+// Of a call whose work stops when the caller goes away. Deletes itself when gRPC is done with it.
+class CancellableReactor final : public grpc::ServerUnaryReactor {
+ public:
+  explicit CancellableReactor(std::shared_ptr<Cancellation> cancellation) : cancellation_(std::move(cancellation)) {}
+  void OnCancel() override { cancellation_->Cancel(); }
+  void OnDone() override { delete this; }
+
+ private:
+  const std::shared_ptr<Cancellation> cancellation_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_UNARY_REACTORS_H_
