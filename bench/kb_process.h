@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <fstream>
+#include <string>
 #include <thread>
 
 namespace docent::bench {
@@ -21,6 +22,16 @@ inline size_t ResidentBytes() {
   size_t total = 0, resident = 0;
   statm >> total >> resident;
   return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Without the pages of the program's and its libraries' files.
+inline size_t AnonymousBytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    size_t kilobytes = 0;
+    if (word == "RssAnon:" && status >> kilobytes) return kilobytes * 1024;
+  }
+  return 0;
 }
 
 // When it has not changed for three seconds; at most half a minute.

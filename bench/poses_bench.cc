@@ -74,7 +74,7 @@ struct Memory {
 };
 
 Memory Look(const Stages& stages) {
-  return {static_cast<double>(ResidentBytes()), static_cast<double>(stages.writer.current().bytes()),
+  return {static_cast<double>(AnonymousBytes()), static_cast<double>(stages.writer.current().bytes()),
           static_cast<double>(stages.dictionary.bytes()), static_cast<double>(stages.dictionary.size())};
 }
 
@@ -127,9 +127,9 @@ int RunPosesBench(const std::vector<std::string>& args) {
     figures.push_back({"poses", name, "docent", metric, unit, {value}, ""});
   };
   add("updates, turn and record, no disk", "updates/s", static_cast<double>(updates) / seconds);
-  add("resident memory after the first 100,000", "MB", first->resident / 1e6);
-  add("resident memory at the end", "MB", last.resident / 1e6);
-  add("resident memory, end / first 100,000", "x", growth);
+  add("anonymous memory after the first 100,000", "MB", first->resident / 1e6);
+  add("the same at the end", "MB", last.resident / 1e6);
+  add("end / first 100,000", "x", growth);
   add("index at the end", "kB", last.index / 1e3);
   add("dictionary entries made after the first 100,000", "terms", last.terms - first->terms);
   add("quads at the end", "quads", static_cast<double>(version->size()));

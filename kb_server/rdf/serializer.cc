@@ -20,6 +20,11 @@ bool IsPlainLocal(std::string_view local) {
          !local.starts_with('-');
 }
 
+// The same of its prefixes. RDF/XML names some that Turtle cannot.
+bool IsPlainPrefix(std::string_view prefix) {
+  return prefix.empty() || (absl::ascii_isalpha(static_cast<unsigned char>(prefix.front())) && IsPlainLocal(prefix));
+}
+
 // What Turtle's INTEGER and DECIMAL productions match, which is how such a literal may stand bare.
 bool IsBareNumber(const Term& term) {
   std::string_view text = term.lexical;
@@ -52,7 +57,10 @@ bool ByText(const TermQuad& a, const TermQuad& b) {
 class TurtleWriter {
  public:
   TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes)
-      : quads_(std::move(quads)), prefixes_(prefixes) {
+      : quads_(std::move(quads)) {
+    for (const auto& prefix : prefixes) {
+      if (IsPlainPrefix(prefix.first)) prefixes_.push_back(prefix);
+    }
     std::sort(quads_.begin(), quads_.end(), ByText);
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
   }
@@ -121,7 +129,7 @@ class TurtleWriter {
   }
 
   std::vector<TermQuad> quads_;
-  const Prefixes& prefixes_;
+  Prefixes prefixes_;
   std::string out_;
 };
 

@@ -275,13 +275,15 @@ std::string Printer::Elements(const Algebra& a, int depth) {
       return in + Text(a.subject) + " " + PathText(a.path) + " " + Text(a.object) + " .\n";
     case Kind::kJoin: {
       std::string out;
+      bool open = false;  // triples written now would go on the last ones, over paths between them
       for (const AlgebraPtr& child : a.children) {
-        const bool beside = child->kind == Kind::kBgp || child->kind == Kind::kPath ||
-                            child->kind == Kind::kGraph || child->kind == Kind::kService ||
-                            child->kind == Kind::kUnion || child->kind == Kind::kValues ||
-                            child == a.children[0];
-        const bool empty = child->kind == Kind::kBgp && child->triples.empty();
-        out += beside && !empty ? Part(*child, depth) : in + Group(*child, depth) + "\n";
+        const bool bgp = child->kind == Kind::kBgp;
+        const bool beside = bgp || child->kind == Kind::kPath || child->kind == Kind::kGraph ||
+                            child->kind == Kind::kService || child->kind == Kind::kUnion ||
+                            child->kind == Kind::kValues || child == a.children[0];
+        const bool group = !beside || (bgp && (open || child->triples.empty()));
+        out += group ? in + Group(*child, depth) + "\n" : Part(*child, depth);
+        if (child->kind != Kind::kPath) open = bgp && !group;
       }
       return out;
     }

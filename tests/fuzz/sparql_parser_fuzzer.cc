@@ -71,8 +71,8 @@ void CheckOne(std::string_view text) {
   const sparql::ParsedQuery again = sparql::ParseQuery(printed, options);
   fuzz::Require(again.ok(),
                 "printed text that does not parse:\n" + printed + Render(again.diagnostics, printed));
-  fuzz::Require(sparql::PrintQuery(again.query, print) == printed,
-                "text that prints differently:\n" + printed);
+  const std::string twice = sparql::PrintQuery(again.query, print);
+  fuzz::Require(twice == printed, "text that prints differently:\n" + printed + "\nand then:\n" + twice);
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ TEST(SerializerTest, TurtleGathersSubjectsAndShortens) {
             "    e:q false .\n");
 }
 
+TEST(SerializerTest, PrefixesThatTurtleCannotNameAreLeftOut) {
+  const std::vector<TermQuad> quads = {{E("s"), E("p"), E("o"), {}}};
+  for (const char* prefix : {"_e", "e:f", "e.", "\xC3\xA9", "-e"}) {
+    const auto text = SerializeRdf(quads, RdfFormat::kTurtle, {{prefix, "http://e/"}});
+    ASSERT_TRUE(text.ok());
+    EXPECT_EQ(*text, "<http://e/s> <http://e/p> <http://e/o> .\n") << prefix;
+  }
+  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"", "http://e/"}}), "@prefix : <http://e/> .\n\n:s :p :o .\n");
+}
+
 TEST(SerializerTest, CyclesOfBlankNodesSurvive) {
   std::vector<TermQuad> quads = {{Term::Blank("x"), E("p"), Term::Blank("y"), {}},
                                  {Term::Blank("y"), E("p"), Term::Blank("x"), {}}};

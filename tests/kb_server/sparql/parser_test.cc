@@ -197,6 +197,8 @@ TEST(SparqlParser, PrintedQueriesParseToTheSameAlgebra) {
       "ASK { ?s ex:p ?o { SELECT ?o (MAX(?z) AS ?m) { ?o ex:q ?z } GROUP BY ?o } }",
       "ASK { { ?s ex:p ?o FILTER(?o > 1) } ?s ex:q ?z }",
       "ASK { SERVICE SILENT <http://x/> { ?s ?p ?o } }",
+      // triples of a group of their own do not join those before the path
+      "SELECT * { ?s ex:p ?o . ?o ex:q* ?z { ?z ex:r ?w } VALUES ?w { 1 } { ?s ex:q ?w } { ?w ex:p ?v } }",
   };
   PrintOptions print;
   print.prefixes = {{"ex", "http://example.org/"}};
