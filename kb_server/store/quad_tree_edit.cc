@@ -61,15 +61,30 @@ void QuadTree::Leaf::Write(int i, const Key& key) {
 }
 
 int QuadTree::Leaf::LowerBound(const Key& key, int from, int to) const {
-  int low = from, high = to;
-  while (low < high) {
-    int middle = (low + high) / 2;
-    if (LessAt(middle, key))
-      low = middle + 1;
-    else
-      high = middle;
+  // Columns that are the same in the whole leaf, most often the first one or two, are looked at once.
+  int column = 0;
+  for (; mask[column] == 0; ++column) {
+    if (key[column] != base[column]) return key[column] < base[column] ? from : to;
+    if (column == 3) return from;
+  }
+  int low = from, left = to - from;
+  while (left > 0) {
+    const int half = left / 2, middle = low + half;
+    const uint64_t word = Word(middle, column);
+    const bool less = word < key[column] || (word == key[column] && LessAt(middle, key, column + 1));
+    low = less ? middle + 1 : low;
+    left = less ? left - half - 1 : half;
   }
   return low;
+}
+
+int QuadTree::Leaf::LowerBoundNear(const Key& key, int from, int to) const {
+  int step = 1;
+  while (from + step < to && LessAt(from + step, key)) {
+    from += step;
+    step *= 2;
+  }
+  return LowerBound(key, from, std::min(from + step, to));
 }
 
 void QuadTree::Edit::Acquire(Node* node) {

@@ -67,7 +67,7 @@ void QuadTree::Iterator::SetLimit() {
     limit_ = leaf_->count;
     return;
   }
-  limit_ = leaf_->LowerBound(last_, position_, leaf_->count);
+  limit_ = leaf_->LowerBoundNear(last_, position_, leaf_->count);
   if (leaf_->KeyAt(limit_) == last_) ++limit_;  // a later key exists, so limit_ < count
 }
 
@@ -97,13 +97,7 @@ void QuadTree::Iterator::Seek(const Key& target) {
     return;
   }
   if (last_leaf_ || !leaf_->LessAt(limit_ - 1, target)) {
-    // Galloping: the target is more often near than far.
-    int step = 1, low = position_ + 1;
-    while (low + step < limit_ && leaf_->LessAt(low + step, target)) {
-      low += step;
-      step *= 2;
-    }
-    position_ = leaf_->LowerBound(target, low, std::min(low + step, limit_));
+    position_ = leaf_->LowerBoundNear(target, position_ + 1, limit_);  // more often near than far
     return;
   }
   // Up to the lowest node beneath which the target can lie, and down again.

@@ -55,12 +55,15 @@ struct QuadTree::Leaf : Node {
   void Write(int i, const Key& key);
   // The first position in [from, to) whose key is >= `key`; `to` if none.
   int LowerBound(const Key& key, int from, int to) const;
-  bool LessAt(int i, const Key& key) const {
-    for (int c = 0; c < 3; ++c) {
-      uint64_t word = Word(i, c);
-      if (word != key[c]) return word < key[c];
+  // The same, quicker where it is near `from`.
+  int LowerBoundNear(const Key& key, int from, int to) const;
+  // From `column` on.
+  bool LessAt(int i, const Key& key, int column = 0) const {
+    for (; column < 4; ++column) {
+      const uint64_t word = Word(i, column);
+      if (word != key[column]) return word < key[column];
     }
-    return Word(i, 3) < key[3];
+    return false;
   }
 
   size_t allocated() const { return AllocationFor(capacity, stride); }
