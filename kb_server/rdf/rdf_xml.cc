@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <map>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -173,7 +174,14 @@ class RdfXmlReader {
   }
 
   Term BlankOf(std::string_view id) {
-    if (!id.starts_with(kUnnamed)) return collector_.NamedBlank(id);
+    if (!id.starts_with(kUnnamed)) {
+      Term named = collector_.NamedBlank(id);
+      if (CheckTerm(named, options_.limits.term_bytes).ok()) return named;
+      // XML lets a name end with a dot; a label of RDF's other syntaxes cannot.
+      const auto [place, fresh] = renamed_.try_emplace(std::string(id));
+      if (fresh) place->second = collector_.NewBlank();
+      return place->second;
+    }
     size_t number = 0;
     std::from_chars(id.data() + 1, id.data() + id.size(), number);
     return number < unnamed_.size() ? unnamed_[number] : collector_.NewBlank();
@@ -264,6 +272,7 @@ class RdfXmlReader {
   RaptorWorld world_;
   raptor_parser* parser_ = nullptr;
   std::vector<Term> unnamed_;
+  std::map<std::string, Term> renamed_;  // those whose label no other syntax can write
   ParsedRdf parsed_;
 };
 

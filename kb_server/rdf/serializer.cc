@@ -5,6 +5,7 @@
 
 #include "absl/strings/ascii.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/rdf_xml.h"
 #include "kb_server/rdf/vocabulary.h"
 
@@ -20,9 +21,11 @@ bool IsPlainLocal(std::string_view local) {
          !local.starts_with('-');
 }
 
-// The same of its prefixes. RDF/XML names some that Turtle cannot.
-bool IsPlainPrefix(std::string_view prefix) {
-  return prefix.empty() || (absl::ascii_isalpha(static_cast<unsigned char>(prefix.front())) && IsPlainLocal(prefix));
+// The same of its prefixes. RDF/XML has names and IRIs that Turtle cannot write.
+bool IsPlainPrefix(std::string_view name, std::string_view iri) {
+  const bool plain = name.empty() || (absl::ascii_isalpha(static_cast<unsigned char>(name.front())) && IsPlainLocal(name));
+  return plain && IsAbsoluteIri(iri) &&
+         std::none_of(iri.begin(), iri.end(), [](unsigned char c) { return IsForbiddenInIri(c); });
 }
 
 // What Turtle's INTEGER and DECIMAL productions match, which is how such a literal may stand bare.
@@ -59,7 +62,7 @@ class TurtleWriter {
   TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes)
       : quads_(std::move(quads)) {
     for (const auto& prefix : prefixes) {
-      if (IsPlainPrefix(prefix.first)) prefixes_.push_back(prefix);
+      if (IsPlainPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
     }
     std::sort(quads_.begin(), quads_.end(), ByText);
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());

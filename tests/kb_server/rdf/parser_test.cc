@@ -7,6 +7,7 @@
 #include <atomic>
 #include <thread>
 
+#include "kb_server/rdf/term_check.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -195,6 +196,16 @@ TEST(ParserTest, RdfXml) {
   EXPECT_EQ(parsed.quads[2].object, Term::Blank("n"));
   EXPECT_EQ(parsed.quads[3].object, Term::Blank("b1"));
   EXPECT_THAT(parsed.prefixes, ElementsAre(Pair("rdf", std::string(kRdfNs)), Pair("e", "http://e/")));
+}
+
+TEST(ParserTest, ANodeIdThatOtherSyntaxesCannotWriteIsStillOneNode) {
+  const ParsedRdf parsed = ParseRdf(RdfXml("<e:T rdf:nodeID=\"n.\"><e:p rdf:nodeID=\"n.\"/><e:q rdf:nodeID=\"m\"/></e:T>"),
+                                    RdfFormat::kRdfXml);
+  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
+  ASSERT_THAT(parsed.quads, SizeIs(3));
+  EXPECT_EQ(parsed.quads[1].object, parsed.quads[0].subject);
+  EXPECT_NE(parsed.quads[2].object, parsed.quads[0].subject);
+  for (const TermQuad& quad : parsed.quads) EXPECT_TRUE(CheckQuad(quad, Limits().term_bytes).ok());
 }
 
 TEST(ParserTest, EntitiesOfTheDocumentTypeGrowToTheLimitAndNoFurther) {
