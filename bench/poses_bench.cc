@@ -70,7 +70,7 @@ WriteBatch Pose(uint64_t n) {
 }
 
 struct Memory {
-  double resident = 0, index = 0, dictionary = 0, terms = 0;
+  double anonymous = 0, index = 0, dictionary = 0, terms = 0;
 };
 
 Memory Look(const Stages& stages) {
@@ -120,15 +120,15 @@ int RunPosesBench(const std::vector<std::string>& args) {
   }
   const double seconds = SecondsSince(start);
   const Memory last = Look(stages);
-  const double growth = last.resident / first->resident;
+  const double growth = last.anonymous / first->anonymous;
   const std::string name = absl::StrCat(updates, " updates, ", kRobots, " robots");
   std::vector<Measurement> figures;
   const auto add = [&](const char* metric, const char* unit, double value) {
     figures.push_back({"poses", name, "docent", metric, unit, {value}, ""});
   };
   add("updates, turn and record, no disk", "updates/s", static_cast<double>(updates) / seconds);
-  add("anonymous memory after the first 100,000", "MB", first->resident / 1e6);
-  add("the same at the end", "MB", last.resident / 1e6);
+  add("anonymous memory after the first 100,000", "MB", first->anonymous / 1e6);
+  add("the same at the end", "MB", last.anonymous / 1e6);
   add("end / first 100,000", "x", growth);
   add("index at the end", "kB", last.index / 1e3);
   add("dictionary entries made after the first 100,000", "terms", last.terms - first->terms);

@@ -176,7 +176,8 @@ class RdfXmlReader {
   Term BlankOf(std::string_view id) {
     if (!id.starts_with(kUnnamed)) {
       Term named = collector_.NamedBlank(id);
-      if (CheckTerm(named, options_.limits.term_bytes).ok()) return named;
+      // One that is too long is refused as such, by CheckLength.
+      if (id.size() > options_.limits.term_bytes || CheckTerm(named, options_.limits.term_bytes).ok()) return named;
       // XML lets a name end with a dot; a label of RDF's other syntaxes cannot.
       const auto [place, fresh] = renamed_.try_emplace(std::string(id));
       if (fresh) place->second = collector_.NewBlank();

@@ -115,7 +115,7 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
       request->kind() == v1::LoadRequest::RULES ? Document::Kind::kRules : Document::Kind::kOntology;
   if (request->kind() == v1::LoadRequest::DATA) {
     return FinishNow(context,
-                  grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
+                     grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
   }
   WriteBatch batch;
   batch.mode = WriteBatch::Mode::kLoad;

@@ -166,8 +166,8 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
   rsel::PlanPtr plan = ports_.catalog->Get()->services.Find(request->name());
   if (plan == nullptr) {
     return FinishNow(context,
-                  grpc::Status(grpc::StatusCode::NOT_FOUND,
-                               absl::StrCat("no robot service \"", request->name(), "\" is registered")));
+                     grpc::Status(grpc::StatusCode::NOT_FOUND,
+                                  absl::StrCat("no robot service \"", request->name(), "\" is registered")));
   }
   GraphVersionPtr version = ports_.queries->Newest();
   Fill(GraphReader(*ports_.dictionary, *version), *plan, reply);

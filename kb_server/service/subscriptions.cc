@@ -265,6 +265,7 @@ void Subscriptions::BeginAnew(Standing& standing) {
   Begin(standing);
 }
 
+// Evaluates once more, for the set keeps other things than rows; what it will keep, Evaluate has bounded.
 bool Subscriptions::Keep(Standing& standing) {
   if (!standing.form || !standing.unknown.empty()) return false;
   names_.FollowBase();
@@ -456,7 +457,8 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::st
   standing->text = text;
   standing->query = std::move(query);
   standing->analysis = AnalyseTriggers(WithoutModifiers(*standing->query.algebra));
-  if (settings_.default_graph == sparql::DefaultGraph::kUnion) standing->form = FollowedFormOf(standing->query, standing->analysis);
+  if (settings_.default_graph == sparql::DefaultGraph::kUnion)
+    standing->form = FollowedFormOf(standing->query, standing->analysis);
   if (free_.empty()) {
     standing->number = static_cast<uint32_t>(standing_.size());
     standing_.emplace_back();

@@ -97,7 +97,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
   GraphVersionPtr version = ports_.queries->Newest();
   if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
     return FinishNow(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
-                                        absl::StrCat("there is no run \"", request->run(), "\"")));
+                                           absl::StrCat("there is no run \"", request->run(), "\"")));
   }
   return FinishNow(context, grpc::Status::OK);
 }
