@@ -26,8 +26,10 @@ struct Arguments {
   size_t constraints = 10000;
   size_t in_flight = 1000;
   double seconds = 5;  // of each measurement
+  double rate = 0;     // updates a second of the open loop; 0: half of what saturates
   int runs = 3;
   std::string folder = ".";
+  bool only_streams = false;
 };
 
 double Percentile(std::vector<double> values, double share) {
@@ -77,11 +79,11 @@ struct Phase {
 // Tells updates over one stream, `batch` in each request.
 class Teller {
  public:
-  Teller(const std::shared_ptr<grpc::Channel>& channel, Subscribers* subscribers, const Arguments& arguments)
-      : stub_(v1::Context::NewStub(channel)), subscribers_(*subscribers), arguments_(arguments), updates_(arguments.constraints, 1) {}
+  Teller(const std::shared_ptr<grpc::Channel>& channel, const Arguments& arguments)
+      : stub_(v1::Context::NewStub(channel)), arguments_(arguments), updates_(arguments.constraints, 1) {}
 
   // `rate` updates a second on a fixed schedule (open loop); 0: as many as go with in_flight outstanding.
-  Phase Run(double rate, size_t batch) {
+  Phase Run(Subscribers& subscribers, double rate, size_t batch) {
     grpc::ClientContext context;
     auto stream = stub_->AssertStream(&context);
     std::thread reader([&stream] {
@@ -98,25 +100,25 @@ class Teller {
         due = start + std::chrono::duration_cast<SteadyClock::duration>(
                           std::chrono::duration<double>(static_cast<double>(told) / rate));
         std::this_thread::sleep_until(due);
-      } else if (subscribers_.WaitForFewerThan(arguments_.in_flight, absl::Seconds(10))) {
+      } else if (subscribers.WaitForFewerThan(arguments_.in_flight, absl::Seconds(10))) {
         due = SteadyClock::now();
       }
       if (std::chrono::duration<double>(due - start).count() > arguments_.seconds) break;
-      stream->Write(NextRequest(batch, due));
+      stream->Write(NextRequest(subscribers, batch, due));
       told += batch;
     }
     stream->WritesDone();
-    subscribers_.WaitForFewerThan(1, absl::Seconds(20));
+    subscribers.WaitForFewerThan(1, absl::Seconds(20));
     reader.join();
     (void)stream->Finish();
-    Subscribers::Result result = subscribers_.Take();
+    Subscribers::Result result = subscribers.Take();
     const double seconds = std::chrono::duration<double>(result.last - start).count();
     return {static_cast<double>(result.latencies_us.size()) / seconds, std::move(result.latencies_us), result.lost,
             result.wrong};
   }
 
  private:
-  v1::AssertRequest NextRequest(size_t batch, SteadyClock::time_point due) {
+  v1::AssertRequest NextRequest(Subscribers& subscribers, size_t batch, SteadyClock::time_point due) {
     v1::AssertRequest request;
     updates_.NewBatch();
     for (size_t i = 0; i < batch; ++i) {
@@ -126,16 +128,61 @@ class Teller {
       ToProto(update.fact.predicate, quad->mutable_predicate());
       ToProto(update.fact.object, quad->mutable_object());
       const bool holds = update.shape == ConstraintShape::kNegated ? !update.add : update.add;
-      subscribers_.Expect(update.constraint, holds, due);
+      subscribers.Expect(update.constraint, holds, due);
     }
     return request;
   }
 
   const std::unique_ptr<v1::Context::Stub> stub_;
-  Subscribers& subscribers_;
   const Arguments& arguments_;
   ConstraintUpdates updates_;
 };
+
+// False: not all subscriptions have an answer. `met`: the targets, over SubscribeStream.
+bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerProcess& server, Teller& teller,
+                    std::vector<Measurement>* figures, bool* met) {
+  const bool many = streams == Streams::kOneAConnection;
+  std::fprintf(stderr, "subscribing to %zu constraints, %s ...\n", arguments.constraints,
+               many ? "on one stream a connection" : "each on a stream of its own");
+  Subscribers subscribers(server.grpc_address(), arguments.constraints, streams);
+  if (!subscribers.ready()) return false;
+  std::vector<double> saturation, p50, p99, single, cpu_us;
+  size_t lost = 0, wrong = 0;
+  const auto count = [&](const Phase& phase) {
+    lost += phase.lost;
+    wrong += phase.wrong;
+  };
+  for (int run = 0; run < arguments.runs; ++run) {
+    std::fprintf(stderr, "run %d of %d ...\n", run + 1, arguments.runs);
+    const double cpu_before = server.CpuSeconds();
+    const Phase full = teller.Run(subscribers, 0, 10);
+    saturation.push_back(full.rate);
+    cpu_us.push_back((server.CpuSeconds() - cpu_before) / static_cast<double>(full.latencies_us.size()) * 1e6);
+    const Phase half = teller.Run(subscribers, arguments.rate > 0 ? arguments.rate : full.rate / 2, 10);
+    p50.push_back(Percentile(half.latencies_us, 0.5) / 1000);
+    p99.push_back(Percentile(half.latencies_us, 0.99) / 1000);
+    const Phase alone = teller.Run(subscribers, 0, 1);
+    single.push_back(alone.rate);
+    for (const Phase* phase : {&full, &half, &alone}) count(*phase);
+  }
+  const std::string name = absl::StrCat("Assert to notification, ", arguments.triples, " triples, ",
+                                        arguments.constraints, " subscriptions");
+  const auto add = [&](const std::string& metric, const std::string& unit, std::vector<double> runs) {
+    figures->push_back({"notify", name, many ? "SubscribeStream" : "Subscribe", metric, unit, std::move(runs), ""});
+  };
+  add("saturation, batches of 10", "updates/s", saturation);
+  add("CPU time of the server at saturation", "us an update", cpu_us);
+  const std::string load =
+      arguments.rate > 0 ? absl::StrCat(arguments.rate, " updates/s") : std::string("half saturation");
+  add(absl::StrCat("latency p50, open loop at ", load), "ms", p50);
+  add(absl::StrCat("latency p99, open loop at ", load), "ms", p99);
+  add("batches of 1, one after the other without a pause", "updates/s", single);
+  add("notifications lost", "", {static_cast<double>(lost)});
+  add("notifications out of order or too many", "", {static_cast<double>(wrong)});
+  if (many) *met = *met && Median(saturation) >= 20000 && Median(p99) < 5;
+  *met = *met && lost == 0 && wrong == 0;
+  return true;
+}
 
 int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
   auto server = ServerProcess::Start(arguments.folder);
@@ -150,45 +197,16 @@ int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
     std::fprintf(stderr, "docent-bench: %s\n", loaded.error_message().c_str());
     return 2;
   }
-  std::fprintf(stderr, "subscribing to %zu constraints ...\n", arguments.constraints);
-  Subscribers subscribers((*server)->grpc_address(), arguments.constraints);
-  if (!subscribers.ready()) {
-    std::fprintf(stderr, "docent-bench: not all subscriptions have an answer\n");
-    return 2;
+  Teller teller(channel, arguments);
+  bool met = true;
+  for (const Streams streams : {Streams::kOneAConnection, Streams::kOneAConstraint}) {
+    if (arguments.only_streams && streams == Streams::kOneAConstraint) continue;
+    if (!MeasureStreams(arguments, streams, **server, teller, figures, &met)) {
+      std::fprintf(stderr, "docent-bench: not all subscriptions have an answer\n");
+      return 2;
+    }
   }
-  Teller teller(channel, &subscribers, arguments);
-  std::vector<double> saturation, p50, p99, single, cpu_us;
-  size_t lost = 0, wrong = 0;
-  const auto count = [&](const Phase& phase) {
-    lost += phase.lost;
-    wrong += phase.wrong;
-  };
-  for (int run = 0; run < arguments.runs; ++run) {
-    std::fprintf(stderr, "run %d of %d ...\n", run + 1, arguments.runs);
-    const double cpu_before = (*server)->CpuSeconds();
-    const Phase full = teller.Run(0, 10);
-    saturation.push_back(full.rate);
-    cpu_us.push_back(((*server)->CpuSeconds() - cpu_before) / static_cast<double>(full.latencies_us.size()) * 1e6);
-    const Phase half = teller.Run(full.rate / 2, 10);
-    p50.push_back(Percentile(half.latencies_us, 0.5) / 1000);
-    p99.push_back(Percentile(half.latencies_us, 0.99) / 1000);
-    const Phase alone = teller.Run(0, 1);
-    single.push_back(alone.rate);
-    for (const Phase* phase : {&full, &half, &alone}) count(*phase);
-  }
-  const std::string name = absl::StrCat("Assert to notification, ", arguments.triples, " triples, ", arguments.constraints,
-                                        " subscriptions");
-  const auto add = [&](const std::string& metric, const std::string& unit, std::vector<double> runs) {
-    figures->push_back({"notify", name, "docent", metric, unit, std::move(runs), ""});
-  };
-  add("saturation, batches of 10", "updates/s", saturation);
-  add("CPU time of the server at saturation", "us an update", cpu_us);
-  add("latency p50, open loop at half saturation", "ms", p50);
-  add("latency p99, open loop at half saturation", "ms", p99);
-  add("batches of 1, one after the other without a pause", "updates/s", single);
-  add("notifications lost", "", {static_cast<double>(lost)});
-  add("notifications out of order or too many", "", {static_cast<double>(wrong)});
-  return Median(saturation) >= 20000 && Median(p99) < 5 && lost == 0 && wrong == 0 ? 0 : 1;
+  return met ? 0 : 1;
 }
 
 }  // namespace
@@ -201,8 +219,10 @@ int RunNotifyBench(const std::vector<std::string>& args) {
   app.add_option("--constraints", arguments.constraints, "Subscriptions")->capture_default_str()->check(CLI::Range(96, 20000));
   app.add_option("--in-flight", arguments.in_flight, "Updates whose notification is outstanding, at saturation")->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
+  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
   app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
+  app.add_flag("--only-streams", arguments.only_streams, "Without the part that has a stream for each subscription");
   if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> figures;
   const int code = Measure(arguments, &figures);

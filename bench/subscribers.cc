@@ -22,41 +22,84 @@ std::string QueryOf(size_t constraint) {
 
 }  // namespace
 
-class Subscribers::Stream final : public grpc::ClientReadReactor<v1::SubscribeReply> {
+class Subscribers::Stream {
  public:
-  Stream(Subscribers* owner, v1::Context::Stub* stub, size_t constraint) : owner_(*owner), constraint_(constraint) {
-    v1::SubscribeRequest request;
-    request.set_query(QueryOf(constraint));
-    request_ = request;
+  virtual ~Stream() = default;
+  void Cancel() { context_.TryCancel(); }
+
+ protected:
+  explicit Stream(Subscribers* owner) : owner_(*owner) {}
+  Subscribers& owner_;
+  grpc::ClientContext context_;
+};
+
+class Subscribers::OneConstraint final : public Stream, public grpc::ClientReadReactor<v1::SubscribeReply> {
+ public:
+  OneConstraint(Subscribers* owner, v1::Context::Stub* stub, size_t constraint)
+      : Stream(owner), constraint_(constraint) {
+    request_.set_query(QueryOf(constraint));
     stub->async()->Subscribe(&context_, &request_, this);
     StartRead(&reply_);
     StartCall();
   }
-  void Cancel() { context_.TryCancel(); }
-
   void OnReadDone(bool ok) override {
     if (!ok) return;
-    if (reply_.reset()) {
-      owner_.Answered();
-    } else if (reply_.is_boolean()) {
-      owner_.Notified(constraint_, reply_.boolean());
-    } else {
-      for (int i = 0; i < reply_.appeared_size(); ++i) owner_.Notified(constraint_, true);
-      for (int i = 0; i < reply_.disappeared_size(); ++i) owner_.Notified(constraint_, false);
+    owner_.Replied(constraint_, reply_);
+    StartRead(&reply_);
+  }
+  void OnDone(const grpc::Status& status) override { owner_.Ended(status); }
+
+ private:
+  const size_t constraint_;
+  v1::SubscribeRequest request_;
+  v1::SubscribeReply reply_;
+};
+
+// The constraints first, first + step, … below `count`; their numbers are the tags.
+class Subscribers::ManyConstraints final
+    : public Stream,
+      public grpc::ClientBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply> {
+ public:
+  ManyConstraints(Subscribers* owner, v1::Context::Stub* stub, size_t first, size_t step, size_t count)
+      : Stream(owner), next_(first), step_(step), count_(count) {
+    stub->async()->SubscribeStream(&context_, this);
+    StartRead(&reply_);
+    WriteNext();
+    StartCall();
+  }
+  void OnWriteDone(bool ok) override {
+    if (ok) WriteNext();
+  }
+  void OnReadDone(bool ok) override {
+    if (!ok) return;
+    for (const v1::SubscribeStreamReply::Part& part : reply_.parts()) {
+      if (part.has_reply()) {
+        owner_.Replied(part.tag(), part.reply());
+      } else {
+        std::fprintf(stderr, "a subscription ended: %s\n", part.ended().message().c_str());
+      }
     }
     StartRead(&reply_);
   }
   void OnDone(const grpc::Status& status) override { owner_.Ended(status); }
 
  private:
-  Subscribers& owner_;
-  const size_t constraint_;
-  grpc::ClientContext context_;
-  v1::SubscribeRequest request_;
-  v1::SubscribeReply reply_;
+  void WriteNext() {
+    if (next_ >= count_) return StartWritesDone();
+    request_.set_tag(next_);
+    request_.mutable_begin()->set_query(QueryOf(next_));
+    next_ += step_;
+    StartWrite(&request_);
+  }
+
+  size_t next_;
+  const size_t step_;
+  const size_t count_;
+  v1::SubscribeStreamRequest request_;
+  v1::SubscribeStreamReply reply_;
 };
 
-Subscribers::Subscribers(const std::string& address, size_t count) : expected_(count) {
+Subscribers::Subscribers(const std::string& address, size_t count, Streams streams) : expected_(count) {
   std::vector<std::unique_ptr<v1::Context::Stub>> stubs;
   for (size_t c = 0; c < kConnections; ++c) {
     grpc::ChannelArguments arguments;
@@ -65,7 +108,13 @@ Subscribers::Subscribers(const std::string& address, size_t count) : expected_(c
     stubs.push_back(v1::Context::NewStub(
         grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments)));
   }
-  for (size_t i = 0; i < count; ++i) streams_.push_back(std::make_unique<Stream>(this, stubs[i % kConnections].get(), i));
+  if (streams == Streams::kOneAConnection) {
+    for (size_t c = 0; c < kConnections; ++c)
+      streams_.push_back(std::make_unique<ManyConstraints>(this, stubs[c].get(), c, kConnections, count));
+  } else {
+    for (size_t i = 0; i < count; ++i)
+      streams_.push_back(std::make_unique<OneConstraint>(this, stubs[i % kConnections].get(), i));
+  }
   absl::MutexLock lock(&mutex_);
   const auto all = [this, count]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return answered_ >= count || ended_ > 0;
@@ -82,6 +131,17 @@ Subscribers::~Subscribers() {
   absl::MutexLock lock(&mutex_);
   const auto all = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return ended_ == streams_.size(); };
   mutex_.Await(absl::Condition(&all));
+}
+
+void Subscribers::Replied(size_t constraint, const v1::SubscribeReply& reply) {
+  if (reply.reset()) {
+    Answered();
+  } else if (reply.is_boolean()) {
+    Notified(constraint, reply.boolean());
+  } else {
+    for (int i = 0; i < reply.appeared_size(); ++i) Notified(constraint, true);
+    for (int i = 0; i < reply.disappeared_size(); ++i) Notified(constraint, false);
+  }
 }
 
 void Subscribers::Answered() {

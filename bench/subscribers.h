@@ -1,5 +1,5 @@
-// The clients of `docent-bench notify`: one Subscribe stream a constraint, each notification held against the update
-// that it must come from. gRPC's threads call in; the rest from any thread.
+// The clients of `docent-bench notify`: they follow constraints over eight connections, and each notification is held
+// against the update that it must come from. gRPC's threads call in; the rest from any thread.
 #ifndef DOCENT_BENCH_SUBSCRIBERS_H_
 #define DOCENT_BENCH_SUBSCRIBERS_H_
 
@@ -14,15 +14,19 @@
 
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "docent/v1/context.pb.h"
 
 namespace docent::bench {
 
 using SteadyClock = std::chrono::steady_clock;
 
+// Subscribe, or one SubscribeStream a connection.
+enum class Streams { kOneAConstraint, kOneAConnection };
+
 class Subscribers {
  public:
   // Follows the first `count` standing constraints; waits until each has its first answer.
-  Subscribers(const std::string& address, size_t count);
+  Subscribers(const std::string& address, size_t count, Streams streams);
   ~Subscribers();
 
   bool ready() const { return ready_; }
@@ -42,10 +46,13 @@ class Subscribers {
 
  private:
   class Stream;
+  class OneConstraint;
+  class ManyConstraints;
   struct Expected {
     bool holds;
     SteadyClock::time_point due;
   };
+  void Replied(size_t constraint, const v1::SubscribeReply& reply);
   void Answered();
   void Notified(size_t constraint, bool holds);
   void Ended(const grpc::Status& status);

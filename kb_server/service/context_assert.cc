@@ -77,8 +77,7 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     if (outcome.ok()) {
       ToProto(*outcome, place.reply.mutable_reply());
     } else {
-      place.reply.mutable_error()->set_code(static_cast<int>(outcome.status().code()));
-      place.reply.mutable_error()->set_message(std::string(outcome.status().message()));
+      *place.reply.mutable_error() = ToStreamError(outcome.status());
     }
     Pump();
   }

@@ -191,4 +191,11 @@ grpc::Status ToGrpc(const absl::Status& status) {
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), CutToHeaders(status.message()));
 }
 
+v1::StreamError ToStreamError(const absl::Status& status) {
+  v1::StreamError error;
+  error.set_code(static_cast<int>(status.code()));
+  error.set_message(std::string(status.message()));
+  return error;
+}
+
 }  // namespace docent

@@ -44,6 +44,7 @@ absl::Status CheckDocumentSize(std::string_view name, std::string_view text, con
 
 // The same code and message (absl codes are gRPC's).
 grpc::Status ToGrpc(const absl::Status& status);
+v1::StreamError ToStreamError(const absl::Status& status);
 
 }  // namespace docent
 

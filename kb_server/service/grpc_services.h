@@ -38,6 +38,8 @@ class ContextService final : public v1::Context::CallbackService {
                                    v1::WhatIfReply* reply) override;
   grpc::ServerWriteReactor<v1::SubscribeReply>* Subscribe(grpc::CallbackServerContext* context,
                                                           const v1::SubscribeRequest* request) override;
+  grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* SubscribeStream(
+      grpc::CallbackServerContext* context) override;
 
  private:
   const ServicePorts& ports_;

@@ -19,6 +19,7 @@ using sparql::PatternTerm;
 
 constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
 constexpr size_t kIdleKept = 1000;                     // and so many of them
+constexpr size_t kTurnsTogether = 16;  // turns that wait are looked at before followers are woken, up to so many
 
 void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
   const bool empty = term.term.IsIri() && term.term.lexical.empty();
@@ -153,10 +154,12 @@ void Subscriptions::Drain() {
 }
 
 void Subscriptions::Run() {
+  size_t turns_together = 0;
   while (true) {
     std::optional<Turn> turn;
     std::deque<Opening> openings;
     std::vector<std::weak_ptr<Follower>> due;
+    bool more_turns = false;
     {
       absl::MutexLock lock(&mutex_);
       busy_ = false;
@@ -179,14 +182,21 @@ void Subscriptions::Run() {
         time_us_ = newest_time_us_;
       }
       // who opened now has seen versions up to the newest: not before all turns are looked at
-      if (turns_.empty()) openings.swap(openings_);
+      more_turns = !turns_.empty();
+      if (!more_turns) openings.swap(openings_);
     }
     if (turn) Process(*std::move(turn));
     for (Opening& opening : openings) OpenNow(std::move(opening));
+    if (!more_turns || ++turns_together == kTurnsTogether) {
+      WakeFollowers();
+      turns_together = 0;
+    }
     for (const std::weak_ptr<Follower>& follower : due) {
       const std::shared_ptr<Follower> alive = follower.lock();
       absl::MutexLock lock(&followers_mutex_);
-      if (alive != nullptr && followers_.contains(alive)) alive->Wake();
+      if (alive == nullptr || !followers_.contains(alive)) continue;
+      alive->Wake();
+      alive->AllWoken();
     }
     DropIdle();
   }
@@ -233,6 +243,7 @@ std::vector<uint32_t> Subscriptions::LearnConstants() {
 }
 
 absl::Status Subscriptions::Prepare(Standing& standing) {
+  if (awaited_.empty()) dictionary_size_ = settings_.dictionary->size();  // what is in it now, Find finds
   for (Term& term : ConstantsOf(*standing.query.algebra)) {
     if (settings_.dictionary->Find(term)) continue;
     std::vector<uint32_t>& waiting = awaited_[term];
@@ -360,7 +371,7 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
         continue;
       }
     }
-    if (changed) WakeFollowers(standing);
+    if (changed) Changed(standing);
   }
   return true;
 }
@@ -427,14 +438,28 @@ bool Subscriptions::Evaluate(Standing& standing) {
     FailAll(standing, status);
     return false;
   }
-  if (changed) WakeFollowers(standing);
+  if (changed) Changed(standing);
   return true;
 }
 
-void Subscriptions::WakeFollowers(const Standing& standing) {
+void Subscriptions::Changed(const Standing& standing) {
   ++counters_.changes;
+  changed_.push_back(standing.number);
+}
+
+void Subscriptions::WakeFollowers() {
+  if (changed_.empty()) return;
   absl::MutexLock lock(&followers_mutex_);
-  for (const auto& follower : by_standing_[standing.number]) follower->Wake();
+  const auto for_each = [this](void (Follower::*call)()) ABSL_EXCLUSIVE_LOCKS_REQUIRED(followers_mutex_) {
+    for (const uint32_t number : changed_) {
+      const auto found = by_standing_.find(number);
+      if (found == by_standing_.end()) continue;
+      for (const auto& follower : found->second) ((*follower).*call)();
+    }
+  };
+  for_each(&Follower::Wake);
+  for_each(&Follower::AllWoken);
+  changed_.clear();
 }
 
 // The query cannot be followed any more.

@@ -62,6 +62,8 @@ class Follower {
   virtual ~Follower() = default;
   // There may be something new, or `WakeAt` has come. Quick; from any thread.
   virtual void Wake() = 0;
+  // Everyone who is woken at this time has been: who sends for several may do it now.
+  virtual void AllWoken() {}
   // It cannot be followed any more.
   virtual void Fail(const absl::Status& status) = 0;
 };
@@ -145,7 +147,8 @@ class Subscriptions {
   absl::btree_set<uint32_t> Touched(const Delta& delta) const;
   absl::Status TooManyRows() const;
   bool MayTurn(PatternIndex::Reference reference, bool added) const;
-  void WakeFollowers(const Standing& standing);
+  void Changed(const Standing& standing);
+  void WakeFollowers();
   void FailAll(Standing& standing, const absl::Status& status);
   void DropIdle();
   void Drop(uint32_t number);
@@ -183,6 +186,7 @@ class Subscriptions {
   absl::flat_hash_map<ConstraintId, uint32_t> by_constraint_;
   PatternIndex watches_;  // of the others
   absl::flat_hash_set<uint32_t> volatile_;
+  std::vector<uint32_t> changed_;  // of which the followers have not heard
   absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
   size_t dictionary_size_ = 0;                                // that has been looked at for them
   uint64_t next_answer_ = 1;

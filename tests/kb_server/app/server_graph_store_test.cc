@@ -21,13 +21,9 @@ constexpr char kForm[] = "Content-Type: application/x-www-form-urlencoded\r\n";
 
 class GraphStoreTest : public ServerTest {
  protected:
-  static uint16_t PortOf(const Server& server) {
-    const std::string& address = server.http_address();
-    return static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
-  }
   HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
                 const std::string& body = "") {
-    return HttpClient(PortOf(*server_)).Ask(method, target, headers, body);
+    return HttpClient(http_port()).Ask(method, target, headers, body);
   }
   bool Holds(const std::string& pattern) { return ServerTest::Ask(pattern); }
   HttpReply Update(const std::string& text, const std::string& parameters = "") {

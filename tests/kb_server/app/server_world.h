@@ -73,6 +73,11 @@ class ServerTest : public ::testing::Test {
     fleet_ = v1::Fleet::NewStub(channel_);
   }
   void StopServer() { server_.reset(); }
+  uint16_t http_port() const { return PortOf(*server_); }
+  static uint16_t PortOf(const Server& server) {
+    const std::string& address = server.http_address();
+    return static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  }
 
   // Every call has a deadline, so that a mistake fails a test and does not hang it.
   static void Limit(grpc::ClientContext* context) {
