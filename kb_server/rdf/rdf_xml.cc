@@ -12,6 +12,7 @@
 #include "kb_server/rdf/quad_collector.h"
 #include "kb_server/rdf/raptor_world.h"
 #include "kb_server/rdf/term_check.h"
+#include "kb_server/rdf/utf8.h"
 #include "kb_server/rdf/xml_entities.h"
 
 namespace docent {
@@ -157,6 +158,13 @@ class RdfXmlReader {
     size_t length = 0;
     const unsigned char* iri = raptor_uri_as_counted_string(uri, &length);
     std::string name = prefix == nullptr ? "" : reinterpret_cast<const char*>(prefix);
+    // Raptor takes every attribute that begins with "xmlns" for a declaration and cuts the byte after it off.
+    if (FindInvalidUtf8(name)) return;
+    if (name.find(':') != std::string::npos) {
+      Report(raptor_parser_get_locator(parser_), absl::StrCat("'xmlns:", name, "' declares no prefix"),
+             "a name in XML has at most one colon");
+      return;
+    }
     std::erase_if(parsed_.prefixes, [&](const auto& known) { return known.first == name; });
     parsed_.prefixes.emplace_back(std::move(name), View(iri, length));
   }

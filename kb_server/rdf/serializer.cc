@@ -7,6 +7,8 @@
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/rdf_xml.h"
+#include "kb_server/rdf/turtle_scanner.h"
+#include "kb_server/rdf/utf8.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -21,10 +23,13 @@ bool IsPlainLocal(std::string_view local) {
          !local.starts_with('-');
 }
 
-// The same of its prefixes. RDF/XML has names and IRIs that Turtle cannot write.
-bool IsPlainPrefix(std::string_view name, std::string_view iri) {
-  const bool plain = name.empty() || (absl::ascii_isalpha(static_cast<unsigned char>(name.front())) && IsPlainLocal(name));
-  return plain && IsAbsoluteIri(iri) &&
+// RDF/XML has names and IRIs that Turtle cannot write.
+bool IsPrefix(std::string_view name, std::string_view iri) {
+  if (FindInvalidUtf8(name)) return false;
+  const std::string declared = Concat(name, ":");
+  TurtleScanner scanner(declared, /*line_based=*/false, declared.size());
+  std::string_view read;
+  return scanner.ReadPrefix(&read) && read == name && IsAbsoluteIri(iri) &&
          std::none_of(iri.begin(), iri.end(), [](unsigned char c) { return IsForbiddenInIri(c); });
 }
 
@@ -62,7 +67,7 @@ class TurtleWriter {
   TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes)
       : quads_(std::move(quads)) {
     for (const auto& prefix : prefixes) {
-      if (IsPlainPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
+      if (IsPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
     }
     std::sort(quads_.begin(), quads_.end(), ByText);
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());

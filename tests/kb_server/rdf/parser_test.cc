@@ -13,6 +13,7 @@
 namespace docent {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -285,6 +286,20 @@ TEST(RdfXmlTest, NestingEndsAtItsLimit) {
   const ParsedRdf refused = ParseRdf(nested(4), RdfFormat::kRdfXml, options);
   ASSERT_EQ(refused.diagnostics.size(), 1u);
   EXPECT_NE(refused.diagnostics[0].message.find("xml_nesting = 9"), std::string::npos);
+}
+
+TEST(RdfXmlTest, ADeclarationThatNamesNoPrefixIsNotTakenForOne) {
+  const auto with = [](const std::string& attribute) {
+    return ParseRdf("<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n<e:T " +
+                        attribute + "=\"http://f/\" rdf:about=\"http://e/s\"/></rdf:RDF>",
+                    RdfFormat::kRdfXml);
+  };
+  EXPECT_THAT(with("xmlns:\xC3\xA9").prefixes, Contains(Pair("\xC3\xA9", "http://f/")));
+  EXPECT_THAT(with("xmlns\xC3\xA9").prefixes, SizeIs(2));
+  const ParsedRdf colons = with("xmlns:a:b");
+  ASSERT_FALSE(colons.ok());
+  EXPECT_EQ(colons.diagnostics[0].span.line, 2);
+  EXPECT_THAT(colons.diagnostics[0].message, HasSubstr("'xmlns:a:b' declares no prefix"));
 }
 
 }  // namespace

@@ -33,13 +33,15 @@ TEST(SerializerTest, TurtleGathersSubjectsAndShortens) {
 
 TEST(SerializerTest, PrefixesThatTurtleCannotNameAreLeftOut) {
   const std::vector<TermQuad> quads = {{E("s"), E("p"), E("o"), {}}};
-  for (const char* prefix : {"_e", "e:f", "e.", "\xC3\xA9", "-e"}) {
+  for (const char* prefix : {"_e", "e:f", "e.", "\xA9", "-e", "e f"}) {
     const auto text = SerializeRdf(quads, RdfFormat::kTurtle, {{prefix, "http://e/"}});
     ASSERT_TRUE(text.ok());
     EXPECT_EQ(*text, "<http://e/s> <http://e/p> <http://e/o> .\n") << prefix;
   }
   EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"e", "relative"}}), "<http://e/s> <http://e/p> <http://e/o> .\n");
   EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"", "http://e/"}}), "@prefix : <http://e/> .\n\n:s :p :o .\n");
+  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"\xC3\xA9", "http://e/"}}),
+            "@prefix \xC3\xA9: <http://e/> .\n\n\xC3\xA9:s \xC3\xA9:p \xC3\xA9:o .\n");
 }
 
 TEST(SerializerTest, CyclesOfBlankNodesSurvive) {
