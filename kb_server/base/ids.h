@@ -31,7 +31,7 @@ class NameOf {
 using RunId = NameOf<struct RunIdTag>;
 // A robot: the IRI of the robot in the graph.
 using RobotId = NameOf<struct RobotIdTag>;
-// One command to one robot: run/node/iteration/invoke/step/attempt (design: adapters drop repeats by it).
+// One command to one robot: run/node/iteration/invoke/step/attempt@time (design: adapters drop repeats by it).
 using CommandId = NameOf<struct CommandIdTag>;
 
 // The number of a published graph version = the offset of the log record that made it. 0: the empty graph.

@@ -113,9 +113,11 @@ void RunStepper::SendReady(size_t node, size_t index) {
 void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruction& instruction) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
   RobotCommand command;
+  // With the time: a server whose older backup was put back counts its runs anew, and an adapter that remembers an id
+  // does not execute it again.
   command.id = CommandId(absl::StrCat(run_.id.value(), "/", flow_.nodes[node].name.value, "/",
                                       run_.nodes[node].iteration, "/", index, ".", invocation.attempt, "/",
-                                      instruction.step, "/", instruction.attempt));
+                                      instruction.step, "/", instruction.attempt, "@", core_.input->now_us));
   command.robot = invocation.robot;
   command.operation = instruction.operation;
   command.arguments = instruction.arguments;

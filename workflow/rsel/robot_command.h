@@ -13,7 +13,7 @@
 namespace docent {
 
 struct RobotCommand {
-  CommandId id;     // run/node/iteration/invoke/step/attempt: an adapter never does the same id twice
+  CommandId id;     // run/node/iteration/invoke/step/attempt@time: an adapter never does the same id twice
   RobotId robot;    // IRI
   std::string operation;
   std::vector<std::pair<std::string, Term>> arguments;  // input part → value

@@ -5,10 +5,13 @@
 #include <sys/stat.h>
 
 #include <atomic>
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <thread>
 
 #include "gmock/gmock.h"
+#include "kb_server/log/folder_copy.h"
 #include "tests/kb_server/app/scripted_adapter.h"
 #include "tests/kb_server/app/server_world.h"
 #include "tests/kb_server/app/test_world.h"
@@ -20,6 +23,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 TEST_F(ServerWorkflowTest, CheckShowsMistakesAndConditions) {
   StartServer();
@@ -91,7 +95,7 @@ TEST_F(ServerWorkflowTest, ARunIsStartedWatchedAndDone) {
               HasSubstr("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1> ."));
   ASSERT_EQ(FindNode(run, "Hello")->invocations_size(), 1);
   EXPECT_EQ(FindNode(run, "Hello")->invocations(0).robot(), "urn:w:R1");
-  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
 
   std::vector<std::string> events;
   v1::RunEvent event;
@@ -181,7 +185,32 @@ TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
   ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
   MustTell(":John docent:feels docent:Glad .");
   WaitForRun("Greet-1", "done");
-  EXPECT_THAT(adapter.commands(), ElementsAre("Greet-1/Hello/0/0.1/1/1", "Greet-1/Goodbye/0/0.1/1/1"));
+  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
+}
+
+// An adapter that keeps its journal would answer an id that it knows with what it did then, and do nothing.
+TEST_F(ServerWorkflowTest, AnOlderBackupPutBackGivesNoCommandIdTwice) {
+  ScriptedAdapter adapter;
+  StartServer();
+  SetUpGreeting(adapter.address());
+  ASSERT_TRUE(CopyFolder(settings_.data_folder, folder_ / "backup").ok());
+  const auto greet = [this] {
+    v1::StartReply start;
+    ASSERT_TRUE(StartRun("Greeting", &start).ok());
+    EXPECT_EQ(start.run(), "Greet-1");
+    MustTell(":John docent:isAt :Hall ; docent:feels docent:Glad . :R1 docent:isAt :Hall .");
+    WaitForRun("Greet-1", "done");
+  };
+  greet();
+  StopServer();
+  std::filesystem::remove_all(settings_.data_folder);
+  ASSERT_TRUE(CopyFolder(folder_ / "backup", settings_.data_folder).ok());
+  StartServer();
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  greet();
+  const std::vector<std::string> commands = adapter.commands();
+  EXPECT_EQ(commands.size(), 4u);
+  EXPECT_EQ(std::set<std::string>(commands.begin(), commands.end()).size(), 4u);
 }
 
 class ServerStartTest : public ServerTest {
