@@ -1,8 +1,10 @@
-// docent watch 'SELECT …': the answer of a query, and then what changes of it.
+// docent watch 'SELECT …' 'ASK …': the answers of queries, and then what changes of them.
 #include <chrono>
 #include <iostream>
-#include <set>
+#include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -15,8 +17,8 @@ namespace {
 
 struct WatchArguments {
   ClientOptions client;
-  std::string query;
-  std::string file;
+  std::vector<std::string> queries;
+  std::vector<std::string> files;
   uint32_t min_interval_ms = 0;
   uint64_t count = 0;
 };
@@ -34,51 +36,93 @@ std::string RowText(const v1::CountedRow& row, const std::vector<std::string>& n
   return absl::StrCat(absl::StrJoin(cells, ", "), row.count() > 1 ? absl::StrCat("  ×", row.count()) : "");
 }
 
-void Print(const v1::SubscribeReply& reply, std::vector<std::string>* names, bool json) {
-  if (json) {
-    PrintJson(reply);
-    return;
-  }
+// A query with what is known of its answer.
+struct Watched {
+  v1::SubscribeRequest request;
+  std::vector<std::string> names;
+  std::string last_id;
+};
+
+// `label`: which query, where there are several.
+void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* watched) {
   if (reply.reset()) {
-    names->assign(reply.variables().begin(), reply.variables().end());
-    std::cout << "revision " << reply.revision() << "\n";
+    watched->names.assign(reply.variables().begin(), reply.variables().end());
+    std::cout << label << "revision " << reply.revision() << "\n";
   }
   const std::string when = reply.reset() ? "" : absl::StrCat("   revision ", reply.revision());
-  if (reply.is_boolean()) std::cout << (reply.boolean() ? "yes" : "no") << when << "\n";
-  for (const v1::CountedRow& row : reply.appeared()) std::cout << "+ " << RowText(row, *names) << when << "\n";
-  for (const v1::CountedRow& row : reply.disappeared()) std::cout << "- " << RowText(row, *names) << when << "\n";
+  if (reply.is_boolean()) std::cout << label << (reply.boolean() ? "yes" : "no") << when << "\n";
+  const auto rows = [&](const char* sign, const auto& changed) {
+    for (const v1::CountedRow& row : changed)
+      std::cout << label << sign << RowText(row, watched->names) << when << "\n";
+  };
+  rows("+ ", reply.appeared());
+  rows("- ", reply.disappeared());
   std::cout.flush();
 }
 
-int RunWatch(const WatchArguments& arguments) {
-  v1::SubscribeRequest request;
-  request.set_query(arguments.query);
-  if (!arguments.file.empty()) {
-    auto text = ReadText(arguments.file);
-    if (!text.ok()) return Fail(text.status());
-    request.set_query(*text);
+absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments) {
+  std::vector<std::string> texts = arguments.queries;
+  for (const std::string& file : arguments.files) {
+    auto text = ReadText(file);
+    if (!text.ok()) return text.status();
+    texts.push_back(*std::move(text));
   }
-  if (request.query().empty())
-    return Fail(absl::InvalidArgumentError("no query given; pass it as an argument or with --file"));
-  request.set_min_interval_ms(arguments.min_interval_ms);
+  if (texts.empty()) return absl::InvalidArgumentError("no query given; pass it as an argument or with --file");
+  std::vector<Watched> all(texts.size());
+  for (size_t i = 0; i < texts.size(); ++i) {
+    all[i].request.set_query(texts[i]);
+    all[i].request.set_min_interval_ms(arguments.min_interval_ms);
+  }
+  return all;
+}
+
+// Begins all, each under its place in the list, from 1, as its tag.
+void BeginAll(const std::vector<Watched>& all,
+              grpc::ClientReaderWriter<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* stream) {
+  for (size_t i = 0; i < all.size(); ++i) {
+    v1::SubscribeStreamRequest begin;
+    begin.set_tag(i + 1);
+    *begin.mutable_begin() = all[i].request;
+    if (!stream->Write(begin)) return;  // Finish says why
+  }
+  stream->WritesDone();
+}
+
+int RunWatch(const WatchArguments& arguments) {
+  absl::StatusOr<std::vector<Watched>> all = ReadQueries(arguments);
+  if (!all.ok()) return Fail(all.status());
+  const bool several = all->size() > 1;
   auto stub = v1::Context::NewStub(Connect(arguments.client));
-  std::vector<std::string> names;
-  std::string last_id;
   uint64_t changes = 0;
+  bool answered = false;
   while (true) {
     grpc::ClientContext context;
-    auto reader = stub->Subscribe(&context, request);
-    v1::SubscribeReply reply;
-    while (reader->Read(&reply)) {
-      if (reply.id() == last_id) continue;  // it came before the connection was lost
-      last_id = reply.id();
-      Print(reply, &names, arguments.client.json);
-      if (!reply.resume().empty()) request.set_resume(reply.resume());
-      if (!reply.more() && arguments.count > 0 && ++changes >= arguments.count) return kExitOk;
+    auto stream = stub->SubscribeStream(&context);
+    BeginAll(*all, stream.get());
+    v1::SubscribeStreamReply reply;
+    while (stream->Read(&reply)) {
+      for (const v1::SubscribeStreamReply::Part& part : reply.parts()) {
+        if (part.has_ended()) {
+          const std::string which = several ? absl::StrCat("query ", part.tag(), ": ") : "";
+          return Fail(grpc::Status(static_cast<grpc::StatusCode>(part.ended().code()), which + part.ended().message()),
+                      arguments.client);
+        }
+        Watched& watched = (*all)[part.tag() - 1];
+        if (part.reply().id() == watched.last_id) continue;  // it came before the connection was lost
+        watched.last_id = part.reply().id();
+        if (arguments.client.json) {
+          several ? PrintJson(part) : PrintJson(part.reply());
+        } else {
+          Print(part.reply(), several ? absl::StrCat(part.tag(), "  ") : "", &watched);
+        }
+        answered = true;
+        if (!part.reply().resume().empty()) watched.request.set_resume(part.reply().resume());
+        if (!part.reply().more() && arguments.count > 0 && ++changes >= arguments.count) return kExitOk;
+      }
     }
-    const grpc::Status status = reader->Finish();
+    const grpc::Status status = stream->Finish();
     // a lost connection is taken up again, if there ever was one
-    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || request.resume().empty())
+    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || !answered)
       return status.ok() ? kExitOk : Fail(status, arguments.client);
     std::cerr << "docent: the connection was lost; trying again\n";
     std::this_thread::sleep_for(kPause);
@@ -90,10 +134,13 @@ int RunWatch(const WatchArguments& arguments) {
 void AddWatchCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WatchArguments>();
   CLI::App* command =
-      app->add_subcommand("watch", "Follow an ASK or SELECT: first its answer, then each change of it");
+      app->add_subcommand("watch", "Follow ASK and SELECT queries: first the answer, then each change of it");
   AddClientOptions(command, &arguments->client);
-  command->add_option("query", arguments->query, "SPARQL ASK or SELECT; well-known prefixes need no PREFIX");
-  command->add_option("--file,-f", arguments->file, "Read the query from a file, - for standard input");
+  command->add_option("query", arguments->queries,
+                      "SPARQL ASK or SELECT, as many as wanted; well-known prefixes need no PREFIX. The lines of several "
+                      "begin with their numbers");
+  command->add_option("--file,-f", arguments->files, "Read a query from a file, - for standard input; may be given again")
+      ->allow_extra_args(false);
   command->add_option("--min-interval-ms", arguments->min_interval_ms, "At most one change in this time; those between "
                                                                        "are added up");
   command->add_option("--count", arguments->count, "End after so many changes, the first answer included");

@@ -72,11 +72,24 @@ class Explain(StageTest):
         watch.wait(60)
         self.assertEqual(watch.returncode, 0)
 
+    def test_several_answers_are_watched_together(self):
+        where = "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }"
+        file = self.stage.folder / "query.rq"
+        file.write_text("ASK { ?nobody a docent:NoSuchThing }")
+        done = self.server.run("watch", "--count", "3", where, "--file", str(file), where)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertIn("3  no", lines)
+        for number in "12":
+            self.assertTrue(any(line.startswith(number + "  + ?where = ") for line in lines), done.stdout)
+
     def test_bad_questions(self):
         self.assert_refused(self.server.run("why", "ask", "ASK { ?x"), 2, "1:")
         self.assert_refused(self.server.run("why", "expo:John docent:isAt"), 2, "error")
         self.assert_refused(self.server.run("whatif"), 2, "no facts given")
         self.assert_refused(self.server.run("watch", "CONSTRUCT WHERE { ?s ?p ?o }"), 2, "ASK and SELECT")
+        self.assert_refused(self.server.run("watch", "ASK {}", "ASK {"), 2, "query 2: 1:6")
+        self.assert_refused(self.server.run("watch"), 2, "no query given")
 
 
 if __name__ == "__main__":
