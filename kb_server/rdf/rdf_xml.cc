@@ -158,7 +158,8 @@ class RdfXmlReader {
     size_t length = 0;
     const unsigned char* iri = raptor_uri_as_counted_string(uri, &length);
     std::string name = prefix == nullptr ? "" : reinterpret_cast<const char*>(prefix);
-    // Raptor takes every attribute that begins with "xmlns" for a declaration and cuts the byte after it off.
+    // Raptor takes every attribute that begins with "xmlns" for a declaration and cuts the byte after it off. Where that
+    // was half a character, what is left shows it.
     if (FindInvalidUtf8(name)) return;
     if (name.find(':') != std::string::npos) {
       Report(raptor_parser_get_locator(parser_), absl::StrCat("'xmlns:", name, "' declares no prefix"),

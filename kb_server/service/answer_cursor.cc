@@ -29,7 +29,7 @@ void ToProto(const CountedRow& row, v1::CountedRow* out) {
 
 void AnswerCursor::Begin(StandingAnswerPtr answer) {
   answer_ = std::move(answer);
-  if (resume_.empty() || !Resume()) TakeWhole();
+  reset_ = !Resume(std::exchange(resume_, {}));
 }
 
 bool AnswerCursor::Next(v1::SubscribeReply* reply, absl::Time* due) {
@@ -40,11 +40,11 @@ bool AnswerCursor::Next(v1::SubscribeReply* reply, absl::Time* due) {
 }
 
 // "EPOCH.ANSWER.CHANGE". True: the client goes on after that change.
-bool AnswerCursor::Resume() {
-  const std::vector<std::string> parts = absl::StrSplit(resume_, '.');
+bool AnswerCursor::Resume(const std::string& token) {
+  const std::vector<std::string> parts = absl::StrSplit(token, '.');
   uint64_t answer = 0, number = 0;
   if (parts.size() != 3 || parts[0] != subscriptions_.epoch() || !absl::SimpleAtoi(parts[1], &answer) ||
-      !absl::SimpleAtoi(parts[2], &number) || answer != answer_->id() || number > answer_->Whole()->number ||
+      !absl::SimpleAtoi(parts[2], &number) || answer != answer_->id() || number > answer_->newest() ||
       !answer_->Get(number + 1).ok())
     return false;
   position_ = number;
@@ -55,15 +55,14 @@ std::string AnswerCursor::Token(uint64_t number) const {
   return absl::StrCat(subscriptions_.epoch(), ".", answer_->id(), ".", number);
 }
 
-void AnswerCursor::TakeWhole() {
-  current_ = answer_->Whole();
-  reset_ = true;
-}
-
 bool AnswerCursor::TakeNext(absl::Time* due) {
+  if (reset_) {
+    current_ = answer_->Whole();
+    return true;
+  }
   auto next = answer_->Get(position_ + 1);
   if (next.ok() && *next == nullptr) return false;
-  if (next.ok() && interval_ > absl::ZeroDuration()) {
+  if (interval_ > absl::ZeroDuration()) {
     const absl::Time free = last_sent_ + interval_;
     if (absl::Now() < free) {
       if (told_due_ != free) *due = told_due_ = free;
@@ -73,7 +72,8 @@ bool AnswerCursor::TakeNext(absl::Time* due) {
   }
   if (!next.ok()) {
     ++subscriptions_.counters().resets;
-    TakeWhole();
+    reset_ = true;
+    current_ = answer_->Whole();
     return true;
   }
   if (interval_ > absl::ZeroDuration()) {

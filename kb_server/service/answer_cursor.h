@@ -1,5 +1,6 @@
-// One client's place in a standing answer: what it is to be sent next, in order and at its pace. It holds no copy of the
-// answer; a client that falls behind what is kept of the changes is given the whole answer anew. Not thread-safe.
+// One client's place in a standing answer: what it is to be sent next, in order and at its pace. It holds what is being
+// sent and no more; a client that falls behind what is kept of the changes is given the whole answer anew. Not
+// thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_ANSWER_CURSOR_H_
 #define DOCENT_KB_SERVER_SERVICE_ANSWER_CURSOR_H_
 
@@ -29,21 +30,20 @@ class AnswerCursor {
   bool Next(v1::SubscribeReply* reply, absl::Time* due);
 
  private:
-  bool Resume();
-  void TakeWhole();
-  // Makes the next change, if it is there and due, the current one.
+  bool Resume(const std::string& token);
+  // Makes what is next, if it is there and due, the current change.
   bool TakeNext(absl::Time* due);
   void Write(v1::SubscribeReply* reply);
   std::string Token(uint64_t number) const;
 
   Subscriptions& subscriptions_;
   const absl::Duration interval_;
-  const std::string resume_;
+  std::string resume_;
   StandingAnswerPtr answer_;
   uint64_t position_ = 0;    // number of the newest change that the client has
   AnswerChangePtr current_;  // being sent; null: none
   size_t offset_ = 0;        // of its rows, those that are sent
-  bool reset_ = false;       // it is the whole answer
+  bool reset_ = false;       // the whole answer is next or being sent
   bool last_boolean_ = false;
   bool told_boolean_ = false;
   uint64_t sequence_ = 0;

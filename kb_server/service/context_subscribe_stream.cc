@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,11 @@
 namespace docent {
 namespace {
 
-constexpr size_t kOpening = 256;  // queries that have no answer yet; beyond, reading pauses
+constexpr size_t kUnsettled = 256;  // queries without an answer, or whose end is not written: beyond, reading pauses
+// When so much is in a reply, the rest goes into the next.
 constexpr int kPartsInReply = 1000;
-constexpr size_t kBytesInReply = size_t{1} << 20;  // when so much is there, the rest goes into the next
+constexpr size_t kBytesInReply = size_t{256} << 10;
+constexpr int kRowsInPart = 100;  // in its last part: a large answer takes long to write down
 
 // A query is in line when it may have something to say. Each reply takes one message after the other of those in line,
 // so that none waits for another's large answer; while a reply is being written the line grows, by one place a query at
@@ -47,7 +50,7 @@ class SubscribeStreamReactor final
         if (found != followed_.end()) return End(Invalid(absl::StrCat("tag ", tag, " is in use")));
         begun = std::make_shared<Followed>(link_, &subscriptions_, tag, request_.begin());
         followed_.emplace(tag, begun);
-        ++opening_;
+        ++unsettled_;
       } else if (!request_.has_end()) {
         return End(Invalid(absl::StrCat("a request for tag ", tag, " neither begins nor ends a query")));
       } else if (found != followed_.end()) {
@@ -59,9 +62,8 @@ class SubscribeStreamReactor final
     if (ended != nullptr) subscriptions_.Close(ended);
     if (begun != nullptr) Open(begun, request_.begin().query());
     absl::MutexLock lock(&link_->mutex);
-    if (ended_) return;
-    reading_ = opening_ < kOpening;
-    if (reading_) StartRead(&request_);
+    reading_ = false;
+    ReadOn();
   }
 
   void OnWriteDone(bool ok) override {
@@ -94,7 +96,7 @@ class SubscribeStreamReactor final
   struct Followed final : Follower, std::enable_shared_from_this<Followed> {
     Followed(std::shared_ptr<Link> stream, Subscriptions* subscriptions, uint64_t tag_of_client,
              const v1::SubscribeRequest& request)
-        : link(std::move(stream)), tag(tag_of_client), cursor(subscriptions, request) {}
+        : link(std::move(stream)), tag(tag_of_client), cursor(std::in_place, subscriptions, request) {}
     void Wake() override {
       absl::MutexLock lock(&link->mutex);
       if (link->reactor != nullptr && !ended) link->reactor->Enqueue(*this);
@@ -106,14 +108,12 @@ class SubscribeStreamReactor final
     void Fail(const absl::Status& failure) override {
       absl::MutexLock lock(&link->mutex);
       if (link->reactor == nullptr) return;
-      link->reactor->Opened(*this);
       link->reactor->EndQuery(*this, failure);
       link->reactor->Advance();
     }
     const std::shared_ptr<Link> link;
     const uint64_t tag;
-    AnswerCursor cursor;
-    bool opened = false;
+    std::optional<AnswerCursor> cursor;  // until it has ended
     bool in_line = false;
     bool ended = false;
     absl::Status status;  // why
@@ -122,7 +122,7 @@ class SubscribeStreamReactor final
   static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
   static grpc::Status Invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
 
-  // May outlive the stream.
+  // Its callback may outlive the stream.
   void Open(const std::shared_ptr<Followed>& followed, const std::string& query) {
     Subscriptions& subscriptions = subscriptions_;
     subscriptions.Open(query, followed, [followed, &subscriptions](const absl::StatusOr<StandingAnswerPtr>& answer) {
@@ -139,22 +139,20 @@ class SubscribeStreamReactor final
 
   // Everything below: with link_->mutex held.
   void Begin(Followed& followed, const absl::StatusOr<StandingAnswerPtr>& answer) {
-    Opened(followed);
-    if (ended_ || followed.ended) return;
-    if (answer.ok()) {
-      followed.cursor.Begin(*answer);
+    if (ended_) return;
+    if (!followed.ended && answer.ok()) {
+      followed.cursor->Begin(*answer);
       Enqueue(followed);
     } else {
       EndQuery(followed, answer.status());
     }
+    --unsettled_;
+    ReadOn();
     Advance();
   }
 
-  void Opened(Followed& followed) {
-    if (followed.opened) return;
-    followed.opened = true;
-    --opening_;
-    if (reading_ || ended_ || reading_ended_ || opening_ >= kOpening) return;
+  void ReadOn() {
+    if (reading_ || ended_ || reading_ended_ || unsettled_ >= kUnsettled) return;
     reading_ = true;
     StartRead(&request_);
   }
@@ -164,6 +162,8 @@ class SubscribeStreamReactor final
     if (followed.ended) return;
     followed.ended = true;
     followed.status = std::move(status);
+    followed.cursor.reset();
+    ++unsettled_;
     Enqueue(followed);
   }
 
@@ -176,11 +176,16 @@ class SubscribeStreamReactor final
   void Advance() {
     if (writing_ || ended_) return;
     message_.Clear();
-    for (size_t bytes = 0; !line_.empty() && bytes < kBytesInReply && message_.parts_size() < kPartsInReply;) {
+    bool full = false;
+    for (size_t bytes = 0; !line_.empty() && !full;) {
       const std::shared_ptr<Followed> followed = std::move(line_.front());
       line_.pop_front();
       followed->in_line = false;
-      if (WritePart(*followed)) bytes += message_.parts(message_.parts_size() - 1).ByteSizeLong();
+      if (!WritePart(*followed)) continue;
+      const v1::SubscribeStreamReply::Part& part = message_.parts(message_.parts_size() - 1);
+      bytes += part.ByteSizeLong();
+      full = bytes >= kBytesInReply || message_.parts_size() == kPartsInReply ||
+             part.reply().appeared_size() + part.reply().disappeared_size() >= kRowsInPart;
     }
     if (message_.parts_size() > 0) {
       writing_ = true;
@@ -197,10 +202,12 @@ class SubscribeStreamReactor final
     if (followed.ended) {
       *part->mutable_ended() = ToStreamError(followed.status);
       followed_.erase(followed.tag);
+      --unsettled_;
+      ReadOn();
       return true;
     }
     absl::Time due;
-    if (followed.cursor.Next(part->mutable_reply(), &due)) {
+    if (followed.cursor->Next(part->mutable_reply(), &due)) {
       Enqueue(followed);
       return true;
     }
@@ -222,7 +229,7 @@ class SubscribeStreamReactor final
   v1::SubscribeStreamRequest request_;
   absl::flat_hash_map<uint64_t, std::shared_ptr<Followed>> followed_;  // by tag, until its last part is written
   std::deque<std::shared_ptr<Followed>> line_;
-  size_t opening_ = 0;
+  size_t unsettled_ = 0;
   bool reading_ = true;
   bool reading_ended_ = false;
   v1::SubscribeStreamReply message_;

@@ -173,6 +173,11 @@ AnswerChangePtr StandingAnswer::Whole() const {
   return whole_;
 }
 
+uint64_t StandingAnswer::newest() const {
+  absl::MutexLock lock(&mutex_);
+  return newest_;
+}
+
 absl::StatusOr<AnswerChangePtr> StandingAnswer::Get(uint64_t number) const {
   absl::MutexLock lock(&mutex_);
   if (number > newest_) return AnswerChangePtr();

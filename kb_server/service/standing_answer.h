@@ -67,6 +67,8 @@ class StandingAnswer {
   // ---- those who follow --------------------------------------------------------------------------------------
   // The whole answer as a change from nothing, with the number of the newest change (0: none yet).
   AnswerChangePtr Whole() const;
+  // The number of the newest change; 0: none yet.
+  uint64_t newest() const;
   // Null: it has not happened yet. OUT_OF_RANGE: it is no longer kept.
   absl::StatusOr<AnswerChangePtr> Get(uint64_t number) const;
   // The changes from `number` on as one, numbered as the last; null: none. OUT_OF_RANGE as above.

@@ -19,7 +19,9 @@ using sparql::PatternTerm;
 
 constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
 constexpr size_t kIdleKept = 1000;                     // and so many of them
-constexpr size_t kTurnsTogether = 16;  // turns that wait are looked at before followers are woken, up to so many
+// Turns that wait are looked at before followers are woken, up to so many and so long after the first change.
+constexpr size_t kTurnsTogether = 16;
+constexpr absl::Duration kUnheard = absl::Milliseconds(5);
 
 void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
   const bool empty = term.term.IsIri() && term.term.lexical.empty();
@@ -121,15 +123,20 @@ void Subscriptions::Open(const std::string& text, std::shared_ptr<Follower> foll
   if (!parsed.ok()) return done(ToStatus(parsed.diagnostics, text));
   if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk)
     return done(absl::InvalidArgumentError("only ASK and SELECT can be followed"));
+  size_t open = 0;
   {
     absl::MutexLock lock(&followers_mutex_);
-    if (followers_.size() >= settings_.subscription_limits.subscriptions_open) {
-      return done(absl::ResourceExhaustedError(
-          absl::StrCat("the limit subscriptions_open is ", settings_.subscription_limits.subscriptions_open)));
+    open = followers_.size();
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
+      openings_.push_back({text, std::move(parsed.query), std::move(follower), std::move(done)});
+      return;
     }
   }
-  absl::MutexLock lock(&mutex_);
-  openings_.push_back({text, std::move(parsed.query), std::move(follower), std::move(done)});
+  done(absl::ResourceExhaustedError(
+      absl::StrCat("the limit subscriptions_open is ", settings_.subscription_limits.subscriptions_open)));
 }
 
 void Subscriptions::Close(const std::shared_ptr<Follower>& follower) {
@@ -186,18 +193,13 @@ void Subscriptions::Run() {
       if (!more_turns) openings.swap(openings_);
     }
     if (turn) Process(*std::move(turn));
-    for (Opening& opening : openings) OpenNow(std::move(opening));
-    if (!more_turns || ++turns_together == kTurnsTogether) {
+    const bool unheard = !changed_.empty() && absl::Now() - changed_since_ > kUnheard;
+    if (!more_turns || unheard || ++turns_together == kTurnsTogether) {
       WakeFollowers();
       turns_together = 0;
     }
-    for (const std::weak_ptr<Follower>& follower : due) {
-      const std::shared_ptr<Follower> alive = follower.lock();
-      absl::MutexLock lock(&followers_mutex_);
-      if (alive == nullptr || !followers_.contains(alive)) continue;
-      alive->Wake();
-      alive->AllWoken();
-    }
+    for (Opening& opening : openings) OpenNow(std::move(opening));
+    if (!due.empty()) WakeDue(due);
     DropIdle();
   }
 }
@@ -212,7 +214,7 @@ void Subscriptions::Process(Turn turn) {
       for (const auto& [id, number] : by_constraint_) anew.push_back(number);
       ForgetKept();
     }
-    for (const uint32_t number : Touched(delta)) Evaluate(*standing_[number]);
+    for (const uint32_t number : Touched(delta)) Evaluate(*standing_[number]).IgnoreError();  // its followers know
   } else {
     anew.clear();
     for (const auto& standing : standing_) {
@@ -261,19 +263,20 @@ absl::Status Subscriptions::Prepare(Standing& standing) {
   return absl::OkStatus();
 }
 
-void Subscriptions::Begin(Standing& standing) {
-  if (!Evaluate(standing)) return;
+absl::Status Subscriptions::Begin(Standing& standing) {
+  if (absl::Status status = Evaluate(standing); !status.ok()) return status;
   if (Keep(standing)) {
     standing.prepared.reset();
   } else {
     Watch(standing);
   }
+  return absl::OkStatus();
 }
 
 void Subscriptions::BeginAnew(Standing& standing) {
   Forget(standing);
   if (absl::Status status = Prepare(standing); !status.ok()) return FailAll(standing, status);
-  Begin(standing);
+  Begin(standing).IgnoreError();
 }
 
 // Evaluates once more, for the set keeps other things than rows; what it will keep, Evaluate has bounded.
@@ -401,7 +404,7 @@ absl::Status Subscriptions::TooManyRows() const {
                                                    settings_.subscription_limits.subscription_rows));
 }
 
-bool Subscriptions::Evaluate(Standing& standing) {
+absl::Status Subscriptions::Evaluate(Standing& standing) {
   ++counters_.evaluations;
   Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   sparql::RunOptions run;
@@ -436,19 +439,22 @@ bool Subscriptions::Evaluate(Standing& standing) {
   }
   if (!status.ok()) {
     FailAll(standing, status);
-    return false;
+  } else if (changed) {
+    Changed(standing);
   }
-  if (changed) Changed(standing);
-  return true;
+  return status;
 }
 
 void Subscriptions::Changed(const Standing& standing) {
   ++counters_.changes;
+  if (changed_.empty()) changed_since_ = absl::Now();
   changed_.push_back(standing.number);
 }
 
 void Subscriptions::WakeFollowers() {
   if (changed_.empty()) return;
+  std::sort(changed_.begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   absl::MutexLock lock(&followers_mutex_);
   const auto for_each = [this](void (Follower::*call)()) ABSL_EXCLUSIVE_LOCKS_REQUIRED(followers_mutex_) {
     for (const uint32_t number : changed_) {
@@ -460,6 +466,17 @@ void Subscriptions::WakeFollowers() {
   for_each(&Follower::Wake);
   for_each(&Follower::AllWoken);
   changed_.clear();
+}
+
+void Subscriptions::WakeDue(const std::vector<std::weak_ptr<Follower>>& due) {
+  std::vector<std::shared_ptr<Follower>> alive;
+  absl::MutexLock lock(&followers_mutex_);
+  for (const std::weak_ptr<Follower>& follower : due) {
+    std::shared_ptr<Follower> locked = follower.lock();
+    if (locked != nullptr && followers_.contains(locked)) alive.push_back(std::move(locked));
+  }
+  for (const auto& follower : alive) follower->Wake();
+  for (const auto& follower : alive) follower->AllWoken();
 }
 
 // The query cannot be followed any more.
@@ -518,8 +535,9 @@ void Subscriptions::OpenNow(Opening opening) {
     counters_.open = followers_.size();
   }
   (*standing)->idle_since = absl::InfiniteFuture();
-  if (!answer->evaluated()) Begin(**standing);  // fails the follower where it cannot
-  if (answer->evaluated()) opening.done(answer);
+  absl::Status status;
+  if (!answer->evaluated()) status = Begin(**standing);
+  opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
 }
 
 void Subscriptions::DropIdle() {

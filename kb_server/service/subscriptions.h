@@ -46,7 +46,7 @@ namespace docent {
 
 // Read by any thread for /metrics.
 struct SubscriptionCounters {
-  std::atomic<uint64_t> open{0};         // clients
+  std::atomic<uint64_t> open{0};         // followers
   std::atomic<uint64_t> queries{0};      // different ones that are followed
   std::atomic<uint64_t> evaluations{0};
   std::atomic<uint64_t> changes{0};      // of answers
@@ -126,12 +126,12 @@ class Subscriptions {
   void OpenNow(Opening opening);
   absl::StatusOr<Standing*> FindOrMake(const std::string& text, sparql::Query query);
   // From the whole answer on `version_` on, its changes will be noticed.
-  void Begin(Standing& standing);
+  absl::Status Begin(Standing& standing);
   // The same for one that has begun before.
   void BeginAnew(Standing& standing);
   absl::Status Prepare(Standing& standing);
-  // Asks the whole query. False: it failed, and `standing` is gone.
-  bool Evaluate(Standing& standing);
+  // Asks the whole query. Not OK: `standing` is gone, its followers know.
+  absl::Status Evaluate(Standing& standing);
   // Gives it to the constraint set. False: that cannot keep it.
   bool Keep(Standing& standing);
   void ForgetKept();
@@ -149,6 +149,7 @@ class Subscriptions {
   bool MayTurn(PatternIndex::Reference reference, bool added) const;
   void Changed(const Standing& standing);
   void WakeFollowers();
+  void WakeDue(const std::vector<std::weak_ptr<Follower>>& due);
   void FailAll(Standing& standing, const absl::Status& status);
   void DropIdle();
   void Drop(uint32_t number);
@@ -187,6 +188,7 @@ class Subscriptions {
   PatternIndex watches_;  // of the others
   absl::flat_hash_set<uint32_t> volatile_;
   std::vector<uint32_t> changed_;  // of which the followers have not heard
+  absl::Time changed_since_;
   absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
   size_t dictionary_size_ = 0;                                // that has been looked at for them
   uint64_t next_answer_ = 1;

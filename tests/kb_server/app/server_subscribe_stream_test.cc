@@ -1,6 +1,8 @@
 // SubscribeStream over gRPC: many queries on one stream, begun and ended one by one.
+#include <atomic>
 #include <map>
 #include <set>
+#include <thread>
 
 #include "gmock/gmock.h"
 #include "tests/kb_server/app/server_world.h"
@@ -222,6 +224,72 @@ TEST_F(ServerSubscribeStreamTest, ThousandsOnOneStreamComeTogetherAndGoTogether)
   EXPECT_LT(replies_, 500);
   CloseStream();
   EXPECT_TRUE(OpenSubscriptionsBecome(0));
+}
+
+TEST_F(ServerSubscribeStreamTest, WhoEndsWhatCannotBeAnsweredCostsNoPlace) {
+  settings_.subscription_limits.subscription_rows = 10;
+  StartServer();
+  std::string facts;
+  for (int i = 0; i < 2000; ++i) absl::StrAppend(&facts, ":a :p ", i, " . ");
+  MustTell(facts);
+  OpenStream();
+  for (uint64_t tag = 1; tag <= 600; ++tag) {
+    Begin(tag, absl::StrCat("SELECT ?v { :a :p ?v, ?w FILTER(?v > ", tag, " && ?w > ?v) }"));
+    End(tag);
+  }
+  Begin(1000, "ASK { :a :p 1 }");
+  ASSERT_TRUE(stream_->WritesDone());
+  std::set<uint64_t> ended;
+  bool answered = false;
+  while (ended.size() < 600 || !answered) {
+    const auto part = Next();
+    ASSERT_NE(part.tag(), 0u);
+    if (part.has_ended()) {
+      EXPECT_TRUE(ended.insert(part.tag()).second);
+    }
+    answered = answered || part.tag() == 1000;
+  }
+}
+
+TEST_F(ServerSubscribeStreamTest, WhoDoesNotReadIsNotReadFrom) {
+  StartServer();
+  OpenStream();
+  constexpr uint64_t kRequests = 6000;
+  const std::string refused = "ASK { ?s " + std::string(8000, 'x') + ":p ?o }";  // the answer names it
+  std::atomic<uint64_t> written{0};
+  std::thread writer([&] {
+    for (; written < kRequests; ++written) Begin(written + 1, refused);
+    stream_->WritesDone();
+  });
+  uint64_t seen = 0;
+  do {  // until nothing more goes through
+    seen = written;
+    absl::SleepFor(absl::Milliseconds(300));
+  } while (written != seen);
+  EXPECT_LT(written, kRequests / 2) << written;
+  for (uint64_t i = 0; i < kRequests; ++i) ASSERT_TRUE(Next().has_ended()) << i;
+  EXPECT_EQ(Next().tag(), 0u);
+  writer.join();
+  EXPECT_TRUE(stream_->Finish().ok());
+  stream_.reset();
+}
+
+TEST_F(ServerSubscribeStreamTest, ThrottledChangesAreAddedUpAlsoWhereTheyAreNoLongerKept) {
+  settings_.subscription_limits.subscription_changes_kept = 4;
+  StartServer();
+  OpenStream();
+  const absl::Time begin = absl::Now();
+  Begin(1, "SELECT ?v { :a :p ?v }", "", 500);
+  EXPECT_TRUE(Next().reply().reset());
+  for (int i = 0; i < 3; ++i) MustTell(absl::StrCat(":a :p ", i, " ."));
+  auto part = Next();
+  EXPECT_FALSE(part.reply().reset());
+  EXPECT_EQ(part.reply().appeared_size(), 3);
+  for (int i = 3; i < 30; ++i) MustTell(absl::StrCat(":a :p ", i, " ."));
+  part = Next();
+  EXPECT_TRUE(part.reply().reset());
+  EXPECT_EQ(part.reply().appeared_size(), 30);
+  EXPECT_GE(absl::Now() - begin, absl::Milliseconds(1000));
 }
 
 TEST_F(ServerSubscribeStreamTest, OneThatIsThrottledHoldsNobodyUp) {
