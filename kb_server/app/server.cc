@@ -324,7 +324,8 @@ void Server::RegisterSubscriptionMetrics() {
   const auto read = [](const std::atomic<uint64_t>* value) {
     return [value] { return static_cast<double>(value->load()); };
   };
-  metrics_.AddGaugeFunction("docent_subscriptions", "Queries that clients follow, each as often as it is followed", read(&counters->open));
+  metrics_.AddGaugeFunction("docent_subscriptions", "Queries that clients follow, each as often as it is followed",
+                            read(&counters->open));
   metrics_.AddGaugeFunction("docent_subscription_queries", "Different queries that are followed",
                             read(&counters->queries));
   metrics_.AddGaugeFunction("docent_subscription_revision", "Revision up to which followed queries are looked at",

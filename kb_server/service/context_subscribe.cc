@@ -20,15 +20,11 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
 
   void Start(const std::string& query) {
     const std::shared_ptr<Link> link = link_;  // this may be gone before Open returns
-    Subscriptions& subscriptions = subscriptions_;
-    subscriptions.Open(query, link, [link, &subscriptions](const absl::StatusOr<StandingAnswerPtr>& answer) {
-      bool gone = false;
-      {
-        absl::MutexLock lock(&link->mutex);
-        gone = link->reactor == nullptr;
-        if (!gone) link->reactor->Begin(answer);
-      }
-      if (gone) subscriptions.Close(link);
+    subscriptions_.Open(query, link, [link](const absl::StatusOr<StandingAnswerPtr>& answer) {
+      absl::MutexLock lock(&link->mutex);
+      if (link->reactor == nullptr) return false;
+      link->reactor->Begin(answer);
+      return true;
     });
   }
 
@@ -44,11 +40,11 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
     End(Gone());
   }
   void OnDone() override {
-    subscriptions_.Close(link_);
     {
       absl::MutexLock lock(&link_->mutex);
-      link_->reactor = nullptr;
+      link_->reactor = nullptr;  // before Close: who opens after that finds nobody there
     }
+    subscriptions_.Close(link_);
     delete this;
   }
 

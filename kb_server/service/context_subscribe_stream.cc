@@ -124,16 +124,11 @@ class SubscribeStreamReactor final
 
   // Its callback may outlive the stream.
   void Open(const std::shared_ptr<Followed>& followed, const std::string& query) {
-    Subscriptions& subscriptions = subscriptions_;
-    subscriptions.Open(query, followed, [followed, &subscriptions](const absl::StatusOr<StandingAnswerPtr>& answer) {
-      bool gone = false;
-      {
-        absl::MutexLock lock(&followed->link->mutex);
-        SubscribeStreamReactor* const stream = followed->link->reactor;
-        gone = stream == nullptr || followed->ended;
-        if (stream != nullptr) stream->Begin(*followed, answer);
-      }
-      if (gone) subscriptions.Close(followed);
+    subscriptions_.Open(query, followed, [followed](const absl::StatusOr<StandingAnswerPtr>& answer) {
+      absl::MutexLock lock(&followed->link->mutex);
+      SubscribeStreamReactor* const stream = followed->link->reactor;
+      if (stream != nullptr) stream->Begin(*followed, answer);
+      return stream != nullptr && !followed->ended;
     });
   }
 

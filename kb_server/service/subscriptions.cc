@@ -120,9 +120,14 @@ void Subscriptions::Open(const std::string& text, std::shared_ptr<Follower> foll
   options.prefixes = sparql::WellKnownPrefixes();
   options.limits = settings_.limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
-  if (!parsed.ok()) return done(ToStatus(parsed.diagnostics, text));
-  if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk)
-    return done(absl::InvalidArgumentError("only ASK and SELECT can be followed"));
+  if (!parsed.ok()) {
+    done(ToStatus(parsed.diagnostics, text));
+    return;
+  }
+  if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk) {
+    done(absl::InvalidArgumentError("only ASK and SELECT can be followed"));
+    return;
+  }
   size_t open = 0;
   {
     absl::MutexLock lock(&followers_mutex_);
@@ -525,7 +530,10 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::st
 
 void Subscriptions::OpenNow(Opening opening) {
   auto standing = FindOrMake(opening.text, std::move(opening.query));
-  if (!standing.ok()) return opening.done(standing.status());
+  if (!standing.ok()) {
+    opening.done(standing.status());
+    return;
+  }
   const uint32_t number = (*standing)->number;
   const StandingAnswerPtr answer = (*standing)->answer;
   {
@@ -537,7 +545,8 @@ void Subscriptions::OpenNow(Opening opening) {
   (*standing)->idle_since = absl::InfiniteFuture();
   absl::Status status;
   if (!answer->evaluated()) status = Begin(**standing);
-  opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
+  const bool there = opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
+  if (!there) Close(opening.follower);
 }
 
 void Subscriptions::DropIdle() {

@@ -93,8 +93,8 @@ class Subscriptions {
   // Begins to follow; `done` gets the answer (from the thread that evaluates it), with an answer on some version that
   // is as new as those that were visible when this was called. INVALID_ARGUMENT, UNIMPLEMENTED (another form of
   // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows; DEADLINE_EXCEEDED:
-  // subscription_evaluation_ms.
-  using Opened = std::function<void(const absl::StatusOr<StandingAnswerPtr>&)>;
+  // subscription_evaluation_ms. It says whether the follower is still there; one that is not is closed.
+  using Opened = std::function<bool(const absl::StatusOr<StandingAnswerPtr>&)>;
   void Open(const std::string& text, std::shared_ptr<Follower> follower, Opened done);
   // Ends following; after it neither Wake nor Fail is called. Not from within these.
   void Close(const std::shared_ptr<Follower>& follower);

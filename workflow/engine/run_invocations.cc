@@ -143,7 +143,8 @@ void RunStepper::Resend(size_t node, size_t index, const OpenCommand& lost, cons
   InvocationState& invocation = run_.nodes[node].invocations[index];
   ++invocation.resends;
   OpenCommand again = lost;
-  again.command.id = CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
+  again.command.id =
+      CommandId(absl::StrCat(lost.command.id.value(), ".", invocation.resends, "@", core_.input->now_us));
   // A proxy that was turned away knows only whom the command was meant for; then any incarnation will do.
   again.command.expected_incarnation = incarnation == lost.command.expected_incarnation ? "" : incarnation;
   again.command.guard_revision = core_.input->revision;

@@ -87,6 +87,7 @@ class SubscriptionsTest : public ::testing::Test {
     subscriptions_->Open(kPrefix + query, client, [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
       status = answer.status();
       if (answer.ok()) client->answer = *answer;
+      return true;
     });
     subscriptions_->Drain();
     if (client->answer != nullptr) client->Begin();
@@ -128,6 +129,14 @@ class SubscriptionsTest : public ::testing::Test {
   GraphVersionPtr version_ = std::make_shared<const GraphVersion>();
   std::unique_ptr<Subscriptions> subscriptions_;
 };
+
+TEST_F(SubscriptionsTest, WhoHasGoneBeforeTheAnswerIsClosed) {
+  Make();
+  auto client = std::make_shared<Client>();
+  subscriptions_->Open("ASK {}", client, [](const absl::StatusOr<StandingAnswerPtr>&) { return false; });
+  subscriptions_->Drain();
+  EXPECT_EQ(subscriptions_->counters().open, 0u);
+}
 
 TEST_F(SubscriptionsTest, TellsTheAnswerAndThenItsChanges) {
   world_.Apply({"ann at b1", "bob at b1"});
