@@ -72,6 +72,14 @@ class Redland(StageTest):
                     print("refused", number, error, file=sys.stderr)
             """))
 
+    def start_writer(self, first, script, *arguments):
+        """Its standard output is not buffered here: Popen.communicate would leave out what readline had read ahead."""
+        program = subprocess.Popen([PYTHON, script, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0,
+                                   env=self.environment)
+        self.addCleanup(program.kill)
+        self.assertEqual(program.stdout.readline(), b"%d\n" % first, "the first is acknowledged")
+        return program
+
     def refused_in_one_line(self, done, *words):
         lines = [line for line in done.stderr.splitlines() if "docent:" in line]
         self.assertEqual(len(lines), 1, done.stderr)
@@ -166,10 +174,7 @@ class Redland(StageTest):
         moments = random.Random(seed)
         server = self.stage.server()
         script = self.writer_script("range(int(sys.argv[3]))", size=2)
-        writer = subprocess.Popen([PYTHON, script, f"grpc://{server.grpc}", "", "1500"], stdout=subprocess.PIPE,
-                                  stderr=subprocess.PIPE, text=True, env=self.environment)
-        self.addCleanup(writer.kill)
-        self.assertEqual(writer.stdout.readline(), "0\n", "the first is acknowledged")
+        writer = self.start_writer(0, script, f"grpc://{server.grpc}", "", "1500")
         kills = 0
         while writer.poll() is None and kills < 5:
             time.sleep(moments.uniform(0.05, 0.5))
@@ -196,15 +201,13 @@ class Redland(StageTest):
             acknowledged = []
             for life in range(6):
                 first = life * 1000000
-                program = subprocess.Popen([PYTHON, script, str(store), options if life == 0 else "", str(first)],
-                                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
-                self.assertEqual(program.stdout.readline(), f"{first}\n", "the first is acknowledged")
+                program = self.start_writer(first, script, str(store), options if life == 0 else "", str(first))
                 time.sleep(moments.uniform(0, 0.4))
                 program.kill()
                 out, errors = program.communicate()
-                self.assertNotIn("Error", errors)
+                self.assertNotIn(b"Error", errors)
                 # A line that was cut off by the kill is no acknowledgement.
-                acknowledged += [first] + [int(line) for line in out.splitlines(keepends=True) if line.endswith("\n")]
+                acknowledged += [first] + [int(line) for line in out.splitlines(keepends=True) if line.endswith(b"\n")]
             if options:
                 self.assertEqual(self.docent("verify", store).returncode, 0)
                 there = self.stage.server(data=store.name)
