@@ -14,7 +14,8 @@ bool ProofSearch::IsTold(const Triple& fact) const {
   return false;
 }
 
-bool Surroundings::MayMatch(const GraphVersion& graph, const QuadPattern& pattern) {
+bool Surroundings::MayMatch(const GraphVersion& graph, const Triple& pattern,
+                            absl::FunctionRef<bool(const Triple&)> counts) {
   const bool by_subject = !pattern.subject.IsNone();
   if (!by_subject && pattern.object.IsNone()) return true;
   const auto [place, is_new] =
@@ -31,11 +32,13 @@ bool Surroundings::MayMatch(const GraphVersion& graph, const QuadPattern& patter
     facts.all = !c.Valid();
     if (!facts.all) facts.others.clear();
   }
-  if (!facts.all) return true;
+  if (!facts.all) return counts(pattern);
   const TermId first = by_subject ? pattern.predicate : pattern.subject;
   const TermId second = by_subject ? pattern.object : pattern.predicate;
   return std::any_of(facts.others.begin(), facts.others.end(), [&](const auto& other) {
-    return (first.IsNone() || first == other.first) && (second.IsNone() || second == other.second);
+    if (!(first.IsNone() || first == other.first) || !(second.IsNone() || second == other.second)) return false;
+    return counts(by_subject ? Triple{pattern.subject, other.first, other.second}
+                             : Triple{other.first, other.second, pattern.object});
   });
 }
 
@@ -116,11 +119,10 @@ ProofSearch::Answer ProofSearch::SearchMaker(const Triple& fact, const Maker& ma
 }
 
 bool ProofSearch::MayMatch(const CompiledRule& rule, absl::Span<const TermId> seed, uint32_t matched) {
+  const auto counts = [this](const Triple& t) { return !lost_.contains(t) && !failed_.contains(t); };
   for (uint32_t open = rule.patterns & ~matched; open != 0; open &= open - 1) {
     const Triple premise = rule.Premise(static_cast<size_t>(__builtin_ctz(open)), seed);
-    if (!surroundings_.MayMatch(writer_.current(),
-                                {premise.subject, premise.predicate, premise.object, TermId()}))
-      return false;
+    if (!surroundings_.MayMatch(writer_.current(), premise, counts)) return false;
   }
   return true;
 }

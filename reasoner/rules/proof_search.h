@@ -16,6 +16,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/rules/inconsistency.h"
@@ -28,8 +29,8 @@ namespace docent {
 // a graph that does not change meanwhile.
 class Surroundings {
  public:
-  // False: no triple of the graph matches. True: one may.
-  bool MayMatch(const GraphVersion& graph, const QuadPattern& pattern);
+  // False: no triple of the graph that `counts` matches. True: one may. A term that is none stands for any.
+  bool MayMatch(const GraphVersion& graph, const Triple& pattern, absl::FunctionRef<bool(const Triple&)> counts);
   void Forget() {
     of_subject_.clear();
     of_object_.clear();
