@@ -23,7 +23,6 @@
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
-#include "kb_server/service/stream_reactor.h"
 
 namespace docent::bench {
 namespace {
@@ -74,23 +73,31 @@ class Reactions {
   SteadyClock::time_point last_ ABSL_GUARDED_BY(mutex_);
 };
 
+// The one feedback of a command that is done at once.
+class DoneAtOnce final : public grpc::ServerWriteReactor<v1::Feedback> {
+ public:
+  explicit DoneAtOnce(const std::string& command) {
+    feedback_.set_command_id(command);
+    feedback_.set_state(v1::Feedback::SUCCEEDED);
+    feedback_.set_progress(1);
+    feedback_.set_incarnation("bench");
+    StartWriteAndFinish(&feedback_, grpc::WriteOptions(), grpc::Status::OK);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  v1::Feedback feedback_;
+};
+
 // An adapter for all robots that is done at once.
 class InstantAdapter final : public v1::RobotAdapter::CallbackService {
  public:
   explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
-  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext* context, const v1::InvokeRequest* request) override {
+  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*, const v1::InvokeRequest* request) override {
     for (const v1::NamedTerm& argument : request->arguments()) {
       reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical() : argument.value().iri());
     }
-    auto* reactor = new StreamReactor<v1::Feedback>(context, Limits{});
-    v1::Feedback feedback;
-    feedback.set_command_id(request->command_id());
-    feedback.set_state(v1::Feedback::SUCCEEDED);
-    feedback.set_progress(1);
-    feedback.set_incarnation("bench");
-    reactor->handle()->TryPush(feedback);
-    reactor->handle()->End(grpc::Status::OK);
-    return reactor;
+    return new DoneAtOnce(request->command_id());
   }
 
  private:
