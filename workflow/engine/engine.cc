@@ -63,6 +63,14 @@ Deployment& Engine::Core::MutableDeployment(const std::string& workflow) {
   return deployments[workflow];
 }
 
+void Engine::Core::SetActive(const std::string& workflow, const std::string& key, int count) {
+  std::map<std::string, int>& active = deployments.at(workflow).active;
+  const auto place = active.try_emplace(key, 0).first;
+  if (!undo_deployments.contains(workflow)) undo_active.push_back({workflow, key, place->second});
+  place->second = count;
+  if (count == 0) active.erase(place);
+}
+
 ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
                                   ConditionOwner owner) {
   ConditionHandle handle = next_handle++;
@@ -376,18 +384,24 @@ void TakeReports(Engine::Core* core) {
 
 // A binding of an activator's key variables appeared: a run starts.
 void Activate(Engine::Core* core, const std::string& workflow, const ConditionEdge& edge) {
-  Deployment& deployment = core->MutableDeployment(workflow);
+  Deployment& deployment = core->deployments.at(workflow);
   // a condition without free variables has one binding, the empty one
   std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
   if (edge.rose && appeared.empty()) appeared.emplace_back();
   if (edge.fell && disappeared.empty()) disappeared.emplace_back();
+  const auto count_of = [&](const std::string& key) {
+    const auto it = deployment.active.find(key);
+    return it == deployment.active.end() ? 0 : it->second;
+  };
   for (const TermBinding& key : disappeared) {
-    auto it = deployment.active.find(KeyOf(key));
-    if (it != deployment.active.end() && --it->second == 0) deployment.active.erase(it);
+    const std::string text = KeyOf(key);
+    if (const int count = count_of(text); count > 0) core->SetActive(workflow, text, count - 1);
   }
   for (const TermBinding& key : appeared) {
     std::string text = KeyOf(key);
-    if (deployment.active[text]++ > 0 || deployment.carried.erase(text) > 0) continue;
+    const int count = count_of(text);
+    core->SetActive(workflow, text, count + 1);
+    if (count > 0 || deployment.carried.erase(text) > 0) continue;
     if (core->runs.size() >= core->limits.runs_live) {
       core->Say(
           workflow, "", "failed",
@@ -487,6 +501,7 @@ void Engine::Commit() {
   }
   core_->undo_runs.clear();
   core_->undo_deployments.clear();
+  core_->undo_active.clear();
   core_->undo_services.reset();
   core_->undo_kept.clear();
   core_->kept_new = 0;
@@ -496,7 +511,8 @@ void Engine::Commit() {
 }
 
 void Engine::Rollback() {
-  bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() && !core_->undo_services;
+  bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() && core_->undo_active.empty() &&
+                   !core_->undo_services;
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)
@@ -509,6 +525,14 @@ void Engine::Rollback() {
       core_->deployments.insert_or_assign(name, *std::move(before));
     else
       core_->deployments.erase(name);
+  }
+  // Those of a deployment that was replaced after them are put back into what it was.
+  for (auto change = core_->undo_active.rbegin(); change != core_->undo_active.rend(); ++change) {
+    std::map<std::string, int>& active = core_->deployments.at(change->workflow).active;
+    if (change->count == 0)
+      active.erase(change->key);
+    else
+      active[change->key] = change->count;
   }
   if (core_->undo_services) core_->services = *std::move(core_->undo_services);
   core_->next_handle = core_->committed_handle;

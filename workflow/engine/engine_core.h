@@ -61,6 +61,11 @@ struct Engine::Core {
   // The journal: what Rollback puts back. Empty after Commit.
   std::map<RunId, std::optional<Run>> undo_runs;  // nullopt: did not exist
   std::map<std::string, std::optional<Deployment>> undo_deployments;
+  struct ActiveBefore {  // of a deployment that is not in undo_deployments: there may be very many keys
+    std::string workflow, key;
+    int count;
+  };
+  std::vector<ActiveBefore> undo_active;
   std::optional<rsel::ServiceRegistry> undo_services;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
   size_t kept_new = 0;              // at the end of `kept`
@@ -84,6 +89,8 @@ struct Engine::Core {
   Run* Mutable(const RunId& id);
   // The deployment to be changed (made if there is none); journals it first.
   Deployment& MutableDeployment(const std::string& workflow);
+  // How many alternatives of the activator give `key` from now on; 0: none. Journals what it was first.
+  void SetActive(const std::string& workflow, const std::string& key, int count);
 
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,

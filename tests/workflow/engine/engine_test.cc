@@ -16,6 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 TEST_F(EngineTest, ASequenceWaitsForItsConditionsAndEnds) {
   Deploy(Flow(Node("A", "one", "<invoke operation=\"go\"/>") +
@@ -457,6 +458,32 @@ TEST_F(EngineTest, RollbackPutsEverythingBack) {
   EXPECT_EQ(again.transitions, first.transitions);
   EXPECT_EQ(again.commands, first.commands);
   EXPECT_EQ(again.add, first.add);
+}
+
+TEST_F(EngineTest, RollbackPutsBackWhichBindingsAnActivatorHas) {
+  Deploy("<activator name=\"act\"><activate flow=\"F\"/>" + Condition("arrived") + "</activator>" +
+         Flow(Node("A", "go", "<invoke operation=\"a\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Turn();
+  const TermBinding john = {{"s", Term::Iri("urn:john")}, {"o", Term::Iri("urn:hall")}};
+  EngineInput input{now_us_, Revision(9), nullptr, nullptr, &conditions_, &robots_};
+  conditions_.Set("urn:arrived", {john});
+  EXPECT_THAT(engine_.Step(input).transitions, Not(IsEmpty()));
+  engine_.Rollback();
+  EXPECT_EQ(engine_.live_runs(), 0u);
+  const EngineOutput again = engine_.Step(input);
+  EXPECT_THAT(again.transitions, Not(IsEmpty()));
+  conditions_.Take(again);
+  engine_.Commit();
+  EXPECT_EQ(engine_.live_runs(), 1u);
+  conditions_.Set("urn:arrived", {});
+  engine_.Step(input);
+  engine_.Rollback();  // he is still there
+  conditions_.Take({});
+  conditions_.Set("urn:arrived", {john});
+  engine_.Step(input);
+  engine_.Commit();
+  EXPECT_EQ(engine_.live_runs(), 1u);
 }
 
 TEST_F(EngineTest, AServiceIsInvokedWithoutAWorkflow) {
