@@ -28,8 +28,10 @@ void EventLoop::Post(std::function<void()> task) {
   tasks_.push_back(std::move(task));
 }
 
-void EventLoop::PostAfter(absl::Duration delay, std::function<void()> task) {
-  timers_.emplace(SteadyNow() + delay, std::move(task));
+EventLoop::Timer EventLoop::PostAfter(absl::Duration delay, std::function<void()> task) {
+  const Timer timer(SteadyNow() + delay, ++last_timer_);
+  timers_.emplace(timer, std::move(task));
+  return timer;
 }
 
 void EventLoop::Run() {
@@ -38,7 +40,7 @@ void EventLoop::Run() {
     std::function<void()> task;
     {
       absl::MutexLock lock(&mutex_);
-      absl::Duration wait = timers_.empty() ? absl::InfiniteDuration() : timers_.begin()->first - SteadyNow();
+      absl::Duration wait = timers_.empty() ? absl::InfiniteDuration() : timers_.begin()->first.first - SteadyNow();
       mutex_.AwaitWithTimeout(absl::Condition(&has_task), wait);
       if (!tasks_.empty()) {
         task = std::move(tasks_.front());
@@ -47,7 +49,7 @@ void EventLoop::Run() {
         return;
       }
     }
-    if (!task && !timers_.empty() && timers_.begin()->first <= SteadyNow()) {
+    if (!task && !timers_.empty() && timers_.begin()->first.first <= SteadyNow()) {
       task = std::move(timers_.begin()->second);
       timers_.erase(timers_.begin());
     }

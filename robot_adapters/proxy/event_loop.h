@@ -3,10 +3,12 @@
 #ifndef DOCENT_ROBOT_ADAPTERS_PROXY_EVENT_LOOP_H_
 #define DOCENT_ROBOT_ADAPTERS_PROXY_EVENT_LOOP_H_
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <thread>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
@@ -22,9 +24,10 @@ class EventLoop {
 
   // Any thread. After the destructor has begun, tasks may only be posted by tasks.
   void Post(std::function<void()> task);
-  // Runs `task` on the loop's thread after `delay`. Loop thread only; there is no way to take it back, so a
-  // task looks whether it still matters.
-  void PostAfter(absl::Duration delay, std::function<void()> task);
+  using Timer = std::pair<absl::Time, uint64_t>;  // when it is due, and its number
+  // Runs `task` on the loop's thread after `delay`. Loop thread only, as is Cancel, which does nothing where it has run.
+  Timer PostAfter(absl::Duration delay, std::function<void()> task);
+  void Cancel(const Timer& timer) { timers_.erase(timer); }
 
  private:
   void Run();
@@ -32,7 +35,9 @@ class EventLoop {
   absl::Mutex mutex_;
   std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(mutex_);
   bool ending_ ABSL_GUARDED_BY(mutex_) = false;
-  std::multimap<absl::Time, std::function<void()>> timers_;  // loop thread only
+  // Loop thread only.
+  std::map<Timer, std::function<void()>> timers_;
+  uint64_t last_timer_ = 0;
   std::thread thread_;
 };
 

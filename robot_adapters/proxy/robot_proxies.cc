@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "robot_adapters/proxy/adapter_channels.h"
 #include "robot_adapters/proxy/command_session.h"
@@ -42,7 +43,7 @@ class RobotProxies::Impl final : public SessionHost {
       for (auto& [id, entry] : sessions_) {
         if (entry.session->robot() == robot) entry.session->UseAddress(address);
       }
-      std::erase_if(sessions_, [](const auto& item) { return item.second.session->done(); });
+      for (auto next = sessions_.begin(); next != sessions_.end();) ForgetIfDone(next++);
     });
   }
 
@@ -53,9 +54,8 @@ class RobotProxies::Impl final : public SessionHost {
     if (may_have_been_sent) left = std::max(left, absl::FromChrono(settings_.resume_patience));
     loop_.Post([this, command, left, may_have_been_sent] {
       if (closing_ || sessions_.contains(command.id)) return;
-      Entry& entry = sessions_[command.id];
-      entry.serial = ++serials_;
-      entry.session = std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
+      sessions_[command.id].session =
+          std::make_unique<CommandSession>(this, settings_, command, left, may_have_been_sent);
       With(command.id,
            [&](CommandSession& session) { session.UseAddress(addresses_[command.robot.value()]); });
     });
@@ -112,13 +112,8 @@ class RobotProxies::Impl final : public SessionHost {
   }
 
   void After(absl::Duration delay, const CommandId& command, std::function<void()> task) override {
-    // A session may have ended, and another of the same id begun, before the timer is due.
-    const uint64_t serial = sessions_[command].serial;
-    loop_.PostAfter(delay, [this, command, serial, task = std::move(task)] {
-      auto found = sessions_.find(command);
-      if (found == sessions_.end() || found->second.serial != serial) return;
-      With(command, [&](CommandSession&) { task(); });
-    });
+    sessions_.at(command).timers.push_back(loop_.PostAfter(
+        delay, [this, command, task = std::move(task)] { With(command, [&](CommandSession&) { task(); }); }));
   }
 
   absl::Time SteadyNow() const override {
@@ -127,15 +122,22 @@ class RobotProxies::Impl final : public SessionHost {
 
  private:
   struct Entry {
-    uint64_t serial = 0;
     std::unique_ptr<CommandSession> session;
+    std::vector<EventLoop::Timer> timers;  // of the session
   };
+  using Sessions = std::map<CommandId, Entry>;
 
   void With(const CommandId& command, const std::function<void(CommandSession&)>& act) {
     auto found = sessions_.find(command);
     if (found == sessions_.end()) return;
     act(*found->second.session);
-    if (found->second.session->done()) sessions_.erase(found);
+    ForgetIfDone(found);
+  }
+
+  void ForgetIfDone(Sessions::iterator place) {
+    if (!place->second.session->done()) return;
+    for (const EventLoop::Timer& timer : place->second.timers) loop_.Cancel(timer);
+    sessions_.erase(place);
   }
 
   void AddCalls(int n) {
@@ -151,8 +153,8 @@ class RobotProxies::Impl final : public SessionHost {
   // of the loop's thread
   AdapterChannels channels_;
   std::map<std::string, std::string> addresses_;  // robot → HOST:PORT
-  std::map<CommandId, Entry> sessions_;
-  uint64_t serials_ = 0;  // of sessions and calls
+  Sessions sessions_;
+  uint64_t serials_ = 0;  // of calls
   bool closing_ = false;
 
   absl::Mutex calls_mutex_;
