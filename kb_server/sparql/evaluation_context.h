@@ -99,14 +99,6 @@ class EvaluationContext {
   DatasetIds dataset;
   std::string base_iri;
   std::vector<TermId> constants;  // by number; kUnknownTerm where the dictionary has none
-  // Values of slots that every run gives, as the run that is planned for gives them.
-  std::vector<std::pair<int, TermId>> assumed;
-  TermId Assumed(int slot) const {
-    for (const auto& [with, value] : assumed) {
-      if (with == slot) return value;
-    }
-    return TermId();
-  }
   uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
 
  private:

@@ -92,8 +92,8 @@ struct PreparedQuery::Impl {
 
   absl::Status Lower();
   void Unplan();
-  void Plan(const GraphVersion& version, absl::Span<const TermId> values);
-  absl::Status Begin(const RunOptions& run, absl::Span<const TermId> values);
+  void Plan(const GraphVersion& version);
+  absl::Status Begin(const RunOptions& run);
 
   Query query;
   const Dictionary& dictionary;
@@ -147,13 +147,8 @@ void PreparedQuery::Impl::Unplan() {
   Lower().IgnoreError();  // it was fine before
 }
 
-// For `values` of the bound variables, or (empty) for any.
-void PreparedQuery::Impl::Plan(const GraphVersion& version, absl::Span<const TermId> values) {
+void PreparedQuery::Impl::Plan(const GraphVersion& version) {
   Unplan();
-  program.context.assumed.clear();
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (values[i].tag() != TermId::Tag::kLocal) program.context.assumed.emplace_back(bound_slots[i], values[i]);
-  }
   program.planned_size = version.size();
   program.context.version = &version;
   ArrangePlan(plan, bound, program.context, {options.reorder_joins});
@@ -163,7 +158,7 @@ void PreparedQuery::Impl::Plan(const GraphVersion& version, absl::Span<const Ter
   root = BuildOperator(*plan, {&program.context, slots, base.data(), measure});
 }
 
-absl::Status PreparedQuery::Impl::Begin(const RunOptions& run, absl::Span<const TermId> values) {
+absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
   const bool found = program.ResolveConstants(constants);
   if (found || !root) {
     program.SetDataset(!query.from.empty() || !query.from_named.empty(), from, from_named, default_graph,
@@ -171,7 +166,7 @@ absl::Status PreparedQuery::Impl::Begin(const RunOptions& run, absl::Span<const 
   }
   program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
   if (!root || found || program.SizeChangedMuch(*run.version)) {
-    Plan(*run.version, values);
+    Plan(*run.version);
   } else {
     root->Forget();
   }
@@ -219,7 +214,7 @@ absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId
     return absl::InvalidArgumentError("the query was prepared for " + std::to_string(p.bound_slots.size()) +
                                       " bound variables, not " + std::to_string(bound.size()));
   }
-  if (absl::Status status = p.Begin(run, bound); !status.ok()) return status;
+  if (absl::Status status = p.Begin(run); !status.ok()) return status;
   std::fill(p.base.begin(), p.base.end(), TermId());
   for (size_t i = 0; i < bound.size(); ++i) p.base[p.bound_slots[i]] = bound[i];
   p.root->Start(p.base.data());
@@ -316,7 +311,7 @@ std::string PreparedQuery::Explain(const GraphVersion& version) {
   p.running = false;
   RunOptions run;
   run.version = &version;
-  if (absl::Status status = p.Begin(run, {}); !status.ok()) return std::string(status.message());
+  if (absl::Status status = p.Begin(run); !status.ok()) return std::string(status.message());
   return ExplainPlan(*p.plan, false);
 }
 

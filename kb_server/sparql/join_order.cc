@@ -73,27 +73,10 @@ QuadPattern JoinOrder::Constants(const PlanPattern& pattern) const {
   return {id(pattern.terms[0]), id(pattern.terms[1]), id(pattern.terms[2]), id(pattern.graph.name)};
 }
 
-// Whether the run that is planned for gives a value to a variable of the pattern.
-bool JoinOrder::Assume(const PlanPattern& pattern, QuadPattern* quad) const {
-  bool any = false;
-  const auto assume = [&](const PlanTerm& term, TermId* id) {
-    const TermId value = context_.Assumed(term.slot);
-    if (value.IsNone()) return;
-    *id = value;
-    any = true;
-  };
-  assume(pattern.terms[0], &quad->subject);
-  assume(pattern.terms[1], &quad->predicate);
-  assume(pattern.terms[2], &quad->object);
-  assume(pattern.graph.name, &quad->graph);
-  return any;
-}
-
 void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
   PlanPattern& counted = bgp_.patterns[static_cast<size_t>(out - patterns_.data())];
-  out->counted = Constants(pattern);
   if (counted.matches < 0) {
-    const QuadPattern& quad = out->counted;
+    const QuadPattern quad = Constants(pattern);
     counted.matches = 0;
     const bool known = quad.subject.tag() != TermId::Tag::kLocal &&
                        quad.predicate.tag() != TermId::Tag::kLocal &&
@@ -101,18 +84,9 @@ void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
     if (known) counted.matches = static_cast<double>(context_.version->Count(quad));
   }
   out->matches = counted.matches;
-  bool assumed = false;
-  if (QuadPattern with = out->counted; out->matches > 0 && Assume(pattern, &with)) {
-    const double matches = static_cast<double>(context_.version->Count(with));
-    assumed = matches > 0;  // a value without matches says nothing about those of later runs
-    if (assumed) {
-      out->counted = with;
-      out->matches = matches;
-    }
-  }
   const PlanTerm* terms[] = {&pattern.terms[0], &pattern.terms[1], &pattern.terms[2], &pattern.graph.name};
   for (int i = 0; i < 4; ++i) {
-    if (terms[i]->slot < 0 || (assumed && !context_.Assumed(terms[i]->slot).IsNone())) continue;
+    if (terms[i]->slot < 0) continue;
     const int variable = VariableOf(terms[i]->slot);
     if (variable >= static_cast<int>(kMaxVariables)) continue;  // a huge pattern: ordered by matches alone
     const double n = std::max(out->matches, 1.0);
@@ -124,7 +98,7 @@ void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
 // The number of values of subject and object from a few matches: those of which a value has c are 1/c of a
 // value each.
 void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
-  const QuadPattern& quad = out->counted;
+  const QuadPattern quad = Constants(pattern);
   if (out->matches < 8 || quad.predicate.IsNone()) return;
   const std::vector<Quad> sample = context_.version->Sample(quad, kSampled);
   if (sample.empty()) return;

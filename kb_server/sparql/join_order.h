@@ -1,8 +1,7 @@
 // The order of the patterns of a basic graph pattern, by cost. Each pattern is a level of nested lookups (operator_bgp.cc);
 // the cost of an order is what its levels look up and give.
 //
-// The number of matches of a pattern's constants is exact (subtree counts of the index); the values that a run gives to bound
-// variables count as constants where they match anything. How many values a variable has in
+// The number of matches of a pattern's constants is exact (subtree counts of the index). How many values a variable has in
 // them is a power of that number, or, where the query looks expensive enough to afford it, estimated from a few sampled
 // matches and their exact counts. Rows of a join: the product over the larger number of values of each shared variable
 // (Selinger et al., SIGMOD 1979). Orders are tried greedily, and by dynamic programming over sets of patterns (left-deep)
@@ -40,8 +39,7 @@ class JoinOrder {
     double values;
   };
   struct Pattern {
-    QuadPattern counted;
-    double matches = 0;  // of it
+    double matches = 0;
     absl::InlinedVector<Use, 4> uses;
     uint64_t variables = 0;  // as bits
   };
@@ -62,7 +60,6 @@ class JoinOrder {
   void Count(const PlanPattern& pattern, Pattern* out);
   void Refine(const PlanPattern& pattern, Pattern* out) const;
   QuadPattern Constants(const PlanPattern& pattern) const;
-  bool Assume(const PlanPattern& pattern, QuadPattern* quad) const;
   State Begin() const;
   State Extend(const State& state, const Pattern& pattern) const;
   std::vector<size_t> Greedy(State* end) const;

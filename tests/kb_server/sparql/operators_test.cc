@@ -2,8 +2,6 @@
 // sort of all, paths that do not blow up, and plans that say what happened.
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "tests/kb_server/sparql/test_graph.h"
 
 namespace docent::sparql {
@@ -135,35 +133,6 @@ TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
   size_t rows = 0;
   EXPECT_TRUE(query->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
   EXPECT_EQ(rows, 2u);
-}
-
-TEST(SparqlOperators, APlanIsMadeForTheValuesOfItsFirstRun) {
-  std::string text = "ex:v0 ex:near ex:Small . ex:v0 ex:likes ex:Big .";
-  for (int i = 0; i < 300; ++i) {
-    text += "ex:v" + std::to_string(i) + " ex:near ex:Big . ex:v" + std::to_string(i) + " ex:likes ex:Small .";
-  }
-  TestGraph g(text);
-  PrepareOptions options;
-  options.bound = {"place"};
-  const auto run = [&](PreparedQuery& query, const std::string& place, bool near_first) {
-    const TermId value = query.Encode(Term::Iri("http://example.org/" + place));
-    const auto plan = query.ExplainRun(g.Run(), {&value, 1});
-    ASSERT_TRUE(plan.ok()) << plan.status();
-    EXPECT_EQ(plan->find("near") < plan->find("likes"), near_first) << *plan;
-  };
-  const std::string text_of_query = "SELECT ?v { ?v ex:near ?place . ?v ex:likes ?place }";
-  run(*g.Prepare(text_of_query, options), "Small", true);
-  run(*g.Prepare(text_of_query, options), "Big", false);
-  // Every value has the right answer, whatever the plan was made for.
-  for (const std::string first : {"Small", "Big", "Nowhere"}) {
-    const auto query = g.Prepare(text_of_query, options);
-    for (const std::string& place : {first, std::string("Small"), std::string("Big"), std::string("Nowhere")}) {
-      const TermId value = query->Encode(Term::Iri("http://example.org/" + place));
-      size_t count = 0;
-      EXPECT_TRUE(query->Select(g.Run(), {&value, 1}, [&](absl::Span<const TermId>) { return ++count > 0; }).ok());
-      EXPECT_EQ(count, place == "Nowhere" ? 0u : 1u) << first << " " << place;
-    }
-  }
 }
 
 }  // namespace
