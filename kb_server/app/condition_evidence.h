@@ -1,5 +1,8 @@
 // The facts that make a condition hold: what is told of a node that fired.
 //
+// The same binding and facts give the same text, whatever was asked before and however the query would be planned: it is
+// recorded with decisions, and replay compares it.
+//
 // Writer thread only.
 #ifndef DOCENT_KB_SERVER_APP_CONDITION_EVIDENCE_H_
 #define DOCENT_KB_SERVER_APP_CONDITION_EVIDENCE_H_
@@ -11,7 +14,6 @@
 #include "kb_server/base/clock.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/algebra.h"
-#include "kb_server/sparql/evaluator.h"
 #include "kb_server/sparql/function_registry.h"
 #include "kb_server/store/graph_version.h"
 #include "workflow/engine/ports.h"
@@ -24,20 +26,19 @@ class ConditionEvidence {
   ConditionEvidence(std::shared_ptr<const sparql::Query> query, const Dictionary* dictionary,
                     const sparql::FunctionRegistry* functions);
 
-  // N-Triples: what its positive triple patterns match in the first solution on `version` that agrees with
-  // `binding`. Empty where there is none.
-  std::string Text(const GraphVersion& version, TimeMicros now_us, const TermBinding& binding);
+  // N-Triples: the facts of `version` that its positive triple patterns are with the values of `binding`; of the steps of
+  // property paths, in term order, the first kStepsShown that some solution with these values takes.
+  std::string Text(const GraphVersion& version, TimeMicros now_us, const TermBinding& binding) const;
 
  private:
-  // Null where it cannot be prepared.
-  sparql::PreparedQuery* Prepared(std::vector<std::string> bound);
+  static constexpr size_t kStepsShown = 8;
+
+  std::vector<std::string> Steps(const GraphVersion& version, TimeMicros now_us, const TermBinding& binding) const;
 
   const std::shared_ptr<const sparql::Query> query_;
   const Dictionary* dictionary_;
   const sparql::FunctionRegistry* functions_;
-  // For the variables that the last binding had; most conditions always have the same.
-  std::unique_ptr<sparql::PreparedQuery> prepared_;
-  std::vector<std::string> bound_;
+  std::vector<const sparql::TriplePattern*> patterns_, steps_;  // of query_; steps have variables that no binding names
 };
 
 }  // namespace docent

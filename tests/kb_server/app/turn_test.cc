@@ -152,6 +152,32 @@ TEST(TurnTest, AReadingARuleAConstraintAndAWorkflowActInOneTurn) {
   EXPECT_EQ(result.inferred, 1u);
 }
 
+TEST(TurnTest, EvidenceIsOfTheAlternativeThatHoldsAndOfFactsAlone) {
+  World world;
+  world.Must(test::WorldFacts());
+  const auto say = [](const std::string& name, const std::string& subject, const std::string& verb, const std::string& object) {
+    return "<constraint name=\"" + name + "\"><subject>" + subject + "</subject><verb>&lt;urn:w:" + verb +
+           "&gt;</verb><object>" + object + "</object></constraint>";
+  };
+  world.Must(test::Put(Document::Kind::kCawl, "search.xml",
+                       "<CAWL name=\"Search\" namespace=\"urn:w:\" version=\"1\"><activator name=\"Act\"><activate flow=\"F\"/>"
+                       "<condition><context name=\"C\"><rule name=\"r\" expression=\"(a and b) or c or d\">" +
+                           say("a", "?who", "likes", "?thing") + say("b", "?thing", "inRoom", "?room") +
+                           say("c", "?who", "status", "&lt;urn:w:Gone&gt;") + say("d", "?who", "lost", "?why") +
+                           "</rule></context></condition></activator><flow name=\"F\"><source name=\"s\"/>"
+                           "<node name=\"n\"/><sink name=\"t\"/><link from=\"s\" to=\"n\"/><link from=\"n\" to=\"t\"/></flow></CAWL>"));
+  world.Must(test::Tell({Fact("t1", "inRoom", "r1"), Fact("t2", "inRoom", "r2")}));
+  const auto cause = [&](const std::vector<TermQuad>& facts) {
+    const TurnResult result = world.Must(test::Tell(facts));
+    const std::vector<Transition>& all = result.record.transitions;
+    const auto activated = std::find_if(all.begin(), all.end(), [](const Transition& t) { return t.cause.starts_with("activator"); });
+    return activated == all.end() ? "" : activated->cause;
+  };
+  EXPECT_EQ(cause({Fact("V1", "likes", "t1")}),
+            "activator Act: <urn:w:V1> <urn:w:likes> <urn:w:t1> . <urn:w:t1> <urn:w:inRoom> <urn:w:r1> . ");
+  EXPECT_EQ(cause({Fact("V2", "status", "Gone")}), "activator Act: <urn:w:V2> <urn:w:status> <urn:w:Gone> . ");
+}
+
 TEST(TurnTest, AConditionThatHoldsAlreadyFiresInTheTurnThatStartsTheRun) {
   World world;
   SetUpGreeting(&world);
