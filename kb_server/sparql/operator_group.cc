@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "kb_server/sparql/exact_sum.h"
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/operators.h"
 #include "kb_server/sparql/row_set.h"
@@ -14,7 +15,8 @@ using Function = Aggregate::Function;
 
 namespace {
 
-// One aggregate of one group.
+// One aggregate of one group. COUNT, SUM, AVG, MIN and MAX give the same term in whatever order the rows come: the rules
+// take a total away by making it anew.
 class Accumulator {
  public:
   void Add(PlanNode::AggregatePlan& plan, const TermId* row, const std::vector<TermId>& whole_row,
@@ -41,13 +43,18 @@ class Accumulator {
         break;
       case Function::kSum:
       case Function::kAvg:
-        sum_ = Compute(Arithmetic::kAdd, sum_, value);
+        if (value.type() == Value::Type::kFloat || value.type() == Value::Type::kDouble) {
+          inexact_.Add(value.number());
+          widest_ = std::max(widest_, value.type());
+        } else {
+          sum_ = Compute(Arithmetic::kAdd, sum_, value);
+        }
         break;
       case Function::kMin:
-        if (best_.IsError() || CompareForOrder(value, best_) < 0) best_ = std::move(value);
+        if (best_.IsError() || Order(value, best_) < 0) best_ = std::move(value);
         break;
       case Function::kMax:
-        if (best_.IsError() || CompareForOrder(value, best_) > 0) best_ = std::move(value);
+        if (best_.IsError() || Order(value, best_) > 0) best_ = std::move(value);
         break;
       case Function::kSample:
         if (best_.IsError()) best_ = std::move(value);
@@ -96,7 +103,18 @@ class Accumulator {
     return true;
   }
   Value Sum() const {
-    return integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+    const Value exact = integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+    if (exact.IsError() || widest_ == Value::Type::kError) return exact;
+    ExactSum all = inexact_;
+    all.Add(exact.AsDouble());
+    return widest_ == Value::Type::kFloat ? Value::Float(all.Result()) : Value::Double(all.Result());
+  }
+  // Equal values of different terms (1 and 1.0) by term.
+  static int Order(const Value& a, const Value& b) {
+    const int order = CompareForOrder(a, b);
+    if (order != 0 || (!a.id().IsNone() && a.id() == b.id())) return order;
+    const Term x = a.ToTerm(), y = b.ToTerm();
+    return x < y ? -1 : y < x ? 1 : 0;
   }
   bool Unseen(const TermId* key, size_t width, EvaluationContext& context) {
     if (!seen_) seen_.emplace(width);
@@ -108,7 +126,9 @@ class Accumulator {
   int64_t count_ = 0;
   int64_t integers_ = 0;  // the sum of the inline integers
   bool error_ = false;
-  Value sum_ = Value::Integer(0);
+  Value sum_ = Value::Integer(0);  // of integers and decimals
+  ExactSum inexact_;               // of floats and doubles
+  Value::Type widest_ = Value::Type::kError;  // of these
   Value best_;
   std::string text_;
   std::optional<RowSet> seen_;

@@ -77,6 +77,11 @@ TEST_F(SparqlEvaluator, GroupsAndAggregates) {
   EXPECT_THAT(g_.Rows("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { ?r ex:x ?x }"),
               ElementsAre("11.5 5.75 10"));
   EXPECT_THAT(g_.Rows("SELECT (COUNT(*) AS ?n) (SUM(?x) AS ?s) { ?r ex:none ?x }"), ElementsAre("0 0"));
+  for (const char* values : {"1 1.0 0.1e0 0.2e0 0.3e0", "0.3e0 1.0 0.2e0 0.1e0 1", "0.2e0 0.3e0 1 0.1e0 1.0"}) {
+    EXPECT_THAT(g_.Rows(std::string("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { VALUES ?x { ") + values + " } }"),
+                ElementsAre("2.6E0 5.2E-1 1"))
+        << values << ": the order of rows changes nothing";
+  }
   EXPECT_THAT(g_.Rows("SELECT ?p (COUNT(?s) AS ?n) { ?s ex:at ?p } GROUP BY ?p HAVING (COUNT(?s) > 1)"),
               ElementsAre("B03 2"));
   EXPECT_THAT(g_.Rows("SELECT (GROUP_CONCAT(STR(?n) ; SEPARATOR = \"+\") AS ?all) { SELECT ?n { ?v ex:name "
