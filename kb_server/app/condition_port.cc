@@ -9,9 +9,8 @@
 
 namespace docent {
 
-ConditionPort::ConditionPort(Dictionary* dictionary, ConstraintSet* constraints,
-                             const sparql::FunctionRegistry* functions)
-    : dictionary_(dictionary), constraints_(constraints), functions_(functions) {}
+ConditionPort::ConditionPort(Dictionary* dictionary, ConstraintSet* constraints)
+    : dictionary_(dictionary), constraints_(constraints) {}
 
 TermBinding ConditionPort::Decode(const Binding& binding) const {
   TermBinding terms;
@@ -43,13 +42,13 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
   for (const ConditionRequest& request : requests) {
     sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
-    auto query = std::make_shared<const sparql::Query>(std::move(parsed.query));
+    const sparql::Query& query = parsed.query;
     std::shared_ptr<Lasting> lasting;
     if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
-    auto id = Register(*query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
+    auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
                        now_us);
     if (!id.ok()) return id.status();
-    conditions_[request.handle] = {*id, std::make_shared<ConditionEvidence>(std::move(query), dictionary_, functions_),
+    conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
                                    std::make_shared<const ConditionRequest>(request), lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
@@ -182,7 +181,7 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
 std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return "";
-  return it->second.evidence->Text(*version_, now_us_, binding);
+  return it->second.evidence->Text(*version_, binding);
 }
 
 void ConditionPort::Commit() {

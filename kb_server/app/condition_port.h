@@ -20,7 +20,6 @@
 #include "absl/status/status.h"
 #include "kb_server/app/condition_evidence.h"
 #include "kb_server/sparql/algebra.h"
-#include "kb_server/sparql/function_registry.h"
 #include "reasoner/constraints/constraint_set.h"
 #include "reasoner/constraints/lasting_condition.h"
 #include "workflow/engine/ports.h"
@@ -39,8 +38,7 @@ struct LastingSince {
 class ConditionPort final : public ConditionView {
  public:
   // All must outlive the port.
-  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints,
-                const sparql::FunctionRegistry* functions);
+  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints);
 
   // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
   // and the key bindings that are there already count as edges of the next round.
@@ -80,7 +78,7 @@ class ConditionPort final : public ConditionView {
   };
   struct Condition {
     ConstraintId id;
-    std::shared_ptr<ConditionEvidence> evidence;
+    std::shared_ptr<const ConditionEvidence> evidence;
     std::shared_ptr<const ConditionRequest> request;
     std::shared_ptr<Lasting> lasting;  // null: it has no such parts
   };
@@ -110,7 +108,6 @@ class ConditionPort final : public ConditionView {
 
   Dictionary* dictionary_;
   ConstraintSet* constraints_;
-  const sparql::FunctionRegistry* functions_;
   absl::flat_hash_map<ConditionHandle, Condition> conditions_;
   absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
   absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>> parts_;  // → condition and which part of it

@@ -42,7 +42,7 @@ struct Stages {
         applier(*dictionary_in, limits_in),
         rules(*dictionary_in, limits_in, functions),
         constraints(*dictionary_in, functions),
-        conditions(dictionary_in, &constraints, functions),
+        conditions(dictionary_in, &constraints),
         robots(dictionary_in),
         engine(dictionary_in, limits_in) {}
 

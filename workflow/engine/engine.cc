@@ -63,12 +63,14 @@ Deployment& Engine::Core::MutableDeployment(const std::string& workflow) {
   return deployments[workflow];
 }
 
-void Engine::Core::SetActive(const std::string& workflow, const std::string& key, int count) {
+int Engine::Core::AddActive(const std::string& workflow, const std::string& key, int more) {
   std::map<std::string, int>& active = deployments.at(workflow).active;
   const auto place = active.try_emplace(key, 0).first;
-  if (!undo_deployments.contains(workflow)) undo_active.push_back({workflow, key, place->second});
-  place->second = count;
-  if (count == 0) active.erase(place);
+  const int before = place->second;
+  if (!undo_deployments.contains(workflow)) undo_active.push_back({workflow, key, before});
+  place->second = before + more;
+  if (place->second <= 0) active.erase(place);
+  return before;
 }
 
 ConditionHandle Engine::Core::Arm(const cawl::CompiledAsk& ask, std::vector<std::string> key_variables,
@@ -389,19 +391,10 @@ void Activate(Engine::Core* core, const std::string& workflow, const ConditionEd
   std::vector<TermBinding> appeared = edge.appeared, disappeared = edge.disappeared;
   if (edge.rose && appeared.empty()) appeared.emplace_back();
   if (edge.fell && disappeared.empty()) disappeared.emplace_back();
-  const auto count_of = [&](const std::string& key) {
-    const auto it = deployment.active.find(key);
-    return it == deployment.active.end() ? 0 : it->second;
-  };
-  for (const TermBinding& key : disappeared) {
-    const std::string text = KeyOf(key);
-    if (const int count = count_of(text); count > 0) core->SetActive(workflow, text, count - 1);
-  }
+  for (const TermBinding& key : disappeared) core->AddActive(workflow, KeyOf(key), -1);
   for (const TermBinding& key : appeared) {
     std::string text = KeyOf(key);
-    const int count = count_of(text);
-    core->SetActive(workflow, text, count + 1);
-    if (count > 0 || deployment.carried.erase(text) > 0) continue;
+    if (core->AddActive(workflow, text, 1) > 0 || deployment.carried.erase(text) > 0) continue;
     if (core->runs.size() >= core->limits.runs_live) {
       core->Say(
           workflow, "", "failed",

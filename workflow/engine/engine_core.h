@@ -89,8 +89,8 @@ struct Engine::Core {
   Run* Mutable(const RunId& id);
   // The deployment to be changed (made if there is none); journals it first.
   Deployment& MutableDeployment(const std::string& workflow);
-  // How many alternatives of the activator give `key` from now on; 0: none. Journals what it was first.
-  void SetActive(const std::string& workflow, const std::string& key, int count);
+  // So many (1 or -1) alternatives of the activator more give `key`. Journals how many did, and returns it.
+  int AddActive(const std::string& workflow, const std::string& key, int more);
 
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.
   RunId Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables, const std::string& cause,

@@ -111,7 +111,7 @@ class Reference {
 // A port with all that it stands on.
 struct Side {
   explicit Side(Dictionary* dictionary_in)
-      : dictionary(dictionary_in), constraints(*dictionary), port(dictionary, &constraints, nullptr) {}
+      : dictionary(dictionary_in), constraints(*dictionary), port(dictionary, &constraints) {}
   Dictionary* dictionary;
   ConstraintSet constraints;
   ConditionPort port;
