@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "kb_server/store/index_order.h"
+#include "kb_server/store/quad_tree_node.h"
 
 namespace docent {
 namespace {
@@ -19,7 +20,7 @@ IndexOrder OrderWithoutGraph(const QuadPattern& p) {
 
 void QuadCursor::Settle() {
   for (; iterator_.Valid(); iterator_.Next()) {
-    quad_ = QuadOf(iterator_.key(), order_);
+    quad_ = QuadOf(iterator_.leaf()->KeyAt(iterator_.position()), order_);
     if (!filter_ || pattern_.Matches(quad_)) return;
   }
 }

@@ -203,8 +203,10 @@ uint64_t QuadTree::CountRange(const Key& first, const Key& last) const {
   const Node* node = root_;
   for (int level = 0; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
-    const int from = inner->ChildFor(first), to = inner->ChildFor(last);
-    if (from != to) {
+    const int from = inner->ChildFor(first);
+    const bool same = from + 1 == inner->count || Inner::IsGreater(inner->keys[from + 1], last);
+    if (!same) {
+      const int to = inner->ChildFor(last);
       uint64_t count = 0;
       for (int i = from; i < to; ++i) count += inner->counts[i];
       return count - CountBelow(inner->children[from], level + 1, first, false) +
@@ -212,7 +214,9 @@ uint64_t QuadTree::CountRange(const Key& first, const Key& last) const {
     }
     node = inner->children[from];
   }
-  return CountBelow(node, height_, last, true) - CountBelow(node, height_, first, false);
+  const Leaf* leaf = static_cast<const Leaf*>(node);
+  const int begin = leaf->LowerBound(first, 0, leaf->count);
+  return static_cast<uint64_t>(leaf->UpperBoundNear(last, begin) - begin);
 }
 
 }  // namespace docent

@@ -88,6 +88,9 @@ class QuadTree::Iterator {
   bool Valid() const { return position_ < limit_; }
   // Requires Valid(), as do the next two.
   Key key() const;
+  // Where key() is. For what includes quad_tree_node.h to read it in place.
+  const Leaf* leaf() const { return leaf_; }
+  int position() const { return position_; }
   void Next() {
     if (++position_ == limit_) NextLeaf();
   }

@@ -38,7 +38,7 @@ Packing PackingFor(std::span<const Key> keys) {
     int width = WidthOf(high - low);
     packing.mask[c] = MaskOf(width);
     uint64_t slack = packing.mask[c] - (high - low);
-    packing.base[c] = low - std::min(low, slack / 2);
+    packing.base[c] = width == 8 ? 0 : low - std::min(low, slack / 2);  // so that no word is below it
     packing.offset[c] = packing.stride;
     packing.stride = static_cast<uint8_t>(packing.stride + width);
   }
@@ -67,11 +67,17 @@ int QuadTree::Leaf::LowerBound(const Key& key, int from, int to) const {
     if (key[column] != base[column]) return key[column] < base[column] ? from : to;
     if (column == 3) return from;
   }
+  if (key[column] < base[column]) return from;
+  const uint64_t wanted = key[column] - base[column], bits = mask[column];
+  const uint8_t* const words = data() + offset[column];
+  const size_t step = stride;
   int low = from, left = to - from;
   while (left > 0) {
     const int half = left / 2, middle = low + half;
-    const uint64_t word = Word(middle, column);
-    const bool less = word < key[column] || (word == key[column] && LessAt(middle, key, column + 1));
+    uint64_t word;
+    std::memcpy(&word, words + static_cast<size_t>(middle) * step, sizeof(word));
+    word &= bits;
+    const bool less = word < wanted || (word == wanted && LessAt(middle, key, column + 1));
     low = less ? middle + 1 : low;
     left = less ? left - half - 1 : half;
   }
@@ -85,6 +91,16 @@ int QuadTree::Leaf::LowerBoundNear(const Key& key, int from, int to) const {
     step *= 2;
   }
   return LowerBound(key, from, std::min(from + step, to));
+}
+
+int QuadTree::Leaf::UpperBoundNear(const Key& key, int from) const {
+  const int few = std::min<int>(from + 3, count);
+  for (; from < few; ++from) {  // most ranges end soon
+    if (GreaterAt(from, key)) return from;
+  }
+  if (from == count || !GreaterAt(count - 1, key)) return count;
+  const int at = LowerBoundNear(key, from - 1, count);
+  return GreaterAt(at, key) ? at : at + 1;
 }
 
 void QuadTree::Edit::Acquire(Node* node) {

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "kb_server/store/quad_tree_node.h"
 
 namespace docent {
@@ -46,7 +44,7 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
     last_leaf_ = true;
     return;
   }
-  const bool here = height_ == 0 || (leaf_->KeyAt(0) <= first && !leaf_->LessAt(leaf_->count - 1, first));
+  const bool here = height_ == 0 || (!leaf_->GreaterAt(0, first) && !leaf_->LessAt(leaf_->count - 1, first));
   if (!here) {
     DescendFrom(0, path_[0].node, first);
     return;
@@ -62,13 +60,8 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
 }
 
 void QuadTree::Iterator::SetLimit() {
-  last_leaf_ = last_ < leaf_->KeyAt(leaf_->count - 1);
-  if (!last_leaf_) {
-    limit_ = leaf_->count;
-    return;
-  }
-  limit_ = leaf_->LowerBoundNear(last_, position_, leaf_->count);
-  if (leaf_->KeyAt(limit_) == last_) ++limit_;  // a later key exists, so limit_ < count
+  limit_ = leaf_->UpperBoundNear(last_, position_);
+  last_leaf_ = limit_ < leaf_->count;
 }
 
 void QuadTree::Iterator::NextLeaf() {

@@ -1,4 +1,4 @@
-// The nodes of a QuadTree. Included only by quad_tree*.cc.
+// The nodes of a QuadTree. Included only by quad_tree*.cc, and by graph_version.cc, whose cursors read keys in place.
 //
 // A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a
 // node is reachable from that writer's tree alone.
@@ -44,8 +44,8 @@ struct QuadTree::Leaf : Node {
     return base[column] + (raw & mask[column]);
   }
   Key KeyAt(int i) const { return {Word(i, 0), Word(i, 1), Word(i, 2), Word(i, 3)}; }
-  // Whether `key` can be written in this leaf's columns. (The difference wraps for a smaller word, which is
-  // right where all 8 bytes are kept and too large where not.)
+  // Whether `key` can be written in this leaf's columns. (For a word below the base the difference wraps, and is larger
+  // than any mask but that of all 8 bytes, whose base is 0.)
   bool Holds(const Key& key) const {
     for (int c = 0; c < 4; ++c) {
       if (key[c] - base[c] > mask[c]) return false;
@@ -57,11 +57,21 @@ struct QuadTree::Leaf : Node {
   int LowerBound(const Key& key, int from, int to) const;
   // The same, quicker where it is near `from`.
   int LowerBoundNear(const Key& key, int from, int to) const;
+  // The first position from `from` on whose key is > `key`; `count` if none. Quicker where it is near `from`.
+  int UpperBoundNear(const Key& key, int from) const;
   // From `column` on.
   bool LessAt(int i, const Key& key, int column = 0) const {
     for (; column < 4; ++column) {
       const uint64_t word = Word(i, column);
       if (word != key[column]) return word < key[column];
+    }
+    return false;
+  }
+
+  bool GreaterAt(int i, const Key& key) const {
+    for (int column = 0; column < 4; ++column) {
+      const uint64_t word = Word(i, column);
+      if (word != key[column]) return word > key[column];
     }
     return false;
   }
@@ -87,10 +97,16 @@ struct QuadTree::Inner : Node {
     int low = 0, size = count;
     while (size > 1) {
       int half = size / 2;
-      low = keys[low + half] <= key ? low + half : low;
+      low = IsGreater(keys[low + half], key) ? low : low + half;
       size -= half;
     }
     return low;
+  }
+  static bool IsGreater(const Key& a, const Key& b) {  // std::array compares through a loop of its own
+    for (int column = 0; column < 3; ++column) {
+      if (a[column] != b[column]) return a[column] > b[column];
+    }
+    return a[3] > b[3];
   }
   uint64_t Total() const {
     uint64_t total = 0;
