@@ -1,6 +1,6 @@
 #include "kb_server/sparql/algebra.h"
 
-#include "absl/container/flat_hash_set.h"
+#include "kb_server/sparql/name_numbers.h"
 
 namespace docent::sparql {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 class VariableList {
  public:
   void Add(const Variable& v) {
-    if (seen_.insert(v.name).second) list_.push_back(v);
+    if (seen_.Add(v.name, 0).second) list_.push_back(v);
   }
   void Add(const PatternTerm& t) {
     if (t.variable) Add(*t.variable);
@@ -18,7 +18,7 @@ class VariableList {
 
  private:
   std::vector<Variable> list_;
-  absl::flat_hash_set<std::string> seen_;
+  NameNumbers seen_;
 };
 
 void AddTriples(const Algebra& a, VariableList* out) {

@@ -18,39 +18,15 @@ Grammar::Grammar(std::string_view text, const ParseOptions& options)
 
 const Token& Grammar::ReadAhead(size_t ahead) {
   while (ahead_count_ <= ahead) {
-    const Token token = lexer_.Next();
+    Token& token = ahead_[(first_ahead_ + ahead_count_) % 2];
+    token = lexer_.Next();
     if (token.kind == TokenKind::kError) {
       Error(token.span, std::string(token.text), std::string(token.prefix));
-      continue;
+    } else {
+      ++ahead_count_;
     }
-    ahead_[(first_ahead_ + ahead_count_++) % 2] = token;
   }
   return ahead_[(first_ahead_ + ahead) % 2];
-}
-
-Token Grammar::Take() {
-  Peek();
-  const Token token = ahead_[first_ahead_];
-  first_ahead_ = (first_ahead_ + 1) % 2;
-  --ahead_count_;
-  return token;
-}
-
-bool Grammar::AtWord(std::string_view keyword, size_t ahead) {
-  const Token& token = Peek(ahead);
-  return token.kind == TokenKind::kWord && EqualsIgnoreCase(token.text, keyword);
-}
-
-bool Grammar::Accept(std::string_view punctuation) {
-  if (!At(punctuation)) return false;
-  Take();
-  return true;
-}
-
-bool Grammar::AcceptWord(std::string_view keyword) {
-  if (!AtWord(keyword)) return false;
-  Take();
-  return true;
 }
 
 bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
@@ -128,27 +104,37 @@ void Grammar::SkipPastBrace() {
   }
 }
 
-std::optional<std::string> Grammar::Resolve(const Token& iri) {
-  if (IsAbsoluteIri(iri.text)) return std::string(iri.text);
+bool Grammar::Resolve(const Token& iri, std::string* out) {
+  if (IsAbsoluteIri(iri.text)) {
+    *out = iri.text;
+    return true;
+  }
   if (base_iri_.empty()) {
     Error(iri.span, Concat({"<", iri.text, "> is relative and no BASE is known"}),
           iri.text.find(':') == std::string::npos
               ? "write BASE <http://…/> before the query, or the whole IRI"
               : "");
-    return std::nullopt;
+    return false;
   }
-  return ResolveIri(iri.text, base_iri_);
+  *out = ResolveIri(iri.text, base_iri_);
+  return true;
 }
 
-std::optional<std::string> Grammar::Expand(const Token& name) {
+bool Grammar::Expand(const Token& name, std::string* out) {
   const auto it = declared_.find(name.prefix);
-  if (it != declared_.end()) return Concat({it->second, name.text});
+  if (it != declared_.end()) {
+    *out = Concat({prefixes_[it->second].second, name.text});
+    return true;
+  }
   std::vector<std::string> names;
   for (const auto& [prefix, iri] : options_.prefixes) {
-    if (prefix == name.prefix) return Concat({iri, name.text});
+    if (prefix == name.prefix) {
+      *out = Concat({iri, name.text});
+      return true;
+    }
     names.push_back(prefix);
   }
-  for (const auto& [prefix, iri] : declared_) names.push_back(prefix);
+  for (const auto& [prefix, number] : declared_) names.emplace_back(prefix);
   std::string hint;
   if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
     hint = "did you mean " + near + ":?";
@@ -159,19 +145,23 @@ std::optional<std::string> Grammar::Expand(const Token& name) {
     }
   }
   Error(name.span, Concat({"the prefix '", name.prefix, ":' is not declared"}), hint);
-  return std::nullopt;
+  return false;
+}
+
+bool Grammar::IriText(std::string* out) {
+  const Token token = Peek();
+  if (token.kind != TokenKind::kIri && token.kind != TokenKind::kPrefixedName) {
+    Expected("an IRI");
+    return false;
+  }
+  Drop();
+  return token.kind == TokenKind::kIri ? Resolve(token, out) : Expand(token, out);
 }
 
 std::optional<Term> Grammar::Iri() {
-  const Token& token = Peek();
-  if (token.kind != TokenKind::kIri && token.kind != TokenKind::kPrefixedName) {
-    Expected("an IRI");
-    return std::nullopt;
-  }
-  const Token taken = Take();
-  std::optional<std::string> iri = taken.kind == TokenKind::kIri ? Resolve(taken) : Expand(taken);
-  if (!iri) return std::nullopt;
-  return Term::Iri(*std::move(iri));
+  Term term;
+  if (!IriText(&term.lexical)) return std::nullopt;
+  return term;
 }
 
 std::optional<std::string> Grammar::String() {

@@ -20,6 +20,7 @@
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/lexer.h"
 #include "kb_server/sparql/parser.h"
+#include "kb_server/sparql/text.h"
 #include "kb_server/sparql/update_algebra.h"
 
 namespace docent::sparql {
@@ -52,11 +53,26 @@ class Grammar {
   const Token& Peek(size_t ahead = 0) {  // ahead: 0 or 1
     return ahead < ahead_count_ ? ahead_[(first_ahead_ + ahead) % 2] : ReadAhead(ahead);
   }
-  Token Take();
+  Token Take() {
+    const Token token = Peek();
+    Drop();
+    return token;
+  }
   bool At(std::string_view punctuation) { return Peek().Is(punctuation); }
-  bool AtWord(std::string_view keyword, size_t ahead = 0);
-  bool Accept(std::string_view punctuation);
-  bool AcceptWord(std::string_view keyword);
+  bool AtWord(std::string_view keyword, size_t ahead = 0) {
+    const Token& token = Peek(ahead);
+    return token.kind == TokenKind::kWord && EqualsIgnoreCase(token.text, keyword);
+  }
+  bool Accept(std::string_view punctuation) {
+    const bool there = At(punctuation);
+    if (there) Drop();
+    return there;
+  }
+  bool AcceptWord(std::string_view keyword) {
+    const bool there = AtWord(keyword);
+    if (there) Drop();
+    return there;
+  }
   // Reports "expected … here" if the next token is another.
   bool Expect(std::string_view punctuation, std::string_view where);
   bool ExpectWord(std::string_view keyword, std::string_view where);
@@ -164,15 +180,16 @@ class Grammar {
   bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
   bool AtPlainVerb();
   bool PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink);  // [77] [83]
-  bool ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb,
-                  TriplesSink* sink);
-  std::optional<PatternTerm> GraphNode(TriplesSink* sink);              // [104] [105]
-  std::optional<PatternTerm> Collection(TriplesSink* sink);             // [102]
-  std::optional<PatternTerm> BlankNodePropertyList(TriplesSink* sink);  // [99]
-  std::optional<PatternTerm> VarOrTerm(TriplesSink* sink);              // [106]
+  // `path` null: the predicate is `verb`.
+  bool ObjectList(const PatternTerm& subject, const Path* path, PatternTerm verb, TriplesSink* sink);
+  // These fill *out, an empty term; false: an error was reported.
+  bool GraphNode(TriplesSink* sink, PatternTerm* out);              // [104] [105]
+  bool Collection(TriplesSink* sink, PatternTerm* out);             // [102]
+  bool BlankNodePropertyList(TriplesSink* sink, PatternTerm* out);  // [99]
+  bool VarOrTerm(TriplesSink* sink, PatternTerm* out);              // [106]
+  bool LabelledBlank(const Token& token, bool template_mode, PatternTerm* out);
   std::optional<PatternTerm> VarOrIri();                                // [107]
   PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
-  std::optional<PatternTerm> LabelledBlank(const Token& token, bool template_mode);
   std::optional<Path> ParsePath();         // [88] [89]
   std::optional<Path> PathSequence();      // [90]
   std::optional<Path> PathEltOrInverse();  // [92]
@@ -201,6 +218,11 @@ class Grammar {
   friend class ProductionParser;
 
   const Token& ReadAhead(size_t ahead);
+  // Takes the token that was peeked at.
+  void Drop() {
+    first_ahead_ ^= 1;
+    --ahead_count_;
+  }
   // grammar_update.cc
   enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
   bool Update1(UpdateOperation* operation);                  // [30]
@@ -219,8 +241,9 @@ class Grammar {
 
   std::optional<Term> LiteralTail(const Token& string);
   std::optional<Term> NumericLiteral();
-  std::optional<std::string> Resolve(const Token& iri);
-  std::optional<std::string> Expand(const Token& name);
+  bool IriText(std::string* out);  // [136], absolute
+  bool Resolve(const Token& iri, std::string* out);
+  bool Expand(const Token& name, std::string* out);
   std::string Describe(const Token& token) const;
 
   const ParseOptions& options_;
@@ -229,7 +252,7 @@ class Grammar {
   size_t first_ahead_ = 0, ahead_count_ = 0;
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
-  std::map<std::string, std::string, std::less<>> declared_;   // the same, the last of each name
+  std::map<std::string_view, size_t> declared_;                // the number there of the last of each name
   Diagnostics diagnostics_;
   int depth_ = 0;
   size_t elements_ = 0;

@@ -75,17 +75,17 @@ void Grammar::RecoverInGroup() {
 }
 
 bool Grammar::GroupElement(OpenGroup* group) {
+  if (At("{")) return GroupOrUnion(group);
+  if (Peek().kind != TokenKind::kWord) return TriplesBlock(group);
+  if (AtWord("FILTER")) return FilterElement(group);
   if (AtWord("OPTIONAL")) return OptionalElement(group);
+  if (AtWord("BIND")) return BindElement(group);
   if (AtWord("MINUS")) return MinusElement(group);
   if (AtWord("GRAPH")) return GraphElement(group);
   if (AtWord("SERVICE")) return ServiceElement(group);
-  if (AtWord("BIND")) return BindElement(group);
-  if (AtWord("FILTER")) return FilterElement(group);
   if (options_.rule_elements && AtWord("NOT")) return NotElement(group);
   if (options_.rule_elements && AtWord("SET")) return SetElement(group);
-  if (At("{")) return GroupOrUnion(group);
-  if (AtWord("VALUES")) {
-    Take();
+  if (AcceptWord("VALUES")) {
     CloseBgp(group);
     AlgebraPtr values = DataBlock();
     if (!values) return false;
@@ -137,8 +137,8 @@ bool Grammar::TriplesBlock(OpenGroup* group) {
                "triples are separated by '.'; ';' repeats the subject, ',' the predicate");
       return false;
     }
-    const bool literal_word = AtWord("true") || AtWord("false");
-    if (!dot || (!triple_may_follow && !literal_word)) return true;
+    if (!dot) return true;
+    if (!triple_may_follow && !AtWord("true") && !AtWord("false")) return true;
   }
 }
 

@@ -2,8 +2,8 @@
 #include <charconv>
 #include <utility>
 
-#include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/grammar.h"
+#include "kb_server/sparql/name_numbers.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
@@ -35,9 +35,9 @@ bool Grammar::Prologue() {
         return false;
       }
       const Token iri = Take();
-      std::optional<std::string> base = Resolve(iri);
-      if (!base) return false;
-      base_iri_ = *std::move(base);
+      std::string base;
+      if (!Resolve(iri, &base)) return false;
+      base_iri_ = std::move(base);
     } else if (AcceptWord("PREFIX")) {
       const Token name = Peek();
       if (name.kind != TokenKind::kPrefixedName || !name.text.empty()) {
@@ -50,10 +50,11 @@ bool Grammar::Prologue() {
         return false;
       }
       const Token iri = Take();
-      std::optional<std::string> resolved = Resolve(iri);
-      if (!resolved) return false;
-      prefixes_.emplace_back(name.prefix, *resolved);
-      declared_[std::string(name.prefix)] = *std::move(resolved);
+      std::string resolved;
+      if (!Resolve(iri, &resolved)) return false;
+      if (prefixes_.empty()) prefixes_.reserve(8);
+      declared_[name.prefix] = prefixes_.size();  // tokens live as long as the lexer
+      prefixes_.emplace_back(name.prefix, std::move(resolved));
     } else {
       return true;
     }
@@ -81,8 +82,8 @@ std::optional<Query> Grammar::QueryUnit() {
     Expected("the end of the query");
     return std::nullopt;
   }
-  query.base_iri = base_iri_;
-  query.prefixes = prefixes_;
+  query.base_iri = std::move(base_iri_);
+  query.prefixes = std::move(prefixes_);
   return query;
 }
 
@@ -448,16 +449,17 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     a = std::move(join);
   }
   if (select != nullptr) {
-    absl::flat_hash_set<std::string> named;
+    NameNumbers named;
     for (SelectItem& item : select->items) {
+      const bool first = named.Add(item.variable.name, 0).second;
       if (item.expression) {
-        if (in_scope.contains(item.variable.name) || named.contains(item.variable.name)) {
+        if (!first || in_scope.contains(item.variable.name)) {
           Error(item.span, "?" + item.variable.name + " already has a value here",
                 "give the expression another name");
         }
         a = Extend(std::move(a), item.variable, std::move(item.expression));
       }
-      if (named.insert(item.variable.name).second) projection->push_back(item.variable);
+      if (first) projection->push_back(item.variable);
     }
     if (select->all) {
       for (const Variable& v : InScopeVariables(*a)) {

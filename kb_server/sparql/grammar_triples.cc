@@ -57,30 +57,35 @@ PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
   return PatternTerm::Of(Variable{".b" + label}, span);
 }
 
-std::optional<PatternTerm> Grammar::LabelledBlank(const Token& token, bool template_mode) {
-  if (template_mode) return PatternTerm::Of(Term::Blank(std::string(token.text)), token.span);
+bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm* out) {
+  out->span = token.span;
+  if (template_mode) {
+    out->term = Term::Blank(std::string(token.text));
+    return true;
+  }
   const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
   if (it->second != bgp_) {
     Error(token.span, Concat({"_:", token.text, " was used in another basic graph pattern"}),
           "a blank node means something within one block of triples only; use a variable");
-    return std::nullopt;
+    return false;
   }
-  return PatternTerm::Of(Variable{Concat({".b", token.text})}, token.span);
+  out->variable = Variable{Concat({".b", token.text})};
+  return true;
 }
 
 bool Grammar::TriplesSameSubject(TriplesSink* sink) {
-  const bool node = At("(") || At("[");
-  const bool node_may_stand_alone = At("(") ? !Peek(1).Is(")") : At("[") && !Peek(1).Is("]");
-  std::optional<PatternTerm> subject = node ? GraphNode(sink) : VarOrTerm(sink);
-  if (!subject) return false;
-  // ( 1 2 ) and [ :p 5 ] are complete in themselves
-  if (node_may_stand_alone && (At(".") || At("}"))) return true;
-  return PropertyListNotEmpty(*subject, sink);
+  const bool complete = (At("(") && !Peek(1).Is(")")) || (At("[") && !Peek(1).Is("]"));  // ( 1 2 ), [ :p 5 ]
+  PatternTerm subject;
+  if (!GraphNode(sink, &subject)) return false;
+  if (complete && (At(".") || At("}"))) return true;
+  return PropertyListNotEmpty(subject, sink);
 }
 
-// An IRI that no path operator follows.
+// An IRI, or "a", that no path operator follows.
 bool Grammar::AtPlainVerb() {
-  if (Peek().kind != TokenKind::kIri && Peek().kind != TokenKind::kPrefixedName) return false;
+  const Token& verb = Peek();
+  const bool iri = verb.kind == TokenKind::kIri || verb.kind == TokenKind::kPrefixedName;
+  if (!iri && !(verb.kind == TokenKind::kWord && verb.text == "a")) return false;
   const Token& next = Peek(1);
   return next.kind != TokenKind::kPunctuation || std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
 }
@@ -88,24 +93,27 @@ bool Grammar::AtPlainVerb() {
 bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink) {
   while (true) {
     const SourceSpan span = Peek().span;
-    Path path;
-    std::optional<PatternTerm> verb;  // where the predicate is a variable or plain IRI
+    std::optional<Path> path;
+    PatternTerm verb;
+    verb.span = span;
     if (Peek().kind == TokenKind::kVariable) {
-      verb = PatternTerm::Of(Variable{std::string(Take().text)}, span);
-    } else if (AtWord("a") && Peek().text == "a" && sink->template_mode) {
-      Take();
-      verb = PatternTerm::Of(Term::Iri(std::string(kRdfType)), span);
+      verb.variable = Variable{std::string(Take().text)};
     } else if (sink->template_mode || AtPlainVerb()) {
-      std::optional<Term> iri = Iri();
-      if (!iri) return false;
-      verb = PatternTerm::Of(*std::move(iri), span);
+      if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+        Drop();
+        verb.term.lexical = kRdfType;
+      } else {
+        if (!IriText(&verb.term.lexical)) return false;
+      }
     } else {
-      std::optional<Path> parsed = ParsePath();
-      if (!parsed) return false;
-      path = *std::move(parsed);
-      if (path.kind == Path::Kind::kIri) verb = PatternTerm::Of(path.iri, span);
+      path = ParsePath();
+      if (!path) return false;
+      if (path->kind == Path::Kind::kIri) {  // one in parentheses
+        verb.term = std::move(path->iri);
+        path.reset();
+      }
     }
-    if (!ObjectList(subject, path, verb, sink)) return false;
+    if (!ObjectList(subject, path ? &*path : nullptr, std::move(verb), sink)) return false;
     if (!Accept(";")) return true;
     while (Accept(";")) {
     }
@@ -118,96 +126,111 @@ bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink
   }
 }
 
-bool Grammar::ObjectList(const PatternTerm& subject, const Path& path, const std::optional<PatternTerm>& verb,
-                         TriplesSink* sink) {
+bool Grammar::ObjectList(const PatternTerm& subject, const Path* path, PatternTerm verb, TriplesSink* sink) {
   do {
-    std::optional<PatternTerm> object = GraphNode(sink);
-    if (!object) return false;
-    if (verb) {
-      if (sink->triples.empty()) sink->triples.reserve(8);
-      sink->triples.push_back({subject, *verb, *std::move(object)});
+    if (path != nullptr || At("(") || At("[")) {  // what stands in brackets gives triples of its own, before this one
+      PatternTerm object;
+      if (!GraphNode(sink, &object)) return false;
+      if (path != nullptr) {
+        TranslatePath(subject, *path, object, sink);
+      } else {
+        sink->triples.emplace_back(subject, verb, std::move(object));
+      }
+      continue;
+    }
+    if (sink->triples.empty()) sink->triples.reserve(4);
+    TriplePattern& triple = sink->triples.emplace_back();
+    triple.subject = subject;
+    if (!VarOrTerm(sink, &triple.object)) return false;
+    if (At(",")) {
+      triple.predicate = verb;
     } else {
-      TranslatePath(subject, path, *object, sink);
+      triple.predicate = std::move(verb);
     }
   } while (Accept(","));
   return true;
 }
 
-std::optional<PatternTerm> Grammar::GraphNode(TriplesSink* sink) {
-  if (At("(") && !Peek(1).Is(")")) return Collection(sink);
-  if (At("[") && !Peek(1).Is("]")) return BlankNodePropertyList(sink);
-  return VarOrTerm(sink);
+bool Grammar::GraphNode(TriplesSink* sink, PatternTerm* out) {
+  if (At("(") && !Peek(1).Is(")")) return Collection(sink, out);
+  if (At("[") && !Peek(1).Is("]")) return BlankNodePropertyList(sink, out);
+  return VarOrTerm(sink, out);
 }
 
-std::optional<PatternTerm> Grammar::Collection(TriplesSink* sink) {
+bool Grammar::Collection(TriplesSink* sink, PatternTerm* out) {
   Nested nested(this);
-  if (!nested.ok()) return std::nullopt;
+  if (!nested.ok()) return false;
   const SourceSpan span = Take().span;
-  PatternTerm head = NewBlank(span, sink->template_mode);
-  PatternTerm cell = head;
+  PatternTerm cell = NewBlank(span, sink->template_mode);
+  *out = cell;
   while (true) {
-    std::optional<PatternTerm> item = GraphNode(sink);
-    if (!item) return std::nullopt;
-    sink->triples.push_back({cell, IriTerm(kRdfFirst), *std::move(item)});
+    PatternTerm item;
+    if (!GraphNode(sink, &item)) return false;
+    sink->triples.push_back({cell, IriTerm(kRdfFirst), std::move(item)});
     if (Accept(")")) break;
     PatternTerm next = NewBlank(span, sink->template_mode);
     sink->triples.push_back({cell, IriTerm(kRdfRest), next});
     cell = std::move(next);
   }
   sink->triples.push_back({cell, IriTerm(kRdfRest), IriTerm(kRdfNil)});
-  return head;
+  return true;
 }
 
-std::optional<PatternTerm> Grammar::BlankNodePropertyList(TriplesSink* sink) {
+bool Grammar::BlankNodePropertyList(TriplesSink* sink, PatternTerm* out) {
   Nested nested(this);
-  if (!nested.ok()) return std::nullopt;
-  PatternTerm blank = NewBlank(Take().span, sink->template_mode);
-  if (!PropertyListNotEmpty(blank, sink) || !Expect("]", "to close the blank node")) return std::nullopt;
-  return blank;
+  if (!nested.ok()) return false;
+  *out = NewBlank(Take().span, sink->template_mode);
+  return PropertyListNotEmpty(*out, sink) && Expect("]", "to close the blank node");
 }
 
-std::optional<PatternTerm> Grammar::VarOrTerm(TriplesSink* sink) {
-  const Token& token = Peek();
-  const SourceSpan span = token.span;
+bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
+  const Token token = Peek();
+  out->span = token.span;
   switch (token.kind) {
     case TokenKind::kVariable:
-      return PatternTerm::Of(Variable{std::string(Take().text)}, span);
-    case TokenKind::kBlankLabel: {
-      const Token label = Take();
-      return LabelledBlank(label, sink->template_mode);
-    }
+      out->variable.emplace().name = token.text;
+      Drop();
+      return true;
+    case TokenKind::kIri:
+    case TokenKind::kPrefixedName:
+      return IriText(&out->term.lexical);
+    case TokenKind::kBlankLabel:
+      Drop();
+      return LabelledBlank(token, sink->template_mode, out);
     case TokenKind::kPunctuation:
       if (token.Is("[")) {
-        Take();
-        if (!Expect("]", "after '['")) return std::nullopt;
-        return NewBlank(span, sink->template_mode);
+        Drop();
+        if (!Expect("]", "after '['")) return false;
+        *out = NewBlank(token.span, sink->template_mode);
+        return true;
       }
       if (token.Is("(")) {
-        Take();
-        if (!Expect(")", "after '('")) return std::nullopt;
-        return PatternTerm::Of(Term::Iri(std::string(kRdfNil)), span);
+        Drop();
+        out->term.lexical = kRdfNil;
+        return Expect(")", "after '('");
       }
       if (!token.Is("+") && !token.Is("-")) {
         Expected("a variable, IRI, literal or blank node");
-        return std::nullopt;
+        return false;
       }
       break;
     case TokenKind::kWord:
       if (!AtWord("true") && !AtWord("false")) {
         Expected("a variable, IRI, literal or blank node",
                  "a variable begins with '?', a name needs a prefix and ':'");
-        return std::nullopt;
+        return false;
       }
       break;
     case TokenKind::kEnd:
       Expected("a variable, IRI, literal or blank node");
-      return std::nullopt;
+      return false;
     default:
       break;
   }
   std::optional<Term> term = GroundTerm();
-  if (!term) return std::nullopt;
-  return PatternTerm::Of(*std::move(term), span);
+  if (!term) return false;
+  out->term = *std::move(term);
+  return true;
 }
 
 std::optional<PatternTerm> Grammar::VarOrIri() {

@@ -23,14 +23,17 @@ uint32_t HexValue(char c) {
   return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10;
 }
 
-// What an ASCII character may be part of.
-enum : uint8_t { kInName = 1, kInIri = 2 };
+// What an ASCII character may be part of; others are of no class.
+enum : uint8_t { kInName = 1, kInIri = 2, kLetter = 4, kPunctuationMark = 8 };
 constexpr std::array<uint8_t, 256> kClasses = [] {
   std::array<uint8_t, 256> classes{};
-  for (int c = 0; c < 256; ++c) {
+  for (int c = 0; c < 128; ++c) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    const auto is_one_of = [c](std::string_view set) { return set.find(static_cast<char>(c)) != std::string_view::npos; };
+    if (letter) classes[c] |= kLetter;
     if (letter || (c >= '0' && c <= '9') || c == '_' || c == '-') classes[c] |= kInName;
-    if (c > 0x20 && std::string_view("<>\"{}|^`\\").find(static_cast<char>(c)) == std::string_view::npos) classes[c] |= kInIri;
+    if (c > 0x20 && !is_one_of("<>\"{}|^`\\")) classes[c] |= kInIri;
+    if (c > 0 && is_one_of("{}()[].,;=<>!*/+-|^?")) classes[c] |= kPunctuationMark;
   }
   return classes;
 }();
@@ -153,15 +156,9 @@ size_t FindInvalidUtf8(std::string_view text) {
   return std::string_view::npos;
 }
 
-Lexer::Lexer(std::string_view text)
-    : text_(text), ascii_(std::all_of(text.begin(), text.end(), [](char c) { return static_cast<uint8_t>(c) < 0x80; })) {}
+Lexer::Lexer(std::string_view text) : text_(text) {}
 
 void Lexer::Advance(size_t bytes) {
-  if (ascii_ && text_.substr(at_, bytes).find('\n') == std::string_view::npos) {
-    at_ += bytes;
-    column_ += static_cast<int>(bytes);
-    return;
-  }
   for (const size_t end = at_ + bytes; at_ < end; ++at_) {
     const uint8_t c = static_cast<uint8_t>(text_[at_]);
     if (c == '\n') {
@@ -183,82 +180,122 @@ Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::str
   return token;
 }
 
+Token Lexer::MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
+  const Token token{kind, SpanOf(length), text, prefix};
+  at_ += length;
+  column_ += static_cast<int>(length);
+  return token;
+}
+
 Token Lexer::Error(size_t length, std::string message, std::string_view hint) {
   return Make(TokenKind::kError, length, Keep(std::move(message)), hint);
 }
 
 void Lexer::SkipSpaceAndComments() {
-  while (at_ < text_.size()) {
-    const char c = text_[at_];
+  size_t at = at_;
+  int column = column_;
+  for (; at < text_.size(); ++at) {
+    const char c = text_[at];
     if (c == ' ' || c == '\t' || c == '\r') {
-      ++at_;
-      ++column_;
+      ++column;
     } else if (c == '\n') {
-      ++at_;
       ++line_;
-      column_ = 1;
+      column = 1;
     } else if (c == '#') {
-      size_t end = text_.find_first_of("\n\r", at_);
-      Advance((end == std::string_view::npos ? text_.size() : end) - at_);
+      const size_t end = std::min(text_.find_first_of("\n\r", at), text_.size());
+      for (; at < end; ++at) column += (static_cast<uint8_t>(text_[at]) & 0xC0) != 0x80;
+      --at;
     } else {
-      return;
+      break;
     }
   }
+  at_ = at;
+  column_ = column;
 }
 
 Token Lexer::Next() {
   SkipSpaceAndComments();
-  if (at_ >= text_.size()) return Make(TokenKind::kEnd, 0, "");
+  if (at_ >= text_.size()) return MakeAscii(TokenKind::kEnd, 0, "");
   const char c = text_[at_];
   const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
-  if (c == '"' || c == '\'') return LexString();
-  if (IsDigit(c) || (c == '.' && IsDigit(next))) return LexNumber();
-  if (c == '_' && next == ':') return LexBlankLabel();
-  if (c == '<') {
-    if (const size_t length = IriLength()) return LexIri(length);
+  if (Is(c, kLetter)) return LexWordOrName();
+  switch (c) {
+    case '?':
+    case '$':
+      return LexVariable();
+    case '<':
+      return LexIriOrPunctuation();
+    case ':':
+    case '\\':
+      return LexWordOrName();
+    case '"':
+    case '\'':
+      return LexString();
+    case '@':
+      return LexLanguage();
+    case '_':
+      return next == ':' ? LexBlankLabel() : LexPunctuation();
+    case '.':
+      return IsDigit(next) ? LexNumber() : LexPunctuation();
+    default:
+      break;
   }
-  if (c == '?' || c == '$') {
-    size_t end = at_ + 1;
-    while (end < text_.size()) {  // [166] VARNAME
-      if (Is(text_[end], kInName) && text_[end] != '-') {
-        ++end;
-        continue;
-      }
-      const auto [code, length] = CodePointAt(text_, end);
-      const bool part =
-          (IsNameChar(code) && code != '-') || (code < 0x80 && IsDigit(static_cast<char>(code)));
-      if (!part || (end == at_ + 1 && (code == 0xB7 || (code >= 0x300 && code <= 0x36F)))) break;
-      end += length;
-    }
-    if (end > at_ + 1) {
-      return Make(TokenKind::kVariable, end - at_, text_.substr(at_ + 1, end - at_ - 1));
-    }
-    return LexPunctuation();
-  }
-  if (c == '@') {
-    size_t end = at_ + 1;
-    while (end < text_.size() && IsAlpha(text_[end])) ++end;
-    if (end == at_ + 1)
-      return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
-    while (end + 1 < text_.size() && text_[end] == '-' &&
-           (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
-      ++end;
-      while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
-    }
-    return Make(TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
-  }
-  if (c == ':' || c == '\\' || IsNameStart(CodePointAt(text_, at_).first)) return LexWordOrName();
+  if (IsDigit(c)) return LexNumber();
+  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWordOrName();
   return LexPunctuation();
 }
 
-size_t Lexer::IriLength() const {
-  for (size_t i = at_ + 1; i < text_.size(); ++i) {
-    const char c = text_[i];
-    if (Is(c, kInIri)) continue;
-    if (c == '>') return i + 1 - at_;
-    if (c != '\\' || !CodePointEscape(text_, i)) return 0;
+Token Lexer::LexVariable() {
+  const size_t begin = at_ + 1;
+  size_t end = begin;
+  bool ascii = true;
+  while (end < text_.size()) {  // [166] VARNAME
+    const char c = text_[end];
+    if (Is(c, kInName) && c != '-') {
+      ++end;
+      continue;
+    }
+    if (static_cast<uint8_t>(c) < 0x80) break;
+    const auto [code, length] = CodePointAt(text_, end);
+    if (!IsNameChar(code) || (end == begin && (code == 0xB7 || (code >= 0x300 && code <= 0x36F)))) break;
+    end += length;
+    ascii = false;
   }
-  return 0;
+  if (end == begin) return LexPunctuation();
+  const std::string_view name = text_.substr(begin, end - begin);
+  return ascii ? MakeAscii(TokenKind::kVariable, end - at_, name) : Make(TokenKind::kVariable, end - at_, name);
+}
+
+Token Lexer::LexLanguage() {
+  size_t end = at_ + 1;
+  while (end < text_.size() && IsAlpha(text_[end])) ++end;
+  if (end == at_ + 1) return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
+  while (end + 1 < text_.size() && text_[end] == '-' && (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
+    ++end;
+    while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
+  }
+  return MakeAscii(TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
+}
+
+// `<…>` is an IRI if it holds nothing that an IRI may not hold, and '<' else.
+Token Lexer::LexIriOrPunctuation() {
+  size_t i = at_ + 1;
+  while (i < text_.size() && Is(text_[i], kInIri)) ++i;
+  if (i < text_.size() && text_[i] == '>') {
+    return MakeAscii(TokenKind::kIri, i + 1 - at_, text_.substr(at_ + 1, i - at_ - 1));
+  }
+  bool escaped = false;
+  for (; i < text_.size(); ++i) {
+    const char c = text_[i];
+    if (Is(c, kInIri) || static_cast<uint8_t>(c) >= 0x80) continue;
+    if (c == '>') {
+      const size_t length = i + 1 - at_;
+      return escaped ? LexEscapedIri(length) : Make(TokenKind::kIri, length, text_.substr(at_ + 1, length - 2));
+    }
+    if (c != '\\' || !CodePointEscape(text_, i)) break;
+    escaped = true;
+  }
+  return LexPunctuation();
 }
 
 Token Lexer::LexString() {
@@ -331,7 +368,7 @@ Token Lexer::LexNumber() {
     end += length;
     kind = TokenKind::kDouble;
   }
-  return Make(kind, end - at_, text_.substr(at_, end - at_));
+  return MakeAscii(kind, end - at_, text_.substr(at_, end - at_));
 }
 
 Token Lexer::LexBlankLabel() {
@@ -353,20 +390,20 @@ Token Lexer::LexBlankLabel() {
 
 Token Lexer::LexWordOrName() {
   size_t end = at_;
-  while (end < text_.size()) {
-    if (end > at_ && Is(text_[end], kInName)) {
-      ++end;
-      continue;
+  while (end < text_.size() && Is(text_[end], kInName)) ++end;
+  const char after = end < text_.size() ? text_[end] : ' ';
+  if (after == ':') return LexLocalName(end - at_, true);
+  if (after == '.' || static_cast<uint8_t>(after) >= 0x80) {  // may go on
+    while (end < text_.size()) {
+      const auto [code, length] = CodePointAt(text_, end);
+      if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
+      end += length;
     }
-    const auto [code, length] = CodePointAt(text_, end);
-    if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
-    end += length;
+    if (end < text_.size() && text_[end] == ':' && text_[end - 1] != '.') return LexLocalName(end - at_, false);
   }
-  if (end < text_.size() && text_[end] == ':' && (end == at_ || text_[end - 1] != '.'))
-    return LexLocalName(end - at_);
   for (end = at_; end < text_.size() && (Is(text_[end], kInName) && text_[end] != '-');) ++end;
   if (end == text_.size() || text_[end] != '\\') {
-    if (end > at_) return Make(TokenKind::kWord, end - at_, text_.substr(at_, end - at_));
+    if (end > at_) return MakeAscii(TokenKind::kWord, end - at_, text_.substr(at_, end - at_));
     const size_t length = CodePointAt(text_, at_).second;
     return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
   }
@@ -385,14 +422,19 @@ Token Lexer::LexWordOrName() {
   return Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
 }
 
-Token Lexer::LexLocalName(size_t prefix_length) {
+Token Lexer::LexLocalName(size_t prefix_length, bool ascii_prefix) {
   const size_t begin = at_ + prefix_length + 1;
   size_t end = begin;
-  while (end < text_.size() && Is(text_[end], kInName) && !(end == begin && text_[end] == '-')) ++end;
+  if (end < text_.size() && text_[end] != '-') {
+    while (end < text_.size() && Is(text_[end], kInName)) ++end;
+  }
   const char next = end < text_.size() ? text_[end] : ' ';
-  const bool plain = static_cast<uint8_t>(next) < 0x80 && next != '.' && next != '%' && next != '\\' && next != ':';
-  if (!plain) return LexEscapedLocalName(prefix_length);
-  return Make(TokenKind::kPrefixedName, end - at_, text_.substr(begin, end - begin), text_.substr(at_, prefix_length));
+  if (static_cast<uint8_t>(next) >= 0x80 || next == '.' || next == '%' || next == '\\' || next == ':') {
+    return LexEscapedLocalName(prefix_length);
+  }
+  const std::string_view local = text_.substr(begin, end - begin), prefix = text_.substr(at_, prefix_length);
+  return ascii_prefix ? MakeAscii(TokenKind::kPrefixedName, end - at_, local, prefix)
+                      : Make(TokenKind::kPrefixedName, end - at_, local, prefix);
 }
 
 // [169] PN_LOCAL after `prefix_length` bytes and a colon
@@ -437,16 +479,14 @@ Token Lexer::LexEscapedLocalName(size_t prefix_length) {
   return Make(TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), text_.substr(at_, prefix_length));
 }
 
-Token Lexer::LexIri(size_t length) {
-  const std::string_view inside = text_.substr(at_ + 1, length - 2);
-  if (inside.find('\\') == std::string_view::npos) return Make(TokenKind::kIri, length, inside);
+Token Lexer::LexEscapedIri(size_t length) {
   std::string iri;
   for (size_t i = at_ + 1; i + 1 < at_ + length;) {
     if (text_[i] != '\\') {
       iri.push_back(text_[i++]);
       continue;
     }
-    const auto escape = CodePointEscape(text_, i);  // IriLength saw that it is one
+    const auto escape = CodePointEscape(text_, i);  // it is one: seen before
     if (escape->first <= 0x20 || !AppendUtf8(escape->first, &iri)) {
       return Error(length, "an escape in this IRI is not a character that an IRI may hold");
     }
@@ -459,10 +499,9 @@ Token Lexer::LexPunctuation() {
   const char c = text_[at_], next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
   const bool doubled = c == next && (c == '^' || c == '&' || c == '|');
   if (doubled || (next == '=' && (c == '!' || c == '<' || c == '>'))) {
-    return Make(TokenKind::kPunctuation, 2, text_.substr(at_, 2));
+    return MakeAscii(TokenKind::kPunctuation, 2, text_.substr(at_, 2));
   }
-  static constexpr std::string_view kOne = "{}()[].,;=<>!*/+-|^?";
-  if (kOne.find(c) != std::string_view::npos) return Make(TokenKind::kPunctuation, 1, text_.substr(at_, 1));
+  if (Is(c, kPunctuationMark)) return MakeAscii(TokenKind::kPunctuation, 1, text_.substr(at_, 1));
   const size_t length = CodePointAt(text_, at_).second;
   return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
 }

@@ -53,22 +53,24 @@ class Lexer {
   void Advance(size_t bytes);
   SourceSpan SpanOf(size_t length) const;
   Token Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  // The same where all of it is ASCII without a line's end.
+  Token MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   Token Error(size_t length, std::string message, std::string_view hint = {});
   // The same text in the lexer's keeping.
   std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
   Token LexString();
   Token LexNumber();
   Token LexWordOrName();
-  Token LexLocalName(size_t prefix_length);
+  Token LexVariable();
+  Token LexLanguage();
+  Token LexIriOrPunctuation();
+  Token LexLocalName(size_t prefix_length, bool ascii_prefix);
   Token LexBlankLabel();
   Token LexEscapedLocalName(size_t prefix_length);
   Token LexPunctuation();
-  Token LexIri(size_t length);
-  // Length of `<…>` from the current place, or 0 if it is not an IRI.
-  size_t IriLength() const;
+  Token LexEscapedIri(size_t length);
 
   std::string_view text_;
-  bool ascii_;                    // all of the text
   std::deque<std::string> kept_;  // texts of tokens with escapes
   size_t at_ = 0;
   int line_ = 1;
