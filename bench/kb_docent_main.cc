@@ -82,10 +82,11 @@ class Engine {
       const auto holds = query.Ask(run, bound);
       return holds.ok() ? (*holds ? 1 : 0) : Failed(holds.status().ToString(), reason);
     }
+    Term term;
     const absl::Status status = query.Select(run, bound, [&](absl::Span<const TermId> row) {
       for (const TermId id : row) {
         if (id.IsNone()) continue;
-        const Term term = query.Decode(id);
+        query.DecodeTo(id, &term);
         sink_ += term.lexical.size();
         if (rows == 0 && term.datatype == kXsdInteger) last_ = std::atoll(term.lexical.c_str());
       }

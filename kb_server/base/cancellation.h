@@ -28,8 +28,13 @@ class Cancellation {
   absl::Status Check() {
     if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
     if (expired_) return Expired();
-    if ((++polls_ & 1023) != 0 || timeout_.count() == 0) return absl::OkStatus();
-    if (std::chrono::steady_clock::now() < deadline_) return absl::OkStatus();
+    if ((++polls_ & 1023) != 0) return absl::OkStatus();
+    return CheckNow();
+  }
+  // The same, reading the clock at once.
+  absl::Status CheckNow() {
+    if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
+    if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_)) return absl::OkStatus();
     expired_ = true;
     return Expired();
   }

@@ -301,16 +301,24 @@ std::optional<TermId> Dictionary::FindIri(std::string_view iri) const {
 }
 
 Term Dictionary::Decode(TermId id) const {
-  if (!id.InDictionary()) return DecodeInline(id);
+  Term term;
+  DecodeTo(id, &term);
+  return term;
+}
+
+void Dictionary::DecodeTo(TermId id, Term* out) const {
+  if (!id.InDictionary()) {
+    *out = DecodeInline(id);
+    return;
+  }
   const Impl& owner = impl_->OwnerOf(id.payload());
   const Entry& entry = owner.At(id.payload());
-  std::string lexical(entry.view());
-  if (id.IsIri()) return Term::Iri(std::move(lexical));
-  if (id.IsBlank()) return Term::Blank(std::move(lexical));
-  if (entry.qualifier == 0) return Term::Literal(std::move(lexical));
-  std::string qualifier(owner.entries[entry.qualifier - 1].view());
-  return entry.is_language != 0 ? Term{TermKind::kLiteral, std::move(lexical), "", std::move(qualifier)}
-                                : Term{TermKind::kLiteral, std::move(lexical), std::move(qualifier), ""};
+  out->kind = id.IsIri() ? TermKind::kIri : id.IsBlank() ? TermKind::kBlank : TermKind::kLiteral;
+  out->lexical = entry.view();
+  out->datatype.clear();
+  out->language.clear();
+  if (out->kind != TermKind::kLiteral || entry.qualifier == 0) return;
+  (entry.is_language != 0 ? out->language : out->datatype) = owner.entries[entry.qualifier - 1].view();
 }
 
 std::string_view Dictionary::Lexical(TermId id) const {

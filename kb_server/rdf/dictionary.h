@@ -40,6 +40,8 @@ class Dictionary {
   std::optional<TermId> FindIri(std::string_view iri) const;
   // The term of `id`, which this dictionary gave, or which is inline. Any thread.
   Term Decode(TermId id) const;
+  // The same into *out, whose memory is used again: quicker for many.
+  void DecodeTo(TermId id, Term* out) const;
   // The lexical form of a dictionary entry without a copy; the view lives as long as the dictionary.
   // Requires id.InDictionary(). Any thread.
   std::string_view Lexical(TermId id) const;

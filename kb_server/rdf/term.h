@@ -19,8 +19,8 @@ struct Term {
       datatype;  // literals only: the datatype IRI; empty means xsd:string, or rdf:langString with a language
   std::string language;  // literals only: the language tag in lower case, or empty
 
-  static Term Iri(std::string iri) { return {TermKind::kIri, std::move(iri), "", ""}; }
-  static Term Blank(std::string label) { return {TermKind::kBlank, std::move(label), "", ""}; }
+  static Term Iri(std::string iri) { return {TermKind::kIri, std::move(iri), {}, {}}; }
+  static Term Blank(std::string label) { return {TermKind::kBlank, std::move(label), {}, {}}; }
   // A literal of datatype xsd:string is normalised to an empty `datatype`: equal terms are equal structs.
   static Term Literal(std::string lexical, std::string datatype = "");
   static Term LangString(std::string lexical, std::string language);

@@ -86,11 +86,14 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1:
   }
   for (const std::string& name : run.variables()) header.mutable_header()->add_variables(name);
   out.Send(std::move(header));
+  Term term;
   return run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
     v1::QueryReply reply;
     for (TermId id : row) {
       v1::Term* value = reply.mutable_row()->add_values();
-      if (!id.IsNone()) ToProto(run.Decode(id), value);
+      if (id.IsNone()) continue;
+      run.DecodeTo(id, &term);
+      ToProto(term, value);
     }
     return out.Send(std::move(reply));
   });

@@ -100,7 +100,11 @@ class QueryAnswer {
     bool gone = false;
     const absl::Status status = query.Select(run_options_, {}, [&](absl::Span<const TermId> row) {
       for (size_t i = 0; i < terms.size(); ++i) {
-        terms[i] = row[i].IsNone() ? std::nullopt : std::optional<Term>(query.Decode(row[i]));
+        if (row[i].IsNone()) {
+          terms[i].reset();
+        } else {
+          query.DecodeTo(row[i], terms[i] ? &*terms[i] : &terms[i].emplace());
+        }
       }
       writer->Row(terms);
       if (rows.size() >= kFlushBytes) {

@@ -2,6 +2,12 @@
 
 namespace docent::sparql {
 
+bool EvaluationContext::PollNow() {
+  if (status.ok() && cancellation != nullptr) status = cancellation->CheckNow();
+  polls_left_ = status.ok() ? kPolls : 1;
+  return status.ok();
+}
+
 TermId EvaluationContext::Encode(const Term& term) {
   if (term.IsLiteral()) {
     if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
@@ -20,9 +26,12 @@ TermId EvaluationContext::Encode(const Term& term) {
   return id;
 }
 
-Term EvaluationContext::Decode(TermId id) const {
-  if (id.tag() != TermId::Tag::kLocal) return dictionary.Decode(id);
-  return id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
+void EvaluationContext::DecodeTo(TermId id, Term* out) const {
+  if (id.tag() != TermId::Tag::kLocal) {
+    dictionary.DecodeTo(id, out);
+  } else {
+    *out = id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
+  }
 }
 
 Value EvaluationContext::ValueOf(TermId id) const {

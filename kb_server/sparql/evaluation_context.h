@@ -46,6 +46,7 @@ class EvaluationContext {
     random_ = new_seed;
     row_number = 0;
     memory_ = 0;
+    polls_left_ = 1;
     if (!status.ok()) status = absl::OkStatus();
     if (!local_terms_.empty()) {
       local_terms_.clear();
@@ -53,15 +54,8 @@ class EvaluationContext {
     }
   }
 
-  // False once the evaluation must end; `status` says why. For inner loops.
-  bool Poll() {
-    if (cancellation == nullptr) return status.ok();
-    if (!status.ok()) return false;
-    absl::Status now = cancellation->Check();
-    if (now.ok()) return true;
-    status = std::move(now);
-    return false;
-  }
+  // False soon after the evaluation must end; `status` says why. For inner loops.
+  bool Poll() { return --polls_left_ > 0 || PollNow(); }
 
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
   bool Charge(size_t bytes) {
@@ -82,7 +76,12 @@ class EvaluationContext {
   // The id of a term: the dictionary's, inline, or a local one of this run.
   TermId Encode(const Term& term);
   TermId Encode(const Value& value) { return value.id().IsNone() ? Encode(value.ToTerm()) : value.id(); }
-  Term Decode(TermId id) const;
+  void DecodeTo(TermId id, Term* out) const;
+  Term Decode(TermId id) const {
+    Term term;
+    DecodeTo(id, &term);
+    return term;
+  }
   Value ValueOf(TermId id) const;
   // The lexical form, IRI or label of a value, as written where it comes from data.
   std::string LexicalOf(const Value& value) const;
@@ -102,6 +101,11 @@ class EvaluationContext {
   uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
 
  private:
+  static constexpr int kPolls = 64;  // so many in between cost nothing
+
+  bool PollNow();
+
+  int polls_left_ = 1;  // until the status, the caller and the clock are looked at
   size_t memory_limit_;
   size_t memory_ = 0;
   uint64_t random_ = 0;

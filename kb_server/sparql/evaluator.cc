@@ -18,6 +18,11 @@ namespace {
 constexpr uint64_t kReplanFactor = 2;
 constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
 
+const Term& DefaultGraphTerm() {
+  static const Term term = Term::Iri(std::string(kDefaultGraph));
+  return term;
+}
+
 // What PreparedQuery and PreparedExpression have in common: slots, constants, data set, context.
 class Program {
  public:
@@ -28,7 +33,7 @@ class Program {
 
   // The constants that the dictionary did not have at first are looked for again when it has grown.
   // True if one was found.
-  bool ResolveConstants(const std::vector<Term>& terms) {
+  bool ResolveConstants(const std::vector<const Term*>& terms) {
     if (context.constants.size() == terms.size() && unresolved_.empty()) return false;
     const size_t size = dictionary_.size();
     if (context.constants.size() == terms.size() && size == resolved_at_) return false;
@@ -40,22 +45,22 @@ class Program {
     }
     const size_t before = unresolved_.size();
     std::erase_if(unresolved_, [&](size_t i) {
-      const std::optional<TermId> id = dictionary_.Find(terms[i]);
+      const std::optional<TermId> id = dictionary_.Find(*terms[i]);
       if (id) context.constants[i] = *id;
       return id.has_value();
     });
     return unresolved_.size() != before;
   }
 
-  // The data set's graphs, whose numbers among the constants are given.
+  // The data set's graphs, whose numbers among the constants are given; `default_graph` counts where it is strict.
   void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named,
                   int default_graph, int with = -1) {
     DatasetIds& d = context.dataset;
     d.is_explicit = is_explicit;
     const bool strict = options_.default_graph == DefaultGraph::kStrict;
     d.strict = strict || with >= 0;
-    d.default_graph = context.constants[with >= 0 ? with : default_graph];
     d.unnamed_graph = strict ? context.constants[default_graph] : TermId();
+    d.default_graph = with >= 0 ? context.constants[with] : d.unnamed_graph;
     const auto ids = [this](const std::vector<int>& numbers) {
       std::vector<TermId> out;
       for (const int n : numbers) {
@@ -103,7 +108,7 @@ struct PreparedQuery::Impl {
   std::vector<int> columns;      // slots of `names`
   std::vector<int> bound_slots;  // of options.bound
   SlotSet bound;
-  std::vector<Term> constants;
+  std::vector<const Term*> constants;  // of the query
   std::vector<int> from, from_named;
   int default_graph = 0;
   int with = -1;
@@ -130,7 +135,7 @@ absl::Status PreparedQuery::Impl::Lower() {
     bound.Add(bound_slots.back());
   }
   lowering.SetBound(bound);
-  default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
+  if (options.default_graph == DefaultGraph::kStrict) default_graph = lowering.ConstantOf(DefaultGraphTerm());
   if (query.with) with = lowering.ConstantOf(*query.with);
   for (const Term& graph : query.from) from.push_back(lowering.ConstantOf(graph));
   for (const Term& graph : query.from_named) from_named.push_back(lowering.ConstantOf(graph));
@@ -239,7 +244,12 @@ const absl::Status& PreparedQuery::status() const {
   return impl_->program.context.status;
 }
 Term PreparedQuery::Decode(TermId id) const {
-  return impl_->program.context.Decode(id);
+  Term term;
+  DecodeTo(id, &term);
+  return term;
+}
+void PreparedQuery::DecodeTo(TermId id, Term* out) const {
+  impl_->program.context.DecodeTo(id, out);
 }
 TermId PreparedQuery::Encode(const Term& term) {
   return impl_->program.context.Encode(term);
@@ -341,7 +351,7 @@ struct PreparedExpression::Impl {
   PrepareOptions options;
   ExpressionPtr source;  // plans point into it
   PlanExpressionPtr expression;
-  std::vector<Term> constants;
+  std::vector<const Term*> constants;  // of `source`
   int default_graph = 0;
   SlotSet bound;
   std::vector<TermId> base;
@@ -357,7 +367,7 @@ absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
   auto impl = std::make_unique<Impl>(dictionary, options);
   Lowering lowering(dictionary, options.functions);
   for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
-  impl->default_graph = lowering.ConstantOf(Term::Iri(std::string(kDefaultGraph)));
+  if (options.default_graph == DefaultGraph::kStrict) impl->default_graph = lowering.ConstantOf(DefaultGraphTerm());
   impl->source = expression.Clone();
   impl->expression = lowering.LowerExpression(*impl->source);
   if (!lowering.status().ok()) return lowering.status();

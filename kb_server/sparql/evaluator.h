@@ -89,6 +89,8 @@ class PreparedQuery {
   // The term of an id of a row. Computed values (BIND, aggregates) have TermId::Tag::kLocal and are known
   // only here, until the next Start.
   Term Decode(TermId id) const;
+  // The same into *out, whose memory is used again: quicker for many rows.
+  void DecodeTo(TermId id, Term* out) const;
   // As the rows hold it: the dictionary's id, an inline id, or a local one. Equal terms give equal ids.
   TermId Encode(const Term& term);
 

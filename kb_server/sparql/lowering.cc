@@ -59,26 +59,24 @@ void Lowering::Fail(absl::StatusCode code, const SourceSpan& span, const std::st
 }
 
 int Lowering::SlotOf(const std::string& variable, Scope& scope) {
-  const auto [it, added] = scope.emplace(variable, next_slot_);
+  const auto [slot, added] = scope.Add(variable, next_slot_);
   if (added) ++next_slot_;
-  return it->second;
+  return slot;
 }
 
 int Lowering::ConstantOf(const Term& term) {
   constexpr size_t kFew = 16;  // so few are found soonest by looking at each
   if (constants_.size() <= kFew) {
-    const auto place = std::find(constants_.begin(), constants_.end(), term) - constants_.begin();
-    if (place == std::ssize(constants_)) {
-      if (constants_.empty()) constants_.reserve(kFew);
-      constants_.push_back(term);
-    }
+    size_t place = 0;
+    while (place < constants_.size() && *constants_[place] != term) ++place;
+    if (place == constants_.size()) constants_.push_back(&term);
     return static_cast<int>(place);
   }
   if (constant_numbers_.empty()) {
-    for (size_t i = 0; i < constants_.size(); ++i) constant_numbers_.emplace(constants_[i], static_cast<int>(i));
+    for (size_t i = 0; i < constants_.size(); ++i) constant_numbers_.emplace(*constants_[i], static_cast<int>(i));
   }
   const auto [it, added] = constant_numbers_.emplace(term, static_cast<int>(constants_.size()));
-  if (added) constants_.push_back(term);
+  if (added) constants_.push_back(&term);
   return it->second;
 }
 
@@ -400,7 +398,7 @@ PlanNodePtr Lowering::LowerProject(const Algebra& a, Scope& scope, const GraphRe
   SlotSet columns;
   for (const Variable& v : a.variables) {
     const int slot = SlotOf(v.name, scope);
-    inner.emplace(v.name, slot);
+    inner.Add(v.name, slot);
     columns.Add(slot);
   }
   PlanNodePtr node = Over(Plan::kProject, Lower(*a.children[0], top ? scope : inner, graph, false));

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/function_registry.h"
+#include "kb_server/sparql/name_numbers.h"
 #include "kb_server/sparql/plan.h"
 
 namespace docent::sparql {
@@ -33,12 +34,12 @@ class Lowering {
   const absl::Status& status() const { return status_; }
   size_t slots() const { return static_cast<size_t>(next_slot_); }
   // The constants by number, when all is lowered; the lowering has none afterwards.
-  std::vector<Term> TakeConstants() { return std::move(constants_); }
-  int ConstantOf(const Term& term);
+  std::vector<const Term*> TakeConstants() { return std::move(constants_); }
+  int ConstantOf(const Term& term);  // which must live as long as what is lowered
   const SlotSet& bound() const { return bound_; }
 
  private:
-  using Scope = absl::flat_hash_map<std::string, int>;
+  using Scope = NameNumbers;  // of variables: their slots
 
   int SlotOf(const std::string& variable, Scope& scope);
   PlanTerm TermOf(const PatternTerm& term, Scope& scope);
@@ -64,7 +65,7 @@ class Lowering {
   Scope root_;
   SlotSet bound_;
   int next_slot_ = 0;
-  std::vector<Term> constants_;
+  std::vector<const Term*> constants_;
   absl::flat_hash_map<Term, int> constant_numbers_;  // where there are many
   absl::Status status_;
 };

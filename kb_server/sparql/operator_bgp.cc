@@ -21,14 +21,11 @@ constexpr uint64_t kFewLookups = 256;  // below, a table is never worth it
 class BgpOperator final : public Operator {
  public:
   BgpOperator(PlanNode& node, const BuildContext& build)
-      : node_(node),
-        context_(*build.context),
-        row_(build.slots),
-        levels_(node.patterns.size()),
-        filters_(node.patterns.size() + 1) {
+      : node_(node), context_(*build.context), row_(build.slots), levels_(node.patterns.size()) {
     SlotSet bound;
     std::vector<bool> placed(node.filters.size());
     for (size_t level = 0; level < node.patterns.size(); ++level) {
+      levels_[level].pattern = &node.patterns[level];
       for (const PlanTerm& term : node.patterns[level].terms) {
         if (term.slot >= 0) bound.Add(term.slot);
       }
@@ -36,12 +33,12 @@ class BgpOperator final : public Operator {
         // Slots outside the patterns are initial bindings.
         if (placed[f] || !node.filter_slots[f].And(node.certain).Within(bound)) continue;
         const bool early = level == 0 && node.filter_slots[f].And(node.certain).empty();
-        filters_[early ? 0 : level + 1].push_back(node.filters[f].get());
+        (early ? filters_ : levels_[level].filters).push_back(node.filters[f].get());
         placed[f] = true;
       }
     }
     for (size_t f = 0; f < node.filters.size(); ++f) {
-      if (!placed[f]) filters_.back().push_back(node.filters[f].get());
+      if (!placed[f]) (levels_.empty() ? filters_ : levels_.back().filters).push_back(node.filters[f].get());
       PrepareExpression(*node.filters[f], build);
     }
   }
@@ -62,46 +59,43 @@ class BgpOperator final : public Operator {
   }
 
   bool Next(TermId* out) override {
-    const int last = static_cast<int>(levels_.size()) - 1;
-    int level = last;
     if (state_ == State::kDone) return false;
-    if (state_ == State::kFresh) {
-      state_ = State::kRunning;
-      if (!PassesAt(0)) return Done();
-      if (last < 0) {
-        state_ = State::kDone;
-        return Emit(out);
-      }
-      level = 0;
-      Open(0);
+    const bool fresh = state_ == State::kFresh;
+    if (fresh) {
+      if (!Pass(filters_)) return Done();
+      state_ = levels_.empty() ? State::kDone : State::kRunning;
+      if (levels_.empty()) return Emit(out);
     }
-    while (level >= 0) {
-      Level& now = levels_[level];
-      if (!(now.hashed ? now.table.Next(row_.data(), context_) : now.scan.Next(row_.data()))) {
-        --level;
+    Level *const first = &levels_.front(), *const last = &levels_.back();
+    Level* now = fresh ? first : last;
+    if (fresh) Open(*now);
+    while (true) {
+      if (!(now->hashed ? now->table.Next(row_.data(), context_) : now->scan.Next(row_.data()))) {
+        if (now == first) return Done();
+        --now;
         continue;
       }
-      ++node_.patterns[level].rows;
-      if (!PassesAt(level + 1)) continue;
-      if (level == last) return Emit(out);
-      Open(++level);
+      ++now->pattern->rows;
+      if (!Pass(now->filters)) continue;
+      if (now == last) return Emit(out);
+      Open(*++now);
     }
-    return Done();
   }
 
  private:
   enum class State { kFresh, kRunning, kDone };
   struct Level {
+    PlanPattern* pattern = nullptr;
     PatternScan scan;
     PatternTable table;
-    uint64_t lookups = 0;  // of the index in this run
-    bool tried = false;    // there may be a table
-    bool hashed = false;   // it is open, not `scan`
+    std::vector<PlanExpression*> filters;  // once it has a match
+    uint64_t lookups = 0;                  // of the index in this run
+    bool tried = false;                    // there may be a table
+    bool hashed = false;                   // it is open, not `scan`
   };
 
-  void Open(int number) {
-    Level& level = levels_[number];
-    PlanPattern& pattern = node_.patterns[number];
+  void Open(Level& level) {
+    PlanPattern& pattern = *level.pattern;
     level.hashed = level.tried && level.table.Fits(row_.data());
     if (!level.hashed && ++level.lookups > kFewLookups &&
         static_cast<double>(level.lookups) * kMatchesALookup > pattern.matches) {
@@ -126,17 +120,18 @@ class BgpOperator final : public Operator {
     ++context_.row_number;
     return true;
   }
-  bool PassesAt(int level) {
-    return std::all_of(filters_[level].begin(), filters_[level].end(),
-                       [&](PlanExpression* filter) { return Passes(*filter, row_.data(), context_); });
+  bool Pass(const std::vector<PlanExpression*>& filters) {
+    for (PlanExpression* filter : filters) {
+      if (!Passes(*filter, row_.data(), context_)) return false;
+    }
+    return true;
   }
 
   PlanNode& node_;
   EvaluationContext& context_;
   std::vector<TermId> row_;
   std::vector<Level> levels_;
-  std::vector<std::vector<PlanExpression*>>
-      filters_;  // [0]: before the first pattern, [i + 1]: after pattern i
+  std::vector<PlanExpression*> filters_;  // before the first pattern
   State state_ = State::kDone;
 };
 

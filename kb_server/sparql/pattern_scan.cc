@@ -1,6 +1,7 @@
 #include "kb_server/sparql/pattern_scan.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace docent::sparql {
 
@@ -32,8 +33,7 @@ bool PatternScan::OpenGraph(const GraphRef& graph, const TermId* row, QuadPatter
   const TermId bound =
       graph.name.constant >= 0 ? context_->constants[graph.name.constant] : row[graph.name.slot];
   if (bound.IsNone()) {
-    assign_[3] = graph.name.slot;
-    ++assigns_;
+    assigns_[assigned_++] = {graph.name.slot, 3};
     return true;
   }
   quad->graph = bound;
@@ -48,40 +48,22 @@ bool PatternScan::GraphAllowed(TermId graph) const {
 void PatternScan::Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context) {
   context_ = &context;
   valid_ = false;
-  assigns_ = 0;
-  repeats_ = false;
-  assign_[3] = -1;
+  assigned_ = 0;
+  equals_ = 0;
   QuadPattern quad;
+  if (!OpenGraph(pattern.graph, row, &quad) || quad.graph.tag() == TermId::Tag::kLocal) return;
   TermId* const positions[] = {&quad.subject, &quad.predicate, &quad.object};
-  bool possible = OpenGraph(pattern.graph, row, &quad) && quad.graph.tag() != TermId::Tag::kLocal;
   for (int i = 0; i < 3; ++i) {
-    assign_[i] = -1;
-    same_as_[i] = -1;
     const PlanTerm& term = pattern.terms[i];
-    if (term.slot < 0) {
-      *positions[i] = context.constants[term.constant];
-    } else if (!row[term.slot].IsNone()) {
-      *positions[i] = row[term.slot];
+    const TermId id = term.slot < 0 ? context.constants[term.constant] : row[term.slot];
+    if (id.IsNone()) {
+      AssignTo(term.slot, i);
+    } else if (id.tag() == TermId::Tag::kLocal) {
+      return;  // the store knows no such term
     } else {
-      for (int k = 0; k < i; ++k) {
-        if (pattern.terms[k].slot == term.slot) same_as_[i] = k;
-      }
-      if (same_as_[i] < 0) {
-        assign_[i] = term.slot;
-        ++assigns_;
-      } else {
-        repeats_ = true;
-      }
-    }
-    possible &= positions[i]->tag() != TermId::Tag::kLocal;
-  }
-  // GRAPH ?g { ?g … }: the graph's own variable may stand in a position, too
-  if (assign_[3] >= 0) {
-    for (int i = 0; i < 3; ++i) {
-      if (assign_[i] == assign_[3]) repeats_ = true;
+      *positions[i] = id;
     }
   }
-  if (!possible) return;
   if (known_) {
     context.version->Rescan(quad, &cursor_);
   } else {
@@ -91,6 +73,15 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
   last_ = Quad{};
   valid_ = true;
   first_ = true;
+}
+
+void PatternScan::AssignTo(int slot, int position) {
+  for (int k = 0; k < assigned_; ++k) {  // ?x ?p ?x, or GRAPH ?g { ?g … }
+    if (assigns_[k].slot != slot) continue;
+    equal_[equals_++] = {assigns_[k].position, position};
+    return;
+  }
+  assigns_[assigned_++] = {slot, position};
 }
 
 bool PatternScan::Next(TermId* row) {
@@ -108,20 +99,13 @@ bool PatternScan::Next(TermId* row) {
         continue;
       last_ = quad;
     }
-    const TermId terms[] = {quad.subject, quad.predicate, quad.object, quad.graph};
-    if (repeats_) {
+    const auto terms = std::bit_cast<std::array<TermId, 4>>(quad);
+    if (equals_ > 0) {
       bool same = true;
-      for (int i = 0; i < 3; ++i) {
-        if (same_as_[i] >= 0) same &= terms[i] == terms[same_as_[i]];
-        if (assign_[3] >= 0 && assign_[i] == assign_[3]) same &= terms[i] == terms[3];
-      }
+      for (int k = 0; k < equals_; ++k) same &= terms[equal_[k].first] == terms[equal_[k].second];
       if (!same) continue;
     }
-    if (assigns_ > 0) {
-      for (int i = 0; i < 4; ++i) {
-        if (assign_[i] >= 0) row[assign_[i]] = terms[i];
-      }
-    }
+    for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = terms[assigns_[k].position];
     return true;
   }
   Close(row);
@@ -130,12 +114,8 @@ bool PatternScan::Next(TermId* row) {
 
 void PatternScan::Close(TermId* row) {
   valid_ = false;
-  if (assigns_ == 0) return;
-  for (int& slot : assign_) {
-    if (slot >= 0) row[slot] = TermId();
-    slot = -1;
-  }
-  assigns_ = 0;
+  for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = TermId();
+  assigned_ = 0;
 }
 
 }  // namespace docent::sparql

@@ -2,6 +2,9 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_PATTERN_SCAN_H_
 #define DOCENT_KB_SERVER_SPARQL_PATTERN_SCAN_H_
 
+#include <array>
+#include <utility>
+
 #include "kb_server/sparql/evaluation_context.h"
 #include "kb_server/sparql/plan.h"
 #include "kb_server/store/graph_version.h"
@@ -22,6 +25,13 @@ class PatternScan {
   // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.
   bool OpenGraph(const GraphRef& graph, const TermId* row, QuadPattern* quad);
   bool GraphAllowed(TermId graph) const;
+  void AssignTo(int slot, int position);
+
+  // The matches give `slot` the term at this position (0 to 3: subject, predicate, object, graph).
+  struct Assign {
+    int slot;
+    int position;
+  };
 
   EvaluationContext* context_ = nullptr;
   QuadCursor cursor_;
@@ -32,10 +42,10 @@ class PatternScan {
   bool merge_ = false;                         // the same triple in several graphs is one match
   const std::vector<TermId>* only_ = nullptr;  // graphs allowed; null: all
   TermId except_;                              // graph not allowed
-  int assign_[4];                              // slots that take the quad's positions; -1: already bound
-  int assigns_ = 0;
-  int same_as_[3];  // an earlier position that must hold the same term; -1: none
-  bool repeats_ = false;
+  std::array<Assign, 4> assigns_;
+  int assigned_ = 0;  // how many of them
+  std::array<std::pair<int, int>, 4> equal_;  // positions that must hold the same term
+  int equals_ = 0;
 };
 
 }  // namespace docent::sparql

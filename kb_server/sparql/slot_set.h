@@ -10,55 +10,62 @@ namespace docent::sparql {
 
 class SlotSet {
  public:
-  void Add(int slot) {
-    const size_t word = static_cast<size_t>(slot) / 64;
-    if (word >= words_.size()) words_.resize(word + 1);
-    words_[word] |= uint64_t{1} << (slot % 64);
-  }
+  void Add(int slot) { WordOf(slot) |= Bit(slot); }
   void Remove(int slot) {
-    const size_t word = static_cast<size_t>(slot) / 64;
-    if (word < words_.size()) words_[word] &= ~(uint64_t{1} << (slot % 64));
+    if (Contains(slot)) WordOf(slot) &= ~Bit(slot);
   }
   bool Contains(int slot) const {
-    const size_t word = static_cast<size_t>(slot) / 64;
-    return word < words_.size() && (words_[word] >> (slot % 64) & 1) != 0;
+    if (slot < 64) return (first_ & Bit(slot)) != 0;
+    const size_t word = static_cast<size_t>(slot) / 64 - 1;
+    return word < more_.size() && (more_[word] & Bit(slot)) != 0;
   }
   bool empty() const {
-    return std::all_of(words_.begin(), words_.end(), [](uint64_t w) { return w == 0; });
+    return first_ == 0 && std::all_of(more_.begin(), more_.end(), [](uint64_t w) { return w == 0; });
   }
   bool Within(const SlotSet& other) const { return Minus(other).empty(); }
   bool Meets(const SlotSet& other) const { return !And(other).empty(); }
 
   SlotSet& operator|=(const SlotSet& other) {
-    if (other.words_.size() > words_.size()) words_.resize(other.words_.size());
-    for (size_t i = 0; i < other.words_.size(); ++i) words_[i] |= other.words_[i];
+    first_ |= other.first_;
+    if (other.more_.size() > more_.size()) more_.resize(other.more_.size());
+    for (size_t i = 0; i < other.more_.size(); ++i) more_[i] |= other.more_[i];
     return *this;
   }
   SlotSet Or(const SlotSet& other) const { return SlotSet(*this) |= other; }
   SlotSet And(const SlotSet& other) const {
     SlotSet out = *this;
-    for (size_t i = 0; i < out.words_.size(); ++i)
-      out.words_[i] &= i < other.words_.size() ? other.words_[i] : 0;
+    out.first_ &= other.first_;
+    for (size_t i = 0; i < out.more_.size(); ++i) out.more_[i] &= i < other.more_.size() ? other.more_[i] : 0;
     return out;
   }
   SlotSet Minus(const SlotSet& other) const {
     SlotSet out = *this;
-    for (size_t i = 0; i < std::min(out.words_.size(), other.words_.size()); ++i)
-      out.words_[i] &= ~other.words_[i];
+    out.first_ &= ~other.first_;
+    for (size_t i = 0; i < std::min(out.more_.size(), other.more_.size()); ++i) out.more_[i] &= ~other.more_[i];
     return out;
   }
   // The members in ascending order.
   std::vector<int> List() const {
     std::vector<int> out;
-    for (size_t i = 0; i < words_.size(); ++i) {
-      for (uint64_t w = words_[i]; w != 0; w &= w - 1)
-        out.push_back(static_cast<int>(i * 64) + __builtin_ctzll(w));
-    }
+    AddMembers(first_, 0, &out);
+    for (size_t i = 0; i < more_.size(); ++i) AddMembers(more_[i], static_cast<int>(i + 1) * 64, &out);
     return out;
   }
 
  private:
-  std::vector<uint64_t> words_;
+  static uint64_t Bit(int slot) { return uint64_t{1} << (slot % 64); }
+  static void AddMembers(uint64_t word, int begin, std::vector<int>* out) {
+    for (uint64_t w = word; w != 0; w &= w - 1) out->push_back(begin + __builtin_ctzll(w));
+  }
+  uint64_t& WordOf(int slot) {
+    if (slot < 64) return first_;
+    const size_t word = static_cast<size_t>(slot) / 64 - 1;
+    if (word >= more_.size()) more_.resize(word + 1);
+    return more_[word];
+  }
+
+  uint64_t first_ = 0;          // slots 0 to 63
+  std::vector<uint64_t> more_;  // those from 64 on, which few queries have
 };
 
 }  // namespace docent::sparql
