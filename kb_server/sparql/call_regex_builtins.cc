@@ -98,7 +98,7 @@ std::optional<std::string> Rewrite(std::string_view replacement, int groups, boo
 
 }  // namespace
 
-Value CallRegexBuiltin(PlanExpression& e, std::vector<Value>& a, EvaluationContext& context) {
+Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, EvaluationContext& context) {
   (void)context;
   const size_t flags_at = e.builtin == Builtin::kRegex ? 2 : 3;
   if (!a[0].IsStringLike() || a[1].type() != Type::kString) return Value::Error();

@@ -101,7 +101,7 @@ std::string EncodeForUri(std::string_view text) {
 
 }  // namespace
 
-Value CallStringBuiltin(PlanExpression& e, std::vector<Value>& a, EvaluationContext& context) {
+Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& a, EvaluationContext& context) {
   (void)context;
   if (e.builtin == Builtin::kConcat) return CallConcat(a);
   if (e.builtin == Builtin::kSubstr) return CallSubstr(a);

@@ -110,7 +110,7 @@ Value WithLanguage(const Value& text, const Value& language) {
 
 }  // namespace
 
-Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context) {
+Value CallTermBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context) {
   const auto& a = arguments;
   switch (e.builtin) {
     case Builtin::kStr:
@@ -154,7 +154,7 @@ Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, Evaluati
   }
 }
 
-Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context) {
+Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context) {
   switch (e.builtin) {
     case Builtin::kLangMatches:
     case Builtin::kConcat:

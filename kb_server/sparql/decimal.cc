@@ -1,6 +1,7 @@
 #include "kb_server/sparql/decimal.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace docent::sparql {
@@ -11,6 +12,8 @@ constexpr int kMaxScale = 36;
 
 // value * 10^digits
 std::optional<Int128> ScaleUp(Int128 value, int digits) {
+  static constexpr std::array<int64_t, 5> kPowers = {1, 10, 100, 1000, 10000};
+  if (value == static_cast<int64_t>(value) && digits < std::ssize(kPowers)) return value * kPowers[digits];
   for (int i = 0; i < digits; ++i) {
     if (__builtin_mul_overflow(value, static_cast<Int128>(10), &value)) return std::nullopt;
   }
@@ -149,6 +152,7 @@ std::optional<Decimal> Divide(const Decimal& a, const Decimal& b) {
 }
 
 int Compare(const Decimal& a, const Decimal& b) {
+  if (a.scale == b.scale) return a.mantissa < b.mantissa ? -1 : a.mantissa > b.mantissa ? 1 : 0;
   if (const auto aligned = Align(a, b)) {
     return aligned->first < aligned->second ? -1 : aligned->first > aligned->second ? 1 : 0;
   }

@@ -137,13 +137,15 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
       }
       return Value::Error();
     default: {
-      std::vector<Value> arguments;
-      arguments.reserve(e.arguments.size());
-      for (const PlanExpressionPtr& argument : e.arguments) {
-        arguments.push_back(Evaluate(*argument, row, context));
-        if (arguments.back().IsError()) return Value::Error();
+      if (e.values.size() != e.arguments.size()) {
+        e.values.resize(e.arguments.size());
+        for (size_t i = 0; i < e.values.size(); ++i) e.values[i] = e.arguments[i]->constant;
       }
-      return CallBuiltin(e, arguments, context);
+      for (size_t i = 0; i < e.values.size(); ++i) {
+        if (e.arguments[i]->kind != Kind::kTerm) e.values[i] = Evaluate(*e.arguments[i], row, context);
+        if (e.values[i].IsError()) return Value::Error();
+      }
+      return CallBuiltin(e, e.values, context);
     }
   }
 }

@@ -18,13 +18,13 @@ inline bool Passes(PlanExpression& e, const TermId* row, EvaluationContext& cont
 }
 // One of the functions of section 17.4 on evaluated arguments; not BOUND, COALESCE, IF, which see their
 // arguments first.
-Value CallBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 // The groups of builtins, one file each.
-Value CallStringBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
-Value CallTermBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
+Value CallTermBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext& context);
 Value CallHashBuiltin(Builtin builtin, const Value& argument);
-Value CallRegexBuiltin(PlanExpression& e, std::vector<Value>& arguments, EvaluationContext& context);
+Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 
 }  // namespace docent::sparql
 

@@ -266,14 +266,12 @@ class OrderByOperator final : public Operator {
     row.slots.resize(width_);
     row.keys.resize(node_.order.size());
     for (; child_->Next(row.slots.data()) && context_.Poll(); ++row.number) {
-      for (size_t i = 0; i < row.keys.size(); ++i) {
-        row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
-      }
       if (!node_.limit || rows_.size() < *node_.limit) {
+        EvaluateKeys(row, 0);
         if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + row.keys.size() * sizeof(Value))) return;
         rows_.push_back(row);
         if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
-      } else if (!rows_.empty() && Before(row, rows_.front())) {  // the heap's top is the last of the first rows
+      } else if (!rows_.empty() && GoesBefore(row, rows_.front())) {  // the heap's top is the last of the first rows
         std::pop_heap(rows_.begin(), rows_.end(), before);
         rows_.back() = row;
         std::push_heap(rows_.begin(), rows_.end(), before);
@@ -281,6 +279,26 @@ class OrderByOperator final : public Operator {
     }
     // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
     std::stable_sort(rows_.begin(), rows_.end(), [&](const Row& a, const Row& b) { return context_.Poll() && Before(a, b); });
+  }
+
+  void EvaluateKeys(Row& row, size_t from) {
+    for (size_t i = from; i < row.keys.size(); ++i) {
+      row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
+    }
+  }
+
+  // The same as Before, of a row without keys that comes after `last`; it gets them if it goes before. Most do not, and the
+  // first key tells.
+  bool GoesBefore(Row& row, const Row& last) {
+    for (size_t i = 0; i < row.keys.size(); ++i) {
+      row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
+      const int order = CompareForOrder(row.keys[i], last.keys[i]);
+      if (order == 0) continue;
+      const bool before = node_.order[i].second ? order > 0 : order < 0;
+      if (before) EvaluateKeys(row, i + 1);
+      return before;
+    }
+    return false;
   }
 
   bool Before(const Row& a, const Row& b) const {

@@ -53,6 +53,7 @@ struct PlanExpression {
   Value constant;
   Term term;  // kTerm as written; kFunction: the IRI
   std::vector<std::unique_ptr<PlanExpression>> arguments;
+  std::vector<Value> values;  // kBuiltin: of the arguments, at the last call; those of constants stay
   std::unique_ptr<PlanNode> exists;
   std::unique_ptr<Operator> exists_operator;
   std::vector<TermId> exists_base, exists_row;
