@@ -450,6 +450,7 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
   }
   if (select != nullptr) {
     NameNumbers named;
+    projection->reserve(select->items.size());
     for (SelectItem& item : select->items) {
       const bool first = named.Add(item.variable.name, 0).second;
       if (item.expression) {

@@ -158,6 +158,7 @@ JoinOrder::State JoinOrder::Extend(const State& state, const Pattern& pattern) c
 
 std::vector<size_t> JoinOrder::Greedy(State* end) const {
   std::vector<size_t> order;
+  order.reserve(patterns_.size());
   std::vector<bool> used(patterns_.size());
   *end = Begin();
   while (order.size() < patterns_.size()) {

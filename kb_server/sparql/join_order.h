@@ -68,7 +68,7 @@ class JoinOrder {
   PlanNode& bgp_;
   const EvaluationContext& context_;
   uint64_t initial_ = 0;
-  std::vector<int> slots_;  // of the variables
+  absl::InlinedVector<int, 8> slots_;  // of the variables
   std::vector<Pattern> patterns_;
   std::vector<Filter> filters_;
 };

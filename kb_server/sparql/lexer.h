@@ -3,7 +3,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_LEXER_H_
 #define DOCENT_KB_SERVER_SPARQL_LEXER_H_
 
-#include <deque>
+#include <list>
 #include <string>
 #include <string_view>
 
@@ -71,7 +71,7 @@ class Lexer {
   Token LexEscapedIri(size_t length);
 
   std::string_view text_;
-  std::deque<std::string> kept_;  // texts of tokens with escapes
+  std::list<std::string> kept_;  // texts of tokens with escapes
   size_t at_ = 0;
   int line_ = 1;
   int column_ = 1;

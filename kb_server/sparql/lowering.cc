@@ -181,8 +181,9 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
 
 PlanNodePtr Lowering::LowerBgp(const Algebra& a, Scope& scope, const GraphRef& graph) {
   PlanNodePtr node = Node(Plan::kBgp);
+  node->patterns.reserve(a.triples.size());
   for (const TriplePattern& t : a.triples) {
-    PlanPattern pattern;
+    PlanPattern& pattern = node->patterns.emplace_back();
     const PatternTerm* terms[] = {&t.subject, &t.predicate, &t.object};
     for (int i = 0; i < 3; ++i) {
       pattern.terms[i] = TermOf(*terms[i], scope);
@@ -190,7 +191,6 @@ PlanNodePtr Lowering::LowerBgp(const Algebra& a, Scope& scope, const GraphRef& g
     }
     pattern.graph = graph;
     pattern.source = &t;
-    node->patterns.push_back(std::move(pattern));
   }
   node->possible = node->certain;
   node->mentions = node->certain;

@@ -33,7 +33,7 @@ class QuadCursor {
   bool Valid() const { return iterator_.Valid(); }
   void Next() {
     iterator_.Next();
-    Settle();
+    if (iterator_.Valid()) Settle();
   }
   // Moves forward to the first match whose key in this cursor's order is >= the key of `target`; stays if the
   // current one is. O(log distance).

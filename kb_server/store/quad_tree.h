@@ -92,7 +92,7 @@ class QuadTree::Iterator {
   const Leaf* leaf() const { return leaf_; }
   int position() const { return position_; }
   void Next() {
-    if (++position_ == limit_) NextLeaf();
+    if (++position_ == limit_ && !last_leaf_) NextLeaf();
   }
   // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
   void Seek(const Key& target);

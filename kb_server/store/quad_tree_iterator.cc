@@ -30,10 +30,7 @@ void QuadTree::Iterator::EnterLeaf(const Leaf* leaf, const Key& from) {
   leaf_ = leaf;
   position_ = leaf->LowerBound(from, 0, leaf->count);
   SetLimit();
-  if (position_ >= limit_) {
-    position_ = limit_;
-    NextLeaf();
-  }
+  if (position_ >= limit_ && !last_leaf_) NextLeaf();
 }
 
 void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
@@ -53,10 +50,7 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
   const int near = position_ < leaf_->count && leaf_->LessAt(position_, first) ? position_ + 1 : 0;
   position_ = leaf_->LowerBound(first, near, leaf_->count);
   SetLimit();
-  if (position_ >= limit_) {
-    position_ = limit_;
-    NextLeaf();
-  }
+  if (position_ >= limit_ && !last_leaf_) NextLeaf();
 }
 
 void QuadTree::Iterator::SetLimit() {
@@ -65,7 +59,6 @@ void QuadTree::Iterator::SetLimit() {
 }
 
 void QuadTree::Iterator::NextLeaf() {
-  if (last_leaf_) return;
   int level = height_ - 1;
   while (level >= 0 && path_[level].index + 1 == path_[level].node->count) --level;
   if (level < 0) {
