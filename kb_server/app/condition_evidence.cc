@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 
 namespace docent {
 namespace {
@@ -25,7 +27,7 @@ ConditionEvidence::ConditionEvidence(const sparql::Query& query, const Dictionar
 }
 
 std::string ConditionEvidence::Text(const GraphVersion& version, const TermBinding& binding) const {
-  std::string text;
+  std::vector<std::string> lines;
   for (const sparql::TriplePattern& pattern : patterns_) {
     const Term* subject = ValueOf(pattern.subject, binding);
     const Term* predicate = ValueOf(pattern.predicate, binding);
@@ -34,9 +36,12 @@ std::string ConditionEvidence::Text(const GraphVersion& version, const TermBindi
     const std::optional<TermId> s = dictionary_->Find(*subject), p = dictionary_->Find(*predicate),
                                 o = dictionary_->Find(*object);
     if (!s || !p || !o || version.Count({*s, *p, *o, TermId()}) == 0) continue;
-    absl::StrAppend(&text, ToNTriples(*subject), " ", ToNTriples(*predicate), " ", ToNTriples(*object), " .\n");
+    std::string line =
+        absl::StrCat(ToNTriples(*subject), " ", ToNTriples(*predicate), " ", ToNTriples(*object), " .\n");
+    // Two patterns may be met by one fact.
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(std::move(line));
   }
-  return text;
+  return absl::StrJoin(lines, "");
 }
 
 }  // namespace docent

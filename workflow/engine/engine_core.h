@@ -89,7 +89,8 @@ struct Engine::Core {
   Run* Mutable(const RunId& id);
   // The deployment to be changed (made if there is none); journals it first.
   Deployment& MutableDeployment(const std::string& workflow);
-  // So many (1 or -1) alternatives of the activator more give `key`. Journals how many did, and returns it.
+  // So many (1 or -1) alternatives of the activator more give `key`, never less than none. Journals how many did, and
+  // returns it.
   int AddActive(const std::string& workflow, const std::string& key, int more);
 
   // Starts a run of `flow` with these variables. The caller gives the parent, if any.

@@ -161,9 +161,10 @@ TEST(TurnTest, EvidenceIsOfTheAlternativeThatHoldsAndOfFactsAlone) {
   };
   world.Must(test::Put(Document::Kind::kCawl, "search.xml",
                        "<CAWL name=\"Search\" namespace=\"urn:w:\" version=\"1\"><activator name=\"Act\"><activate flow=\"F\"/>"
-                       "<condition><context name=\"C\"><rule name=\"r\" expression=\"(a and b) or c or d\">" +
+                       "<condition><context name=\"C\"><rule name=\"r\" expression=\"(a and b) or c or d or (e and f)\">" +
                            say("a", "?who", "likes", "?thing") + say("b", "?thing", "inRoom", "?room") +
                            say("c", "?who", "status", "&lt;urn:w:Gone&gt;") + say("d", "?who", "lost", "?why") +
+                           say("e", "?who", "knows", "?other") + say("f", "?other", "knows", "?who") +
                            "</rule></context></condition></activator><flow name=\"F\"><source name=\"s\"/>"
                            "<node name=\"n\"/><sink name=\"t\"/><link from=\"s\" to=\"n\"/><link from=\"n\" to=\"t\"/></flow></CAWL>"));
   world.Must(test::Tell({Fact("t1", "inRoom", "r1"), Fact("t2", "inRoom", "r2")}));
@@ -176,6 +177,7 @@ TEST(TurnTest, EvidenceIsOfTheAlternativeThatHoldsAndOfFactsAlone) {
   EXPECT_EQ(cause({Fact("V1", "likes", "t1")}),
             "activator Act: <urn:w:V1> <urn:w:likes> <urn:w:t1> . <urn:w:t1> <urn:w:inRoom> <urn:w:r1> . ");
   EXPECT_EQ(cause({Fact("V2", "status", "Gone")}), "activator Act: <urn:w:V2> <urn:w:status> <urn:w:Gone> . ");
+  EXPECT_EQ(cause({Fact("V3", "knows", "V3")}), "activator Act: <urn:w:V3> <urn:w:knows> <urn:w:V3> . ");  // two patterns
 }
 
 TEST(TurnTest, AConditionThatHoldsAlreadyFiresInTheTurnThatStartsTheRun) {
