@@ -61,6 +61,7 @@ class EvaluationContext {
   bool Charge(size_t bytes) {
     memory_ += bytes;
     if (memory_ <= memory_limit_) return true;
+    polls_left_ = 1;  // the next one tells
     if (status.ok()) {
       status = absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
                                             std::to_string(memory_limit_));
@@ -101,7 +102,7 @@ class EvaluationContext {
   uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
 
  private:
-  static constexpr int kPolls = 64;  // so many in between cost nothing
+  static constexpr int kPolls = 64;  // all but the last of so many cost nothing
 
   bool PollNow();
 

@@ -82,7 +82,7 @@ std::optional<Query> Grammar::QueryUnit() {
     Expected("the end of the query");
     return std::nullopt;
   }
-  query.base_iri = std::move(base_iri_);
+  query.base_iri = std::move(base_iri_);  // all is read: nothing is resolved any more
   query.prefixes = std::move(prefixes_);
   return query;
 }

@@ -141,7 +141,10 @@ bool Grammar::ObjectList(const PatternTerm& subject, const Path* path, PatternTe
     if (sink->triples.empty()) sink->triples.reserve(4);
     TriplePattern& triple = sink->triples.emplace_back();
     triple.subject = subject;
-    if (!VarOrTerm(sink, &triple.object)) return false;
+    if (!VarOrTerm(sink, &triple.object)) {
+      sink->triples.pop_back();
+      return false;
+    }
     if (At(",")) {
       triple.predicate = verb;
     } else {

@@ -86,7 +86,7 @@ class QuadTree::Iterator {
  public:
   Iterator() = default;
   bool Valid() const { return position_ < limit_; }
-  // Requires Valid(), as do the next two.
+  // Requires Valid(), as do those up to Next.
   Key key() const;
   // Where key() is. For what includes quad_tree_node.h to read it in place.
   const Leaf* leaf() const { return leaf_; }

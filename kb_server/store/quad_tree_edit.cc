@@ -38,7 +38,8 @@ Packing PackingFor(std::span<const Key> keys) {
     int width = WidthOf(high - low);
     packing.mask[c] = MaskOf(width);
     uint64_t slack = packing.mask[c] - (high - low);
-    packing.base[c] = width == 8 ? 0 : low - std::min(low, slack / 2);  // so that no word is below it
+    // No word that the column holds is below its base, or beyond what 64 bits can tell.
+    packing.base[c] = std::min(low - std::min(low, slack / 2), ~packing.mask[c]);
     packing.offset[c] = packing.stride;
     packing.stride = static_cast<uint8_t>(packing.stride + width);
   }

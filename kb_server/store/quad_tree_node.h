@@ -44,8 +44,8 @@ struct QuadTree::Leaf : Node {
     return base[column] + (raw & mask[column]);
   }
   Key KeyAt(int i) const { return {Word(i, 0), Word(i, 1), Word(i, 2), Word(i, 3)}; }
-  // Whether `key` can be written in this leaf's columns. (For a word below the base the difference wraps, and is larger
-  // than any mask but that of all 8 bytes, whose base is 0.)
+  // Whether `key` can be written in this leaf's columns. (For a word below the base the difference wraps and is larger than
+  // the mask, since base + mask is at most 2^64 - 1.)
   bool Holds(const Key& key) const {
     for (int c = 0; c < 4; ++c) {
       if (key[c] - base[c] > mask[c]) return false;

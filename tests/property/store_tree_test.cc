@@ -150,6 +150,18 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
   for (const auto& [version, keys] : versions) ASSERT_EQ(All(version), keys);
 }
 
+TEST(StoreTree, WordsBesideTheGreatestAndTheLeastInOneLeaf) {
+  QuadTree tree;
+  const uint64_t epoch = QuadTree::NewEpoch();
+  const std::vector<Key> keys = {{0, 0, 0, 0}, {5, 0, 0, 0}, {kMax - 300, 1, 0, 0}, {kMax - 1, 0, 0, 0}, {kMax, 0, 0, 0}};
+  for (const size_t i : {3, 4, 1, 0, 2}) {
+    ASSERT_TRUE(tree.Insert(keys[i], epoch));
+    tree.CheckInvariants();
+    ASSERT_TRUE(tree.Contains(keys[i]));
+  }
+  EXPECT_EQ(All(tree), keys);
+}
+
 TEST_P(StoreTreeProperty, BuildEqualsInserts) {
   KeySource source(GetParam());
   std::set<Key> model;

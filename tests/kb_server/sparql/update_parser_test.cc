@@ -75,6 +75,8 @@ TEST(UpdateParser, MistakesAreNamedWithTheirPlaceAndRemedy) {
   EXPECT_THAT(Complaint("INSERT DATA { _:a :b 1 } ; INSERT DATA { _:a :b 2 }"),
               HasSubstr("another INSERT DATA"));
   EXPECT_THAT(Complaint("INSERT DATA { :a :b/:c 1 }"), HasSubstr("1:20"));
+  EXPECT_THAT(Complaint("INSERT DATA { ?s :b . }"),
+              testing::AllOf(HasSubstr("expected a variable, IRI"), testing::Not(HasSubstr("?s is a variable"))));
   EXPECT_THAT(Complaint("CLEAR ALL CLEAR ALL"), HasSubstr("';' before the next operation"));
 }
 
