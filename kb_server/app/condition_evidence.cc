@@ -21,8 +21,7 @@ const Term* ValueOf(const sparql::PatternTerm& term, const TermBinding& binding)
 
 ConditionEvidence::ConditionEvidence(const sparql::Query& query, const Dictionary* dictionary) : dictionary_(dictionary) {
   for (const sparql::PatternOccurrence& occurrence : sparql::AllTriplePatterns(*query.algebra)) {
-    const bool known = std::find(patterns_.begin(), patterns_.end(), *occurrence.pattern) != patterns_.end();
-    if (occurrence.monotone && !known) patterns_.push_back(*occurrence.pattern);
+    if (occurrence.monotone) patterns_.push_back(*occurrence.pattern);
   }
 }
 
@@ -38,7 +37,7 @@ std::string ConditionEvidence::Text(const GraphVersion& version, const TermBindi
     if (!s || !p || !o || version.Count({*s, *p, *o, TermId()}) == 0) continue;
     std::string line =
         absl::StrCat(ToNTriples(*subject), " ", ToNTriples(*predicate), " ", ToNTriples(*object), " .\n");
-    // Two patterns may be met by one fact.
+    // One fact may meet several patterns.
     if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(std::move(line));
   }
   return absl::StrJoin(lines, "");

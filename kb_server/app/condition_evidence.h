@@ -22,8 +22,8 @@ class ConditionEvidence {
   // Of the ASK `query` that a CAWL condition compiles to: all its variables are named. `dictionary` must outlive it.
   ConditionEvidence(const sparql::Query& query, const Dictionary* dictionary);
 
-  // N-Triples: the facts of `version` that its positive triple patterns are with the values of `binding`, each once. A pattern whose
-  // variables have no values there is of an alternative that was not taken.
+  // N-Triples: the facts of `version` that its positive triple patterns are with the values of `binding`, each once. A
+  // pattern whose variables have no values there is of an alternative that was not taken.
   std::string Text(const GraphVersion& version, const TermBinding& binding) const;
 
  private:

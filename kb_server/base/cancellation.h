@@ -26,10 +26,8 @@ class Cancellation {
   // OK; CANCELLED; or DEADLINE_EXCEEDED naming the timeout. Reads the steady clock at every 1024th call, so
   // it may stand in an inner loop.
   absl::Status Check() {
-    if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
-    if (expired_) return Expired();
-    if ((++polls_ & 1023) != 0) return absl::OkStatus();
-    return CheckNow();
+    const bool ended = cancelled_.load(std::memory_order_relaxed) || expired_;
+    return ended || (++polls_ & 1023) == 0 ? CheckNow() : absl::OkStatus();
   }
   // The same, reading the clock at once.
   absl::Status CheckNow() {

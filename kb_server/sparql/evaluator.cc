@@ -244,9 +244,7 @@ const absl::Status& PreparedQuery::status() const {
   return impl_->program.context.status;
 }
 Term PreparedQuery::Decode(TermId id) const {
-  Term term;
-  DecodeTo(id, &term);
-  return term;
+  return impl_->program.context.Decode(id);
 }
 void PreparedQuery::DecodeTo(TermId id, Term* out) const {
   impl_->program.context.DecodeTo(id, out);

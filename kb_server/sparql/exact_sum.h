@@ -1,5 +1,6 @@
 // The exact sum of doubles, rounded once: the same in whatever order they come, so that a sum that is made anew is the same
-// term. Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997 (growing an expansion of parts that do not overlap).
+// term. (Not where a part of the sum is beyond the largest double: one order may pass there, another not.)
+// Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997 (growing an expansion of parts that do not overlap).
 // Value; one thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_EXACT_SUM_H_
 #define DOCENT_KB_SERVER_SPARQL_EXACT_SUM_H_

@@ -92,18 +92,17 @@ bool Grammar::AtPlainVerb() {
 
 bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink) {
   while (true) {
-    const SourceSpan span = Peek().span;
     std::optional<Path> path;
     PatternTerm verb;
-    verb.span = span;
+    verb.span = Peek().span;
     if (Peek().kind == TokenKind::kVariable) {
       verb.variable = Variable{std::string(Take().text)};
     } else if (sink->template_mode || AtPlainVerb()) {
       if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
         Drop();
         verb.term.lexical = kRdfType;
-      } else {
-        if (!IriText(&verb.term.lexical)) return false;
+      } else if (!IriText(&verb.term.lexical)) {
+        return false;
       }
     } else {
       path = ParsePath();
