@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 
 #include "absl/strings/match.h"
@@ -187,17 +188,24 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
   round->cases = MakeKbCases(*counts, arguments.instances, arguments.seed);
   std::ofstream(folder + "/job.json") << ToJobJson(folder + "/data.nt", round->cases, arguments.budget_ms);
   const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::vector<std::unique_ptr<KbProcess>> processes;
   for (const KbSystem& system : KbSystems(programs, arguments.scripts, arguments.npm)) {
     const bool wanted =
         system.name == "docent" || arguments.only.empty() ||
         std::any_of(arguments.only.begin(), arguments.only.end(),
                     [&](const std::string& name) { return absl::StartsWithIgnoreCase(system.name, name); });
     if (!wanted) continue;
-    std::fprintf(stderr, "%s: %zu triples, %zu cases ...\n", system.name.c_str(), round->triples,
-                 round->cases.size());
+    std::fprintf(stderr, "%s: loading %zu triples ...\n", system.name.c_str(), round->triples);
     round->systems.push_back(system);
-    round->runs.push_back(RunKbSystem(system, folder + "/job.json", arguments.timeout_s));
+    processes.push_back(std::make_unique<KbProcess>(system, folder + "/job.json", arguments.timeout_s));
   }
+  for (size_t number = 0; number < round->cases.size(); ++number) {
+    std::fprintf(stderr, "case %zu of %zu: %s, %s ...\n", number + 1, round->cases.size(),
+                 round->cases[number].name.c_str(), round->cases[number].form.c_str());
+    for (const auto& process : processes) process->Measure(number, "cold");
+    processes[0]->Measure(number, "prepared");
+  }
+  for (const auto& process : processes) round->runs.push_back(process->run());
   std::filesystem::remove_all(folder);
   return 0;
 }
@@ -216,7 +224,7 @@ int RunKbBench(const std::vector<std::string>& args) {
   app.add_option("--budget-ms", arguments.budget_ms,
                  "Time that a system may take for a query, over all its instances")
       ->capture_default_str();
-  app.add_option("--timeout-s", arguments.timeout_s, "Time that a system may take in all")
+  app.add_option("--timeout-s", arguments.timeout_s, "Time that a system may take in all, its turns together")
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of data and parameters")->capture_default_str();
   app.add_option("--only", arguments.only, "Names of peers, e.g. oxigraph,rdflib; default: all")

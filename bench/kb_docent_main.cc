@@ -1,5 +1,7 @@
 // docent_kb_docent JOB.json: Docent's store and SPARQL engine as one of the measured systems of `docent-bench
-// kb`. Like every peer it loads the job's data, runs its cases and prints one JSON object a line:
+// kb`. Like every peer it loads the job's data, then runs the cases that it is asked for, a line each on standard
+// input (the case's number, a space, "cold" or "prepared"), until that ends. It prints one JSON object a line, one
+// when the data are loaded and one for each request:
 //   {"load_s": seconds, "bytes": growth of resident memory, "index_bytes", "dictionary_bytes"}
 //   {"case": number, "mode": "cold" | "prepared", "answers": [rows of each instance], "us": [[latency of each
 //   instance] a pass]}
@@ -114,7 +116,7 @@ class Engine {
 };
 
 // Passes over the instances until the budget is spent, at most `kPasses`; a first pass may end early.
-constexpr int kPasses = 5;
+constexpr int kPasses = 100;
 
 template <typename RunOne>  // int64_t RunOne(size_t instance, std::string* reason)
 void Measure(const json& job, size_t number, const char* mode, RunOne run_one) {
@@ -153,23 +155,29 @@ int main(int argc, char** argv) {
   const json job = json::parse(std::ifstream(argv[1]));
   Engine engine;
   engine.Load(job["data"]);
-  for (size_t number = 0; number < job["cases"].size(); ++number) {
+  std::string mode;
+  for (size_t number = 0; std::cin >> number >> mode;) {
     const json& c = job["cases"][number];
     const bool ask = c["form"] == "ask", count = c["form"] == "count";
     std::vector<std::string> texts;
+    std::vector<docent::Term> values;
     for (const std::string value : c["parameters"]) {
       texts.push_back(absl::StrReplaceAll(c["text"].get<std::string>(), {{"@P@", value}}));
+      values.push_back(docent::Term::Iri("http://bench.example/" + value));
     }
     const auto answer = [&](int64_t rows) { return count && rows >= 0 ? engine.last() : rows; };
-    Measure(job, number, "cold",
-            [&](size_t i, std::string* reason) { return answer(engine.Cold(texts[i], ask, reason)); });
+    if (mode == "cold") {
+      Measure(job, number, "cold",
+              [&](size_t i, std::string* reason) { return answer(engine.Cold(texts[i], ask, reason)); });
+      continue;
+    }
     const auto query = engine.Prepare(c);
-    if (query == nullptr) continue;
     const bool bound = texts[0] != c["text"];
-    std::vector<docent::Term> values;
-    for (const std::string value : c["parameters"])
-      values.push_back(docent::Term::Iri("http://bench.example/" + value));
-    Measure(job, number, "prepared", [&](size_t i, std::string* reason) {
+    Measure(job, number, "prepared", [&](size_t i, std::string* reason) -> int64_t {
+      if (query == nullptr) {
+        *reason = "its parameter is no term";
+        return -1;
+      }
       if (!bound) return answer(engine.Run(*query, {}, ask, reason));
       const docent::TermId value = query->Encode(values[i]);
       return answer(engine.Run(*query, {value}, ask, reason));

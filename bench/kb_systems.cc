@@ -1,11 +1,15 @@
 #include "bench/kb_systems.h"
 
-#include <stdio.h>
+#include <poll.h>
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
@@ -75,30 +79,72 @@ std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& 
   return systems;
 }
 
-KbRun RunKbSystem(const KbSystem& system, const std::string& job_file, int timeout_s) {
-  KbRun run;
-  run.reason = system.missing;
-  if (!run.reason.empty()) return run;
-  const std::string command = absl::StrCat("timeout -k 2 ", timeout_s, " env ", system.command, " ",
-                                           Quoted(job_file), " 2>/dev/null");
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) {
-    run.reason = "cannot be started";
-    return run;
+KbProcess::KbProcess(const KbSystem& system, const std::string& job_file, int timeout_s)
+    : left_(std::chrono::seconds(timeout_s)) {
+  run_.reason = system.missing;
+  if (!run_.reason.empty()) return;
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    run_.reason = "cannot be started";
+    return;
   }
-  char* text = nullptr;
-  size_t size = 0;
-  while (getline(&text, &size, pipe) > 0) {
-    const nlohmann::json line = nlohmann::json::parse(text, nullptr, false);
-    if (!line.is_discarded()) Take(line, &run);
+  const std::string command = absl::StrCat("exec env ", system.command, " ", Quoted(job_file), " 2>/dev/null");
+  pid_ = fork();
+  if (pid_ == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // a benchmark that is interrupted leaves no peer behind
+    dup2(ends[1], STDIN_FILENO);
+    dup2(ends[1], STDOUT_FILENO);
+    execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
   }
-  free(text);
-  const int code = pclose(pipe);
-  if (run.load_s == 0) {
-    run.reason = code == 124 << 8 ? absl::StrCat("not loaded within ", timeout_s, " s")
-                                  : "ended before its data was loaded";
+  close(ends[1]);
+  socket_ = ends[0];
+  if (!TakeLine()) {
+    run_.reason = left_.count() <= 0 ? absl::StrCat("not loaded within ", timeout_s, " s")
+                                     : "ended before its data was loaded";
   }
-  return run;
+}
+
+KbProcess::~KbProcess() {
+  End();
+}
+
+void KbProcess::End() {
+  if (pid_ <= 0) return;
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  close(socket_);
+  pid_ = -1;
+}
+
+void KbProcess::Measure(size_t number, const std::string& mode) {
+  if (pid_ <= 0) return;
+  const std::string request = absl::StrCat(number, " ", mode, "\n");
+  if (send(socket_, request.data(), request.size(), MSG_NOSIGNAL) > 0 && TakeLine()) return;
+  End();
+}
+
+bool KbProcess::TakeLine() {
+  const auto begun = std::chrono::steady_clock::now();
+  const auto limit = left_;
+  for (;;) {
+    for (size_t end; (end = buffer_.find('\n')) != std::string::npos;) {
+      const nlohmann::json line = nlohmann::json::parse(buffer_.substr(0, end), nullptr, false);
+      buffer_.erase(0, end + 1);
+      if (!line.is_object()) continue;
+      Take(line, &run_);
+      return true;
+    }
+    left_ = limit - (std::chrono::steady_clock::now() - begun);
+    pollfd ready = {socket_, POLLIN, 0};
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(left_).count();
+    if (ms <= 0 || poll(&ready, 1, static_cast<int>(ms)) < 0) return false;
+    if (ready.revents == 0) continue;
+    char bytes[1 << 16];
+    const ssize_t size = read(socket_, bytes, sizeof(bytes));
+    if (size <= 0) return false;
+    buffer_.append(bytes, static_cast<size_t>(size));
+  }
 }
 
 }  // namespace docent::bench

@@ -2,6 +2,9 @@
 #ifndef DOCENT_BENCH_KB_SYSTEMS_H_
 #define DOCENT_BENCH_KB_SYSTEMS_H_
 
+#include <sys/types.h>
+
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -40,7 +43,32 @@ struct KbRun {
   std::map<std::pair<size_t, std::string>, KbAnswer> answers;  // by case and mode
 };
 
-KbRun RunKbSystem(const KbSystem& system, const std::string& job_file, int timeout_s);
+// One system's process, which has loaded the data and then runs cases as it is asked to. So that systems can be measured
+// in turn, case by case: the speed of a machine that others use, too, changes within minutes. Not copyable; ends its
+// process with itself.
+class KbProcess {
+ public:
+  // Waits until the data are loaded. The whole of what is waited for here and in Measure() is at most `timeout_s`.
+  KbProcess(const KbSystem& system, const std::string& job_file, int timeout_s);
+  ~KbProcess();
+  KbProcess(const KbProcess&) = delete;
+  KbProcess& operator=(const KbProcess&) = delete;
+
+  // Measures a case ("cold" or "prepared"); nothing where the process has ended or its time is over.
+  void Measure(size_t number, const std::string& mode);
+  const KbRun& run() const { return run_; }
+
+ private:
+  // Waits for the next line that is a JSON object; false: there will be none, or not in the time that is left.
+  bool TakeLine();
+  void End();
+
+  pid_t pid_ = -1;
+  int socket_ = -1;
+  std::chrono::steady_clock::duration left_;
+  std::string buffer_;
+  KbRun run_;
+};
 
 }  // namespace docent::bench
 

@@ -38,12 +38,14 @@ def run(text, form):
 
 
 signal.signal(signal.SIGALRM, give_up)
-for number, case in enumerate(job["cases"]):
+for request in sys.stdin:
+    number = int(request.split()[0])
+    case = job["cases"][number]
     answers, passes = [], []
     begun, budget = time.perf_counter(), job["budget_ms"] / 1000
     signal.alarm(CASE_LIMIT_S)
     try:
-        for attempt in range(3):
+        for attempt in range(100):
             if attempt and time.perf_counter() - begun > budget:
                 break
             us = []
