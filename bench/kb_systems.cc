@@ -34,10 +34,18 @@ void Take(const nlohmann::json& line, KbRun* run) {
     return;
   }
   KbAnswer& answer = run->answers[{line["case"].get<size_t>(), line["mode"].get<std::string>()}];
-  answer.reason = line.value("reason", "");
-  if (!answer.reason.empty()) return;
+  answer.reason = line.value("reason", answer.reason);
+  if (!answer.reason.empty()) {
+    answer.us.clear();
+    return;
+  }
   answer.answers = line["answers"].get<std::vector<int64_t>>();
-  answer.us = line["us"].get<std::vector<std::vector<double>>>();
+  for (auto& pass : line["us"].get<std::vector<std::vector<double>>>()) answer.us.push_back(std::move(pass));
+  // A turn may have ended after fewer instances: those that all have count.
+  size_t instances = answer.answers.size();
+  for (const auto& pass : answer.us) instances = std::min(instances, pass.size());
+  answer.answers.resize(instances);
+  for (auto& pass : answer.us) pass.resize(instances);
 }
 
 }  // namespace
