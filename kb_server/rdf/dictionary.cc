@@ -341,6 +341,14 @@ std::string_view Dictionary::Language(TermId id) const {
   return entry.is_language != 0 ? owner.entries[entry.qualifier - 1].view() : std::string_view();
 }
 
+Dictionary::LiteralView Dictionary::Literal(TermId id) const {
+  const Impl& owner = impl_->OwnerOf(id.payload());
+  const Entry& entry = owner.At(id.payload());
+  LiteralView view{entry.view(), {}, {}};
+  if (entry.qualifier != 0) (entry.is_language != 0 ? view.language : view.datatype) = owner.entries[entry.qualifier - 1].view();
+  return view;
+}
+
 Dictionary::EntryView Dictionary::EntryAt(uint64_t index) const {
   const Entry& entry = impl_->entries[index];
   return {static_cast<Tag>(entry.tag), entry.view(), entry.qualifier, entry.is_language != 0};

@@ -51,6 +51,13 @@ class Dictionary {
   std::string_view Datatype(TermId id) const;
   std::string_view Language(TermId id) const;
 
+  // Of a literal with an entry, all its texts at once; the datatype is empty for a plain string and with a language.
+  // Requires the tag kLiteral. Without a copy, as Lexical. Any thread.
+  struct LiteralView {
+    std::string_view lexical, datatype, language;
+  };
+  LiteralView Literal(TermId id) const;
+
   // The entries as they are kept, for snapshots: entry number `index` < size() is the term of payload `index`.
   // A literal's `qualifier` is 0 for a plain string, else 1 + the number of another entry: its datatype, or with
   // `is_language` its language tag. Of a dictionary without a base. Any thread.

@@ -151,8 +151,7 @@ std::optional<Decimal> Divide(const Decimal& a, const Decimal& b) {
   return std::nullopt;
 }
 
-int Compare(const Decimal& a, const Decimal& b) {
-  if (a.scale == b.scale) return a.mantissa < b.mantissa ? -1 : a.mantissa > b.mantissa ? 1 : 0;
+int CompareScales(const Decimal& a, const Decimal& b) {
   if (const auto aligned = Align(a, b)) {
     return aligned->first < aligned->second ? -1 : aligned->first > aligned->second ? 1 : 0;
   }

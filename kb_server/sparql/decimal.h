@@ -40,7 +40,11 @@ std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Divide(const Decimal& a, const Decimal& b);  // nullopt by zero, too
 // Negative, zero or positive as a is less than, equal to or greater than b. Exact for any scales.
-int Compare(const Decimal& a, const Decimal& b);
+int CompareScales(const Decimal& a, const Decimal& b);
+inline int Compare(const Decimal& a, const Decimal& b) {
+  if (a.scale != b.scale) return CompareScales(a, b);
+  return a.mantissa < b.mantissa ? -1 : a.mantissa > b.mantissa ? 1 : 0;
+}
 
 }  // namespace docent::sparql
 

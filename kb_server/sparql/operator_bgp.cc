@@ -1,6 +1,7 @@
 // Basic graph patterns: nested lookups, one level a pattern, each filter at the first level that binds what it reads. A level
-// looks up the index, and goes over to a hash table of its pattern's matches once it has looked up so often that making the
-// table would have cost no more: so it is never much dearer than the better of the two, whatever the estimate was.
+// looks up the index, and goes over to a hash table of its pattern's matches where the lookups that are still to come cost
+// more than the table, and those that were made not much less: so it is never much dearer than the better of the two,
+// whatever the estimate was.
 // Lookups with rising keys walk along the index instead of descending (QuadTree::Iterator::Restart), which is what a merge
 // join does. And GRAPH over anything that is not a basic graph pattern.
 #include <algorithm>
@@ -14,9 +15,10 @@
 namespace docent::sparql {
 namespace {
 
-// An index lookup costs about as much as putting two matches into a table (measured by docent_sparql_bench).
-constexpr double kMatchesALookup = 2;
-constexpr uint64_t kFewLookups = 256;  // below, a table is never worth it
+// An index lookup costs about as much as putting so many matches into a table (measured by docent_sparql_bench); and what
+// a table may cost of what was already spent, since the estimate of what is to come may be wrong.
+constexpr double kMatchesALookup = 3, kMatchesALookupMade = 8;
+constexpr uint64_t kFewLookups = 64;  // below, a table is never worth it
 
 class BgpOperator final : public Operator {
  public:
@@ -24,8 +26,11 @@ class BgpOperator final : public Operator {
       : node_(node), context_(*build.context), row_(build.slots), levels_(node.patterns.size()) {
     SlotSet bound;
     std::vector<bool> placed(node.filters.size());
+    double rows = 1;
     for (size_t level = 0; level < node.patterns.size(); ++level) {
       levels_[level].pattern = &node.patterns[level];
+      levels_[level].expected = rows;
+      rows *= node.patterns[level].estimate;
       for (const PlanTerm& term : node.patterns[level].terms) {
         if (term.slot >= 0) bound.Add(term.slot);
       }
@@ -89,6 +94,7 @@ class BgpOperator final : public Operator {
     PatternScan scan;
     PatternTable table;
     std::vector<PlanExpression*> filters;  // once it has a match
+    double expected = 0;                   // lookups of one start
     uint64_t lookups = 0;                  // of the index in this run
     bool tried = false;                    // there may be a table
     bool hashed = false;                   // it is open, not `scan`
@@ -97,8 +103,7 @@ class BgpOperator final : public Operator {
   void Open(Level& level) {
     PlanPattern& pattern = *level.pattern;
     level.hashed = level.tried && level.table.Fits(row_.data());
-    if (!level.hashed && ++level.lookups > kFewLookups &&
-        static_cast<double>(level.lookups) * kMatchesALookup > pattern.matches) {
+    if (!level.hashed && ++level.lookups > kFewLookups && TablePays(level)) {
       level.tried = true;
       level.lookups = 0;  // where there can be no table, it is tried again much later
       level.hashed = level.table.Build(pattern, row_.data(), row_.size(), context_);
@@ -109,6 +114,12 @@ class BgpOperator final : public Operator {
     } else {
       level.scan.Open(pattern, row_.data(), context_);
     }
+  }
+
+  static bool TablePays(const Level& level) {
+    const double made = static_cast<double>(level.lookups);
+    const double to_come = made < level.expected ? level.expected - made : made;  // beyond the estimate: as many again
+    return made * kMatchesALookupMade > level.pattern->matches && to_come * kMatchesALookup > level.pattern->matches;
   }
 
   bool Done() {

@@ -1,5 +1,6 @@
 // GROUP BY with aggregates (SPARQL 1.1 section 18.5.1) and ORDER BY (section 15.1).
 #include <algorithm>
+#include <deque>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -236,6 +237,7 @@ class OrderByOperator final : public Operator {
   }
   void Start(const TermId* in) override {
     rows_.clear();
+    memory_.clear();
     next_ = 0;
     sorted_ = false;
     child_->Start(in);
@@ -243,7 +245,7 @@ class OrderByOperator final : public Operator {
   bool Next(TermId* out) override {
     if (!sorted_) Sort();
     if (next_ >= rows_.size() || !context_.Poll()) return false;
-    const Row& row = rows_[next_++];
+    const Row& row = *rows_[next_++];
     std::copy(row.slots.begin(), row.slots.end(), out);
     return true;
   }
@@ -261,24 +263,32 @@ class OrderByOperator final : public Operator {
 
   void Sort() {
     sorted_ = true;
-    const auto before = [this](const Row& a, const Row& b) { return Before(a, b); };
-    Row row;
-    row.slots.resize(width_);
-    row.keys.resize(node_.order.size());
-    for (; child_->Next(row.slots.data()) && context_.Poll(); ++row.number) {
+    const auto before = [this](const Row* a, const Row* b) { return Before(*a, *b); };
+    Row* row = NewRow();
+    for (uint64_t number = 0; child_->Next(row->slots.data()) && context_.Poll(); ++number) {
+      row->number = number;
       if (!node_.limit || rows_.size() < *node_.limit) {
-        EvaluateKeys(row, 0);
-        if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + row.keys.size() * sizeof(Value))) return;
+        EvaluateKeys(*row, 0);
+        if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + row->keys.size() * sizeof(Value))) return;
         rows_.push_back(row);
         if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
-      } else if (!rows_.empty() && GoesBefore(row, rows_.front())) {  // the heap's top is the last of the first rows
+        row = NewRow();
+      } else if (!rows_.empty() && GoesBefore(*row, *rows_.front())) {  // the heap's top is the last of the first rows
         std::pop_heap(rows_.begin(), rows_.end(), before);
-        rows_.back() = row;
+        std::swap(rows_.back(), row);
         std::push_heap(rows_.begin(), rows_.end(), before);
       }
     }
     // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
-    std::stable_sort(rows_.begin(), rows_.end(), [&](const Row& a, const Row& b) { return context_.Poll() && Before(a, b); });
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [&](const Row* a, const Row* b) { return context_.Poll() && Before(*a, *b); });
+  }
+
+  Row* NewRow() {
+    Row& row = memory_.emplace_back();
+    row.slots.resize(width_);
+    row.keys.resize(node_.order.size());
+    return &row;
   }
 
   void EvaluateKeys(Row& row, size_t from) {
@@ -313,7 +323,8 @@ class OrderByOperator final : public Operator {
   EvaluationContext& context_;
   size_t width_;
   std::unique_ptr<Operator> child_;
-  std::vector<Row> rows_;
+  std::deque<Row> memory_;
+  std::vector<Row*> rows_;
   size_t next_ = 0;
   bool sorted_ = false;
 };

@@ -32,7 +32,11 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
   keys_ = RowSet(key_slots_.size());
   const size_t bytes =
       value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
-  if (!context.MayKeep(bytes * static_cast<size_t>(pattern.matches))) return false;
+  const size_t matches = static_cast<size_t>(pattern.matches);
+  if (!context.MayKeep(bytes * matches)) return false;
+  keys_.Reserve(matches);
+  next_.reserve(matches);
+  values_.reserve(matches * value_slots_.size());
   std::vector<TermId> match(slots);
   key_.resize(key_slots_.size());
   PatternScan scan;

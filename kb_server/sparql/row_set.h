@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_SPARQL_ROW_SET_H_
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -40,6 +41,11 @@ class RowSet {
       if (std::equal(row, row + width_, Row(at - 1))) return at - 1;
     }
   }
+  // Makes room for so many rows.
+  void Reserve(size_t rows) {
+    cells_.reserve(rows * width_);
+    if (rows * 2 > heads_.size()) Rehash(std::bit_ceil(rows * 2));
+  }
   const TermId* Row(uint32_t number) const { return cells_.data() + number * width_; }
   uint32_t size() const { return size_; }
   // What one more row costs, about.
@@ -62,8 +68,9 @@ class RowSet {
     }
     return hash ^ (hash >> 33);
   }
-  void Grow() {
-    heads_.assign(std::max<size_t>(16, heads_.size() * 2), 0);
+  void Grow() { Rehash(std::max<size_t>(16, heads_.size() * 2)); }
+  void Rehash(size_t heads) {
+    heads_.assign(heads, 0);
     for (uint32_t n = 0; n < size_; ++n) {
       size_t i = Hash(Row(n)) & (heads_.size() - 1);
       while (heads_[i] != 0) i = (i + 1) & (heads_.size() - 1);

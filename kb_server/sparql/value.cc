@@ -118,31 +118,29 @@ Value Value::Double(double value) {
   return v;
 }
 
-Value Value::String(std::string text) {
+Value Value::Owning(Type type, std::string text, std::string tag) {
   Value v;
-  v.type_ = Type::kString;
-  v.owns_ = true;
-  v.owned_ = std::move(text);
+  v.type_ = type;
+  v.owned_ = std::make_shared<const Texts>(Texts{std::move(text), std::move(tag)});
+  v.text_ = v.owned_->text;
+  v.tag_ = v.owned_->tag;
   return v;
+}
+
+Value Value::String(std::string text) {
+  return Owning(Type::kString, std::move(text));
 }
 
 Value Value::LangString(std::string text, std::string language) {
-  Value v = String(std::move(text));
-  v.type_ = Type::kLangString;
-  v.owned_tag_ = std::move(language);
-  return v;
+  return Owning(Type::kLangString, std::move(text), std::move(language));
 }
 
 Value Value::Iri(std::string iri) {
-  Value v = String(std::move(iri));
-  v.type_ = Type::kIri;
-  return v;
+  return Owning(Type::kIri, std::move(iri));
 }
 
 Value Value::Blank(std::string label) {
-  Value v = String(std::move(label));
-  v.type_ = Type::kBlank;
-  return v;
+  return Owning(Type::kBlank, std::move(label));
 }
 
 Value Value::DateTime(TimeMicros time_us) {
@@ -199,11 +197,8 @@ Value Value::OfTerm(const Term& term) {
       break;
   }
   if (!term.language.empty()) return LangString(term.lexical, term.language);
-  Value v = String(term.lexical);
-  if (!term.datatype.empty()) {
-    v.ReadLiteral(term.lexical, term.datatype);
-    v.owned_tag_ = term.datatype;
-  }
+  Value v = Owning(Type::kString, term.lexical, term.datatype);
+  if (!term.datatype.empty()) v.ReadLiteral(term.lexical, term.datatype);
   return v;
 }
 
@@ -214,23 +209,20 @@ Value Value::OfId(TermId id, const Dictionary& dictionary) {
     case TermId::Tag::kIri:
     case TermId::Tag::kBlank:
       v.type_ = id.IsIri() ? Type::kIri : Type::kBlank;
-      v.view_ = dictionary.Lexical(id);
+      v.text_ = dictionary.Lexical(id);
       break;
     case TermId::Tag::kLiteral: {
-      v.view_ = dictionary.Lexical(id);
-      const std::string_view language = dictionary.Language(id);
-      if (!language.empty()) {
+      const Dictionary::LiteralView literal = dictionary.Literal(id);
+      v.text_ = literal.lexical;
+      if (!literal.language.empty()) {
         v.type_ = Type::kLangString;
-        v.view_tag_ = language;
-        break;
-      }
-      const std::string_view datatype = dictionary.Datatype(id);
-      if (datatype.empty()) {
+        v.tag_ = literal.language;
+      } else if (literal.datatype.empty()) {
         v.type_ = Type::kString;
-        break;
+      } else {
+        v.ReadLiteral(v.text_, literal.datatype);
+        v.tag_ = literal.datatype;
       }
-      v.ReadLiteral(v.view_, datatype);
-      if (v.type_ != Type::kString) v.view_tag_ = datatype;
       break;
     }
     case TermId::Tag::kInteger:

@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_SPARQL_VALUE_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -76,9 +77,9 @@ class Value {
   TimeMicros instant_us() const { return time_us_ - TimeMicros{60'000'000} * zone_.value_or(0); }
 
   // Of kIri, kBlank, kString, kLangString, kOther.
-  std::string_view text() const { return owns_ ? std::string_view(owned_) : view_; }
-  std::string_view language() const { return owns_ ? std::string_view(owned_tag_) : view_tag_; }
-  std::string_view datatype() const { return owns_ ? std::string_view(owned_tag_) : view_tag_; }  // kOther
+  std::string_view text() const { return text_; }
+  std::string_view language() const { return tag_; }
+  std::string_view datatype() const { return tag_; }  // kOther
   // xsd:… of a literal that is none of kString, kLangString, kOther, as computed.
   std::string_view CanonicalDatatype() const;
 
@@ -89,18 +90,21 @@ class Value {
   std::string CanonicalText() const;
 
  private:
+  struct Texts {
+    std::string text, tag;
+  };
+  static Value Owning(Type type, std::string text, std::string tag = std::string());
   void ReadLiteral(std::string_view text, std::string_view datatype);
 
   Type type_ = Type::kError;
   bool boolean_ = false;
-  bool owns_ = false;
   std::optional<int> zone_;
   TermId id_;
   double number_ = 0;
   TimeMicros time_us_ = 0;
   Decimal decimal_;
-  std::string_view view_, view_tag_;
-  std::string owned_, owned_tag_;
+  std::string_view text_, tag_;
+  std::shared_ptr<const Texts> owned_;  // what they view, unless it is the dictionary's: copies share it
 };
 
 // Section 17.2.2; nullopt is a type error.

@@ -158,6 +158,7 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
 }
 
 int CompareForOrder(const Value& a, const Value& b) {
+  if (a.IsExact() && b.IsExact()) return Compare(a.decimal(), b.decimal());
   const int rank_a = OrderRank(a), rank_b = OrderRank(b);
   if (rank_a != rank_b) return rank_a - rank_b;
   switch (a.type()) {

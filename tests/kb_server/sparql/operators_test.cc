@@ -35,6 +35,15 @@ TEST(SparqlOperators, ManyLookupsGoOverToAHashTableAndGiveTheSame) {
   EXPECT_NE(plan.find("| 2000 rows"), std::string::npos) << plan;
 }
 
+TEST(SparqlOperators, ATableOfFarMoreMatchesThanLookupsToComeIsNotMade) {
+  std::string some;
+  for (int i = 0; i < 500; ++i) some += "ex:p" + std::to_string(i) + " a ex:Guest .\n";
+  TestGraph g(People(2000) + some);
+  const std::string plan = Explained(g, "SELECT ?a ?x { ?a a ex:Guest . ?a ex:age ?x }");
+  EXPECT_NE(plan.find("| 500 rows"), std::string::npos) << plan;
+  EXPECT_EQ(plan.find("by hash"), std::string::npos) << plan;
+}
+
 TEST(SparqlOperators, AHashTableIsMadeAnewForAnotherVersion) {
   TestGraph g(People(2000));
   const auto query = g.Prepare("SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ?d }");
