@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <deque>
 #include <thread>
 
 #include "absl/container/flat_hash_map.h"
@@ -163,6 +164,59 @@ v1::AssertRequest ToRequest(const MixedUpdate& update) {
   return request;
 }
 
+// One AssertStream: requests go out in order, answers are read as they come.
+class AssertClient final : public grpc::ClientBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
+ public:
+  explicit AssertClient(const std::shared_ptr<grpc::Channel>& channel) : stub_(v1::Context::NewStub(channel)) {
+    stub_->async()->AssertStream(&context_, this);
+    AddHold();  // Send() is called from outside the reactions
+    StartRead(&reply_);
+    StartCall();
+  }
+  void Send(v1::AssertRequest request) {
+    absl::MutexLock lock(&mutex_);
+    waiting_.push_back(std::move(request));
+    if (waiting_.size() == 1) StartWrite(&waiting_.front());
+  }
+  // Waits until every request is answered.
+  void Finish() {
+    absl::MutexLock lock(&mutex_);
+    closing_ = true;
+    if (waiting_.empty()) StartWritesDone();
+    RemoveHold();
+    mutex_.Await(absl::Condition(&done_));
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    if (!ok) return;
+    if (reply_.has_error()) std::fprintf(stderr, "refused: %s\n", reply_.error().message().c_str());
+    StartRead(&reply_);
+  }
+  void OnWriteDone(bool ok) override {
+    absl::MutexLock lock(&mutex_);
+    waiting_.pop_front();
+    if (!ok) return;
+    if (!waiting_.empty()) {
+      StartWrite(&waiting_.front());
+    } else if (closing_) {
+      StartWritesDone();
+    }
+  }
+  void OnDone(const grpc::Status&) override {
+    absl::MutexLock lock(&mutex_);
+    done_ = true;
+  }
+
+  std::unique_ptr<v1::Context::Stub> stub_;
+  grpc::ClientContext context_;
+  v1::AssertStreamReply reply_;
+  absl::Mutex mutex_;
+  std::deque<v1::AssertRequest> waiting_ ABSL_GUARDED_BY(mutex_);  // the first is being written
+  bool closing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool done_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
 struct Phase {
   std::vector<double> latencies_us;
   double seconds = 0;
@@ -173,15 +227,7 @@ struct Phase {
 // whether the ones before are done or not); 0: as fast as `in_flight` allows.
 Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions, uint64_t first, size_t count, double rate,
             size_t in_flight, size_t constraints, size_t triples) {
-  auto stub = v1::Context::NewStub(channel);
-  grpc::ClientContext context;
-  auto stream = stub->AssertStream(&context);
-  std::thread reader([&stream] {
-    v1::AssertStreamReply reply;
-    while (stream->Read(&reply)) {
-      if (reply.has_error()) std::fprintf(stderr, "refused: %s\n", reply.error().message().c_str());
-    }
-  });
+  AssertClient client(channel);
   SteadyClock::time_point start = SteadyClock::now();
   for (size_t n = 0; n < count; ++n) {
     MixedUpdate update = UpdateNumber(first + n, constraints, triples);
@@ -194,13 +240,11 @@ Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions,
       due = SteadyClock::now();
     }
     reactions->Due(update.token, due);
-    stream->Write(ToRequest(update));
+    client.Send(ToRequest(update));
   }
-  stream->WritesDone();
   Phase phase;
   bool all = reactions->WaitForAll(absl::Seconds(20));
-  reader.join();
-  (void)stream->Finish();
+  client.Finish();
   SteadyClock::time_point last;
   phase.latencies_us = reactions->Take(&last);
   phase.seconds = std::chrono::duration<double>(last - start).count();
