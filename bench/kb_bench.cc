@@ -30,7 +30,7 @@ struct Arguments {
   std::vector<size_t> triples = {100000, 1000000};
   size_t instances = 30;
   int budget_ms = 120;
-  int timeout_s = 60;
+  int timeout_s = 300;
   uint64_t seed = 1;
   std::vector<std::string> only;
   std::string scripts = "bench/kb_peers";
