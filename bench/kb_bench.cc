@@ -22,9 +22,6 @@
 namespace docent::bench {
 namespace {
 
-// The systems take turns, this often for each case: the speed of a machine that others use, too, goes up and down.
-constexpr int kTurns = 4;
-
 struct Arguments {
   bool json = false;
   std::vector<size_t> triples = {100000, 1000000};
@@ -189,7 +186,7 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
   }
   round->triples = counts->triples;
   round->cases = MakeKbCases(*counts, arguments.instances, arguments.seed);
-  std::ofstream(folder + "/job.json") << ToJobJson(folder + "/data.nt", round->cases, arguments.budget_ms / kTurns);
+  std::ofstream(folder + "/job.json") << ToJobJson(folder + "/data.nt", round->cases, arguments.budget_ms);
   const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::vector<std::unique_ptr<KbProcess>> processes;
   for (const KbSystem& system : KbSystems(programs, arguments.scripts, arguments.npm)) {
@@ -205,10 +202,8 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
   for (size_t number = 0; number < round->cases.size(); ++number) {
     std::fprintf(stderr, "case %zu of %zu: %s, %s ...\n", number + 1, round->cases.size(),
                  round->cases[number].name.c_str(), round->cases[number].form.c_str());
-    for (int turn = 0; turn < kTurns; ++turn) {
-      for (const auto& process : processes) process->Measure(number, "cold");
-      processes[0]->Measure(number, "prepared");
-    }
+    for (const auto& process : processes) process->Measure(number, "cold");
+    processes[0]->Measure(number, "prepared");
   }
   for (const auto& process : processes) round->runs.push_back(process->run());
   std::filesystem::remove_all(folder);

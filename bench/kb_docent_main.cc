@@ -115,9 +115,8 @@ class Engine {
   int64_t last_ = 0;
 };
 
-// Passes over the instances until the budget is spent, at most `kPasses`; a first pass may end early.
-constexpr int kPasses = 100;
-
+// After one run that is not measured, passes over the instances until the budget is spent, at most the job's "passes"; a
+// first pass may end early.
 template <typename RunOne>  // int64_t RunOne(size_t instance, std::string* reason)
 void Measure(const json& job, size_t number, const char* mode, RunOne run_one) {
   const json& c = job["cases"][number];
@@ -125,12 +124,12 @@ void Measure(const json& job, size_t number, const char* mode, RunOne run_one) {
   const double budget_s = job["budget_ms"].get<double>() / 1000;
   json answers = json::array(), passes = json::array();
   std::string reason;
-  const auto begun = SteadyClock::now();
-  if (run_one(0, &reason) < 0) {  // also warms up
+  if (run_one(0, &reason) < 0) {
     Engine::Print({{"case", number}, {"mode", mode}, {"reason", reason}});
     return;
   }
-  for (int pass = 0; pass < kPasses && (pass == 0 || SecondsSince(begun) < budget_s); ++pass) {
+  const auto begun = SteadyClock::now();
+  for (int pass = 0; pass < job["passes"] && (pass == 0 || SecondsSince(begun) < budget_s); ++pass) {
     json us = json::array();
     for (size_t i = 0; i < instances && (i == 0 || SecondsSince(begun) < budget_s); ++i) {
       const auto start = SteadyClock::now();
@@ -175,7 +174,7 @@ int main(int argc, char** argv) {
     const bool bound = texts[0] != c["text"];
     Measure(job, number, "prepared", [&](size_t i, std::string* reason) -> int64_t {
       if (query == nullptr) {
-        *reason = "its parameter is no term";
+        *reason = "its parameter is no term, or it is refused";
         return -1;
       }
       if (!bound) return answer(engine.Run(*query, {}, ask, reason));

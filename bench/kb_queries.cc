@@ -41,6 +41,8 @@ struct Shape {
   bool counted = true;  // has a COUNT form
 };
 
+constexpr int kPasses = 100;  // at most, over the instances of a case
+
 // # is the parameter. Patterns are written in an order that a person might choose; "badly ordered" is the
 // worst one.
 constexpr Shape kShapes[] = {
@@ -201,7 +203,7 @@ std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64
 }
 
 std::string ToJobJson(const std::string& data_file, const std::vector<KbCase>& cases, int budget_ms) {
-  nlohmann::json job = {{"data", data_file}, {"budget_ms", budget_ms}, {"cases", nlohmann::json::array()}};
+  nlohmann::json job = {{"data", data_file}, {"budget_ms", budget_ms}, {"passes", kPasses}, {"cases", nlohmann::json::array()}};
   for (const KbCase& c : cases) {
     job["cases"].push_back({{"name", c.name},
                             {"form", c.form},

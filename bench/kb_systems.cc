@@ -34,18 +34,10 @@ void Take(const nlohmann::json& line, KbRun* run) {
     return;
   }
   KbAnswer& answer = run->answers[{line["case"].get<size_t>(), line["mode"].get<std::string>()}];
-  answer.reason = line.value("reason", answer.reason);
-  if (!answer.reason.empty()) {
-    answer.us.clear();
-    return;
-  }
+  answer.reason = line.value("reason", "");
+  if (!answer.reason.empty()) return;
   answer.answers = line["answers"].get<std::vector<int64_t>>();
-  for (auto& pass : line["us"].get<std::vector<std::vector<double>>>()) answer.us.push_back(std::move(pass));
-  // A turn may have ended after fewer instances: those that all have count.
-  size_t instances = answer.answers.size();
-  for (const auto& pass : answer.us) instances = std::min(instances, pass.size());
-  answer.answers.resize(instances);
-  for (auto& pass : answer.us) pass.resize(instances);
+  answer.us = line["us"].get<std::vector<std::vector<double>>>();
 }
 
 }  // namespace
@@ -107,9 +99,15 @@ KbProcess::KbProcess(const KbSystem& system, const std::string& job_file, int ti
   }
   close(ends[1]);
   socket_ = ends[0];
+  if (pid_ < 0) {
+    close(socket_);
+    run_.reason = "cannot be started";
+    return;
+  }
   if (!TakeLine()) {
     run_.reason = left_.count() <= 0 ? absl::StrCat("not loaded within ", timeout_s, " s")
                                      : "ended before its data was loaded";
+    End();
   }
 }
 
@@ -145,7 +143,7 @@ bool KbProcess::TakeLine() {
     }
     left_ = limit - (std::chrono::steady_clock::now() - begun);
     pollfd ready = {socket_, POLLIN, 0};
-    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(left_).count();
+    const auto ms = std::chrono::ceil<std::chrono::milliseconds>(left_).count();
     if (ms <= 0 || poll(&ready, 1, static_cast<int>(ms)) < 0) return false;
     if (ready.revents == 0) continue;
     char bytes[1 << 16];

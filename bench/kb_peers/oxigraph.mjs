@@ -29,11 +29,11 @@ function run(text, form) {
 function measure(c, number) {
   const texts = c.parameters.map((p) => c.text.replaceAll('@P@', p));
   const answers = [], passes = [];
-  const begun = process.hrtime.bigint();
   const budget = job.budget_ms / 1000;
   try {
     run(texts[0], c.form);
-    for (let pass = 0; pass < 100 && (pass === 0 || seconds(begun) < budget); ++pass) {
+    const begun = process.hrtime.bigint();
+    for (let pass = 0; pass < job.passes && (pass === 0 || seconds(begun) < budget); ++pass) {
       const us = [];
       for (let i = 0; i < texts.length && (i === 0 || seconds(begun) < budget); ++i) {
         start = process.hrtime.bigint();

@@ -42,10 +42,12 @@ for request in sys.stdin:
     number = int(request.split()[0])
     case = job["cases"][number]
     answers, passes = [], []
-    begun, budget = time.perf_counter(), job["budget_ms"] / 1000
+    budget = job["budget_ms"] / 1000
     signal.alarm(CASE_LIMIT_S)
     try:
-        for attempt in range(100):
+        run(case["text"].replace("@P@", case["parameters"][0]), case["form"])
+        begun = time.perf_counter()
+        for attempt in range(job["passes"]):
             if attempt and time.perf_counter() - begun > budget:
                 break
             us = []

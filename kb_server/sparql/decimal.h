@@ -39,8 +39,9 @@ std::optional<Decimal> Add(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Divide(const Decimal& a, const Decimal& b);  // nullopt by zero, too
-// Negative, zero or positive as a is less than, equal to or greater than b. Exact for any scales.
+// As Compare, of different scales.
 int CompareScales(const Decimal& a, const Decimal& b);
+// Negative, zero or positive as a is less than, equal to or greater than b. Exact for any scales.
 inline int Compare(const Decimal& a, const Decimal& b) {
   if (a.scale != b.scale) return CompareScales(a, b);
   return a.mantissa < b.mantissa ? -1 : a.mantissa > b.mantissa ? 1 : 0;

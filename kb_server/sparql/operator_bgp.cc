@@ -1,10 +1,11 @@
 // Basic graph patterns: nested lookups, one level a pattern, each filter at the first level that binds what it reads. A level
 // looks up the index, and goes over to a hash table of its pattern's matches where the lookups that are still to come cost
-// more than the table, and those that were made not much less: so it is never much dearer than the better of the two,
-// whatever the estimate was.
+// more than the table, and those that were made not much less: so it is at worst a few times dearer than the better of the
+// two, whatever the estimate was.
 // Lookups with rising keys walk along the index instead of descending (QuadTree::Iterator::Restart), which is what a merge
 // join does. And GRAPH over anything that is not a basic graph pattern.
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "kb_server/sparql/expression_evaluator.h"
@@ -15,9 +16,11 @@
 namespace docent::sparql {
 namespace {
 
-// An index lookup costs about as much as putting so many matches into a table (measured by docent_sparql_bench); and what
-// a table may cost of what was already spent, since the estimate of what is to come may be wrong.
-constexpr double kMatchesALookup = 3, kMatchesALookupMade = 8;
+// An index lookup costs about as much as putting so many matches into a table (measured with `docent-bench kb`): one beside
+// the last one, and one that descends the tree.
+constexpr double kMatchesALookup = 1, kMatchesADescent = 3;
+// What a table may cost for each lookup that was made, since the estimate of those to come may be wrong.
+constexpr double kMatchesALookupMade = 8;
 constexpr uint64_t kFewLookups = 64;  // below, a table is never worth it
 
 class BgpOperator final : public Operator {
@@ -118,8 +121,10 @@ class BgpOperator final : public Operator {
 
   static bool TablePays(const Level& level) {
     const double made = static_cast<double>(level.lookups);
-    const double to_come = made < level.expected ? level.expected - made : made;  // beyond the estimate: as many again
-    return made * kMatchesALookupMade > level.pattern->matches && to_come * kMatchesALookup > level.pattern->matches;
+    const double to_come = std::abs(level.expected - made);  // far beyond the estimate: about as many again
+    const double descending = std::min(1.0, static_cast<double>(level.scan.descents()) / made);
+    const double lookup = kMatchesALookup + (kMatchesADescent - kMatchesALookup) * descending;
+    return made * kMatchesALookupMade > level.pattern->matches && to_come * lookup > level.pattern->matches;
   }
 
   bool Done() {

@@ -269,19 +269,27 @@ class OrderByOperator final : public Operator {
       row->number = number;
       if (!node_.limit || rows_.size() < *node_.limit) {
         EvaluateKeys(*row, 0);
-        if (!context_.Charge(sizeof(Row) + width_ * sizeof(TermId) + row->keys.size() * sizeof(Value))) return;
+        if (!context_.Charge(BytesOf(*row))) return;
         rows_.push_back(row);
         if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
         row = NewRow();
       } else if (!rows_.empty() && GoesBefore(*row, *rows_.front())) {  // the heap's top is the last of the first rows
         std::pop_heap(rows_.begin(), rows_.end(), before);
         std::swap(rows_.back(), row);
+        context_.Release(BytesOf(*row));
+        if (!context_.Charge(BytesOf(*rows_.back()))) return;
         std::push_heap(rows_.begin(), rows_.end(), before);
       }
     }
     // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
     std::stable_sort(rows_.begin(), rows_.end(),
                      [&](const Row* a, const Row* b) { return context_.Poll() && Before(*a, *b); });
+  }
+
+  static size_t BytesOf(const Row& row) {
+    size_t bytes = sizeof(Row) + row.slots.size() * sizeof(TermId) + row.keys.size() * sizeof(Value);
+    for (const Value& key : row.keys) bytes += key.owned_bytes();
+    return bytes;
   }
 
   Row* NewRow() {

@@ -20,6 +20,8 @@ class PatternScan {
   void Close(TermId* row);
   // The version may be another one from now on.
   void Forget() { known_ = false; }
+  // How many Opens found their matches elsewhere than beside the last ones.
+  uint64_t descents() const { return known_ ? cursor_.descents() : 0; }
 
  private:
   // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.

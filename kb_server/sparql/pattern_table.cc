@@ -33,7 +33,7 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
   const size_t bytes =
       value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
   const size_t matches = static_cast<size_t>(pattern.matches);
-  if (!context.MayKeep(bytes * matches)) return false;
+  if (!context.MayKeep(bytes * matches) || !context.Charge(bytes * matches)) return false;
   keys_.Reserve(matches);
   next_.reserve(matches);
   values_.reserve(matches * value_slots_.size());
@@ -53,7 +53,7 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
       first_[number] = entry;
     }
     for (const int slot : value_slots_) values_.push_back(match[slot]);
-    if (!context.Charge(bytes)) break;
+    if (next_.size() > matches && !context.Charge(bytes)) break;  // it was counted in an older version
   }
   ready_ = context.status.ok();
   return ready_;

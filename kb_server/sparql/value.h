@@ -83,6 +83,11 @@ class Value {
   // xsd:… of a literal that is none of kString, kLangString, kOther, as computed.
   std::string_view CanonicalDatatype() const;
 
+  // Memory of computed texts, shared with the copies.
+  size_t owned_bytes() const {
+    return owned_ == nullptr ? 0 : sizeof(Texts) + owned_->text.capacity() + owned_->tag.capacity();
+  }
+
   // The term of a computed value, in canonical lexical form. Not for kError, and not for values with an id,
   // whose lexical form may be another.
   Term ToTerm() const;

@@ -41,6 +41,8 @@ class QuadCursor {
   // Requires Valid().
   const Quad& quad() const { return quad_; }
   IndexOrder order() const { return order_; }
+  // How many Rescans found their matches elsewhere than beside the last ones, since it changed its order.
+  uint64_t descents() const { return iterator_.descents(); }
 
  private:
   friend class GraphVersion;

@@ -100,6 +100,8 @@ class QuadTree::Iterator {
   // changed meanwhile. Quick where
   // `first` lies in the leaf that the iterator stands in: lookups with rising or repeating keys cost no descent.
   void Restart(const Key& first, const Key& last);
+  // How many Restarts had to descend.
+  uint64_t descents() const { return descents_; }
 
  private:
   friend class QuadTree;
@@ -119,6 +121,7 @@ class QuadTree::Iterator {
   int limit_ = 0;          // one past the last position of this leaf that is within the range
   bool last_leaf_ = true;  // the range ends in this leaf
   Key last_ = {};
+  uint64_t descents_ = 0;
 };
 
 }  // namespace docent

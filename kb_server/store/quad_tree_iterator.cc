@@ -43,6 +43,7 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
   }
   const bool here = height_ == 0 || (!leaf_->GreaterAt(0, first) && !leaf_->LessAt(leaf_->count - 1, first));
   if (!here) {
+    ++descents_;
     DescendFrom(0, path_[0].node, first);
     return;
   }
