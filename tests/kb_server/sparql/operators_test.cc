@@ -24,15 +24,29 @@ std::string Explained(TestGraph& g, const std::string& query) {
   return plan.ok() ? *plan : "";
 }
 
-TEST(SparqlOperators, ManyLookupsGoOverToAHashTableAndGiveTheSame) {
-  TestGraph g(People(2000));
-  const std::string query = "SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ex:B3 }";
+// Each of n people likes another, far from one to the next.
+std::string Likes(int n) {
+  std::string text;
+  for (int i = 0; i < n; ++i) text += "ex:p" + std::to_string(i) + " ex:likes ex:p" + std::to_string(i * 7919 % n) + " .\n";
+  return text;
+}
+
+TEST(SparqlOperators, ManyLookupsFarFromEachOtherGoOverToAHashTableAndGiveTheSame) {
+  TestGraph g(People(2000) + Likes(2000));
+  const std::string query = "SELECT ?a ?c { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ex:B3 }";
   EXPECT_EQ(g.Rows(query).size(), 200u);
-  const std::string three = "SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ?d }";
+  const std::string three = "SELECT ?a ?c { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ?d }";
   EXPECT_EQ(g.Rows(three).size(), 2000u);
   const std::string plan = Explained(g, three);
   EXPECT_NE(plan.find("by hash"), std::string::npos) << plan;
   EXPECT_NE(plan.find("| 2000 rows"), std::string::npos) << plan;
+}
+
+TEST(SparqlOperators, LookupsBesideEachOtherStayWithTheIndex) {
+  TestGraph g(People(2000));
+  const std::string plan = Explained(g, "SELECT ?a ?b ?c { ?a ex:knows ?b . ?b ex:knows ?c }");
+  EXPECT_NE(plan.find("| 2000 rows"), std::string::npos) << plan;
+  EXPECT_EQ(plan.find("by hash"), std::string::npos) << plan;
 }
 
 TEST(SparqlOperators, ATableOfFarMoreMatchesThanLookupsToComeIsNotMade) {
@@ -47,15 +61,15 @@ TEST(SparqlOperators, ATableOfFarMoreMatchesThanLookupsToComeIsNotMade) {
 }
 
 TEST(SparqlOperators, AHashTableIsMadeAnewForAnotherVersion) {
-  TestGraph g(People(2000));
-  const auto query = g.Prepare("SELECT ?a ?c { ?a ex:knows ?b . ?b ex:knows ?c . ?c ex:at ?d }");
+  TestGraph g(People(2000) + Likes(2000));
+  const auto query = g.Prepare("SELECT ?a ?c { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ?d }");
   const auto count = [&] {
     size_t rows = 0;
     EXPECT_TRUE(query->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; }).ok());
     return rows;
   };
   EXPECT_EQ(count(), 2000u);
-  g.Add("ex:p5 ex:at ex:B77 . ex:new ex:knows ex:p5 .");
+  g.Add("ex:p5 ex:at ex:B77 . ex:new ex:likes ex:p5 .");
   EXPECT_EQ(count(), 2002u);
 }
 
