@@ -26,7 +26,7 @@ struct KbCase {
 // have.
 std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64_t seed);
 
-// The job as JSON: data file, cases, and the milliseconds that a system may spend on a case.
+// The job as JSON: data file, cases, the milliseconds that a system may spend on a case, and the most passes over it.
 std::string ToJobJson(const std::string& data_file, const std::vector<KbCase>& cases, int budget_ms);
 
 }  // namespace docent::bench
