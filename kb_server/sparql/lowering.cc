@@ -137,7 +137,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       PlanNodePtr node = Over(Plan::kExtend, Lower(*a.children[0], scope, graph, false));
       node->expression = Lower(*a.expression, scope, graph);
       node->slot = SlotOf(a.variable.name, scope);
-      SlotSet reads = Reads(*a.expression, scope);
+      SlotSet reads = Reads(*a.expression, scope, graph);
       node->mentions |= reads;
       node->filter_slots.push_back(std::move(reads));
       node->possible.Add(node->slot);
@@ -149,7 +149,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
       PlanNodePtr node = Over(Plan::kOrderBy, std::move(child));
       for (const OrderCondition& o : a.order) {
         node->order.emplace_back(Lower(*o.expression, scope, graph), o.descending);
-        node->mentions |= Reads(*o.expression, scope);
+        node->mentions |= Reads(*o.expression, scope, graph);
       }
       node->barrier = true;
       return node;
@@ -279,7 +279,7 @@ PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef
   PlanNodePtr filter;
   std::vector<std::pair<PlanExpressionPtr, SlotSet>> rest;
   for (const Expression* e : Conjuncts(*a.expression)) {
-    SlotSet reads = Reads(*e, scope);
+    SlotSet reads = Reads(*e, scope, graph);
     PlanExpressionPtr lowered = Lower(*e, scope, graph);
     if (HasExists(*e) || !PushFilter(*child, lowered, reads)) rest.emplace_back(std::move(lowered), std::move(reads));
   }
@@ -305,7 +305,7 @@ PlanNodePtr Lowering::LowerLeftJoin(const Algebra& a, Scope& scope, const GraphR
   node->barrier = left->barrier;
   if (a.expression) {
     node->expression = Lower(*a.expression, scope, graph);
-    SlotSet reads = Reads(*a.expression, scope);
+    SlotSet reads = Reads(*a.expression, scope, graph);
     node->mentions |= reads;
     node->filter_slots.push_back(std::move(reads));
   }
@@ -373,7 +373,7 @@ PlanNodePtr Lowering::LowerGroup(const Algebra& a, Scope& scope, const GraphRef&
   node->mentions = child->mentions;
   for (const GroupKey& key : a.group_keys) {
     const int slot = SlotOf(key.variable.name, scope);
-    node->mentions |= Reads(*key.expression, scope);
+    node->mentions |= Reads(*key.expression, scope, graph);
     node->keys.emplace_back(slot, Lower(*key.expression, scope, graph));
     node->possible.Add(slot);
     const bool plain = key.expression->kind == Expression::Kind::kVariable;
@@ -382,7 +382,7 @@ PlanNodePtr Lowering::LowerGroup(const Algebra& a, Scope& scope, const GraphRef&
   }
   for (const Aggregate& aggregate : a.aggregates) {
     const int slot = SlotOf(aggregate.result.name, scope);
-    if (aggregate.expression) node->mentions |= Reads(*aggregate.expression, scope);
+    if (aggregate.expression) node->mentions |= Reads(*aggregate.expression, scope, graph);
     node->aggregates.push_back({aggregate.function, aggregate.distinct,
                                 aggregate.expression ? Lower(*aggregate.expression, scope, graph) : nullptr,
                                 aggregate.separator, slot});
@@ -408,9 +408,10 @@ PlanNodePtr Lowering::LowerProject(const Algebra& a, Scope& scope, const GraphRe
   return node;
 }
 
-SlotSet Lowering::Reads(const Expression& e, Scope& scope) {
+SlotSet Lowering::Reads(const Expression& e, Scope& scope, const GraphRef& graph) {
   SlotSet out;
   for (const Variable& v : MentionedVariables(e)) out.Add(SlotOf(v.name, scope));
+  if (graph.name.slot >= 0 && HasExists(e)) out.Add(graph.name.slot);
   return out;
 }
 

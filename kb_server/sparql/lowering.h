@@ -55,8 +55,8 @@ class Lowering {
   PlanNodePtr LowerProject(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
   PlanNodePtr LowerPath(const Algebra& a, Scope& scope, const GraphRef& graph);
   PlanExpressionPtr Lower(const Expression& e, Scope& scope, const GraphRef& graph);
-  // The slots that an expression reads, those inside EXISTS included.
-  SlotSet Reads(const Expression& e, Scope& scope);
+  // The slots that an expression reads, those inside EXISTS included; inside GRAPH ?g that is the graph, too.
+  SlotSet Reads(const Expression& e, Scope& scope, const GraphRef& graph);
   void CheckFunction(const Expression& e);
   void Fail(absl::StatusCode code, const SourceSpan& span, const std::string& message);
 

@@ -214,6 +214,12 @@ TEST(SparqlDataset, GraphOverMoreThanPatterns) {
               ElementsAre("g1", "g2"));
   EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ?s ex:p 1 FILTER NOT EXISTS { ex:b ex:p 1 } } }", strict),
               ElementsAre("g2"));
+  // what is kept of a side that reads nothing but the graph is of that graph
+  const PrepareOptions as_written{.default_graph = DefaultGraph::kStrict, .reorder_joins = false};
+  EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ex:a ex:p ?x . { FILTER EXISTS { ex:b ex:p ?x } } } }", as_written),
+              ElementsAre("g1"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?b { GRAPH ?g { ex:a ex:p ?x . { BIND(EXISTS { ex:b ex:p ?y } AS ?b) } } }", as_written),
+              ElementsAre("g1 true", "g2 false"));
 }
 
 TEST(SparqlLimits, CancellationEndsEveryOperator) {
