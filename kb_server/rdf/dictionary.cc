@@ -328,17 +328,13 @@ std::string_view Dictionary::Lexical(TermId id) const {
 std::string_view Dictionary::Datatype(TermId id) const {
   if (!id.InDictionary()) return InlineDatatype(id);
   if (!id.IsLiteral()) return {};
-  const Impl& owner = impl_->OwnerOf(id.payload());
-  const Entry& entry = owner.At(id.payload());
-  if (entry.is_language != 0) return kRdfLangString;
-  return entry.qualifier == 0 ? kXsdString : owner.entries[entry.qualifier - 1].view();
+  const LiteralView literal = Literal(id);
+  if (!literal.language.empty()) return kRdfLangString;
+  return literal.datatype.empty() ? kXsdString : literal.datatype;
 }
 
 std::string_view Dictionary::Language(TermId id) const {
-  if (id.tag() != Tag::kLiteral) return {};
-  const Impl& owner = impl_->OwnerOf(id.payload());
-  const Entry& entry = owner.At(id.payload());
-  return entry.is_language != 0 ? owner.entries[entry.qualifier - 1].view() : std::string_view();
+  return id.tag() == Tag::kLiteral ? Literal(id).language : std::string_view();
 }
 
 Dictionary::LiteralView Dictionary::Literal(TermId id) const {

@@ -97,8 +97,8 @@ class QuadTree::Iterator {
   // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
   void Seek(const Key& target);
   // As a new Range(first, last) of the tree that this iterator is of (by a Range with first <= last), which must not have
-  // changed meanwhile. Quick where
-  // `first` lies in the leaf that the iterator stands in: lookups with rising or repeating keys cost no descent.
+  // changed meanwhile. Quick where `first` lies in the leaf that the iterator stands in: lookups with rising or repeating keys
+  // cost no descent.
   void Restart(const Key& first, const Key& last);
   // How many Restarts had to descend.
   uint64_t descents() const { return descents_; }
