@@ -24,6 +24,7 @@
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
+#include "kb_server/service/one_callback_thread.h"
 
 namespace docent::bench {
 namespace {
@@ -275,6 +276,7 @@ Measurement Figure(const std::string& name, const std::string& system, const std
 }
 
 int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
+  const OneCallbackThread one_callback_thread;  // as in the server
   Reactions reactions;
   InstantAdapter adapter(&reactions);
   grpc::ServerBuilder builder;

@@ -8,6 +8,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/server.h"
+#include "kb_server/service/one_callback_thread.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
 #include "spdlog/spdlog.h"
 
@@ -31,6 +32,7 @@ int Serve(const ServerSettings& settings) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("docent"));
   spdlog::set_pattern("%H:%M:%S.%e %l %v");
 
+  const OneCallbackThread one_callback_thread;
   auto server = Server::Start(settings, ShowProgress);
   if (!server.ok()) return Fail(server.status());
   std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address()

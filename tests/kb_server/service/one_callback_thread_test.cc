@@ -1,0 +1,59 @@
+#include "kb_server/service/one_callback_thread.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <thread>
+
+#include "absl/synchronization/mutex.h"
+
+namespace docent {
+namespace {
+
+// The threads on which the ends of `count` calls under way at once come.
+std::set<std::thread::id> CallbackThreads(int count) {
+  struct Call {
+    grpc::ClientContext context;
+    grpc::Slice nothing;
+    grpc::ByteBuffer request{&nothing, 1}, reply;
+  };
+  grpc::GenericStub stub(grpc::CreateChannel("none", nullptr));  // its calls fail at once
+  std::vector<Call> calls(static_cast<size_t>(count));
+  absl::Mutex mutex;
+  std::set<std::thread::id> threads;
+  int ended = 0;
+  for (Call& call : calls) {
+    stub.UnaryCall(&call.context, "/none", grpc::StubOptions(), &call.request, &call.reply, [&](const grpc::Status&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // so that another thread takes the next one
+      absl::MutexLock lock(&mutex);
+      threads.insert(std::this_thread::get_id());
+      ++ended;
+    });
+  }
+  const auto all = [&] { return ended == count; };
+  absl::MutexLock lock(&mutex);
+  mutex.Await(absl::Condition(&all));
+  return threads;
+}
+
+TEST(OneCallbackThreadTest, CallbacksRunOnOneThreadWhileItLives) {
+  if (std::thread::hardware_concurrency() > 5) GTEST_SKIP() << "gRPC has more than two callback threads here";
+  {
+    const OneCallbackThread one;
+    EXPECT_EQ(CallbackThreads(40).size(), 1u);
+  }
+  EXPECT_GE(CallbackThreads(40).size(), 1u);  // and they run when it has gone
+}
+
+TEST(OneCallbackThreadTest, ComesAndGoesAgain) {
+  for (int i = 0; i < 20; ++i) {
+    const OneCallbackThread one;
+    EXPECT_GE(CallbackThreads(2).size(), 1u);
+  }
+}
+
+}  // namespace
+}  // namespace docent
