@@ -207,7 +207,10 @@ class GroupOperator final : public Operator {
   }
 
   std::vector<Accumulator>& GroupOf(const std::vector<TermId>& key) {
+    // Rows of a group often come together, as the index has them.
+    if (last_ < groups_.size() && std::equal(key.begin(), key.end(), keys_.Row(last_))) return groups_[last_];
     const auto [number, added] = keys_.Insert(key.data());
+    last_ = number;
     if (added) {
       context_.Charge(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator));
       groups_.emplace_back(node_.aggregates.size());
@@ -222,6 +225,7 @@ class GroupOperator final : public Operator {
   std::vector<int> all_;
   RowSet keys_;  // of the groups, by number
   std::vector<std::vector<Accumulator>> groups_;
+  uint32_t last_ = 0;  // group that a row went to last
   size_t next_ = 0;
   bool collected_ = false;
 };
