@@ -86,6 +86,8 @@ void SqliteLog::StartCheckpoints() {
         [](void* self, sqlite3*, const char*, int pages) {
           auto* log = static_cast<SqliteLog*>(self);
           absl::MutexLock lock(&log->head_mutex_);
+          const bool restarted = pages < log->wal_pages_;
+          if (restarted) log->next_checkpoint_pages_ = log->options_.checkpoint_pages;
           log->wal_pages_ = pages;
           return SQLITE_OK;
         },
@@ -104,12 +106,16 @@ void SqliteLog::StopCheckpoints() {
 
 void SqliteLog::WaitForCheckpoint() {
   const auto near = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
-    return stopping_ || wal_pages_ < next_checkpoint_pages_ + 3 * options_.checkpoint_pages;
+    return stopping_ || wal_pages_ < next_checkpoint_pages_ + 3 * options_.restart_pages;
   };
   absl::MutexLock lock(&head_mutex_);
   // The time limit is for a disk on which the checkpoint hangs: then appends go on, slowly, as long as it
   // lets them.
   head_mutex_.AwaitWithTimeout(absl::Condition(&near), absl::Seconds(1));
+}
+
+void SqliteLog::CarryOver() {
+  sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
 }
 
 void SqliteLog::CheckpointLoop() {
@@ -122,19 +128,21 @@ void SqliteLog::CheckpointLoop() {
       head_mutex_.Await(absl::Condition(&due));
       if (stopping_) return;
     }
-    // First beside the appends; then, for what came meanwhile, between two of them: only a write-ahead log
-    // that was carried over to its end starts again from the beginning instead of growing. An error (a full
-    // disk) leaves the records where they are, as durable as before.
-    int pages = 0;
-    int moved = 0;
-    sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+    // Beside the appends. Only a write-ahead log that was carried over to its end starts again from the
+    // beginning instead of growing: where appends go on and on, they wait for that when it is long. An error (a
+    // full disk) leaves the records where they are, as durable as before.
+    CarryOver();
+    {
+      absl::MutexLock lock(&head_mutex_);
+      if (wal_pages_ < options_.restart_pages) {
+        next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
+        continue;
+      }
+    }
     absl::MutexLock append_lock(&append_mutex_);
-    const int code =
-        sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, &pages, &moved);
+    CarryOver();
     absl::MutexLock lock(&head_mutex_);
-    const bool whole = code == SQLITE_OK && pages == moved;
-    next_checkpoint_pages_ = (whole ? 0 : wal_pages_) + options_.checkpoint_pages;
-    wal_pages_ = 0;
+    next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
   }
 }
 

@@ -228,6 +228,7 @@ TEST(SqliteLogTest, ReadersAndTrimmerBesideTheWriter) {
   TestFolder folder;
   SqliteLogOptions options;
   options.checkpoint_pages = 8;  // carried over again and again meanwhile
+  options.restart_pages = 32;
   auto log = OpenLog(folder.path(), options);
   constexpr uint64_t kLast = 600;
   std::thread writer([&] {
@@ -264,7 +265,8 @@ TEST(SqliteLogTest, ReadersAndTrimmerBesideTheWriter) {
 TEST(SqliteLogTest, WriteAheadLogDoesNotGrow) {
   TestFolder folder(TestFolder::Where::kMemory);
   SqliteLogOptions options;
-  options.checkpoint_pages = 16;
+  options.checkpoint_pages = 8;
+  options.restart_pages = 16;
   auto log = OpenLog(folder.path(), options);
   const std::string record(20000, 'x');
   for (uint64_t i = 0; i < 1000; ++i) ASSERT_TRUE(log->Append(absl::MakeSpan(&record, 1), 1, i).ok());
