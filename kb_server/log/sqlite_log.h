@@ -26,8 +26,8 @@ namespace docent {
 
 struct SqliteLogOptions {
   // Pages (4 KiB) of write-ahead log after which the background thread carries them over, beside the appends.
-  // 1 … 1000000. Small steps: 16000 pages at once keep the disk from the appends for 40 ms, 200 for less than one
-  // append takes.
+  // 1 … 1000000. Small steps, since appends wait behind them at the disk: 16000 pages at once took 40 ms, 2000 took
+  // 2 to 5.
   int checkpoint_pages = 200;
   // Length of the write-ahead log at which appends wait until all of it is carried over, so that it starts again
   // from the beginning; before that it does wherever appends pause. 1 … 1000000. 16000 keeps the file at about
