@@ -32,7 +32,7 @@ int Serve(const ServerSettings& settings) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("docent"));
   spdlog::set_pattern("%H:%M:%S.%e %l %v");
 
-  const OneCallbackThread one_callback_thread;
+  OneCallbackThread one_callback_thread;
   auto server = Server::Start(settings, ShowProgress);
   if (!server.ok()) return Fail(server.status());
   std::cout << "listening grpc=" << (*server)->grpc_address() << " http=" << (*server)->http_address()
@@ -41,6 +41,7 @@ int Serve(const ServerSettings& settings) {
   while (true) {
     int received = sigtimedwait(&signals, nullptr, &second);
     if (received == SIGINT || received == SIGTERM) break;
+    one_callback_thread.KeepAwake();
     if (!(*server)->Tend()) return Fail((*server)->status());
   }
   server->reset();

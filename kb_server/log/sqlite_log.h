@@ -101,8 +101,7 @@ class SqliteLog final : public ContextLog {
   void StopCheckpoints();
   void CheckpointLoop();
   void CarryOver();
-  // Holds an append back while the checkpoint thread is far behind: the write-ahead log must not grow without
-  // bound.
+  // Holds an append back while the checkpoint thread is far behind.
   void WaitForCheckpoint();
 
   const SqliteLogOptions options_;
@@ -130,6 +129,7 @@ class SqliteLog final : public ContextLog {
   HeadRow head_ ABSL_GUARDED_BY(head_mutex_);       // durable
   int wal_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length of the write-ahead log after the last commit
   int next_checkpoint_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length at which the next one is due
+  int next_restart_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;     // length at which appends wait for a whole one
   bool stopping_ ABSL_GUARDED_BY(head_mutex_) = false;
 
   DatabaseHandle checkpointer_;  // of checkpoint_thread_ alone

@@ -77,6 +77,7 @@ void SqliteLog::StartCheckpoints() {
   {
     absl::MutexLock lock(&head_mutex_);
     next_checkpoint_pages_ = options_.checkpoint_pages;
+    next_restart_pages_ = options_.restart_pages;
   }
   {
     absl::MutexLock lock(&append_mutex_);
@@ -87,7 +88,10 @@ void SqliteLog::StartCheckpoints() {
           auto* log = static_cast<SqliteLog*>(self);
           absl::MutexLock lock(&log->head_mutex_);
           const bool restarted = pages < log->wal_pages_;
-          if (restarted) log->next_checkpoint_pages_ = log->options_.checkpoint_pages;
+          if (restarted) {
+            log->next_checkpoint_pages_ = log->options_.checkpoint_pages;
+            log->next_restart_pages_ = log->options_.restart_pages;
+          }
           log->wal_pages_ = pages;
           return SQLITE_OK;
         },
@@ -134,15 +138,14 @@ void SqliteLog::CheckpointLoop() {
     CarryOver();
     {
       absl::MutexLock lock(&head_mutex_);
-      if (wal_pages_ < options_.restart_pages) {
-        next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
-        continue;
-      }
+      next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
+      if (wal_pages_ < next_restart_pages_) continue;
     }
     absl::MutexLock append_lock(&append_mutex_);
     CarryOver();
     absl::MutexLock lock(&head_mutex_);
     next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
+    next_restart_pages_ = wal_pages_ + options_.restart_pages;  // if it is not whole: another process reads
   }
 }
 

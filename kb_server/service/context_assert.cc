@@ -3,9 +3,18 @@
 
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/unary_reactors.h"
 
 namespace docent {
 namespace {
+
+// Whether making a batch of it takes more than moments: then a worker does it.
+bool IsLarge(const v1::AssertRequest& request) {
+  constexpr size_t kRdfBytes = 8192;
+  constexpr int kItems = 500;
+  return request.rdf().size() > kRdfBytes ||
+         request.add_size() + request.remove_size() + request.readings_size() > kItems;
+}
 
 // One AssertStream. Requests are read one after the other and pushed through the door without waiting for the
 // answer of the one before; answers are written in the order of the requests. At most kInFlight are open,
@@ -28,19 +37,10 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
       slots_.emplace_back();
       slots_.back().reply.set_request_id(request_.request_id());
     }
-    absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits);
-    if (batch.ok()) {
-      ports_.inbox->Push(*std::move(batch), [this, slot](const absl::StatusOr<BatchOutcome>& outcome) {
-        Answer(slot, outcome);
-      });
-    } else {
-      Answer(slot, batch.status());
-    }
-    absl::MutexLock lock(&mutex_);
-    if (slots_.size() < kInFlight)
-      StartRead(&request_);
-    else
-      paused_ = true;
+    if (!IsLarge(request_)) return Push(slot);
+    if (ports_.workers->Submit([this, slot] { Push(slot); })) return;  // the next one is read after it
+    Answer(slot, absl::ResourceExhaustedError("too much work waits; try again"));
+    ReadOn();
   }
 
   void OnWriteDone(bool ok) override {
@@ -64,6 +64,27 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
 
  private:
   static constexpr size_t kInFlight = 256;
+
+  void Push(uint64_t slot) {
+    absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits);
+    if (batch.ok()) {
+      ports_.inbox->Push(*std::move(batch), [this, slot](const absl::StatusOr<BatchOutcome>& outcome) {
+        Answer(slot, outcome);
+      });
+    } else {
+      Answer(slot, batch.status());
+    }
+    ReadOn();
+  }
+
+  void ReadOn() {
+    absl::MutexLock lock(&mutex_);
+    if (slots_.size() < kInFlight)
+      StartRead(&request_);
+    else
+      paused_ = true;
+  }
+
   struct Slot {
     bool answered = false;
     v1::AssertStreamReply reply;
@@ -113,16 +134,17 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
 
 grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* context,
                                                  const v1::AssertRequest* request, v1::AssertReply* reply) {
+  const auto push = [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits);
+    if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
+    ports_.inbox->Push(*std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) ToProto(*outcome, reply);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
+  };
+  if (IsLarge(*request)) return OnWorker(context, ports_.workers, push);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits);
-  if (!batch.ok()) {
-    reactor->Finish(ToGrpc(batch.status()));
-    return reactor;
-  }
-  ports_.inbox->Push(*std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (outcome.ok()) ToProto(*outcome, reply);
-    reactor->Finish(ToGrpc(outcome.status()));
-  });
+  push(reactor);
   return reactor;
 }
 

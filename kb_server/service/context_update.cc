@@ -5,6 +5,7 @@
 
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/unary_reactors.h"
 #include "kb_server/service/update_runner.h"
 #include "kb_server/sparql/parser.h"
 
@@ -12,8 +13,7 @@ namespace docent {
 
 grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* context,
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     sparql::ParseOptions options;
     options.prefixes = sparql::WellKnownPrefixes();
     options.limits = ports_.limits;
@@ -32,10 +32,6 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
       reactor->Finish(ToGrpc(outcome.status()));
     });
   });
-  if (!accepted) {
-    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
-  }
-  return reactor;
 }
 
 }  // namespace docent

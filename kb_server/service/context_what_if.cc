@@ -6,6 +6,7 @@
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/unary_reactors.h"
 #include "kb_server/service/what_if_port.h"
 #include "kb_server/sparql/parser.h"
 #include "reasoner/explain/display.h"
@@ -73,24 +74,21 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
 
 grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext* context,
                                                  const v1::WhatIfRequest* request, v1::WhatIfReply* reply) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  v1::AssertRequest told;
-  *told.mutable_add() = request->add();
-  *told.mutable_remove() = request->remove();
-  told.set_source(request->source());
-  auto batch = FromProto(told, ports_.limits);
-  if (!batch.ok()) {
-    reactor->Finish(ToGrpc(batch.status()));
-    return reactor;
-  }
-  std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(), request->prefixes().end());
-  for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
-  ports_.what_if->Ask(*std::move(batch), [reactor, reply, display = Display(std::move(prefixes))](
-                                             const absl::StatusOr<WhatIfAnswer>& answer) {
-    if (answer.ok()) Fill(*answer, display, reply);
-    reactor->Finish(ToGrpc(answer.status()));
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    v1::AssertRequest told;
+    *told.mutable_add() = request->add();
+    *told.mutable_remove() = request->remove();
+    told.set_source(request->source());
+    auto batch = FromProto(told, ports_.limits);
+    if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
+    std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(), request->prefixes().end());
+    for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
+    ports_.what_if->Ask(*std::move(batch), [reactor, reply, display = Display(std::move(prefixes))](
+                                               const absl::StatusOr<WhatIfAnswer>& answer) {
+      if (answer.ok()) Fill(*answer, display, reply);
+      reactor->Finish(ToGrpc(answer.status()));
+    });
   });
-  return reactor;
 }
 
 }  // namespace docent

@@ -7,6 +7,7 @@
 #include "kb_server/service/convert.h"
 #include "kb_server/service/graph_reader.h"
 #include "kb_server/service/grpc_services.h"
+#include "kb_server/service/unary_reactors.h"
 
 namespace docent {
 namespace {
@@ -94,33 +95,33 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
                                              const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
-  GraphVersionPtr version = ports_.queries->Newest();
-  GraphReader graph(*ports_.dictionary, *version);
-  for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
-    v1::RobotStatus* out = reply->add_robots();
-    out->set_robot(robot);
-    out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
-    out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
-    out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
-    std::string status = graph.Object(robot, DocentIri("status"));
-    out->set_state(status == DocentIri("Standby") ? "standby"
-                   : status == DocentIri("Busy")  ? "busy"
-                                                  : "offline");
-    for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
-      out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
+  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    GraphReader graph(*ports_.dictionary, *version);
+    for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+      v1::RobotStatus* out = reply->add_robots();
+      out->set_robot(robot);
+      out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
+      out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
+      out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
+      std::string status = graph.Object(robot, DocentIri("status"));
+      out->set_state(status == DocentIri("Standby") ? "standby"
+                     : status == DocentIri("Busy")  ? "busy"
+                                                    : "offline");
+      for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
+        out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
+      }
+      double x = 0, y = 0, heading = 0;
+      if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
+        out->set_has_pose(true);
+        out->set_x_m(x);
+        out->set_y_m(y);
+        if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
+      }
+      for (const Term& region : graph.Objects(robot, DocentIri("isAt"))) out->add_regions(region.lexical);
     }
-    double x = 0, y = 0, heading = 0;
-    if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
-      out->set_has_pose(true);
-      out->set_x_m(x);
-      out->set_y_m(y);
-      if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
-    }
-    for (const Term& region : graph.Objects(robot, DocentIri("isAt"))) out->add_regions(region.lexical);
-  }
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  reactor->Finish(grpc::Status::OK);
-  return reactor;
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 }  // namespace docent

@@ -73,8 +73,7 @@ std::string OntologyGraph(const std::string& name) {
 
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
@@ -88,24 +87,23 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
     };
     ports_.loads->Run(std::move(job));
   });
-  if (!accepted)
-    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
                                                   const v1::ListOntologiesRequest*,
                                                   v1::ListOntologiesReply* reply) {
-  const GraphVersionPtr version = ports_.queries->Newest();
-  for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
-    auto* out = reply->add_modules();
-    out->set_name(module.name);
-    out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES : v1::LoadRequest::ONTOLOGY);
-    out->set_size(module.size);
-    out->set_revision(module.revision.value());
-    if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
-  }
-  return FinishNow(context, grpc::Status::OK);
+  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    const GraphVersionPtr version = ports_.queries->Newest();
+    for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
+      auto* out = reply->add_modules();
+      out->set_name(module.name);
+      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES : v1::LoadRequest::ONTOLOGY);
+      out->set_size(module.size);
+      out->set_revision(module.revision.value());
+      if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
@@ -131,8 +129,7 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  bool accepted = ports_.workers->Submit([this, reactor, request, reply] {
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));
     const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),
@@ -145,9 +142,6 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
     for (const std::string& triple : preview->removed_triples) reply->add_removed_triples(triple);
     reactor->Finish(grpc::Status::OK);
   });
-  if (!accepted)
-    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
-  return reactor;
 }
 
 }  // namespace docent

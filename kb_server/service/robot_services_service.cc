@@ -131,33 +131,35 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServiceP
 grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
-  if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
-    return FinishNow(context, ToGrpc(size));
-  }
-  rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
-  if (!parsed.ok()) return FinishNow(context, ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
-  for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-  for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
-  WriteBatch batch;
-  batch.documents.push_back(
-      {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (outcome.ok()) reply->set_revision(outcome->offset);
-    reactor->Finish(ToGrpc(outcome.status()));
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
+    if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+    for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
+    WriteBatch batch;
+    batch.documents.push_back(
+        {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
+    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) reply->set_revision(outcome->offset);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
                                                      const v1::ListServicesRequest*,
                                                      v1::ListServicesReply* reply) {
-  GraphVersionPtr version = ports_.queries->Newest();
-  GraphReader graph(*ports_.dictionary, *version);
-  for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
-    Fill(graph, *plan, reply->add_services());
-  }
-  return FinishNow(context, grpc::Status::OK);
+  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    GraphReader graph(*ports_.dictionary, *version);
+    for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
+      Fill(graph, *plan, reply->add_services());
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerContext* context,

@@ -4,10 +4,12 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 
 #include "kb_server/base/cancellation.h"
+#include "kb_server/service/worker_pool.h"
 
 namespace docent {
 
@@ -15,6 +17,17 @@ namespace docent {
 inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context, const grpc::Status& status) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(status);
+  return reactor;
+}
+
+// Of a call whose answer takes more than moments, for which gRPC's callback thread has others to serve: `work`, which
+// finishes the reactor, runs on a worker. RESOURCE_EXHAUSTED if too much waits.
+inline grpc::ServerUnaryReactor* OnWorker(grpc::CallbackServerContext* context, WorkerPool* workers,
+                                          std::function<void(grpc::ServerUnaryReactor*)> work) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  if (!workers->Submit([reactor, work = std::move(work)] { work(reactor); })) {
+    reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
+  }
   return reactor;
 }
 

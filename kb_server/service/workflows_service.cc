@@ -22,37 +22,39 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
-  if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-    return FinishNow(context, ToGrpc(size));
-  }
-  cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-  for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-  for (const cawl::ConditionText& condition : report.conditions) {
-    v1::CompiledCondition* out = reply->add_conditions();
-    out->set_place(condition.place);
-    out->set_ask(condition.ask);
-  }
-  return FinishNow(context, grpc::Status::OK);
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    for (const cawl::ConditionText& condition : report.conditions) {
+      v1::CompiledCondition* out = reply->add_conditions();
+      out->set_place(condition.place);
+      out->set_ask(condition.ask);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
-  if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-    return FinishNow(context, ToGrpc(size));
-  }
-  cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-  if (!report.ok()) return FinishNow(context, ToGrpc(ToStatus(report.diagnostics, request->cawl())));
-  for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-  reply->set_workflow(report.document->name.value);
-  WriteBatch batch;
-  batch.documents.push_back(
-      {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (outcome.ok()) reply->set_revision(outcome->offset);
-    reactor->Finish(ToGrpc(outcome.status()));
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    reply->set_workflow(report.document->name.value);
+    WriteBatch batch;
+    batch.documents.push_back(
+        {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) reply->set_revision(outcome->offset);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
@@ -105,10 +107,12 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  GraphVersionPtr version = ports_.queries->Newest();
-  GraphReader graph(*ports_.dictionary, *version);
-  for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
-  return FinishNow(context, grpc::Status::OK);
+  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    GraphReader graph(*ports_.dictionary, *version);
+    for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
+    reactor->Finish(grpc::Status::OK);
+  });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,
