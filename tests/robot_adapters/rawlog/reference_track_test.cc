@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -20,7 +21,9 @@ class ReferenceTrackTest : public ::testing::Test {
     const auto poses = ReadReference(path_);
     return poses.ok() ? "no error" : std::string(poses.status().message());
   }
-  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) / "docent_reference_track_test";
+  // Of this process: tests run beside each other.
+  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
+                                        ("docent_reference_track_test_" + std::to_string(getpid()));
   const std::string path_ = (folder_ / "reference.csv").string();
 };
 
