@@ -64,7 +64,12 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
 
  private:
   static constexpr size_t kInFlight = 256;
+  struct Slot {
+    bool answered = false;
+    v1::AssertStreamReply reply;
+  };
 
+  // On gRPC's thread or a worker; nothing is read meanwhile.
   void Push(uint64_t slot) {
     absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits);
     if (batch.ok()) {
@@ -84,11 +89,6 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     else
       paused_ = true;
   }
-
-  struct Slot {
-    bool answered = false;
-    v1::AssertStreamReply reply;
-  };
 
   // Every batch that was pushed is answered, also when the client has gone: only then may this object die.
   void Answer(uint64_t slot, const absl::StatusOr<BatchOutcome>& outcome) {
@@ -142,8 +142,8 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
       reactor->Finish(ToGrpc(outcome.status()));
     });
   };
-  if (IsLarge(*request)) return OnWorker(context, ports_.workers, push);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  if (IsLarge(*request)) return OnWorker(reactor, ports_.workers, push);
   push(reactor);
   return reactor;
 }

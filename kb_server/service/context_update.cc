@@ -13,7 +13,7 @@ namespace docent {
 
 grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* context,
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     sparql::ParseOptions options;
     options.prefixes = sparql::WellKnownPrefixes();
     options.limits = ports_.limits;

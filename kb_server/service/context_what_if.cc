@@ -74,7 +74,7 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
 
 grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext* context,
                                                  const v1::WhatIfRequest* request, v1::WhatIfReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     v1::AssertRequest told;
     *told.mutable_add() = request->add();
     *told.mutable_remove() = request->remove();

@@ -95,7 +95,7 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
                                              const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
-  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
     GraphVersionPtr version = ports_.queries->Newest();
     GraphReader graph(*ports_.dictionary, *version);
     for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {

@@ -73,7 +73,7 @@ std::string OntologyGraph(const std::string& name) {
 
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
@@ -92,7 +92,7 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
                                                   const v1::ListOntologiesRequest*,
                                                   v1::ListOntologiesReply* reply) {
-  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
     const GraphVersionPtr version = ports_.queries->Newest();
     for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
       auto* out = reply->add_modules();
@@ -129,7 +129,7 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));
     const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),

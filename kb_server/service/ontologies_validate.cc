@@ -151,8 +151,6 @@ absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Ca
   return absl::OkStatus();
 }
 
-constexpr char kTooMuchWork[] = "too much work waits; try again";
-
 }  // namespace
 
 grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*, const v1::ValidateRequest* request,
@@ -160,24 +158,20 @@ grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContex
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-  auto* reactor = new CancellableReactor(cancellation);
   const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
-  const bool accepted = ports_.workers->Submit([this, reactor, request, reply, cancellation, deadline] {
+  const auto validate = [this, request, reply, cancellation, deadline](grpc::ServerUnaryReactor* reactor) {
     reactor->Finish(ToGrpc(docent::Validate(ports_, *request, deadline, cancellation.get(), reply)));
-  });
-  if (!accepted) reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, kTooMuchWork));
-  return reactor;
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*, const v1::LoadRequest* request,
                                                    v1::CheckModuleReply* reply) {
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-  auto* reactor = new CancellableReactor(cancellation);
-  const bool accepted = ports_.workers->Submit([this, reactor, request, reply, cancellation] {
+  const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
     reactor->Finish(ToGrpc(docent::Check(ports_, *request, cancellation.get(), reply)));
-  });
-  if (!accepted) reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, kTooMuchWork));
-  return reactor;
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, check);
 }
 
 }  // namespace docent

@@ -131,7 +131,7 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServiceP
 grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
       return reactor->Finish(ToGrpc(size));
     }
@@ -152,7 +152,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
                                                      const v1::ListServicesRequest*,
                                                      v1::ListServicesReply* reply) {
-  return OnWorker(context, ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
     GraphVersionPtr version = ports_.queries->Newest();
     GraphReader graph(*ports_.dictionary, *version);
     for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {

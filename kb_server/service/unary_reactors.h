@@ -22,9 +22,8 @@ inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context,
 
 // Of a call whose answer takes more than moments, for which gRPC's callback thread has others to serve: `work`, which
 // finishes the reactor, runs on a worker. RESOURCE_EXHAUSTED if too much waits.
-inline grpc::ServerUnaryReactor* OnWorker(grpc::CallbackServerContext* context, WorkerPool* workers,
+inline grpc::ServerUnaryReactor* OnWorker(grpc::ServerUnaryReactor* reactor, WorkerPool* workers,
                                           std::function<void(grpc::ServerUnaryReactor*)> work) {
-  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   if (!workers->Submit([reactor, work = std::move(work)] { work(reactor); })) {
     reactor->Finish(grpc::Status(grpc::StatusCode::RESOURCE_EXHAUSTED, "too much work waits; try again"));
   }

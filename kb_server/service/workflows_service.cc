@@ -22,7 +22,7 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
       return reactor->Finish(ToGrpc(size));
     }
@@ -39,7 +39,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* c
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
       return reactor->Finish(ToGrpc(size));
     }
@@ -107,7 +107,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  return OnWorker(context, ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
     GraphVersionPtr version = ports_.queries->Newest();
     GraphReader graph(*ports_.dictionary, *version);
     for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
