@@ -56,6 +56,11 @@ class EvaluationContext {
 
   // False soon after the evaluation must end; `status` says why. For inner loops.
   bool Poll() { return --polls_left_ > 0 || PollNow(); }
+  // So many matches were counted without a Poll: the next ones come the sooner.
+  void Counted(uint64_t matches) {
+    const uint64_t polls = matches / kMatchesAPoll;
+    polls_left_ = polls < static_cast<uint64_t>(polls_left_) ? polls_left_ - static_cast<int>(polls) : 1;
+  }
 
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
   bool Charge(size_t bytes) {
@@ -103,6 +108,7 @@ class EvaluationContext {
 
  private:
   static constexpr int kPolls = 64;  // all but the last of so many cost nothing
+  static constexpr uint64_t kMatchesAPoll = 64;
 
   bool PollNow();
 

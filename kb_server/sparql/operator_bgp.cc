@@ -69,25 +69,22 @@ class BgpOperator final : public Operator {
   bool Next(TermId* out) override {
     if (state_ == State::kDone) return false;
     const bool fresh = state_ == State::kFresh;
-    if (fresh) {
-      if (!Pass(filters_)) return Done();
-      state_ = levels_.empty() ? State::kDone : State::kRunning;
-      if (levels_.empty()) return Emit(out);
-    }
-    Level *const first = &levels_.front(), *const last = &levels_.back();
-    Level* now = fresh ? first : last;
-    if (fresh) Open(*now);
-    while (true) {
-      if (!(now->hashed ? now->table.Next(row_.data(), context_) : now->scan.Next(row_.data()))) {
-        if (now == first) return Done();
-        --now;
-        continue;
-      }
-      ++now->pattern->rows;
-      if (!Pass(now->filters)) continue;
-      if (now == last) return Emit(out);
-      Open(*++now);
-    }
+    if (fresh && !Pass(filters_)) return Done();
+    state_ = levels_.empty() ? State::kDone : State::kRunning;
+    if (levels_.empty()) return Emit(out);
+    return Match(&levels_.back(), fresh) ? Emit(out) : Done();
+  }
+
+  // The matches of the last pattern need not be made.
+  uint64_t Count(TermId* scratch) override {
+    if (state_ != State::kFresh || levels_.empty() || !levels_.back().filters.empty()) return Operator::Count(scratch);
+    state_ = State::kDone;
+    if (!Pass(filters_)) return 0;
+    Level& last = levels_.back();
+    if (levels_.size() == 1) return CountMatches(last);
+    uint64_t count = 0;
+    for (bool fresh = true; Match(&last - 1, fresh); fresh = false) count += CountMatches(last);
+    return count;
   }
 
  private:
@@ -102,6 +99,36 @@ class BgpOperator final : public Operator {
     bool tried = false;                    // there may be a table
     bool hashed = false;                   // it is open, not `scan`
   };
+
+  // The next match of the patterns up to `last`.
+  bool Match(Level* last, bool fresh) {
+    Level* const first = &levels_.front();
+    Level* now = fresh ? first : last;
+    if (fresh) Open(*now);
+    while (true) {
+      if (!(now->hashed ? now->table.Next(row_.data(), context_) : now->scan.Next(row_.data()))) {
+        if (now == first) return false;
+        --now;
+        continue;
+      }
+      ++now->pattern->rows;
+      if (!Pass(now->filters)) continue;
+      if (now == last) return true;
+      Open(*++now);
+    }
+  }
+
+  uint64_t CountMatches(Level& level) {
+    Open(level);
+    uint64_t count = 0;
+    if (level.hashed) {
+      while (level.table.Next(row_.data(), context_)) ++count;
+    } else {
+      count = level.scan.Count(row_.data());
+    }
+    level.pattern->rows += count;
+    return count;
+  }
 
   void Open(Level& level) {
     PlanPattern& pattern = *level.pattern;

@@ -74,6 +74,9 @@ class Accumulator {
     }
   }
 
+  // As Add of so many rows, of what CountsRows.
+  void AddRows(uint64_t rows) { count_ += static_cast<int64_t>(rows); }
+
   Value Result(const PlanNode::AggregatePlan& plan) const {
     if (plan.function == Function::kCount) return Value::Integer(count_);
     if (error_) return Value::Error();
@@ -135,6 +138,13 @@ class Accumulator {
   std::optional<RowSet> seen_;
 };
 
+// COUNT(*), and COUNT(?x) of what is bound in every row of `child`.
+bool CountsRows(const PlanNode::AggregatePlan& plan, const PlanNode& child) {
+  if (plan.function != Function::kCount || plan.distinct) return false;
+  return !plan.expression ||
+         (plan.expression->kind == Expression::Kind::kVariable && child.certain.Contains(plan.expression->slot));
+}
+
 class GroupOperator final : public Operator {
  public:
   GroupOperator(PlanNode& node, const BuildContext& build)
@@ -143,7 +153,10 @@ class GroupOperator final : public Operator {
         in_(build.slots),
         child_(BuildOperator(*node.children[0], build)),
         all_(node.children[0]->possible.List()),
-        keys_(node.keys.size()) {
+        keys_(node.keys.size()),
+        counts_(node.keys.empty() && std::all_of(node.aggregates.begin(), node.aggregates.end(), [&node](const auto& a) {
+                  return CountsRows(a, *node.children[0]);
+                })) {
     for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
     for (auto& aggregate : node.aggregates) {
       if (aggregate.expression) PrepareExpression(*aggregate.expression, build);
@@ -184,9 +197,14 @@ class GroupOperator final : public Operator {
   void Collect() {
     collected_ = true;
     std::vector<TermId> row(in_.size()), key(node_.keys.size()), whole;
+    child_->Start(in_.data());
+    if (counts_) {
+      const uint64_t rows = child_->Count(row.data());
+      for (Accumulator& total : GroupOf({})) total.AddRows(rows);
+      return;
+    }
     const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
                                     [](const auto& a) { return a.distinct && !a.expression; });
-    child_->Start(in_.data());
     while (child_->Next(row.data()) && context_.Poll()) {
       for (size_t i = 0; i < key.size(); ++i) key[i] = KeyOf(*node_.keys[i].second, row.data());
       whole.clear();
@@ -223,7 +241,8 @@ class GroupOperator final : public Operator {
   std::vector<TermId> in_;
   std::unique_ptr<Operator> child_;
   std::vector<int> all_;
-  RowSet keys_;  // of the groups, by number
+  RowSet keys_;        // of the groups, by number
+  const bool counts_;  // how many rows there are is all that matters
   std::vector<std::vector<Accumulator>> groups_;
   uint32_t last_ = 0;  // group that a row went to last
   size_t next_ = 0;

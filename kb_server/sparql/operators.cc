@@ -86,6 +86,14 @@ class UnionOperator final : public Operator {
     }
     return false;
   }
+  uint64_t Count(TermId* scratch) override {
+    uint64_t count = 0;
+    while (current_ < children_.size()) {
+      count += children_[current_]->Count(scratch);
+      if (++current_ < children_.size()) children_[current_]->Start(in_.data());
+    }
+    return count;
+  }
   void Forget() override {
     for (const auto& child : children_) child->Forget();
   }
@@ -241,6 +249,12 @@ class MeasuredOperator final : public Operator {
     if (!inner_->Next(out)) return false;
     ++node_.rows_made;
     return true;
+  }
+  uint64_t Count(TermId* scratch) override {
+    const Timer timer(node_);
+    const uint64_t count = inner_->Count(scratch);
+    node_.rows_made += count;
+    return count;
   }
   void Forget() override { inner_->Forget(); }
 

@@ -2,6 +2,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_OPERATORS_H_
 #define DOCENT_KB_SERVER_SPARQL_OPERATORS_H_
 
+#include <cstdint>
 #include <memory>
 
 #include "kb_server/sparql/evaluation_context.h"
@@ -19,6 +20,12 @@ class Operator {
   virtual void Start(const TermId* in) = 0;
   // The next solution into `out`, a row of all slots. False: there is none; `out` then has no meaning.
   virtual bool Next(TermId* out) = 0;
+  // How many solutions are still to come; then there are none. `scratch` is a row of all slots.
+  virtual uint64_t Count(TermId* scratch) {
+    uint64_t count = 0;
+    while (Next(scratch)) ++count;
+    return count;
+  }
   // A new run of the query begins: what was kept from the last one must go.
   virtual void Forget() {}
 };

@@ -112,6 +112,18 @@ bool PatternScan::Next(TermId* row) {
   return false;
 }
 
+uint64_t PatternScan::Count(TermId* row) {
+  uint64_t count = 0;
+  if (only_ != nullptr || !except_.IsNone() || equals_ > 0) {
+    while (Next(row)) ++count;
+    return count;
+  }
+  if (valid_) count = cursor_.CountRest(merge_);
+  context_->Counted(count);
+  Close(row);
+  return count;
+}
+
 void PatternScan::Close(TermId* row) {
   valid_ = false;
   for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = TermId();

@@ -17,6 +17,8 @@ class PatternScan {
  public:
   void Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context);
   bool Next(TermId* row);
+  // Instead of Next, right after Open: how many matches there are.
+  uint64_t Count(TermId* row);
   void Close(TermId* row);
   // The version may be another one from now on.
   void Forget() { known_ = false; }

@@ -30,6 +30,31 @@ void QuadCursor::Seek(const Quad& target) {
   Settle();
 }
 
+uint64_t QuadCursor::CountRest(bool triples) {
+  uint64_t count = 0;
+  if (filter_) {  // within one graph, so there are no copies
+    for (; Valid(); Next()) ++count;
+    return count;
+  }
+  triples &= order_ != IndexOrder::kGspo;  // within one graph
+  QuadTree::Key last = {};                 // no quad's
+  for (; iterator_.Valid(); iterator_.SkipLeaf()) {
+    const QuadTree::Leaf& leaf = *iterator_.leaf();
+    const int first = iterator_.position(), limit = iterator_.limit();
+    count += static_cast<uint64_t>(limit - first);
+    if (!triples) continue;
+    // The graph is the last word, and a leaf within one graph has every triple once.
+    const int end = leaf.mask[3] == 0 ? first + 1 : limit;
+    for (int i = first; i < end; ++i) {
+      if (i > first) last = leaf.KeyAt(i - 1);
+      const bool copy = leaf.Word(i, 0) == last[0] && leaf.Word(i, 1) == last[1] && leaf.Word(i, 2) == last[2];
+      if (copy) --count;
+    }
+    last = leaf.KeyAt(limit - 1);
+  }
+  return count;
+}
+
 bool GraphVersion::Contains(const Quad& quad) const {
   return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
 }

@@ -38,6 +38,9 @@ class QuadCursor {
   // Moves forward to the first match whose key in this cursor's order is >= the key of `target`; stays if the
   // current one is. O(log distance).
   void Seek(const Quad& target);
+  // How many matches are left, this one among them; `triples`: copies of a triple in several graphs, which must be adjacent,
+  // are one. The cursor is then at its end. Much quicker than going over them.
+  uint64_t CountRest(bool triples);
   // Requires Valid().
   const Quad& quad() const { return quad_; }
   IndexOrder order() const { return order_; }

@@ -91,8 +91,15 @@ class QuadTree::Iterator {
   // Where key() is. For what includes quad_tree_node.h to read it in place.
   const Leaf* leaf() const { return leaf_; }
   int position() const { return position_; }
+  // One past the last position of leaf() that is within the range.
+  int limit() const { return limit_; }
   void Next() {
     if (++position_ == limit_ && !last_leaf_) NextLeaf();
+  }
+  // To the first key of the range beyond leaf().
+  void SkipLeaf() {
+    position_ = limit_;
+    if (!last_leaf_) NextLeaf();
   }
   // Moves forward to the first key >= target of the range; stays if the current one is. O(log distance).
   void Seek(const Key& target);
@@ -118,7 +125,7 @@ class QuadTree::Iterator {
   const Leaf* leaf_ = nullptr;
   int height_ = 0;
   int position_ = 0;
-  int limit_ = 0;          // one past the last position of this leaf that is within the range
+  int limit_ = 0;
   bool last_leaf_ = true;  // the range ends in this leaf
   Key last_ = {};
   uint64_t descents_ = 0;

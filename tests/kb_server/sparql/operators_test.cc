@@ -143,6 +143,24 @@ TEST(SparqlOperators, CountsSumsAndDistinctOfIds) {
   EXPECT_EQ(g.Rows("SELECT ?b (COUNT(*) AS ?n) { ?p ex:at ?b } GROUP BY ?b").size(), 10u);
 }
 
+// Where only the number of rows matters, they are not made: of a pattern, of a join, of a union; in one graph and in several.
+TEST(SparqlOperators, RowsAreCountedWithoutMakingThem) {
+  TestGraph g(People(2000) + Likes(2000) + "ex:p1 ex:twin ex:p1 . ex:p2 ex:twin ex:p1 . ex:g { ex:p1 ex:at ex:B1 . ex:p7 ex:at ex:B1 }");
+  using Rows = std::vector<std::string>;
+  const std::string count = "SELECT (COUNT(*) AS ?n) ";
+  EXPECT_EQ(g.Rows(count + "{ ?p ex:at ?b }"), Rows{"2001"});  // the same triple in two graphs is one
+  EXPECT_EQ(g.Rows(count + "{ GRAPH ?g { ?p ex:at ?b } }"), Rows{"2002"});
+  EXPECT_EQ(g.Rows(count + "FROM ex:g { ?p ex:at ?b }"), Rows{"2"});
+  EXPECT_EQ(g.Rows(count + "{ ?p ex:at ?b }", {.default_graph = DefaultGraph::kStrict}), Rows{"2000"});
+  EXPECT_EQ(g.Rows(count + "{ ?p ex:twin ?p }"), Rows{"1"});
+  EXPECT_EQ(g.Rows(count + "{ ?p ex:unknown ?b }"), Rows{"0"});
+  EXPECT_EQ(g.Rows("SELECT (COUNT(?a) AS ?n) (COUNT(*) AS ?m) { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ?d }"), Rows{"2001 2001"});
+  EXPECT_EQ(g.Rows("SELECT (COUNT(?p) AS ?n) (COUNT(?q) AS ?m) (COUNT(*) AS ?k) { { ?p ex:at ex:B3 } UNION { ?q ex:at ex:B4 . ?q ex:age ?a } }"),
+            Rows{"200 200 400"});
+  EXPECT_EQ(g.Rows(count + "{ ?p ex:at ex:B3 FILTER(?p != ex:p3) }"), Rows{"199"});
+  EXPECT_EQ(g.Rows("SELECT ?b ?n { VALUES ?b { ex:B3 ex:B77 } { SELECT ?b (COUNT(*) AS ?n) { ?p ex:at ?b } GROUP BY ?b } }"), Rows{"B3 200"});
+}
+
 TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
   TestGraph g(People(50));
   const auto query =

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <memory>
 #include <random>
@@ -65,6 +66,10 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
       std::vector<Quad> found = Found(version, pattern);
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected) << "mask " << mask;
+      ASSERT_EQ(version.Scan(pattern).CountRest(false), expected.size()) << "mask " << mask;
+      std::set<std::array<TermId, 3>> triples;
+      for (const Quad& quad : expected) triples.insert({quad.subject, quad.predicate, quad.object});
+      ASSERT_EQ(version.Scan(pattern).CountRest(true), triples.size()) << "mask " << mask;
       bool exact = (mask & 8) == 0 || mask == 8 || mask == 9 || mask == 11 || mask == 15;
       if (exact)
         ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
@@ -93,6 +98,38 @@ TEST(GraphVersionTest, CopiesOfATripleAreAdjacent) {
       EXPECT_EQ(found[i].object, found[i + 1].object);
       EXPECT_NE(found[i].graph, found[i + 1].graph);
     }
+  }
+}
+
+// Over many leaves: of one graph, of several, and copies on both sides of a leaf's end.
+TEST(GraphVersionTest, TheRestIsCountedFromAnyMatch) {
+  GraphWriter writer(nullptr);
+  for (uint64_t i = 0; i < 4000; ++i) {
+    writer.Add(Q(i / 10, i % 10, i, 1));
+    if (i > 2000) writer.Add(Q(i / 10, i % 10, i, 2));
+    if (i > 3000) writer.Add(Q(i / 10, i % 10, i, 3));
+  }
+  for (const QuadPattern& pattern : {QuadPattern{}, QuadPattern{{}, Id(3), {}, {}}, QuadPattern{{}, {}, {}, Id(2)}}) {
+    uint64_t left = writer.current().Count(pattern), triples = 0;
+    Quad last;
+    const auto copy = [&last](const Quad& q) {
+      return q.subject == last.subject && q.predicate == last.predicate && q.object == last.object;
+    };
+    for (QuadCursor c = writer.current().Scan(pattern); c.Valid(); c.Next()) {
+      triples += !copy(c.quad());
+      last = c.quad();
+    }
+    last = {};
+    for (QuadCursor c = writer.current().Scan(pattern); c.Valid(); c.Next(), --left) {
+      const bool first = !copy(c.quad());
+      last = c.quad();
+      if (left % 7 == 0) {
+        ASSERT_EQ(QuadCursor(c).CountRest(false), left);
+        ASSERT_EQ(QuadCursor(c).CountRest(true), first ? triples : triples + 1);
+      }
+      triples -= first;
+    }
+    EXPECT_EQ(left, 0u);
   }
 }
 
