@@ -4,7 +4,11 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -47,6 +51,16 @@ struct EntryKey {
   }
 };
 
+// Memory of so many zeros, which large allocations are made of only when they are written: nobody waits for megabytes of them
+// at once. To be freed with std::free.
+template <typename T>
+T* Zeroed(uint64_t count) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  void* const memory = std::calloc(count, sizeof(T));
+  if (memory == nullptr) throw std::bad_alloc();
+  return static_cast<T*>(memory);
+}
+
 // Entries in chunks that never move: chunk k holds kFirstChunk * 2^k of them. The writer appends; a reader
 // may look at any index that it learnt through a synchronising operation (a published version, the hash
 // table).
@@ -56,7 +70,7 @@ class EntryArray {
   EntryArray(const EntryArray&) = delete;
   EntryArray& operator=(const EntryArray&) = delete;
   ~EntryArray() {
-    for (std::atomic<Entry*>& chunk : chunks_) delete[] chunk.load(std::memory_order_relaxed);
+    for (std::atomic<Entry*>& chunk : chunks_) std::free(chunk.load(std::memory_order_relaxed));
   }
 
   const Entry& operator[](uint64_t index) const {
@@ -70,7 +84,7 @@ class EntryArray {
     Entry* entries = chunks_[chunk].load(std::memory_order_relaxed);
     size_t allocated = 0;
     if (entries == nullptr) {
-      entries = new Entry[kFirstChunk << chunk];
+      entries = Zeroed<Entry>(kFirstChunk << chunk);
       allocated = (kFirstChunk << chunk) * sizeof(Entry);
       chunks_[chunk].store(entries, std::memory_order_release);
     }
@@ -90,35 +104,40 @@ class EntryArray {
 };
 
 // Open addressing over atomic slots: 32 bits of hash above index + 1, all 0 for empty. The hash bits in a
-// slot also give its place, so growing reads no entry. The writer publishes a slot after its entry; a grown
-// table is published whole and the old one kept, since a reader may be in it (all old ones together are no
-// larger than the newest).
+// slot also give its place, so growing reads no entry. The writer publishes a slot after its entry.
+//
+// A full table is followed by one twice as large, and each insert then moves a few slots over: nobody waits for a
+// table to be copied. Meanwhile readers look into both; the old ones are kept, since a reader may be in them (all
+// together they are no larger than the newest).
 class HashTable {
  public:
-  HashTable() { current_.store(NewTable(kFirstSlots), std::memory_order_release); }
+  HashTable() { current_.store(NewTable(kFirstSlots, nullptr), std::memory_order_release); }
 
   template <typename Matches>  // bool Matches(index)
   std::optional<uint64_t> Find(uint32_t hash, Matches matches) const {
-    const Table& table = *current_.load(std::memory_order_acquire);
-    for (uint64_t i = hash & table.mask;; i = (i + 1) & table.mask) {
-      uint64_t slot = table.slots[i].load(std::memory_order_acquire);
-      if (slot == 0) return std::nullopt;
-      if (slot >> 32 == hash && matches((slot & kIndexMask) - 1)) return (slot & kIndexMask) - 1;
+    const Table* table = current_.load(std::memory_order_acquire);
+    while (table != nullptr) {
+      // Before this one is looked at: if all was moved by then, it is seen here.
+      const Table* older = table->older.load(std::memory_order_acquire);
+      for (uint64_t i = hash & table->mask;; i = (i + 1) & table->mask) {
+        const uint64_t slot = table->Slot(i).load(std::memory_order_acquire);
+        if (slot == 0) break;
+        if (slot >> 32 == hash && matches((slot & kIndexMask) - 1)) return (slot & kIndexMask) - 1;
+      }
+      table = older;
     }
+    return std::nullopt;
   }
 
   // Writer.
   void Insert(uint32_t hash, uint64_t index) {
-    const Table* table = current_.load(std::memory_order_relaxed);
+    Table* table = tables_.back().get();
     if ((count_ + 1) * 3 > (table->mask + 1) * 2) {
-      Table* grown = NewTable((table->mask + 1) * 2);
-      for (uint64_t i = 0; i <= table->mask; ++i) {
-        uint64_t slot = table->slots[i].load(std::memory_order_relaxed);
-        if (slot != 0) Place(*grown, slot);
-      }
-      current_.store(grown, std::memory_order_release);
-      table = grown;
+      table = NewTable((table->mask + 1) * 2, table);
+      current_.store(table, std::memory_order_release);
+      moved_ = 0;
     }
+    MoveSome(table);
     ++count_;
     Place(*table, static_cast<uint64_t>(hash) << 32 | (index + 1));
   }
@@ -128,28 +147,44 @@ class HashTable {
  private:
   static constexpr uint64_t kFirstSlots = 4096;
   static constexpr uint64_t kIndexMask = 0xFFFFFFFF;
+  // Slots that an insert moves. All are moved long before the larger table is full, which two would be enough for.
+  static constexpr uint64_t kStep = 16;
 
   struct Table {
-    explicit Table(uint64_t slot_count)
-        : mask(slot_count - 1), slots(new std::atomic<uint64_t>[slot_count]()) {}
-    uint64_t mask;
-    std::unique_ptr<std::atomic<uint64_t>[]> slots;
+    Table(uint64_t slot_count, const Table* before)
+        : mask(slot_count - 1), slots(Zeroed<uint64_t>(slot_count), std::free), older(before) {}
+    std::atomic_ref<uint64_t> Slot(uint64_t i) const { return std::atomic_ref(slots.get()[i]); }
+
+    const uint64_t mask;
+    const std::unique_ptr<uint64_t, decltype(&std::free)> slots;
+    std::atomic<const Table*> older;  // that slots are still moved from; null: all are here
   };
 
-  Table* NewTable(uint64_t slot_count) {
-    tables_.push_back(std::make_unique<Table>(slot_count));
+  Table* NewTable(uint64_t slot_count, const Table* older) {
+    tables_.push_back(std::make_unique<Table>(slot_count, older));
     return tables_.back().get();
+  }
+
+  void MoveSome(Table* to) {
+    const Table* from = to->older.load(std::memory_order_relaxed);
+    if (from == nullptr) return;
+    for (const uint64_t end = moved_ + kStep; moved_ < end; ++moved_) {
+      const uint64_t slot = from->Slot(moved_).load(std::memory_order_relaxed);
+      if (slot != 0) Place(*to, slot);
+    }
+    if (moved_ > from->mask) to->older.store(nullptr, std::memory_order_release);
   }
 
   static void Place(const Table& table, uint64_t slot) {
     uint64_t i = (slot >> 32) & table.mask;
-    while (table.slots[i].load(std::memory_order_relaxed) != 0) i = (i + 1) & table.mask;
-    table.slots[i].store(slot, std::memory_order_release);
+    while (table.Slot(i).load(std::memory_order_relaxed) != 0) i = (i + 1) & table.mask;
+    table.Slot(i).store(slot, std::memory_order_release);
   }
 
   std::atomic<const Table*> current_{nullptr};
-  std::vector<std::unique_ptr<Table>> tables_;  // writer
+  std::vector<std::unique_ptr<Table>> tables_;  // writer; the last is the current one
   uint64_t count_ = 0;                          // writer
+  uint64_t moved_ = 0;                          // writer: slots of the table before the current one
 };
 
 // Text in blocks that never move.

@@ -75,6 +75,22 @@ TEST(DictionaryTest, SameOrderGivesTheSameIds) {
   }
 }
 
+// The hash table is grown a few slots at a time: whatever has been moved, all are found, and nothing else.
+TEST(DictionaryTest, EveryTermIsFoundWhileTheTableGrows) {
+  Dictionary dictionary;
+  const auto text = [](uint64_t i) { return "http://example.org/" + std::to_string(i * 7919); };
+  for (uint64_t i = 0; i < 30000; ++i) {
+    const TermId id = dictionary.InternIri(text(i));
+    ASSERT_EQ(id, TermId::Make(TermId::Tag::kIri, i));
+    for (const uint64_t earlier : {i, i / 2, i * 7919 % (i + 1)}) {
+      ASSERT_EQ(dictionary.FindIri(text(earlier)), TermId::Make(TermId::Tag::kIri, earlier)) << i;
+      ASSERT_EQ(dictionary.InternIri(text(earlier)), TermId::Make(TermId::Tag::kIri, earlier)) << i;
+    }
+    ASSERT_FALSE(dictionary.FindIri(text(i + 1)).has_value()) << i;
+  }
+  EXPECT_EQ(dictionary.size(), 30000u);
+}
+
 // One writer; readers find and decode what it has published through an atomic, and look for terms not yet
 // there.
 TEST(DictionaryTest, ReadersBesideTheWriter) {
