@@ -119,7 +119,7 @@ bool QuadTree::Insert(const Key& key, uint64_t epoch) {
   }
   root_ = changed;
   if (right.node != nullptr) {
-    if (height_ + 1 == kMaxHeight) std::abort();  // 32^15 leaves do not fit into memory
+    if (height_ + 1 == kMaxHeight) std::abort();  // 16^15 leaves do not fit into memory
     Inner* top = edit.NewInner();
     top->count = 1;
     top->keys[0] = right.first;  // not read

@@ -1,6 +1,15 @@
 #include "kb_server/store/quad_tree_node.h"
 
 namespace docent {
+namespace {
+
+// The header of a leaf that is walked next, and its first keys.
+void PrefetchLeaf(const QuadTree::Node* leaf) {
+  constexpr int kLine = 64, kLines = 4;
+  for (int i = 0; i < kLines; ++i) __builtin_prefetch(reinterpret_cast<const char*>(leaf) + i * kLine);
+}
+
+}  // namespace
 
 QuadTree::Iterator QuadTree::Range(const Key& first, const Key& last) const {
   Iterator iterator;
@@ -74,6 +83,9 @@ void QuadTree::Iterator::NextLeaf() {
   leaf_ = static_cast<const Leaf*>(node);
   position_ = 0;
   SetLimit();
+  if (last_leaf_) return;
+  const Step& parent = path_[height_ - 1];
+  if (parent.index + 1 < parent.node->count) PrefetchLeaf(parent.node->children[parent.index + 1]);
 }
 
 void QuadTree::Iterator::Seek(const Key& target) {
