@@ -52,6 +52,12 @@ struct LogSnapshot {
   std::string data;
 };
 
+// What an engine does for its files beside the appends.
+struct LogUpkeep {
+  uint64_t wal_bytes = 0;  // length of the write-ahead log after the last append
+  uint64_t failures = 0;   // attempts to carry it over that failed: the records are as durable as before, but it grows
+};
+
 class ContextLog {
  public:
   virtual ~ContextLog() = default;
@@ -95,6 +101,7 @@ class ContextLog {
 
   // About how many bytes the records take on disk.
   virtual absl::StatusOr<uint64_t> Bytes() = 0;
+  virtual LogUpkeep Upkeep() { return {}; }
   // Whether a small append would go through now, without making one: the error that it would have.
   virtual absl::Status Probe() = 0;
 };

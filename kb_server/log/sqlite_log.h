@@ -63,6 +63,7 @@ class SqliteLog final : public ContextLog {
   absl::Status SnapshotDrop(uint64_t before) override;
   absl::Status Trim(uint64_t before) override;
   absl::StatusOr<uint64_t> Bytes() override;
+  LogUpkeep Upkeep() override;
   absl::Status Probe() override;
 
   // The name of the database file within the folder.
@@ -130,6 +131,7 @@ class SqliteLog final : public ContextLog {
   int wal_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length of the write-ahead log after the last commit
   int next_checkpoint_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length at which the next one is due
   int next_restart_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;     // length at which appends wait for a whole one
+  uint64_t checkpoint_failures_ ABSL_GUARDED_BY(head_mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(head_mutex_) = false;
 
   DatabaseHandle checkpointer_;  // of checkpoint_thread_ alone

@@ -118,8 +118,19 @@ void SqliteLog::WaitForCheckpoint() {
   head_mutex_.AwaitWithTimeout(absl::Condition(&near), absl::Seconds(1));
 }
 
+LogUpkeep SqliteLog::Upkeep() {
+  constexpr uint64_t kPageBytes = 4096;
+  absl::MutexLock lock(&head_mutex_);
+  return {static_cast<uint64_t>(wal_pages_) * kPageBytes, checkpoint_failures_};
+}
+
 void SqliteLog::CarryOver() {
-  sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+  const int code =
+      sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+  // Where another connection carries it over, that is as good.
+  if (code == SQLITE_OK || code == SQLITE_BUSY || code == SQLITE_LOCKED) return;
+  absl::MutexLock lock(&head_mutex_);
+  ++checkpoint_failures_;
 }
 
 void SqliteLog::CheckpointLoop() {

@@ -86,6 +86,38 @@ TEST(LogDiskTest, FileSizeLimitRefusesAndRecovers) {
   });
 }
 
+// The write-ahead log is carried over in the background, where nobody is told of an error: it is counted.
+TEST(LogDiskTest, FailedCheckpointsAreCounted) {
+  TestFolder folder;
+  ExpectGoodChild([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    SqliteLogOptions options;
+    options.checkpoint_pages = 50;
+    options.restart_pages = 200;  // so that the limit below is the database's alone
+    const auto log = SqliteLog::Open(folder.path(), options);
+    REQUIRE_IN_CHILD(log.ok());
+    const std::vector<std::string> batch(3, std::string(5000, 'x'));
+    uint64_t head = 0;
+    const auto append = [&] {
+      const auto result = (*log)->Append(batch, 1, head);
+      if (result.ok()) head = result->head.offset;
+      return result.ok();
+    };
+    while (head < 1500) REQUIRE_IN_CHILD(append());
+    REQUIRE_IN_CHILD((*log)->Upkeep().failures == 0);
+    REQUIRE_IN_CHILD((*log)->Upkeep().wal_bytes > 0);
+    struct stat database {};
+    REQUIRE_IN_CHILD(stat(folder.File(SqliteLog::kFileName).c_str(), &database) == 0);
+    rlimit limit{static_cast<rlim_t>(database.st_size), RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    for (int tries = 0; (*log)->Upkeep().failures == 0; ++tries) {
+      REQUIRE_IN_CHILD(tries < 3000);
+      append();
+      usleep(1000);
+    }
+  });
+}
+
 TEST(LogDiskTest, FullDiskRefusesAndRecovers) {
   TestFolder folder;
   if (mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=6m") != 0) {
