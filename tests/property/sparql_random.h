@@ -38,7 +38,8 @@ class RandomQueries {
 
   // uniform_int_distribution is not the same everywhere; what it skews by here is nothing
   size_t Below(size_t n) { return random_() % n; }
-  std::string Node() { return "<urn:n" + std::to_string(Below(6)) + ">"; }
+  static constexpr size_t kNodes = 6;
+  std::string Node() { return "<urn:n" + std::to_string(Below(kNodes)) + ">"; }
   std::string Predicate() { return "<urn:p" + std::to_string(Below(3)) + ">"; }
   std::string Variable() { return "?v" + std::to_string(Below(5)); }
 
