@@ -15,10 +15,14 @@ constexpr size_t kInnerFill = QuadTree::Inner::kMaxChildren * 7 / 8;
 // So few keys are put into a leaf one by one: it is not packed anew.
 constexpr size_t kFew = 4;
 
-// The size of the parts that `n` things are divided into, none larger than `fill` and all about equal.
-size_t PartOf(size_t n, size_t fill) {
-  const size_t parts = (n + fill - 1) / fill;
-  return (n + parts - 1) / parts;
+// Calls `visit` for the parts that `all` is divided into, none larger than `fill`, their sizes equal or one apart.
+template <typename T, typename Visit>
+void ForEachPart(std::span<const T> all, size_t fill, Visit visit) {
+  const size_t parts = (all.size() + fill - 1) / fill;
+  for (size_t i = 0; i < parts; ++i) {
+    const size_t from = all.size() * i / parts;
+    visit(all.subspan(from, all.size() * (i + 1) / parts - from));
+  }
 }
 
 // The keys of a leaf and these, without repeats.
@@ -52,7 +56,7 @@ void QuadTree::Edit::InsertSorted(QuadTree* tree, std::span<const Key> keys, uin
     edit.MakeInners(level, &above);
     level = std::move(above);
   }
-  if (tree->height_ >= kMaxHeight) std::abort();  // 32^15 leaves do not fit into memory
+  if (tree->height_ >= kMaxHeight) std::abort();  // 16^15 leaves do not fit into memory
   tree->root_ = level[0].node;
   tree->size_ = level[0].size;
   tree->bytes_ = static_cast<size_t>(static_cast<int64_t>(tree->bytes_) + edit.bytes_change());
@@ -60,11 +64,8 @@ void QuadTree::Edit::InsertSorted(QuadTree* tree, std::span<const Key> keys, uin
 }
 
 void QuadTree::Edit::MakeLeaves(std::span<const Key> keys, std::vector<Right>* out) {
-  const size_t part = PartOf(keys.size(), kLeafFill);
-  for (size_t i = 0; i < keys.size(); i += part) {
-    const std::span<const Key> run = keys.subspan(i, std::min(part, keys.size() - i));
-    out->push_back({NewLeaf(run, 0), run[0], run.size()});
-  }
+  ForEachPart(keys, kLeafFill,
+              [&](std::span<const Key> run) { out->push_back({NewLeaf(run, 0), run[0], run.size()}); });
 }
 
 QuadTree::Edit::Right QuadTree::Edit::Fill(Inner* inner, std::span<const Right> children) {
@@ -80,10 +81,8 @@ QuadTree::Edit::Right QuadTree::Edit::Fill(Inner* inner, std::span<const Right> 
 }
 
 void QuadTree::Edit::MakeInners(std::span<const Right> children, std::vector<Right>* out) {
-  const size_t part = PartOf(children.size(), kInnerFill);
-  for (size_t i = 0; i < children.size(); i += part) {
-    out->push_back(Fill(NewInner(), children.subspan(i, std::min(part, children.size() - i))));
-  }
+  ForEachPart(children, kInnerFill,
+              [&](std::span<const Right> some) { out->push_back(Fill(NewInner(), some)); });
 }
 
 void QuadTree::Edit::InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<const Key> keys,

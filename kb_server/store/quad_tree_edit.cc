@@ -286,7 +286,11 @@ QuadTree::Node* QuadTree::Edit::DropEmpty(Inner* inner) {
 
 QuadTree::Node* QuadTree::Edit::TakeOnlyChild(Inner* inner) {
   Node* child = inner->children[0];
-  inner->count = 0;
+  if (inner->epoch == epoch_) {
+    inner->count = 0;
+  } else {
+    Acquire(child);  // an older version keeps it, too
+  }
   Drop(inner);
   return child;
 }

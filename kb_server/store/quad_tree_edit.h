@@ -41,7 +41,7 @@ class QuadTree::Edit {
   void InsertChild(Inner* inner, int index, const Right& child, Right* right);
   void RemoveChild(Inner* inner, int index);
   Node* DropEmpty(Inner* inner);      // frees a writable node without children; null
-  Node* TakeOnlyChild(Inner* inner);  // frees a writable node with one child; the child
+  Node* TakeOnlyChild(Inner* inner);  // forgets a node with one child, writable or not; the child
   // If child `index` of a writable node is small and fits together with a neighbour, makes one of the two.
   void MergeChild(Inner* inner, int index);
 

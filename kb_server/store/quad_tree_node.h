@@ -84,7 +84,7 @@ struct QuadTree::Leaf : Node {
 static_assert(std::endian::native == std::endian::little, "packed keys are read as little-endian words");
 
 // Child i holds the keys k with keys[i] <= k < keys[i + 1]; keys[0] counts as minus infinity and is not read.
-// Few children: who copies a node counts a reference to each of them, and a version copies one or two on the way to each
+// Few children: who copies a node counts a reference to each of them, and a version copies the nodes on the way to each
 // change (16 instead of 32 made versions of one fact 1.2 times quicker; 128 keys a leaf made scans 1.5 times slower).
 struct QuadTree::Inner : Node {
   static constexpr int kMaxChildren = 16;

@@ -150,6 +150,23 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
   for (const auto& [version, keys] : versions) ASSERT_EQ(All(version), keys);
 }
 
+// The root may lose all children but one, which an older version shares and which has one child, too.
+TEST(StoreTree, ANodeOfAnOlderVersionKeepsItsOnlyChild) {
+  QuadTree::Edit before(QuadTree::NewEpoch()), now(QuadTree::NewEpoch());
+  const Key key = {1, 2, 3, 4};
+  QuadTree::Leaf* leaf = before.NewLeaf(std::span<const Key>(&key, 1), 0);
+  QuadTree::Inner* inner = before.NewInner();
+  inner->count = 1;
+  inner->children[0] = leaf;
+  QuadTree::Edit::Acquire(inner);  // by the older version
+  EXPECT_EQ(now.TakeOnlyChild(inner), leaf);
+  EXPECT_EQ(inner->count, 1);
+  EXPECT_EQ(leaf->references.load(), 2u);
+  QuadTree::Edit::Release(inner);
+  EXPECT_EQ(leaf->references.load(), 1u);
+  QuadTree::Edit::Release(leaf);
+}
+
 TEST(StoreTree, WordsBesideTheGreatestAndTheLeastInOneLeaf) {
   QuadTree tree;
   const uint64_t epoch = QuadTree::NewEpoch();
