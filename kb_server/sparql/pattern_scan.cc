@@ -114,11 +114,11 @@ bool PatternScan::Next(TermId* row) {
 
 uint64_t PatternScan::Count(TermId* row) {
   uint64_t count = 0;
-  if (only_ != nullptr || !except_.IsNone() || equals_ > 0) {
+  if (only_ != nullptr || !except_.IsNone() || equals_ > 0 || cursor_.filters()) {
     while (Next(row)) ++count;
     return count;
   }
-  if (valid_) count = cursor_.CountRest(merge_);
+  if (valid_ && context_->Poll()) count = cursor_.CountRest(merge_);
   context_->Counted(count);
   Close(row);
   return count;

@@ -41,6 +41,8 @@ class QuadCursor {
   // How many matches are left, this one among them; `triples`: copies of a triple in several graphs, which must be adjacent,
   // are one. The cursor is then at its end. Much quicker than going over them.
   uint64_t CountRest(bool triples);
+  // Whether it goes over quads that do not match.
+  bool filters() const { return filter_; }
   // Requires Valid().
   const Quad& quad() const { return quad_; }
   IndexOrder order() const { return order_; }

@@ -93,6 +93,7 @@ class RandomQueries {
       }
       case 13: {
         const std::string key = Variable();
+        if (Below(3) == 0) return Around("{ SELECT (COUNT(*) AS ?n) ", Group(depth - 1), "} ");
         return Around("{ SELECT " + key + " (COUNT(*) AS ?n) ", Group(depth - 1), "GROUP BY " + key + " } ");
       }
       default: {
