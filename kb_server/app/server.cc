@@ -295,7 +295,7 @@ void Server::RegisterMetrics() {
                             [snapshots] { return static_cast<double>(snapshots->newest_offset.load()); });
   metrics_.AddGaugeFunction("docent_snapshot_bytes", "Size of that snapshot",
                             [snapshots] { return static_cast<double>(snapshots->newest_bytes.load()); });
-  metrics_.AddGaugeFunction("docent_log_wal_bytes", "Length of the log's write-ahead file",
+  metrics_.AddGaugeFunction("docent_log_wal_bytes", "Length of the log's write-ahead file on disk",
                             [this] { return static_cast<double>(log_->Upkeep().wal_bytes); });
   metrics_.AddCounterFunction("docent_log_checkpoint_failures_total",
                               "Attempts to carry that file over into the log that failed: the disk is full or broken",

@@ -1,6 +1,8 @@
 // The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the
 // database.
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
@@ -119,16 +121,22 @@ void SqliteLog::WaitForCheckpoint() {
 }
 
 LogUpkeep SqliteLog::Upkeep() {
-  constexpr uint64_t kPageBytes = 4096;
+  LogUpkeep upkeep;
+  std::error_code none;
+  const std::string wal = absl::StrCat(folder_.File(kFileName), "-wal");
+  if (std::filesystem::exists(wal, none)) upkeep.wal_bytes = std::filesystem::file_size(wal, none);
+  if (none) upkeep.wal_bytes = 0;
   absl::MutexLock lock(&head_mutex_);
-  return {static_cast<uint64_t>(wal_pages_) * kPageBytes, checkpoint_failures_};
+  upkeep.failures = checkpoint_failures_;
+  return upkeep;
 }
 
 void SqliteLog::CarryOver() {
   const int code =
       sqlite3_wal_checkpoint_v2(checkpointer_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
   // Where another connection carries it over, that is as good.
-  if (code == SQLITE_OK || code == SQLITE_BUSY || code == SQLITE_LOCKED) return;
+  const int kind = code & 0xff;
+  if (kind == SQLITE_OK || kind == SQLITE_BUSY || kind == SQLITE_LOCKED) return;
   absl::MutexLock lock(&head_mutex_);
   ++checkpoint_failures_;
 }
