@@ -33,15 +33,6 @@ void QuadCursor::Seek(const Quad& target) {
 uint64_t QuadCursor::CountRest(bool triples) {
   uint64_t count = 0;
   triples &= order_ != IndexOrder::kGspo;  // there are none within one graph
-  if (filter_) {
-    Quad last;
-    for (; Valid(); Next()) {
-      const bool copy = quad_.subject == last.subject && quad_.predicate == last.predicate && quad_.object == last.object;
-      count += !triples || !copy;
-      last = quad_;
-    }
-    return count;
-  }
   QuadTree::Key last = {};  // no quad's
   for (; iterator_.Valid(); iterator_.SkipLeaf()) {
     const QuadTree::Leaf& leaf = *iterator_.leaf();

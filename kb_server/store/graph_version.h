@@ -39,9 +39,9 @@ class QuadCursor {
   // current one is. O(log distance).
   void Seek(const Quad& target);
   // How many matches are left, this one among them; `triples`: copies of a triple in several graphs, which must be adjacent,
-  // are one. The cursor is then at its end. Much quicker than going over them.
+  // are one. The cursor is then at its end. Much quicker than going over them. Requires !filters().
   uint64_t CountRest(bool triples);
-  // Whether it goes over quads that do not match.
+  // Whether it passes over quads that do not match: then only going over them tells how many do.
   bool filters() const { return filter_; }
   // Requires Valid().
   const Quad& quad() const { return quad_; }

@@ -66,15 +66,19 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
       std::vector<Quad> found = Found(version, pattern);
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected) << "mask " << mask;
-      ASSERT_EQ(version.Scan(pattern).CountRest(false), expected.size()) << "mask " << mask;
-      std::set<std::array<TermId, 3>> triples;
-      for (const Quad& quad : expected) triples.insert({quad.subject, quad.predicate, quad.object});
-      ASSERT_EQ(version.Scan(pattern).CountRest(true), triples.size()) << "mask " << mask;
       bool exact = (mask & 8) == 0 || mask == 8 || mask == 9 || mask == 11 || mask == 15;
       if (exact)
         ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
       else
         ASSERT_GE(version.Count(pattern), expected.size()) << "mask " << mask;
+      std::set<std::array<TermId, 3>> triples;
+      for (const Quad& quad : expected) triples.insert({quad.subject, quad.predicate, quad.object});
+      // Only a graph besides other words, without all of them, lies in no order as one run.
+      ASSERT_EQ(version.Scan(pattern).filters(), !exact) << "mask " << mask;
+      if (exact) {
+        ASSERT_EQ(version.Scan(pattern).CountRest(false), expected.size()) << "mask " << mask;
+        ASSERT_EQ(version.Scan(pattern).CountRest(true), triples.size()) << "mask " << mask;
+      }
       for (int order = 0; order < kIndexOrders; ++order) {
         size_t count = 0;
         for (QuadCursor c = version.ScanInOrder(pattern, IndexOrder(order)); c.Valid(); c.Next()) ++count;
