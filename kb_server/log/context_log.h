@@ -101,6 +101,7 @@ class ContextLog {
 
   // About how many bytes the records take on disk.
   virtual absl::StatusOr<uint64_t> Bytes() = 0;
+  // What became of its files; zeros of an engine without such.
   virtual LogUpkeep Upkeep() { return {}; }
   // Whether a small append would go through now, without making one: the error that it would have.
   virtual absl::Status Probe() = 0;

@@ -121,14 +121,10 @@ void SqliteLog::WaitForCheckpoint() {
 }
 
 LogUpkeep SqliteLog::Upkeep() {
-  LogUpkeep upkeep;
-  std::error_code none;
-  const std::string wal = absl::StrCat(folder_.File(kFileName), "-wal");
-  if (std::filesystem::exists(wal, none)) upkeep.wal_bytes = std::filesystem::file_size(wal, none);
-  if (none) upkeep.wal_bytes = 0;
+  std::error_code absent;
+  const uint64_t bytes = std::filesystem::file_size(absl::StrCat(folder_.File(kFileName), "-wal"), absent);
   absl::MutexLock lock(&head_mutex_);
-  upkeep.failures = checkpoint_failures_;
-  return upkeep;
+  return {absent ? 0 : bytes, checkpoint_failures_};
 }
 
 void SqliteLog::CarryOver() {
