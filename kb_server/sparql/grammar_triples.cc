@@ -137,7 +137,7 @@ bool Grammar::ObjectList(const PatternTerm& subject, const Path* path, PatternTe
       }
       continue;
     }
-    if (sink->triples.empty()) sink->triples.reserve(4);
+    if (sink->triples.empty()) sink->triples.reserve(8);
     TriplePattern& triple = sink->triples.emplace_back();
     triple.subject = subject;
     if (!VarOrTerm(sink, &triple.object)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace docent::sparql {
 namespace {
@@ -128,32 +129,38 @@ JoinOrder::State JoinOrder::Begin() const {
   return state;
 }
 
-JoinOrder::State JoinOrder::Extend(const State& state, const Pattern& pattern) const {
-  State next = state;
+JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) const {
   double rows = state.rows * pattern.matches;
   uint64_t bound = state.bound;
   for (const Use& use : pattern.uses) {
-    float& values = next.values[static_cast<size_t>(use.variable)];
     const uint64_t bit = uint64_t{1} << use.variable;
-    if ((bound & bit) == 0) {
-      values = static_cast<float>(use.values);
-      bound |= bit;
-      continue;
+    if ((bound & bit) != 0) {  // before, or by this very pattern
+      const double before = (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use.variable)] : 1;
+      rows /= std::max({std::min(before, state.rows), use.values, 1.0});
     }
-    rows /= std::max({std::min<double>(values, state.rows), use.values, 1.0});
-    values = std::min(values, static_cast<float>(use.values));
+    bound |= bit;
   }
-  next.cost +=
-      std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) + rows * kRow;
+  double cost = state.cost + std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) +
+                rows * kRow;
   for (const Filter& filter : filters_) {
     const bool before = (filter.variables & ~state.bound) == 0 && state.bound != initial_;
     if (before || (filter.variables & ~bound) != 0) continue;
-    next.cost += rows * filter.cost;
+    cost += rows * filter.cost;
     rows *= filter.selectivity;
   }
-  next.bound = bound;
-  next.rows = std::max(rows, 1e-3);
-  return next;
+  return {cost, std::max(rows, 1e-3)};
+}
+
+void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) const {
+  for (const Use& use : pattern.uses) {
+    float& values = state->values[static_cast<size_t>(use.variable)];
+    const uint64_t bit = uint64_t{1} << use.variable;
+    const auto own = static_cast<float>(use.values);
+    values = (state->bound & bit) == 0 ? own : std::min(values, own);
+    state->bound |= bit;
+  }
+  state->cost = step.cost;
+  state->rows = step.rows;
 }
 
 std::vector<size_t> JoinOrder::Greedy(State* end) const {
@@ -163,21 +170,18 @@ std::vector<size_t> JoinOrder::Greedy(State* end) const {
   *end = Begin();
   while (order.size() < patterns_.size()) {
     size_t best = 0;
-    State best_state;
-    bool found = false;
+    std::optional<Step> best_step;
     for (size_t i = 0; i < patterns_.size(); ++i) {
       if (used[i]) continue;
-      const State state = Extend(*end, patterns_[i]);
-      if (found &&
-          (state.rows > best_state.rows || (state.rows == best_state.rows && state.cost >= best_state.cost)))
+      const Step step = Estimate(*end, patterns_[i]);
+      if (best_step && (step.rows > best_step->rows || (step.rows == best_step->rows && step.cost >= best_step->cost)))
         continue;
-      found = true;
       best = i;
-      best_state = state;
+      best_step = step;
     }
     used[best] = true;
     order.push_back(best);
-    *end = best_state;
+    Extend(patterns_[best], *best_step, end);
   }
   return order;
 }
@@ -201,11 +205,12 @@ std::vector<size_t> JoinOrder::Programmed(State* end) const {
       if ((set >> i & 1) != 0) continue;
       const bool meets = (patterns_[i].variables & states[set].bound) != 0 || patterns_[i].matches <= 1;
       if (connected && !meets) continue;
-      State state = Extend(states[set], patterns_[i]);
+      const Step step = Estimate(states[set], patterns_[i]);
       const size_t with = set | size_t{1} << i;
-      if (reached[with] && states[with].cost <= state.cost) continue;
+      if (reached[with] && states[with].cost <= step.cost) continue;
       reached[with] = true;
-      states[with] = state;
+      states[with] = states[set];
+      Extend(patterns_[i], step, &states[with]);
       last[with] = static_cast<uint8_t>(i);
     }
   }
@@ -239,10 +244,10 @@ double JoinOrder::Arrange(bool reorder) {
   arranged.reserve(n);
   State state = Begin();
   for (const size_t i : order) {
-    const State next = Extend(state, patterns_[i]);
+    const Step step = Estimate(state, patterns_[i]);
     arranged.push_back(std::move(bgp_.patterns[i]));
-    arranged.back().estimate = next.rows / state.rows;
-    state = next;
+    arranged.back().estimate = step.rows / state.rows;
+    Extend(patterns_[i], step, &state);
   }
   bgp_.patterns = std::move(arranged);
   return state.rows;

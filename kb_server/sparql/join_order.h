@@ -48,10 +48,12 @@ class JoinOrder {
     double selectivity = 1;
     double cost = 0;  // of one evaluation
   };
-  // After some of the patterns.
-  struct State {
+  struct Step {
     double cost = 0;  // about microseconds
     double rows = 1;
+  };
+  // After some of the patterns.
+  struct State : Step {
     uint64_t bound = 0;
     std::array<float, kMaxVariables> values;  // of each bound variable
   };
@@ -61,7 +63,10 @@ class JoinOrder {
   void Refine(const PlanPattern& pattern, Pattern* out) const;
   QuadPattern Constants(const PlanPattern& pattern) const;
   State Begin() const;
-  State Extend(const State& state, const Pattern& pattern) const;
+  // What comes to with `pattern` after `state`.
+  Step Estimate(const State& state, const Pattern& pattern) const;
+  // Takes that step.
+  void Extend(const Pattern& pattern, const Step& step, State* state) const;
   std::vector<size_t> Greedy(State* end) const;
   std::vector<size_t> Programmed(State* end) const;
 
