@@ -46,6 +46,7 @@ class EvaluationContext {
     random_ = new_seed;
     row_number = 0;
     memory_ = 0;
+    ++run_;
     polls_left_ = 1;
     if (!status.ok()) status = absl::OkStatus();
     if (!local_terms_.empty()) {
@@ -107,6 +108,7 @@ class EvaluationContext {
   uint64_t row_number = 0;        // grows with each solution made; BNODE("x") is one node within a solution
 
  private:
+  friend class KeptMemory;
   static constexpr int kPolls = 64;  // all but the last of so many cost nothing
   static constexpr uint64_t kMatchesAPoll = 64;
 
@@ -115,9 +117,35 @@ class EvaluationContext {
   int polls_left_ = 1;  // until the status, the caller and the clock are looked at
   size_t memory_limit_;
   size_t memory_ = 0;
+  uint64_t run_ = 0;
   uint64_t random_ = 0;
   std::vector<Term> local_terms_;
   absl::flat_hash_map<Term, TermId> local_ids_;
+};
+
+// What one operator keeps, as counted by the context: an operator that begins anew within a run lets it go first.
+class KeptMemory {
+ public:
+  // As EvaluationContext::Charge.
+  bool Add(size_t bytes, EvaluationContext& context) {
+    if (run_ != context.run_) bytes_ = 0;  // a new run counts from nothing
+    run_ = context.run_;
+    bytes_ += bytes;
+    return context.Charge(bytes);
+  }
+  void LetGo(EvaluationContext& context) {
+    if (run_ == context.run_) context.Release(bytes_);
+    bytes_ = 0;
+  }
+  // A part of it.
+  void LetGo(size_t bytes, EvaluationContext& context) {
+    bytes_ -= bytes;
+    context.Release(bytes);
+  }
+
+ private:
+  uint64_t run_ = 0;
+  size_t bytes_ = 0;
 };
 
 }  // namespace docent::sparql

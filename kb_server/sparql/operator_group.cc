@@ -21,13 +21,14 @@ namespace {
 class Accumulator {
  public:
   void Add(PlanNode::AggregatePlan& plan, const TermId* row, const std::vector<TermId>& whole_row,
-           EvaluationContext& context) {
+           EvaluationContext& context, KeptMemory& kept) {
     if (!plan.expression) {  // COUNT(*)
-      if (plan.distinct && !Unseen(whole_row.data(), whole_row.size(), context)) return;
+      if (plan.distinct && !Unseen(whole_row.data(), whole_row.size(), context, kept)) return;
       ++count_;
       return;
     }
-    if (plan.expression->kind == Expression::Kind::kVariable && AddId(plan, row[plan.expression->slot], context)) return;
+    const bool variable = plan.expression->kind == Expression::Kind::kVariable;
+    if (variable && AddId(plan, row[plan.expression->slot], context, kept)) return;
     Value value = Evaluate(*plan.expression, row, context);
     if (value.IsError()) {  // of an unbound or wrong value: the aggregate is an error, but for COUNT and
                             // SAMPLE
@@ -36,7 +37,7 @@ class Accumulator {
     }
     if (plan.distinct) {
       const TermId id = context.Encode(value);
-      if (!Unseen(&id, 1, context)) return;
+      if (!Unseen(&id, 1, context, kept)) return;
     }
     ++count_;
     switch (plan.function) {
@@ -67,7 +68,7 @@ class Accumulator {
         }
         if (count_ > 1) text_ += plan.separator;
         const std::string text = context.LexicalOf(value);
-        context.Charge(text.size() + plan.separator.size());
+        kept.Add(text.size() + plan.separator.size(), context);
         text_ += text;
         break;
       }
@@ -94,14 +95,14 @@ class Accumulator {
 
  private:
   // Counts and sums of ids need no value. False: this one does.
-  bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context) {
+  bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context, KeptMemory& kept) {
     const bool counts = plan.function == Function::kCount && !id.IsNone();
     const bool sums = (plan.function == Function::kSum || plan.function == Function::kAvg) &&
                       id.tag() == TermId::Tag::kInteger;
     if (!counts && !sums) return false;
     int64_t sum = 0;
     if (sums && __builtin_add_overflow(integers_, InlineInteger(id), &sum)) return false;
-    if (plan.distinct && !Unseen(&id, 1, context)) return true;
+    if (plan.distinct && !Unseen(&id, 1, context, kept)) return true;
     if (sums) integers_ = sum;
     ++count_;
     return true;
@@ -120,10 +121,10 @@ class Accumulator {
     const Term x = a.ToTerm(), y = b.ToTerm();
     return x < y ? -1 : y < x ? 1 : 0;
   }
-  bool Unseen(const TermId* key, size_t width, EvaluationContext& context) {
+  bool Unseen(const TermId* key, size_t width, EvaluationContext& context, KeptMemory& kept) {
     if (!seen_) seen_.emplace(width);
     if (!seen_->Insert(key).second) return false;
-    context.Charge(2 * seen_->bytes_a_row());
+    kept.Add(2 * seen_->bytes_a_row(), context);
     return true;
   }
 
@@ -166,6 +167,7 @@ class GroupOperator final : public Operator {
     std::copy(in, in + in_.size(), in_.begin());
     groups_.clear();
     keys_.Clear();
+    kept_.LetGo(context_);
     next_ = 0;
     collected_ = false;
   }
@@ -211,7 +213,7 @@ class GroupOperator final : public Operator {
       for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
       std::vector<Accumulator>& group = GroupOf(key);
       for (size_t i = 0; i < node_.aggregates.size(); ++i) {
-        group[i].Add(node_.aggregates[i], row.data(), whole, context_);
+        group[i].Add(node_.aggregates[i], row.data(), whole, context_, kept_);
       }
     }
     // Without GROUP BY there is one group even of nothing (section 18.5.1, Group with a constant key).
@@ -230,7 +232,7 @@ class GroupOperator final : public Operator {
     const auto [number, added] = keys_.Insert(key.data());
     last_ = number;
     if (added) {
-      context_.Charge(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator));
+      kept_.Add(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator), context_);
       groups_.emplace_back(node_.aggregates.size());
     }
     return groups_[number];
@@ -244,6 +246,7 @@ class GroupOperator final : public Operator {
   RowSet keys_;        // of the groups, by number
   const bool counts_;  // how many rows there are is all that matters
   std::vector<std::vector<Accumulator>> groups_;
+  KeptMemory kept_;
   uint32_t last_ = 0;  // group that a row went to last
   size_t next_ = 0;
   bool collected_ = false;
@@ -261,6 +264,7 @@ class OrderByOperator final : public Operator {
   void Start(const TermId* in) override {
     rows_.clear();
     memory_.clear();
+    kept_.LetGo(context_);
     next_ = 0;
     sorted_ = false;
     child_->Start(in);
@@ -292,15 +296,15 @@ class OrderByOperator final : public Operator {
       row->number = number;
       if (!node_.limit || rows_.size() < *node_.limit) {
         EvaluateKeys(*row, 0);
-        if (!context_.Charge(BytesOf(*row))) return;
+        if (!kept_.Add(BytesOf(*row), context_)) return;
         rows_.push_back(row);
         if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
         row = NewRow();
       } else if (!rows_.empty() && GoesBefore(*row, *rows_.front())) {  // the heap's top is the last of the first rows
         std::pop_heap(rows_.begin(), rows_.end(), before);
         std::swap(rows_.back(), row);
-        context_.Release(BytesOf(*row));
-        if (!context_.Charge(BytesOf(*rows_.back()))) return;
+        kept_.LetGo(BytesOf(*row), context_);
+        if (!kept_.Add(BytesOf(*rows_.back()), context_)) return;
         std::push_heap(rows_.begin(), rows_.end(), before);
       }
     }
@@ -355,6 +359,7 @@ class OrderByOperator final : public Operator {
   size_t width_;
   std::unique_ptr<Operator> child_;
   std::deque<Row> memory_;
+  KeptMemory kept_;
   std::vector<Row*> rows_;
   size_t next_ = 0;
   bool sorted_ = false;

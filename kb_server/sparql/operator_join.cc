@@ -121,10 +121,11 @@ class RowTable {
     filled_for_ = std::move(now);
     rows_.clear();
     by_key_.clear();
+    kept_.LetGo(context_);
     std::vector<TermId> row(width_);
     operator_->Start(base_);
     while (operator_->Next(row.data()) && context_.Poll() &&
-           context_.Charge(48 + (columns_.size() + keys_.size()) * sizeof(TermId))) {
+           kept_.Add(48 + (columns_.size() + keys_.size()) * sizeof(TermId), context_)) {
       by_key_[KeyOf(row.data())].push_back(
           static_cast<uint32_t>(rows_.size() / std::max<size_t>(columns_.size(), 1)));
       for (const int slot : columns_) rows_.push_back(row[slot]);
@@ -187,6 +188,7 @@ class RowTable {
   std::vector<TermId> rows_;  // columns_.size() (at least 1) each
   absl::flat_hash_map<std::vector<TermId>, std::vector<uint32_t>> by_key_;
   std::vector<TermId> filled_for_;
+  KeptMemory kept_;
   bool filled_ = false;
 };
 

@@ -35,6 +35,7 @@ class PathOperator final : public Operator {
     to_ = node_.object.slot >= 0 ? in[node_.object.slot] : context_.Encode(node_.object_term);
     starts_.clear();
     ends_.clear();
+    kept_.LetGo(context_);
     next_start_ = next_end_ = 0;
     forward_ = !from_.IsNone() || to_.IsNone();
     if (from_.IsNone() && to_.IsNone()) {
@@ -261,7 +262,7 @@ class PathOperator final : public Operator {
     Set seen;
     const auto add = [&](TermId id) {
       if (!seen.insert(id).second) return;
-      context_.Charge(kNodeBytes);
+      kept_.Add(kNodeBytes, context_);
       out.push_back(id);
     };
     switch (path.kind) {
@@ -316,7 +317,7 @@ class PathOperator final : public Operator {
     ForTriples(TermId(), TermId(), TermId(), [&](TermId s, TermId, TermId o) {
       for (const TermId id : {s, o}) {
         if (seen.insert(id).second) {
-          context_.Charge(kNodeBytes);
+          kept_.Add(kNodeBytes, context_);
           out.push_back(id);
         }
       }
@@ -327,6 +328,7 @@ class PathOperator final : public Operator {
   PlanNode& node_;
   EvaluationContext& context_;
   std::vector<TermId> in_;
+  KeptMemory kept_;  // of starts_
   PlanPattern triple_;
   TermId graph_, from_, to_, start_;
   bool forward_ = true;

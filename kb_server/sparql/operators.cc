@@ -187,6 +187,7 @@ class DistinctOperator final : public Operator {
         seen_(node.columns.size()) {}
   void Start(const TermId* in) override {
     seen_.Clear();
+    kept_.LetGo(context_);
     child_->Start(in);
   }
   bool Next(TermId* out) override {
@@ -194,7 +195,7 @@ class DistinctOperator final : public Operator {
       if (!context_.Poll()) return false;
       for (size_t i = 0; i < key_.size(); ++i) key_[i] = out[node_.columns[i]];
       if (!seen_.Insert(key_.data()).second) continue;
-      return context_.Charge(2 * seen_.bytes_a_row());
+      return kept_.Add(2 * seen_.bytes_a_row(), context_);
     }
     return false;
   }
@@ -206,6 +207,7 @@ class DistinctOperator final : public Operator {
   std::unique_ptr<Operator> child_;
   std::vector<TermId> key_;
   RowSet seen_;
+  KeptMemory kept_;
 };
 
 class SliceOperator final : public Operator {

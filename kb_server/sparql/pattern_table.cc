@@ -26,6 +26,7 @@ bool PatternTable::Fits(const TermId* row) const {
 
 bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t slots,
                          EvaluationContext& context) {
+  kept_.LetGo(context);
   Forget();
   for (const int slot : SlotsOf(pattern)) (row[slot].IsNone() ? value_slots_ : key_slots_).push_back(slot);
   if (key_slots_.empty()) return false;
@@ -33,7 +34,7 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
   const size_t bytes =
       value_slots_.size() * sizeof(TermId) + sizeof(uint32_t) + keys_.bytes_a_row() + sizeof(uint32_t);
   const size_t matches = static_cast<size_t>(pattern.matches);
-  if (!context.MayKeep(bytes * matches) || !context.Charge(bytes * matches)) return false;
+  if (!context.MayKeep(bytes * matches) || !kept_.Add(bytes * matches, context)) return false;
   keys_.Reserve(matches);
   next_.reserve(matches);
   values_.reserve(matches * value_slots_.size());
@@ -53,7 +54,7 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
       first_[number] = entry;
     }
     for (const int slot : value_slots_) values_.push_back(match[slot]);
-    if (next_.size() > matches && !context.Charge(bytes)) break;  // it was counted in an older version
+    if (next_.size() > matches && !kept_.Add(bytes, context)) break;  // it was counted in an older version
   }
   ready_ = context.status.ok();
   return ready_;

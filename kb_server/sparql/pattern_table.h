@@ -34,6 +34,7 @@ class PatternTable {
   std::vector<uint32_t> first_, next_;   // chains of matches with the same key
   std::vector<TermId> key_;
   uint32_t at_ = kEnd;
+  KeptMemory kept_;
   bool ready_ = false;
   bool given_ = false;  // the row holds values of this table
 };

@@ -270,6 +270,32 @@ TEST(SparqlLimits, MemoryLimitIsNamed) {
   }
 }
 
+// What a part of a query keeps for one row is not there any more at the next.
+TEST(SparqlLimits, MemoryOfARowEndsWithIt) {
+  std::string text;
+  for (int i = 0; i < 1000; ++i) {
+    const std::string s = "ex:s" + std::to_string(i);
+    text += s + " ex:p " + std::to_string(i) + " ; ex:q ex:a , ex:b , ex:c .\n";
+  }
+  const TestGraph g(text);
+  PrepareOptions small;
+  small.memory_bytes = 20000;
+  for (const char* inner : {"{ SELECT DISTINCT ?s ?y { ?s ex:q ?y } }", "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY ?y LIMIT 2 }",
+                            "{ SELECT ?s (COUNT(DISTINCT ?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
+                            "{ SELECT ?s (GROUP_CONCAT(?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
+                            "?s ex:q ?y MINUS { ?s ex:q ?y . ?s ex:p ?s }",
+                            "{ ?s ex:q ?y OPTIONAL { ?s ex:p ?z FILTER(?z > 5) } } { ?s ex:p ?z } UNION { ?s ex:q ?z }"}) {
+    const std::string query = std::string("SELECT ?s { ?s ex:p ?x FILTER EXISTS { ") + inner + " } }";
+    const auto prepared = g.Prepare(query, small);
+    for (int run = 0; run < 2; ++run) {
+      int rows = 0;
+      const absl::Status status = prepared->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; });
+      EXPECT_TRUE(status.ok()) << query << "\n" << status;
+      EXPECT_EQ(rows, 1000) << query;
+    }
+  }
+}
+
 TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
   const auto service =
       PreparedQuery::Prepare(g_.Parse("ASK {\n ?s ?p ?o SERVICE <http://x/> { ?s ?p ?o } }"), g_.dictionary);
