@@ -132,11 +132,14 @@ JoinOrder::State JoinOrder::Begin() const {
 JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) const {
   double rows = state.rows * pattern.matches;
   uint64_t bound = state.bound;
-  for (const Use& use : pattern.uses) {
-    const uint64_t bit = uint64_t{1} << use.variable;
+  for (const Use* use = pattern.uses.begin(); use != pattern.uses.end(); ++use) {
+    const uint64_t bit = uint64_t{1} << use->variable;
     if ((bound & bit) != 0) {  // before, or by this very pattern
-      const double before = (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use.variable)] : 1;
-      rows /= std::max({std::min(before, state.rows), use.values, 1.0});
+      double values = (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use->variable)] : state.rows;
+      for (const Use* other = pattern.uses.begin(); other != use; ++other) {
+        if (other->variable == use->variable) values = std::min(values, other->values);
+      }
+      rows /= std::max({std::min(values, state.rows), use->values, 1.0});
     }
     bound |= bit;
   }
