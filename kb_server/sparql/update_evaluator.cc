@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "absl/hash/hash.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/update_reads.h"
 #include "kb_server/store/graph_writer.h"
@@ -19,6 +20,35 @@ using Kind = UpdateOperation::Kind;
 std::string Quoted(const Term& graph) {
   return ToDisplay(graph);
 }
+
+// Quads in the order in which they came, each once.
+class DistinctQuads {
+ public:
+  // False if it is there.
+  bool Add(TermQuad quad) {
+    quads_.push_back(std::move(quad));
+    const bool added = numbers_.insert(static_cast<uint32_t>(quads_.size() - 1)).second;
+    if (!added) quads_.pop_back();
+    return added;
+  }
+  std::vector<TermQuad>& quads() { return quads_; }
+
+ private:
+  struct Hash {
+    const std::vector<TermQuad>* quads;
+    size_t operator()(uint32_t i) const {
+      const TermQuad& quad = (*quads)[i];
+      return absl::HashOf(quad.subject, quad.predicate, quad.object, quad.graph);
+    }
+  };
+  struct Equal {
+    const std::vector<TermQuad>* quads;
+    bool operator()(uint32_t a, uint32_t b) const { return (*quads)[a] == (*quads)[b]; }
+  };
+
+  std::vector<TermQuad> quads_;
+  absl::flat_hash_set<uint32_t, Hash, Equal> numbers_{0, Hash{&quads_}, Equal{&quads_}};
+};
 
 // One request. Operations that read see a private copy of the version in which those before them are done.
 class Evaluation {
@@ -103,14 +133,18 @@ class Evaluation {
 
   // --- what operations do
 
+  static size_t BytesOf(const TermQuad& quad) {
+    return sizeof(QuadOperation) + quad.subject.lexical.size() + quad.predicate.lexical.size() + quad.object.lexical.size() +
+           quad.object.datatype.size() + quad.graph.lexical.size();
+  }
+  absl::Status TooMuch() const {
+    return absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
+                                        std::to_string(options_.prepare.memory_bytes));
+  }
+
   absl::Status Emit(QuadOperation::Kind kind, TermQuad quad) {
-    bytes_ += sizeof(QuadOperation) + quad.subject.lexical.size() + quad.predicate.lexical.size() +
-              quad.object.lexical.size() + quad.object.datatype.size() + quad.graph.lexical.size();
-    if (bytes_ > options_.prepare.memory_bytes) {
-      return absl::ResourceExhaustedError(
-          "the update changes more quads than fit into its limit query_memory_bytes = " +
-          std::to_string(options_.prepare.memory_bytes));
-    }
+    bytes_ += BytesOf(quad);
+    if (bytes_ > options_.prepare.memory_bytes) return TooMuch();
     if (IsServerGraph(quad.graph.lexical)) {
       return absl::InvalidArgumentError(
           "it would write to " + Quoted(quad.graph) +
@@ -221,27 +255,26 @@ class Evaluation {
     run.seed = run_.seed + number_ * 0x9E3779B97F4A7C15u;
     if (absl::Status status = where.Start(run); !status.ok()) return status;
     // All are removed before any is inserted (section 3.1.3).
-    std::vector<TermQuad> inserted;
-    absl::flat_hash_set<std::vector<Term>> seen[2];
+    DistinctQuads removed, inserted;
+    size_t bytes = 0;
     for (uint64_t solution = 0; where.Next(); ++solution) {
       for (const bool removes : {true, false}) {
         for (const TemplateSlots& slots : removes ? remove : insert) {
           std::optional<TermQuad> quad = Instantiate(slots, where, solution);
           if (!quad) continue;
-          if (!seen[removes].insert({quad->subject, quad->predicate, quad->object, quad->graph}).second)
-            continue;
-          if (removes) {
-            absl::Status status = Emit(QuadOperation::Kind::kRemove, *std::move(quad));
-            if (!status.ok()) return status;
-          } else {
-            inserted.push_back(*std::move(quad));
-            if (inserted.size() * sizeof(TermQuad) > options_.prepare.memory_bytes) break;  // Emit says it
-          }
+          const size_t more = BytesOf(*quad);
+          if (!(removes ? removed : inserted).Add(*std::move(quad))) continue;
+          bytes += more;
+          if (bytes > options_.prepare.memory_bytes) return TooMuch();
         }
       }
     }
     if (!where.status().ok()) return where.status();
-    for (TermQuad& quad : inserted) {
+    for (TermQuad& quad : removed.quads()) {
+      absl::Status status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
+      if (!status.ok()) return status;
+    }
+    for (TermQuad& quad : inserted.quads()) {
       absl::Status status = Emit(QuadOperation::Kind::kAdd, std::move(quad));
       if (!status.ok()) return status;
     }

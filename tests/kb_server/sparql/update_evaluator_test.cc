@@ -221,5 +221,30 @@ TEST(Update, MoreThanTheMemoryLimitIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("query_memory_bytes"));
 }
 
+// Not when all solutions are known.
+TEST(Update, IsRefusedAsSoonAsItIsTooMuch) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) text += "ex:s" + std::to_string(i) + " ex:p 1 .\n";
+  Store store(text);
+  int solutions = 0;
+  FunctionRegistry functions;
+  ASSERT_TRUE(functions
+                  .Register("http://example.org/counted", 1, 1,
+                            [&](absl::Span<const Term> a) -> absl::StatusOr<Term> {
+                              ++solutions;
+                              return a[0];
+                            })
+                  .ok());
+  store.options.prepare.functions = &functions;
+  store.options.prepare.memory_bytes = 100000;
+  for (const char* change : {"INSERT { ?a ex:q ?b }", "DELETE { ?a ex:q ?b }"}) {
+    solutions = 0;
+    const std::string text = std::string(change) + " WHERE { ?a ex:p ?x . ?c ex:p ?y BIND(ex:counted(?c) AS ?b) }";
+    EXPECT_EQ(store.Update(text).code(), absl::StatusCode::kResourceExhausted) << change;
+    EXPECT_GT(solutions, 100) << change;
+    EXPECT_LT(solutions, 1000) << change;
+  }
+}
+
 }  // namespace
 }  // namespace docent::sparql
