@@ -5,6 +5,8 @@
 namespace docent::sparql {
 namespace {
 
+constexpr size_t kMoreMatches = 64;  // than were counted
+
 // The slots of a pattern, each once.
 std::vector<int> SlotsOf(const PlanPattern& pattern) {
   std::vector<int> slots;
@@ -24,7 +26,7 @@ bool PatternTable::Fits(const TermId* row) const {
                      [row](int slot) { return row[slot].IsNone(); });
 }
 
-bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t slots,
+bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
                          EvaluationContext& context) {
   kept_.LetGo(context);
   Forget();
@@ -54,7 +56,15 @@ bool PatternTable::Build(const PlanPattern& pattern, const TermId* row, size_t s
       first_[number] = entry;
     }
     for (const int slot : value_slots_) values_.push_back(match[slot]);
-    if (next_.size() > matches && !kept_.Add(bytes, context)) break;  // it was counted in an older version
+    if (next_.size() <= matches) continue;
+    // They were counted in an older version.
+    if (next_.size() > 2 * matches + kMoreMatches || !context.MayKeep(bytes)) {
+      pattern.matches = 2 * static_cast<double>(next_.size());
+      kept_.LetGo(context);
+      Forget();
+      return false;
+    }
+    kept_.Add(bytes, context);
   }
   ready_ = context.status.ok();
   return ready_;

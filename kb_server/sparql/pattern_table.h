@@ -18,8 +18,9 @@ class PatternTable {
   // True if the table is there and its keys are the pattern's slots that are bound in `row`.
   bool Fits(const TermId* row) const;
   // Makes it for those slots. False, and there is no table, where it would take much of the query's memory, where the
-  // pattern has no bound slot, or where the evaluation must end.
-  bool Build(const PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context);
+  // pattern has no bound slot, where it has far more matches than when they were counted (pattern.matches then grows), or
+  // where the evaluation must end.
+  bool Build(PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context);
   // Usage as PatternScan's. Requires Fits.
   void Open(const TermId* row);
   bool Next(TermId* row, EvaluationContext& context);
