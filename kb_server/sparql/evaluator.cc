@@ -99,6 +99,8 @@ struct PreparedQuery::Impl {
   void Unplan();
   void Plan(const GraphVersion& version);
   absl::Status Begin(const RunOptions& run);
+  // Of a run, if there was one since the last End.
+  void End();
 
   Query query;
   const Dictionary& dictionary;
@@ -117,6 +119,7 @@ struct PreparedQuery::Impl {
   std::unique_ptr<Operator> root;
   std::vector<TermId> base, out, row;
   bool running = false;
+  bool begun = false;    // the operators may keep what a run made
   bool measure = false;  // the next plan counts rows and time
 };
 
@@ -149,6 +152,7 @@ absl::Status PreparedQuery::Impl::Lower() {
 void PreparedQuery::Impl::Unplan() {
   if (!root) return;
   root = nullptr;
+  begun = false;
   Lower().IgnoreError();  // it was fine before
 }
 
@@ -173,9 +177,16 @@ absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
   if (!root || found || program.SizeChangedMuch(*run.version)) {
     Plan(*run.version);
   } else {
-    root->Forget();
+    End();
   }
+  begun = true;
   return absl::OkStatus();
+}
+
+void PreparedQuery::Impl::End() {
+  running = false;
+  if (begun) root->Forget();
+  begun = false;
 }
 
 PreparedQuery::PreparedQuery(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -230,7 +241,7 @@ absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId
 bool PreparedQuery::Next() {
   Impl& p = *impl_;
   if (!p.running || !p.root->Next(p.out.data()) || !p.program.context.status.ok()) {
-    p.running = false;
+    p.End();
     return false;
   }
   for (size_t i = 0; i < p.columns.size(); ++i) p.row[i] = p.out[p.columns[i]];
@@ -256,6 +267,7 @@ TermId PreparedQuery::Encode(const Term& term) {
 absl::StatusOr<bool> PreparedQuery::Ask(const RunOptions& run, absl::Span<const TermId> bound) {
   if (absl::Status status = Start(run, bound); !status.ok()) return status;
   const bool any = Next();
+  impl_->End();
   if (!status().ok()) return status();
   return any;
 }
@@ -266,6 +278,7 @@ absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermI
   while (Next()) {
     if (!visit(row())) break;
   }
+  impl_->End();
   return status();
 }
 

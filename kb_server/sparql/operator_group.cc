@@ -165,8 +165,7 @@ class GroupOperator final : public Operator {
   }
   void Start(const TermId* in) override {
     std::copy(in, in + in_.size(), in_.begin());
-    groups_.clear();
-    keys_.Clear();
+    Clear();
     kept_.LetGo(context_);
     next_ = 0;
     collected_ = false;
@@ -188,6 +187,7 @@ class GroupOperator final : public Operator {
     return false;
   }
   void Forget() override {
+    Clear();
     child_->Forget();
     for (auto& [slot, key] : node_.keys) ForgetExpression(*key);
     for (auto& aggregate : node_.aggregates) {
@@ -196,6 +196,11 @@ class GroupOperator final : public Operator {
   }
 
  private:
+  void Clear() {
+    Empty(&groups_);
+    keys_.Clear();
+  }
+
   void Collect() {
     collected_ = true;
     std::vector<TermId> row(in_.size()), key(node_.keys.size()), whole;
@@ -262,8 +267,7 @@ class OrderByOperator final : public Operator {
     for (auto& [expression, descending] : node.order) PrepareExpression(*expression, build);
   }
   void Start(const TermId* in) override {
-    rows_.clear();
-    memory_.clear();
+    Clear();
     kept_.LetGo(context_);
     next_ = 0;
     sorted_ = false;
@@ -277,6 +281,7 @@ class OrderByOperator final : public Operator {
     return true;
   }
   void Forget() override {
+    Clear();
     child_->Forget();
     for (auto& [expression, descending] : node_.order) ForgetExpression(*expression);
   }
@@ -287,6 +292,11 @@ class OrderByOperator final : public Operator {
     std::vector<Value> keys;
     uint64_t number = 0;  // rows that are equal keep their order
   };
+
+  void Clear() {
+    Empty(&rows_);
+    memory_.clear();
+  }
 
   void Sort() {
     sorted_ = true;

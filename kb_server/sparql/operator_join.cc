@@ -7,6 +7,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/operators.h"
+#include "kb_server/sparql/row_set.h"
 
 namespace docent::sparql {
 
@@ -119,8 +120,7 @@ class RowTable {
     if (filled_ && now == filled_for_) return;
     filled_ = true;
     filled_for_ = std::move(now);
-    rows_.clear();
-    by_key_.clear();
+    Clear();
     kept_.LetGo(context_);
     std::vector<TermId> row(width_);
     operator_->Start(base_);
@@ -164,12 +164,15 @@ class RowTable {
   }
   void Forget() {
     filled_ = false;
-    rows_.clear();
-    by_key_.clear();
+    Clear();
     operator_->Forget();
   }
 
  private:
+  void Clear() {
+    Empty(&rows_);
+    by_key_.clear();
+  }
   const TermId* RowAt(uint32_t index) const {
     return rows_.data() + index * std::max<size_t>(columns_.size(), 1);
   }

@@ -9,6 +9,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/operators.h"
 #include "kb_server/sparql/pattern_scan.h"
+#include "kb_server/sparql/row_set.h"
 
 namespace docent::sparql {
 
@@ -33,8 +34,7 @@ class PathOperator final : public Operator {
     }
     from_ = node_.subject.slot >= 0 ? in[node_.subject.slot] : context_.Encode(node_.subject_term);
     to_ = node_.object.slot >= 0 ? in[node_.object.slot] : context_.Encode(node_.object_term);
-    starts_.clear();
-    ends_.clear();
+    Forget();
     kept_.LetGo(context_);
     next_start_ = next_end_ = 0;
     forward_ = !from_.IsNone() || to_.IsNone();
@@ -47,6 +47,11 @@ class PathOperator final : public Operator {
       const bool variables = node_.subject.slot >= 0 && node_.object.slot >= 0;
       if (!variables || IsNode(start)) starts_.push_back(start);
     }
+  }
+
+  void Forget() override {
+    Empty(&starts_);
+    Empty(&ends_);
   }
 
   bool Next(TermId* out) override {

@@ -190,6 +190,10 @@ class DistinctOperator final : public Operator {
     kept_.LetGo(context_);
     child_->Start(in);
   }
+  void Forget() override {
+    seen_.Clear();
+    child_->Forget();
+  }
   bool Next(TermId* out) override {
     while (child_->Next(out)) {
       if (!context_.Poll()) return false;
@@ -199,7 +203,6 @@ class DistinctOperator final : public Operator {
     }
     return false;
   }
-  void Forget() override { child_->Forget(); }
 
  private:
   PlanNode& node_;

@@ -26,7 +26,7 @@ class Operator {
     while (Next(scratch)) ++count;
     return count;
   }
-  // A new run of the query begins: what was kept from the last one must go.
+  // The run has ended, or another begins: what was kept must go, and its memory with it.
   virtual void Forget() {}
 };
 

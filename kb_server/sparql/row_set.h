@@ -14,6 +14,17 @@
 
 namespace docent::sparql {
 
+// Empties it, and gives its memory back unless that is little: who begins anew for each row asks for it again.
+template <typename T>
+void Empty(std::vector<T>* values) {
+  constexpr size_t kLittle = 4096;  // bytes
+  if (values->capacity() * sizeof(T) > kLittle) {
+    *values = std::vector<T>();
+  } else {
+    values->clear();
+  }
+}
+
 class RowSet {
  public:
   explicit RowSet(size_t width) : width_(width) {}
@@ -52,8 +63,8 @@ class RowSet {
   size_t bytes_a_row() const { return width_ * sizeof(TermId) + 3 * sizeof(uint32_t); }
   void Clear() {
     size_ = 0;
-    cells_ = {};
-    heads_ = {};
+    Empty(&cells_);
+    Empty(&heads_);
   }
 
   static constexpr uint32_t npos = ~uint32_t{0};

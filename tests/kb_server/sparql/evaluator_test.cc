@@ -276,6 +276,7 @@ TEST(SparqlLimits, MemoryOfARowEndsWithIt) {
   for (int i = 0; i < 1000; ++i) {
     const std::string s = "ex:s" + std::to_string(i);
     text += s + " ex:p " + std::to_string(i) + " ; ex:q ex:a , ex:b , ex:c .\n";
+    if (i < 20) text += "ex:t" + std::to_string(i) + " ex:r ex:t" + std::to_string(i + 1) + " .\n";
   }
   const TestGraph g(text);
   PrepareOptions small;
@@ -283,8 +284,10 @@ TEST(SparqlLimits, MemoryOfARowEndsWithIt) {
   for (const char* inner : {"{ SELECT DISTINCT ?s ?y { ?s ex:q ?y } }", "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY ?y LIMIT 2 }",
                             "{ SELECT ?s (COUNT(DISTINCT ?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
                             "{ SELECT ?s (GROUP_CONCAT(?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
-                            "?s ex:q ?y MINUS { ?s ex:q ?y . ?s ex:p ?s }",
-                            "{ ?s ex:q ?y OPTIONAL { ?s ex:p ?z FILTER(?z > 5) } } { ?s ex:p ?z } UNION { ?s ex:q ?z }"}) {
+                            "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY DESC(?y) LIMIT 2 }",
+                            "?s ex:p ?y MINUS { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }",
+                            "?s ex:q ?y { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }",
+                            "?s ex:p ?y . ?u ex:r+ ?v"}) {
     const std::string query = std::string("SELECT ?s { ?s ex:p ?x FILTER EXISTS { ") + inner + " } }";
     const auto prepared = g.Prepare(query, small);
     for (int run = 0; run < 2; ++run) {
