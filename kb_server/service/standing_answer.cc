@@ -92,6 +92,29 @@ void StandingAnswer::AdoptKnownLocals() {
   for (const auto& [local, global] : known) local_ids_.erase(locals_[local.payload()]);
 }
 
+// Computed values that no row holds any more go, once they are more than those that are held.
+void StandingAnswer::DropUnusedLocals() {
+  if (locals_.size() < drop_locals_at_) return;
+  std::vector<Term> held;
+  absl::flat_hash_map<TermId, TermId> renamed;
+  Rows rows;
+  for (const auto& [row, count] : rows_) {
+    Row now = row;
+    for (TermId& id : now) {
+      if (id.IsNone() || id.tag() != TermId::Tag::kLocal) continue;
+      const auto [place, fresh] = renamed.try_emplace(id, TermId::Make(TermId::Tag::kLocal, held.size()));
+      if (fresh) held.push_back(std::move(locals_[id.payload()]));
+      id = place->second;
+    }
+    rows.emplace(std::move(now), count);
+  }
+  rows_ = std::move(rows);
+  locals_ = std::move(held);
+  local_ids_.clear();
+  for (size_t i = 0; i < locals_.size(); ++i) local_ids_.emplace(locals_[i], TermId::Make(TermId::Tag::kLocal, i));
+  drop_locals_at_ = 2 * locals_.size() + kFewLocals;
+}
+
 bool StandingAnswer::SetRows(Revision revision, Rows rows) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
@@ -110,6 +133,7 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows) {
     }
   }
   rows_ = std::move(rows);
+  DropUnusedLocals();
   size_ = 0;
   for (const auto& [row, count] : rows_) size_ += count;
   evaluated_ = true;

@@ -53,7 +53,7 @@ class StandingAnswer {
   // ---- the thread that evaluates -----------------------------------------------------------------------------
   using Row = absl::InlinedVector<TermId, 4>;
   using Rows = absl::flat_hash_map<Row, uint64_t>;
-  // The id under which rows hold a computed value.
+  // The id under which rows hold a computed value, until the next SetRows; there it may get another.
   TermId Local(const Term& term);
   // The answer on `revision`. True: it differs from the one before.
   bool SetBoolean(Revision revision, bool holds);
@@ -78,6 +78,7 @@ class StandingAnswer {
   CountedRow Decode(const Row& row, uint64_t count) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Keep(AnswerChange change) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void AdoptKnownLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void DropUnusedLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const uint64_t id_;
   const bool is_boolean_;
@@ -91,7 +92,9 @@ class StandingAnswer {
   bool boolean_ ABSL_GUARDED_BY(mutex_) = false;
   Rows rows_ ABSL_GUARDED_BY(mutex_);
   size_t size_ ABSL_GUARDED_BY(mutex_) = 0;
+  static constexpr size_t kFewLocals = 1000;
   std::vector<Term> locals_ ABSL_GUARDED_BY(mutex_);
+  size_t drop_locals_at_ ABSL_GUARDED_BY(mutex_) = kFewLocals;
   absl::flat_hash_map<Term, TermId> local_ids_ ABSL_GUARDED_BY(mutex_);
   std::deque<AnswerChangePtr> changes_ ABSL_GUARDED_BY(mutex_);
   size_t kept_rows_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -1,0 +1,34 @@
+#include "kb_server/service/standing_answer.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace docent {
+namespace {
+
+// One row that stays and one with another value each time, long after the first values are of no use.
+TEST(StandingAnswer, ComputedValuesComeAndGo) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{});
+  for (uint64_t i = 1; i <= 5000; ++i) {
+    StandingAnswer::Rows rows;
+    ++rows[{answer.Local(Term::Literal("stays"))}];
+    ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
+    ASSERT_EQ(answer.SetRows(Revision(i), std::move(rows)), i > 1);  // the first answer is no change
+    if (i == 1) continue;
+    const auto change = answer.Get(answer.newest());
+    ASSERT_TRUE(change.ok() && *change != nullptr) << i;
+    ASSERT_EQ((*change)->appeared.size(), 1u) << i;
+    ASSERT_EQ((*change)->disappeared.size(), 1u) << i;
+    EXPECT_EQ((*change)->appeared[0].values[0], Term::Literal(std::to_string(i)));
+    EXPECT_EQ((*change)->disappeared[0].values[0], Term::Literal(std::to_string(i - 1)));
+  }
+  const AnswerChangePtr whole = answer.Whole();
+  ASSERT_EQ(whole->appeared.size(), 2u);
+  EXPECT_EQ(whole->appeared[0].values[0], Term::Literal("5000"));
+  EXPECT_EQ(whole->appeared[1].values[0], Term::Literal("stays"));
+}
+
+}  // namespace
+}  // namespace docent
