@@ -96,10 +96,26 @@ std::optional<std::string> Rewrite(std::string_view replacement, int groups, boo
   return out;
 }
 
+// At most so long is `text` with all matches of `regex` replaced.
+size_t LengthReplaced(const re2::StringPiece& text, const re2::RE2& regex, const std::string& rewrite) {
+  const size_t references = static_cast<size_t>(std::count(rewrite.begin(), rewrite.end(), '\\'));
+  constexpr size_t kLittle = 1 << 20;
+  size_t matches = text.size() + 1;
+  // Matches share no character, so each reference gives the whole text at most once.
+  const auto length = [&] { return text.size() * (1 + references) + matches * rewrite.size(); };
+  if (length() <= kLittle) return length();
+  matches = 0;
+  re2::StringPiece match;
+  for (size_t at = 0; at <= text.size() && regex.Match(text, at, text.size(), re2::RE2::UNANCHORED, &match, 1); ++matches) {
+    const size_t end = static_cast<size_t>(match.data() - text.data()) + match.size();
+    at = match.empty() ? end + 1 : end;
+  }
+  return length();
+}
+
 }  // namespace
 
 Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, EvaluationContext& context) {
-  (void)context;
   const size_t flags_at = e.builtin == Builtin::kRegex ? 2 : 3;
   if (!a[0].IsStringLike() || a[1].type() != Type::kString) return Value::Error();
   if (a.size() > flags_at && a[flags_at].type() != Type::kString) return Value::Error();
@@ -113,7 +129,7 @@ Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluatio
   if (re2::RE2::FullMatch("", *regex)) return Value::Error();  // FORX0003: it matches the empty string
   const bool literal = flags.find('q') != std::string_view::npos;
   const std::optional<std::string> rewrite = Rewrite(a[2].text(), regex->NumberOfCapturingGroups(), literal);
-  if (!rewrite) return Value::Error();
+  if (!rewrite || !context.HasRoom(2 * LengthReplaced(piece, *regex, *rewrite))) return Value::Error();
   std::string out(text);
   re2::RE2::GlobalReplace(&out, *regex, *rewrite);
   if (a[0].type() == Type::kLangString)

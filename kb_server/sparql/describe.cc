@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/container/flat_hash_set.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent::sparql {
@@ -15,6 +16,7 @@ class Resources {
   void Add(TermId id) {
     if ((id.IsIri() || id.IsBlank()) && seen_.insert(id).second) list_.push_back(id);
   }
+  size_t bytes() const { return list_.size() * 4 * sizeof(TermId); }
   bool empty() const { return next_ == list_.size(); }
   TermId Take() { return list_[next_++]; }
 
@@ -57,7 +59,8 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   const absl::Status status = prepared.Select(run, {}, [&](absl::Span<const TermId> row) {
     any = true;
     for (const size_t column : columns) resources.Add(row[column]);
-    return !columns.empty();  // the IRIs alone need no more than one solution
+    // The IRIs alone need no more than one solution.
+    return !columns.empty() && resources.bytes() <= options.memory_bytes;
   });
   if (!status.ok()) return status;
   for (const PatternTerm& target : query.describe) {
@@ -70,7 +73,16 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   std::vector<TermQuad> out;
   size_t bytes = 0;
   absl::Status stopped;
+  const auto stop_beyond_limit = [&] {
+    if (stopped.ok() && bytes + resources.bytes() > options.memory_bytes) {
+      stopped = absl::ResourceExhaustedError("the description is larger than the limit query_memory_bytes = " +
+                                             std::to_string(options.memory_bytes));
+    }
+    return !stopped.ok();
+  };
+  stop_beyond_limit();
   while (!resources.empty() && stopped.ok()) {
+    if (run.cancellation != nullptr) stopped = run.cancellation->Check();
     Quad last;
     run.version->ForEach({resources.Take(), {}, {}, {}}, [&](const Quad& quad) {
       if (run.cancellation != nullptr) stopped = run.cancellation->Check();
@@ -82,14 +94,9 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
       if (quad.object.IsBlank()) resources.Add(quad.object);
       out.push_back({dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
                      dictionary.Decode(quad.object), Term{}});
-      bytes += sizeof(TermQuad) + out.back().subject.lexical.size() + out.back().predicate.lexical.size() +
-               out.back().object.lexical.size();
-      if (bytes > options.memory_bytes) {
-        stopped =
-            absl::ResourceExhaustedError("the description is larger than the limit query_memory_bytes = " +
-                                         std::to_string(options.memory_bytes));
-      }
-      return stopped.ok();
+      bytes += sizeof(TermQuad) + TextBytes(out.back().subject) + TextBytes(out.back().predicate) +
+               TextBytes(out.back().object);
+      return !stop_beyond_limit();
     });
   }
   if (!stopped.ok()) return stopped;

@@ -1,5 +1,7 @@
 #include "kb_server/sparql/evaluation_context.h"
 
+#include "kb_server/rdf/text_bytes.h"
+
 namespace docent::sparql {
 
 bool EvaluationContext::PollNow() {
@@ -19,7 +21,7 @@ TermId EvaluationContext::Encode(const Term& term) {
     if (it != local_ids_.end()) return it->second;
   }
   if (const std::optional<TermId> id = dictionary.Find(term)) return *id;
-  Charge(2 * (sizeof(Term) + term.lexical.size() + term.datatype.size()) + 32);
+  Charge(2 * (sizeof(Term) + TextBytes(term)) + 32);
   const TermId id = TermId::Make(TermId::Tag::kLocal, local_terms_.size());
   local_terms_.push_back(term);
   local_ids_.emplace(term, id);

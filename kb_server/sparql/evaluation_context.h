@@ -75,6 +75,12 @@ class EvaluationContext {
     return false;
   }
 
+  // Whether so much more could be charged; if not, `status` is set as by Charge.
+  bool HasRoom(size_t bytes) {
+    const bool room = Charge(bytes);
+    Release(bytes);
+    return room;
+  }
   // Memory that was charged and is free again.
   void Release(size_t bytes) { memory_ -= bytes; }
   // True if so much more would leave half of the memory free: for what is kept only to be quicker.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluation_context.h"
 #include "kb_server/sparql/expression_evaluator.h"
@@ -248,6 +249,10 @@ bool PreparedQuery::Next() {
   return true;
 }
 
+void PreparedQuery::Stop() {
+  impl_->End();
+}
+
 absl::Span<const TermId> PreparedQuery::row() const {
   return impl_->row;
 }
@@ -317,7 +322,7 @@ absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions&
       if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
       if (!seen.insert({*s, *r, *o}).second) continue;
       if (!p.program.context.Charge(
-              2 * (3 * sizeof(Term) + s->lexical.size() + r->lexical.size() + o->lexical.size()))) {
+              2 * (3 * sizeof(Term) + TextBytes(*s) + TextBytes(*r) + TextBytes(*o)))) {
         break;
       }
       out.push_back({*s, *r, *o, Term{}});

@@ -80,6 +80,8 @@ class PreparedQuery {
   absl::Status Start(const RunOptions& run, absl::Span<const TermId> bound = {});
   // To the next solution of the WHERE clause, whatever the form. False: no more, or an error; see status().
   bool Next();
+  // Ends the run before there are no more: what it kept goes.
+  void Stop();
   // The current solution, one id for each of variables(); none where unbound. Valid until Next.
   absl::Span<const TermId> row() const;
   // OK; CANCELLED or DEADLINE_EXCEEDED; RESOURCE_EXHAUSTED naming the limit. After an error rows given are

@@ -122,6 +122,8 @@ Value CallFunction(PlanExpression& e, const TermId* row, EvaluationContext& cont
   return result.ok() ? context.ValueOf(context.Encode(*result)) : Value::Error();
 }
 
+constexpr size_t kLongText = 4096;  // bytes; what is shorter is not counted one by one
+
 Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   switch (e.builtin) {
     case Builtin::kBound:
@@ -141,11 +143,26 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
         e.values.resize(e.arguments.size());
         for (size_t i = 0; i < e.values.size(); ++i) e.values[i] = e.arguments[i]->constant;
       }
-      for (size_t i = 0; i < e.values.size(); ++i) {
+      bool whole = true;
+      size_t text = 0, held = 0;  // of the arguments; of those that are long
+      for (size_t i = 0; i < e.values.size() && whole; ++i) {
         if (e.arguments[i]->kind != Kind::kTerm) e.values[i] = Evaluate(*e.arguments[i], row, context);
-        if (e.values[i].IsError()) return Value::Error();
+        whole = !e.values[i].IsError();
+        text += e.values[i].text().size();
+        const size_t owned = e.arguments[i]->kind != Kind::kTerm ? e.values[i].owned_bytes() : 0;
+        if (owned <= kLongText) continue;
+        held += owned;
+        whole = context.Charge(owned) && whole;
       }
-      return CallBuiltin(e, e.values, context);
+      // No function but REPLACE, which looks itself, makes more than three times its arguments.
+      whole = whole && (text <= kLongText || context.HasRoom(3 * text));
+      Value result = whole ? CallBuiltin(e, e.values, context) : Value::Error();
+      if (held == 0) return result;
+      context.Release(held);
+      for (size_t i = 0; i < e.values.size(); ++i) {
+        if (e.arguments[i]->kind != Kind::kTerm) e.values[i] = Value();
+      }
+      return result;
     }
   }
 }

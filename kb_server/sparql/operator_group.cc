@@ -53,13 +53,13 @@ class Accumulator {
         }
         break;
       case Function::kMin:
-        if (best_.IsError() || Order(value, best_) < 0) best_ = std::move(value);
+        if (best_.IsError() || Order(value, best_) < 0) TakeBest(std::move(value), context, kept);
         break;
       case Function::kMax:
-        if (best_.IsError() || Order(value, best_) > 0) best_ = std::move(value);
+        if (best_.IsError() || Order(value, best_) > 0) TakeBest(std::move(value), context, kept);
         break;
       case Function::kSample:
-        if (best_.IsError()) best_ = std::move(value);
+        if (best_.IsError()) TakeBest(std::move(value), context, kept);
         break;
       case Function::kGroupConcat: {
         if (value.type() == Value::Type::kBlank) {
@@ -94,6 +94,11 @@ class Accumulator {
   }
 
  private:
+  void TakeBest(Value value, EvaluationContext& context, KeptMemory& kept) {
+    if (best_.owned_bytes() > 0) kept.LetGo(best_.owned_bytes(), context);
+    if (value.owned_bytes() > 0) kept.Add(value.owned_bytes(), context);
+    best_ = std::move(value);
+  }
   // Counts and sums of ids need no value. False: this one does.
   bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context, KeptMemory& kept) {
     const bool counts = plan.function == Function::kCount && !id.IsNone();

@@ -64,6 +64,7 @@ class PathOperator final : public Operator {
           ends_.assign(Reaches(*node_.path, from_, to_) ? 1 : 0, to_);
         } else {
           ends_ = Expand(*node_.path, start_, forward_, 0);
+          if (!context_.HasRoom(ends_.size() * sizeof(TermId))) return false;
         }
         continue;
       }
@@ -216,22 +217,18 @@ class PathOperator final : public Operator {
   std::vector<TermId> Closure(const Path& path, TermId node, bool forward, int first) {
     std::vector<TermId> out;
     Set seen;
+    const auto take = [&](TermId id) {
+      if (seen.insert(id).second && context_.Charge(kNodeBytes)) out.push_back(id);
+    };
     if (Nullable(path)) {
-      seen.insert(node);
-      out.push_back(node);
+      take(node);
     } else {
-      for (const TermId id : Step(path, node, forward, first)) {
-        if (seen.insert(id).second) out.push_back(id);
-      }
+      for (const TermId id : Step(path, node, forward, first)) take(id);
     }
-    size_t charged = 0;
-    for (size_t i = 0; i < out.size() && context_.Charge(kNodeBytes); ++i) {
-      charged += kNodeBytes;
-      for (const TermId id : Step(path, out[i], forward, first)) {
-        if (seen.insert(id).second) out.push_back(id);
-      }
+    for (size_t i = 0; i < out.size() && context_.Poll(); ++i) {
+      for (const TermId id : Step(path, out[i], forward, first)) take(id);
     }
-    context_.Release(charged);
+    context_.Release(seen.size() * kNodeBytes);
     return out;
   }
 

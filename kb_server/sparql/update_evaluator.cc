@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "absl/functional/function_ref.h"
 #include "absl/hash/hash.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/update_reads.h"
 #include "kb_server/store/graph_writer.h"
@@ -134,8 +136,8 @@ class Evaluation {
   // --- what operations do
 
   static size_t BytesOf(const TermQuad& quad) {
-    return sizeof(QuadOperation) + quad.subject.lexical.size() + quad.predicate.lexical.size() + quad.object.lexical.size() +
-           quad.object.datatype.size() + quad.graph.lexical.size();
+    return sizeof(QuadOperation) + TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object) +
+           TextBytes(quad.graph);
   }
   absl::Status TooMuch() const {
     return absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
@@ -256,7 +258,7 @@ class Evaluation {
     if (absl::Status status = where.Start(run); !status.ok()) return status;
     // All are removed before any is inserted (section 3.1.3).
     DistinctQuads removed, inserted;
-    size_t bytes = 0;
+    size_t bytes = bytes_;
     for (uint64_t solution = 0; where.Next(); ++solution) {
       for (const bool removes : {true, false}) {
         for (const TemplateSlots& slots : removes ? remove : insert) {
@@ -308,19 +310,22 @@ class Evaluation {
     return absl::OkStatus();
   }
 
-  // The quads of a graph in the current state; they are no longer than that.
-  std::vector<TermQuad> QuadsOf(const Term& graph) {
+  // Calls `visit` for the quads of a graph in the current state, until it fails.
+  absl::Status ForQuadsOf(const Term& graph, absl::FunctionRef<absl::Status(TermQuad quad)> visit) {
     Reads({std::nullopt, std::nullopt, std::nullopt, graph});
     Sync();
-    std::vector<TermQuad> out;
     const std::optional<TermId> id = dictionary().Find(graph);
-    if (!id) return out;
+    if (!id) return absl::OkStatus();
+    absl::Status status;
     version().ForEach({{}, {}, {}, *id}, [&](const Quad& quad) {
-      out.push_back({dictionary().Decode(quad.subject), dictionary().Decode(quad.predicate),
-                     dictionary().Decode(quad.object), graph});
-      return true;
+      if (run_.cancellation != nullptr) status = run_.cancellation->Check();
+      if (status.ok()) {
+        status = visit({dictionary().Decode(quad.subject), dictionary().Decode(quad.predicate),
+                        dictionary().Decode(quad.object), graph});
+      }
+      return status.ok();
     });
-    return out;
+    return status;
   }
 
   bool Exists(const Term& graph) {
@@ -337,11 +342,7 @@ class Evaluation {
   }
 
   absl::Status RemoveAll(const Term& graph) {
-    for (TermQuad& quad : QuadsOf(graph)) {
-      absl::Status status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
-      if (!status.ok()) return status;
-    }
-    return absl::OkStatus();
+    return ForQuadsOf(graph, [this](TermQuad quad) { return Emit(QuadOperation::Kind::kRemove, std::move(quad)); });
   }
 
   static absl::Status CheckWritable(const Term& graph) {
@@ -385,14 +386,13 @@ class Evaluation {
     if (operation.kind != Kind::kAdd) {
       if (absl::Status status = RemoveAll(to); !status.ok()) return status;
     }
-    for (TermQuad& quad : QuadsOf(from)) {
+    return ForQuadsOf(from, [&](TermQuad quad) {
       TermQuad copy = quad;
       copy.graph = to;
       absl::Status status = Emit(QuadOperation::Kind::kAdd, std::move(copy));
       if (status.ok() && moves) status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
-      if (!status.ok()) return status;
-    }
-    return absl::OkStatus();
+      return status;
+    });
   }
 
   const Dictionary& shared_dictionary_;

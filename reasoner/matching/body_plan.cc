@@ -224,7 +224,9 @@ absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Sp
       const bool computed = found[i].tag() == TermId::Tag::kLocal;
       row_[column] = computed ? dictionary_.Intern(query.Decode(found[i])) : found[i];
     }
-    if (!visit(row_)) return absl::OkStatus();
+    if (visit(row_)) continue;
+    query.Stop();
+    return absl::OkStatus();
   }
   return query.status();
 }

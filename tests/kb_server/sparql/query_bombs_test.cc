@@ -78,6 +78,29 @@ TEST_F(QueryBombs, EndAtTheMemoryLimit) {
   ExpectMemory("SELECT * { ?a (ex:p|^ex:p)* ?b }", 2000);
 }
 
+// What is never encoded, or is one text, is counted, too.
+TEST_F(QueryBombs, LongTextsEndAtTheMemoryLimit) {
+  const auto times = [](const std::string& argument, int count) {
+    std::string call = "CONCAT(" + argument;
+    for (int i = 1; i < count; ++i) call += ", " + argument;
+    return call + ")";
+  };
+  const std::string text = "?a ex:name ?x BIND(" + times("?x", 100) + " AS ?c)";  // 20 KB
+  const size_t limit = 1'000'000;
+  ExpectMemory("SELECT (STRLEN(" + times("?c", 100) + ") AS ?n) { " + text + " } LIMIT 1", limit);
+  ExpectMemory("SELECT (STRLEN(" + times(times("?c", 10), 10) + ") AS ?n) { " + text + " } LIMIT 1", limit);
+  ExpectMemory("SELECT (STRLEN(REPLACE(?c, \"a\", ?c)) AS ?n) { " + text + " } LIMIT 1", limit);
+  std::string references;
+  for (int i = 0; i < 100; ++i) references += "$1";
+  ExpectMemory("SELECT (STRLEN(REPLACE(?c, \"(a+)\", \"" + references + "\")) AS ?n) { " + text + " } LIMIT 1", limit);
+  ExpectMemory("SELECT ?a (MAX(" + times("?x", 100) + ") AS ?m) { ?a ex:name ?x } GROUP BY ?a LIMIT 1", limit);
+  ExpectMemory("SELECT (STRLANG(\"a\", " + times("?x", 100) + ") AS ?y) { ?a ex:name ?x }", limit);
+  // What fits is answered.
+  for (const char* call : {"REPLACE(?c, \"b\", ?c)", "REPLACE(?c, \"0\", \"and so on\")", "UCASE(?c)", "CONCAT(?c, ?c)"}) {
+    EXPECT_TRUE(Run("SELECT (STRLEN(" + std::string(call) + ") AS ?n) { " + text + " } LIMIT 5", 30000, limit).ok()) << call;
+  }
+}
+
 TEST_F(QueryBombs, RegularExpressionsDoNotBacktrack) {
   EXPECT_TRUE(Run("SELECT * { ?a ex:name ?n FILTER(REGEX(?n, \"^(a+)+(a|aa)*$\")) }", 10000).ok());
   EXPECT_LT(took_, std::chrono::seconds(5));
