@@ -1,5 +1,6 @@
 // Context.Query: SPARQL on the newest version or a past one, rows as they are found.
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/history_port.h"
@@ -87,16 +88,25 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1:
   for (const std::string& name : run.variables()) header.mutable_header()->add_variables(name);
   out.Send(std::move(header));
   Term term;
-  return run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
+  bool too_long = false;
+  const size_t limit = ports.limits.grpc_message_bytes;
+  const absl::Status status = run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
     v1::QueryReply reply;
+    size_t bytes = 0;
     for (TermId id : row) {
       v1::Term* value = reply.mutable_row()->add_values();
       if (id.IsNone()) continue;
       run.DecodeTo(id, &term);
+      bytes += TextBytes(term);
+      too_long = bytes > limit;
+      if (too_long) return false;
       ToProto(term, value);
     }
     return out.Send(std::move(reply));
   });
+  if (!status.ok() || !too_long) return status;
+  return absl::ResourceExhaustedError(
+      absl::StrCat("a row of the answer is longer than the limit grpc_message_bytes = ", limit, "; ask for fewer columns"));
 }
 
 absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,

@@ -25,7 +25,7 @@ namespace docent {
 namespace {
 
 constexpr std::string_view kRoot = "/rdf-graphs";
-constexpr size_t kBytesOfQuad = 500;  // of a graph that is read, roughly, as terms and as text
+constexpr size_t kBytesOfQuad = 500;  // of a graph that is read, roughly, as terms and as text, without what is long in them
 
 using Exchange = std::shared_ptr<HttpExchange>;
 using Operation = sparql::UpdateOperation;
@@ -74,20 +74,25 @@ HttpResponse ReadGraph(const ServicePorts& ports, const Address& address, std::s
   const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
   if (count == 0 && !address.is_default)
     return TextResponse(404, "there is no graph " + ToDisplay(address.graph));
-  if (count > ports.limits.query_memory_bytes / kBytesOfQuad) {
+  const size_t limit = ports.limits.query_memory_bytes;
+  const auto too_long = [&] {
     return ErrorResponse(absl::ResourceExhaustedError(
-        absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ",
-                     ports.limits.query_memory_bytes, "; ask for parts of it with CONSTRUCT")));
-  }
+        absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
+                     "; ask for parts of it with CONSTRUCT")));
+  };
+  if (count > limit / kBytesOfQuad) return too_long();
   std::vector<TermQuad> triples;
   triples.reserve(count);
+  size_t bytes = count * kBytesOfQuad;
   if (graph) {
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
       triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
                          ports.dictionary->Decode(quad.object), Term{}});
-      return true;
+      bytes += triples.back().object.lexical.size();
+      return bytes <= limit;
     });
   }
+  if (bytes > limit) return too_long();
   absl::StatusOr<std::string> text = SerializeRdf(triples, type->format, sparql::WellKnownPrefixes());
   if (!text.ok()) return ErrorResponse(text.status());
   HttpResponse response;

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "kb_server/rdf/serializer.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/service/history_port.h"
 #include "kb_server/service/http_formats.h"
 #include "kb_server/service/remote_access.h"
@@ -97,14 +98,19 @@ class QueryAnswer {
     const std::unique_ptr<sparql::ResultWriter> writer = sparql::ResultWriter::Make(type->format, &rows);
     writer->Begin(query.variables());
     std::vector<std::optional<Term>> terms(query.variables().size());
-    bool gone = false;
+    bool gone = false, too_long = false;
+    const size_t limit = ports_.limits.query_memory_bytes;
     const absl::Status status = query.Select(run_options_, {}, [&](absl::Span<const TermId> row) {
+      size_t bytes = 0;
       for (size_t i = 0; i < terms.size(); ++i) {
         if (row[i].IsNone()) {
           terms[i].reset();
         } else {
           query.DecodeTo(row[i], terms[i] ? &*terms[i] : &terms[i].emplace());
+          bytes += TextBytes(*terms[i]);
         }
+        too_long = bytes > limit;
+        if (too_long) return false;
       }
       writer->Row(terms);
       if (rows.size() >= kFlushBytes) {
@@ -113,6 +119,9 @@ class QueryAnswer {
       return !gone;
     });
     if (!status.ok()) return status;
+    if (too_long) {
+      return absl::ResourceExhaustedError(absl::StrCat("a row of the answer is longer than the limit query_memory_bytes = ", limit));
+    }
     if (gone) return absl::CancelledError("the client went away");
     writer->End();
     if (!begun_) return Respond(Head(type->told, std::move(rows)));

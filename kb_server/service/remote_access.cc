@@ -68,6 +68,8 @@ std::optional<Term> ToTerm(const nlohmann::json& value) {
   return Term::Literal(text("value"), text("datatype"));
 }
 
+constexpr size_t kValuesARow = 4;  // on the average, in an answer of as many rows as it may have
+
 absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t max_rows) {
   const nlohmann::json root = nlohmann::json::parse(body, nullptr, false);
   if (root.is_discarded() || !root.is_object()) return absl::UnavailableError("the answer is not JSON");
@@ -81,10 +83,18 @@ absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t
   for (const auto& name : head->value("vars", nlohmann::json::array())) {
     if (name.is_string()) answer.variables.push_back(name.get<std::string>());
   }
+  std::vector<std::string> names = answer.variables;
+  std::sort(names.begin(), names.end());
+  if (std::adjacent_find(names.begin(), names.end()) != names.end())
+    return absl::UnavailableError("the answer names a variable twice");
   for (const auto& binding : (*results)["bindings"]) {
     if (answer.rows.size() == max_rows) {
       return absl::ResourceExhaustedError(
           absl::StrCat("the answer has more rows than the limit remote_rows = ", max_rows));
+    }
+    if ((answer.rows.size() + 1) * answer.variables.size() > kValuesARow * max_rows) {
+      return absl::ResourceExhaustedError(absl::StrCat("the answer has more values than ", kValuesARow,
+                                                       " times the limit remote_rows = ", max_rows));
     }
     std::vector<std::optional<Term>>& row = answer.rows.emplace_back();
     for (const std::string& name : answer.variables) {
