@@ -21,6 +21,7 @@ namespace docent {
 namespace {
 
 constexpr size_t kFlushBytes = 64u << 10;  // of rows, sent together
+constexpr size_t kSmallGraph = 1u << 20;   // bytes of a graph that are sent with their length
 
 // One query on a worker thread.
 class QueryAnswer {
@@ -134,12 +135,21 @@ class QueryAnswer {
                      const sparql::PrepareOptions& options) {
     const GraphType* type = ChooseGraphType(exchange_->request().Header("accept"));
     if (type == nullptr) return Respond(NoGraphType());
-    const absl::StatusOr<std::vector<TermQuad>> triples =
+    absl::StatusOr<std::vector<TermQuad>> triples =
         sparql::AnswerGraph(prepared, query, *graph_.dictionary, options, run_options_);
     if (!triples.ok()) return triples.status();
     absl::StatusOr<std::string> text = SerializeRdf(*triples, type->format, query.prefixes);
     if (!text.ok()) return text.status();
-    return Respond(Head(type->told, *std::move(text)));
+    if (text->size() <= kSmallGraph) return Respond(Head(type->told, *std::move(text)));
+    // While a slow client takes a large one, it counts among the queries that are open.
+    *triples = std::vector<TermQuad>();
+    std::string piece;
+    for (size_t at = 0; at < text->size(); at += kFlushBytes) {
+      piece.assign(*text, at, kFlushBytes);
+      if (!Flush(type->told, &piece)) return absl::CancelledError("the client went away");
+    }
+    exchange_->End();
+    return absl::OkStatus();
   }
 
   HttpResponse Head(std::string_view content_type, std::string body) const {

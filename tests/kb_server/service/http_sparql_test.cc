@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -110,6 +112,18 @@ TEST_F(HttpSparqlTest, AskAndConstruct) {
   EXPECT_EQ(turtle.headers.at("content-type"), "text/turtle; charset=utf-8");
   EXPECT_EQ(turtle.headers.at("docent-revision"), "7");
   EXPECT_THAT(turtle.body, HasSubstr("<urn:has>"));
+}
+
+TEST_F(HttpSparqlTest, ALargeGraphIsSentInPieces) {
+  const std::string construct = "CONSTRUCT { ?s ?p ?t } WHERE { ?s ?p <urn:o> . ?x <urn:many> <urn:o> BIND(CONCAT(STR(?s), STR(?x)) AS ?t) }";
+  const HttpReply reply = Get(construct, "application/n-triples");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_EQ(reply.headers.at("transfer-encoding"), "chunked");
+  EXPECT_EQ(reply.headers.at("content-type"), "application/n-triples");
+  EXPECT_TRUE(reply.whole);
+  EXPECT_GT(reply.body.size(), 1u << 20);
+  EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 300 * 300);
+  EXPECT_TRUE(reply.body.ends_with(" .\n"));
 }
 
 TEST_F(HttpSparqlTest, ThreeWaysToSendAQuery) {
