@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/writer.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/parser.h"
 
@@ -71,13 +72,22 @@ class FlipWatch {
   std::vector<Level> before_;
 };
 
-std::vector<TermQuad> Decode(const std::vector<Quad>& quads, const Dictionary& dictionary) {
+// As long as they have room in an answer, where each stands as terms and in the text for people.
+absl::StatusOr<std::vector<TermQuad>> Decode(const std::vector<Quad>& quads, const Dictionary& dictionary, const Limits& limits,
+                                             size_t* bytes) {
   const std::optional<TermId> runs = dictionary.FindIri(kRunsGraph);
   std::vector<TermQuad> out;
   for (const Quad& q : quads) {
     if (q.graph == runs) continue;
-    out.push_back({dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object),
-                   dictionary.Decode(q.graph)});
+    const TermQuad& quad =
+        out.emplace_back(dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object),
+                         dictionary.Decode(q.graph));
+    *bytes += 2 * (TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object) + TextBytes(quad.graph));
+    if (*bytes > limits.grpc_message_bytes) {
+      return absl::ResourceExhaustedError(absl::StrCat(quads.size(), " facts would change, more than an answer of the limit "
+                                                       "grpc_message_bytes = ", limits.grpc_message_bytes,
+                                                       " can tell; ask about fewer"));
+    }
   }
   std::sort(out.begin(), out.end(), [](const TermQuad& a, const TermQuad& b) {
     return std::tie(a.graph, a.subject, a.predicate, a.object) < std::tie(b.graph, b.subject, b.predicate, b.object);
@@ -117,8 +127,12 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   if (!turn.ok()) return turn.status();
   WhatIfAnswer answer;
   answer.revision = copy.version->revision();
-  answer.added = Decode(turn->delta.added, *dictionary);
-  answer.removed = Decode(turn->delta.removed, *dictionary);
+  size_t bytes = 0;
+  for (const bool added : {true, false}) {
+    auto facts = Decode(added ? turn->delta.added : turn->delta.removed, *dictionary, limits, &bytes);
+    if (!facts.ok()) return facts.status();
+    (added ? answer.added : answer.removed) = *std::move(facts);
+  }
   answer.flips = watch.Flips();
   for (const Transition& t : turn->record.transitions)
     answer.transitions.push_back({t.subject, t.from, t.to, t.cause});

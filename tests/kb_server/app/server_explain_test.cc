@@ -170,6 +170,19 @@ TEST_F(ServerExplainTest, WhatIfRefusesWhatAnAssertWouldBeRefused) {
   EXPECT_THAT(status.error_message(), HasSubstr("what_if_operations is 2"));
 }
 
+TEST_F(ServerExplainTest, WhatIfRefusesWhatAnAnswerCannotHold) {
+  settings_.limits.grpc_message_bytes = 3000;
+  StartServer();
+  v1::WhatIfRequest request;
+  v1::WhatIfReply reply;
+  *request.add_add() = Quad("a", "b", "c");
+  EXPECT_TRUE(Call(context_, &v1::Context::Stub::WhatIf, request, &reply).ok());
+  request.mutable_add(0)->mutable_object()->mutable_literal()->set_lexical(std::string(1500, 'x'));
+  const grpc::Status status = Call(context_, &v1::Context::Stub::WhatIf, request, &reply);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_THAT(status.error_message(), HasSubstr("grpc_message_bytes = 3000"));
+}
+
 TEST_F(ServerExplainTest, TheWorkEndsWhenTheCallerGoesAway) {
   settings_.limits.queries_running = 1;
   settings_.limits.query_timeout_ms = 600000;
