@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/service/await_version.h"
 #include "kb_server/service/ports.h"
 #include "kb_server/service/remote_access.h"
@@ -59,16 +60,24 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     run.cancellation = request_.cancellation.get();
     absl::Status status =
         sparql::ResolveServices(&request_.update, ports_.remote, *ports_.dictionary, options_.prepare, run);
+    size_t loaded = 0;  // bytes
     for (const sparql::UpdateOperation& operation : request_.update.operations) {
       if (!status.ok()) break;
       if (operation.kind != sparql::UpdateOperation::Kind::kLoad) continue;
       const std::string& iri = operation.document.lexical;
       if (documents_.contains(iri)) continue;
-      if (request_.load) {
-        documents_.emplace(iri, request_.load(iri));
-      } else if (ports_.remote != nullptr) {
-        documents_.emplace(iri, ports_.remote->Load(iri, request_.cancellation.get()));
+      if (!request_.load && ports_.remote == nullptr) continue;
+      const auto& document =
+          documents_.emplace(iri, request_.load ? request_.load(iri) : ports_.remote->Load(iri, request_.cancellation.get()))
+              .first->second;
+      if (!document.ok()) continue;
+      for (const TermQuad& quad : *document) {
+        loaded += sizeof(TermQuad) + TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object);
       }
+      if (loaded <= options_.prepare.memory_bytes) continue;
+      status = absl::ResourceExhaustedError(
+          absl::StrCat("the documents to LOAD are more than fit into the limit query_memory_bytes = ",
+                       options_.prepare.memory_bytes, "; <", iri, "> is the one too many"));
     }
     return status;
   }

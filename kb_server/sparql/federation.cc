@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/sparql/algebra_printer.h"
 #include "kb_server/sparql/algebra_walk.h"
 
@@ -70,6 +71,11 @@ class Resolver {
       absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text);
       if (answer.ok()) {
         AddRows(*answer, open ? &endpoint : nullptr, values.get());
+        if (bytes_ > options_.memory_bytes) {
+          return At(service, absl::ResourceExhaustedError(absl::StrCat(
+                                 "the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
+                                 options_.memory_bytes)));
+        }
       } else if (service.silent && answer.status().code() != absl::StatusCode::kCancelled) {
         values->rows.emplace_back(values->variables.size());
         if (open) values->rows.back().back() = Term::Iri(endpoint);
@@ -118,6 +124,7 @@ class Resolver {
           term->lexical = absl::StrCat("s", run_.seed, "a", answers_, "_", term->lexical);
       }
       if (endpoint != nullptr) row.back() = Term::Iri(*endpoint);
+      for (const std::optional<Term>& term : row) bytes_ += sizeof(term) + (term ? TextBytes(*term) : 0);
       values->rows.push_back(std::move(row));
     }
   }
@@ -163,6 +170,7 @@ class Resolver {
   const PrepareOptions& options_;
   const RunOptions& run_;
   int answers_ = 0;
+  size_t bytes_ = 0;  // of all answers
 };
 
 }  // namespace

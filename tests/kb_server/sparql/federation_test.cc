@@ -104,6 +104,18 @@ TEST_F(Federation, BlankNodesOfAnAnswerAreNoneOfOurs) {
   EXPECT_THAT(*Select("SELECT ?x { ?x ex:own 1 . SERVICE <http://one/> { ?x ex:q 1 } }"), SizeIs(0));
 }
 
+TEST_F(Federation, AllAnswersTogetherAreBounded) {
+  client.answers["http://one/"] = {{"n"}, {{Term::Literal(std::string(600, 'x'))}}};
+  client.answers["http://two/"] = client.answers["http://one/"];
+  Query query = graph.Parse("SELECT ?s ?n { ?s ex:at ?e SERVICE ?e { ?x ex:n ?n } }");
+  PrepareOptions options;
+  options.memory_bytes = 1500;
+  const absl::Status status = ResolveServices(&query, &client, graph.dictionary, options, graph.Run());
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("query_memory_bytes = 1500"));
+  EXPECT_THAT(client.asked, SizeIs(2));  // one was not too much
+}
+
 TEST_F(Federation, WithoutAClientNothingIsAsked) {
   Query query = graph.Parse("SELECT * { SERVICE <http://one/> { ?s ?p ?o } }");
   EXPECT_TRUE(HasService(query));
