@@ -82,7 +82,7 @@ absl::StatusOr<std::vector<TermQuad>> Decode(const std::vector<Quad>& quads, con
     const TermQuad& quad =
         out.emplace_back(dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object),
                          dictionary.Decode(q.graph));
-    *bytes += 2 * (TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object) + TextBytes(quad.graph));
+    *bytes += 2 * TextBytes(quad);
     if (*bytes > limits.grpc_message_bytes) {
       return absl::ResourceExhaustedError(absl::StrCat(quads.size(), " facts would change, more than an answer of the limit "
                                                        "grpc_message_bytes = ", limits.grpc_message_bytes,

@@ -1,4 +1,4 @@
-// How long a term's texts are: for limits. Any thread.
+// How long the texts of a term or a quad are: for limits. Any thread.
 #ifndef DOCENT_KB_SERVER_RDF_TEXT_BYTES_H_
 #define DOCENT_KB_SERVER_RDF_TEXT_BYTES_H_
 
@@ -10,6 +10,9 @@ namespace docent {
 
 inline size_t TextBytes(const Term& term) {
   return term.lexical.size() + term.datatype.size() + term.language.size();
+}
+inline size_t TextBytes(const TermQuad& quad) {
+  return TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object) + TextBytes(quad.graph);
 }
 
 }  // namespace docent

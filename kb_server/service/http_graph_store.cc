@@ -12,6 +12,7 @@
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/serializer.h"
+#include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/http_formats.h"
 #include "kb_server/service/http_multipart.h"
@@ -88,7 +89,7 @@ HttpResponse ReadGraph(const ServicePorts& ports, const Address& address, std::s
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
       triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
                          ports.dictionary->Decode(quad.object), Term{}});
-      bytes += triples.back().object.lexical.size();
+      bytes += TextBytes(triples.back().object);
       return bytes <= limit;
     });
   }

@@ -71,9 +71,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
           documents_.emplace(iri, request_.load ? request_.load(iri) : ports_.remote->Load(iri, request_.cancellation.get()))
               .first->second;
       if (!document.ok()) continue;
-      for (const TermQuad& quad : *document) {
-        loaded += sizeof(TermQuad) + TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object);
-      }
+      for (const TermQuad& quad : *document) loaded += sizeof(TermQuad) + TextBytes(quad);
       if (loaded <= options_.prepare.memory_bytes) continue;
       status = absl::ResourceExhaustedError(
           absl::StrCat("the documents to LOAD are more than fit into the limit query_memory_bytes = ",

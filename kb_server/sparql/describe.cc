@@ -94,8 +94,7 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
       if (quad.object.IsBlank()) resources.Add(quad.object);
       out.push_back({dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
                      dictionary.Decode(quad.object), Term{}});
-      bytes += sizeof(TermQuad) + TextBytes(out.back().subject) + TextBytes(out.back().predicate) +
-               TextBytes(out.back().object);
+      bytes += sizeof(TermQuad) + TextBytes(out.back());
       return !stop_beyond_limit();
     });
   }

@@ -135,10 +135,7 @@ class Evaluation {
 
   // --- what operations do
 
-  static size_t BytesOf(const TermQuad& quad) {
-    return sizeof(QuadOperation) + TextBytes(quad.subject) + TextBytes(quad.predicate) + TextBytes(quad.object) +
-           TextBytes(quad.graph);
-  }
+  static size_t BytesOf(const TermQuad& quad) { return sizeof(QuadOperation) + TextBytes(quad); }
   absl::Status TooMuch() const {
     return absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
                                         std::to_string(options_.prepare.memory_bytes));
