@@ -49,16 +49,16 @@ void Committer::Start(uint64_t head, uint64_t epoch) {
   epoch_ = epoch;
 }
 
-void Committer::Commit(DecidedGroup group) {
+void Committer::Commit(DecidedGroup group, std::deque<GraphVersionPtr>* gone) {
   const auto room = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
     return halted_ || turns_ < kTurnsAhead;
   };
-  std::vector<GraphVersionPtr> gone;  // after the lock
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(&room));
   turns_ += group.turns.size();
   groups_.push_back(std::move(group));
-  gone.swap(gone_);
+  std::move(gone_.begin(), gone_.end(), std::back_inserter(*gone));
+  gone_.clear();
 }
 
 void Committer::Wait() {

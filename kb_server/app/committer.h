@@ -101,8 +101,9 @@ class Committer {
 
   // The log ends at `head`, and this is the writer's claim to it. Nothing is in flight.
   void Start(uint64_t head, uint64_t epoch);
-  // Waits while kTurnsAhead turns are in flight.
-  void Commit(DecidedGroup group);
+  // Waits while kTurnsAhead turns are in flight. Versions that are no longer needed here go to `gone`, for the writer to
+  // free: a version shares nearly all of its nodes with others, whose counts are in the caches of the core that made them.
+  void Commit(DecidedGroup group, std::deque<GraphVersionPtr>* gone);
   // Waits until all is told, or it stands still.
   void Wait();
 
@@ -141,9 +142,7 @@ class Committer {
   absl::Mutex mutex_;
   std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);  // in flight
   size_t turns_ ABSL_GUARDED_BY(mutex_) = 0;                 // of these
-  // Versions that are no longer needed here, for the writer to free: a version shares nearly all of its nodes with
-  // others, whose counts are in the caches of the core that made them.
-  std::vector<GraphVersionPtr> gone_ ABSL_GUARDED_BY(mutex_);
+  std::vector<GraphVersionPtr> gone_ ABSL_GUARDED_BY(mutex_);  // see Commit
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   bool ending_ ABSL_GUARDED_BY(mutex_) = false;
   std::atomic<bool> halted_{false};

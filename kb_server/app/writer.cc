@@ -19,6 +19,8 @@ constexpr uint64_t kTurnsPerProgress = 10000;
 // Handed over together: while the disk syncs them, the next ones are decided.
 constexpr size_t kTurnsPerGroup = 256;
 constexpr size_t kLarge = 10000;  // operations
+// Old versions that wait to be freed until no batch waits.
+constexpr size_t kGoneAtMost = 64;
 
 // For counters alone.
 uint64_t MonotonicNanos() {
@@ -144,6 +146,7 @@ absl::Status Writer::Run() {
   while (fatal_.ok()) {
     std::optional<TimeMicros> deadline = stages_->NextDeadline();
     if (deadline) deadline = std::max(*deadline, next_tick_us_);
+    FreeGone();
     std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, at_most);
     if (committer_.halted()) fatal_ = Reconcile();
     if (!batches.empty()) {
@@ -245,7 +248,12 @@ void Writer::Commit(DecidedGroup group) {
           TakeState(*stages_, requests_, group.version, newest_time_us_));
     }
   }
-  committer_.Commit(std::move(group));
+  committer_.Commit(std::move(group), &gone_);
+}
+
+// Freeing what only an old version holds takes about a tenth of the time of a turn. Nobody waits for it.
+void Writer::FreeGone() {
+  while (!gone_.empty() && (gone_.size() > kGoneAtMost || ports_.inbox->size() == 0)) gone_.pop_front();
 }
 
 // The log refused what is in flight, or cannot say what it did. What it does not have did not happen; what it

@@ -8,6 +8,7 @@
 #ifndef DOCENT_KB_SERVER_APP_WRITER_H_
 #define DOCENT_KB_SERVER_APP_WRITER_H_
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -73,6 +74,7 @@ class Writer {
   void TakeGroup(std::vector<PendingBatch> batches);
   void Decide(PendingBatch pending, DecidedGroup* group);
   void Commit(DecidedGroup group);
+  void FreeGone();
   absl::Status Reconcile();
   absl::Status End();
   void PublishCounters();
@@ -89,6 +91,7 @@ class Writer {
   bool refused_ = false;  // by the log, the last time
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;  // no clock tick before this time
+  std::deque<GraphVersionPtr> gone_;  // to be freed, the oldest first
   WriterCounters counters_;
   Committer committer_;
 };
