@@ -435,7 +435,7 @@ void TellChanges(Engine::Core* core) {
     auto it = core->runs.find(id);
     if (it == core->runs.end()) continue;
     Run& run = it->second;
-    auto facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, core->dictionary));
+    auto facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, &core->run_terms));
     static const std::vector<Quad> kNothing;
     DiffFacts(run.facts ? *run.facts : kNothing, *facts, &core->output->add, &core->output->remove);
     run.facts = std::move(facts);

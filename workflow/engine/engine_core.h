@@ -14,6 +14,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "workflow/engine/engine.h"
 #include "workflow/engine/run_state.h"
+#include "workflow/engine/run_terms.h"
 #include "workflow/engine/waiting_room.h"
 
 namespace docent {
@@ -39,9 +40,9 @@ ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 
 struct Engine::Core {
-  Core(Dictionary* dictionary_in, const Limits& limits_in) : dictionary(dictionary_in), limits(limits_in) {}
+  Core(Dictionary* dictionary, const Limits& limits_in) : run_terms(dictionary), limits(limits_in) {}
 
-  Dictionary* const dictionary;
+  RunTerms run_terms;
   const Limits limits;
   std::map<RunId, Run> runs;  // live ones
   // Ended ones whose facts are still in the graph, the one that ended first in front.

@@ -230,7 +230,7 @@ bool FitsDocument(const Run& run) {
   return true;
 }
 
-absl::StatusOr<Run> Unpack(PackedRun packed, const Shared& shared, Dictionary* dictionary) {
+absl::StatusOr<Run> Unpack(PackedRun packed, const Shared& shared, RunTerms* terms) {
   Run run = std::move(packed.run);
   if (packed.document >= shared.documents.size()) return Damaged();
   run.document = shared.documents[packed.document];
@@ -247,7 +247,7 @@ absl::StatusOr<Run> Unpack(PackedRun packed, const Shared& shared, Dictionary* d
     }
   }
   if (!FitsDocument(run)) return Damaged();
-  run.facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, dictionary));
+  run.facts = std::make_shared<const std::vector<Quad>>(RunFacts(run, terms));
   return run;
 }
 
@@ -313,8 +313,9 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
   for (rsel::Plan& plan : packed.plans) {
     shared.plans.push_back(std::make_shared<const rsel::Plan>(std::move(plan)));
   }
+  RunTerms terms(dictionary);
   for (PackedRun& one : packed.runs) {
-    auto run = Unpack(std::move(one), shared, dictionary);
+    auto run = Unpack(std::move(one), shared, &terms);
     if (!run.ok()) return run.status();
     const RunId id = run->id;
     state.runs.emplace(id, *std::move(run));

@@ -6,7 +6,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
-#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -29,26 +28,21 @@ Term Decimal(double value) {
 
 class Writer {
  public:
-  explicit Writer(Dictionary* dictionary)
-      : dictionary_(*dictionary), graph_(dictionary_.InternIri(kRunsGraph)) {}
+  explicit Writer(RunTerms* terms)
+      : terms_(*terms), dictionary_(terms->dictionary()), graph_(terms->Of(RunTerm::kRunsGraph)) {}
 
-  void About(std::string_view iri) { subject_ = Iri(iri); }
-  void Say(std::string_view predicate, TermId object) {
-    quads_.push_back({subject_, Iri(predicate), object, graph_});
+  void About(TermId subject) { subject_ = subject; }
+  void Say(RunTerm predicate, TermId object) {
+    quads_.push_back({subject_, terms_.Of(predicate), object, graph_});
   }
-  void SayDocent(std::string_view local, TermId object) { Say(DocentIri(local), object); }
-  void SayDocent(std::string_view local, const Term& object) { SayDocent(local, dictionary_.Intern(object)); }
-  void SayText(std::string_view local, std::string_view text) {
-    if (!text.empty()) SayDocent(local, Term::Literal(std::string(text)));
+  void Say(RunTerm predicate, RunTerm object) { Say(predicate, terms_.Of(object)); }
+  void SayText(RunTerm predicate, std::string_view text) {
+    if (!text.empty()) SayTerm(predicate, Term::Literal(std::string(text)));
   }
+  void SayTerm(RunTerm predicate, const Term& term) { Say(predicate, dictionary_.Intern(term)); }
+  void SayState(RunTerm predicate, WorkState state) { Say(predicate, terms_.Of(state)); }
+  void SayTime(RunTerm predicate, TimeMicros time_us) { Say(predicate, Time(time_us)); }
   TermId Iri(std::string_view iri) { return dictionary_.InternIri(iri); }
-  TermId Time(TimeMicros time_us) {
-    if (time_us != time_us_ || time_.IsNone()) {  // most are that of the turn
-      time_us_ = time_us;
-      time_ = dictionary_.Intern(DateTime(time_us));
-    }
-    return time_;
-  }
   std::vector<Quad> Take() {
     std::sort(quads_.begin(), quads_.end());
     quads_.erase(std::unique(quads_.begin(), quads_.end()), quads_.end());
@@ -56,6 +50,15 @@ class Writer {
   }
 
  private:
+  TermId Time(TimeMicros time_us) {
+    if (time_us != time_us_ || time_.IsNone()) {  // most are that of the turn
+      time_us_ = time_us;
+      time_ = dictionary_.Intern(DateTime(time_us));
+    }
+    return time_;
+  }
+
+  RunTerms& terms_;
   Dictionary& dictionary_;
   const TermId graph_;
   TermId subject_;
@@ -64,38 +67,39 @@ class Writer {
   std::vector<Quad> quads_;
 };
 
-void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
-                     const std::string& node_iri, Writer* out) {
+void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri, TermId of_node,
+                     Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
-  out->About(iri);
-  out->Say(kRdfType, out->Iri(DocentIri("Invocation")));
-  out->SayDocent("ofNode", out->Iri(node_iri));
-  out->SayText("operation", invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
-  out->SayText("invocationState", ToString(invocation.state));
-  if (!invocation.robot.empty()) out->SayDocent("robot", out->Iri(invocation.robot.value()));
-  if (!invocation.child.empty()) out->SayDocent("childRun", out->Iri(RunIri(invocation.child)));
-  for (const OpenCommand& open : invocation.commands) out->SayText("command", open.command.id.value());
-  out->SayText("step", invocation.step);
-  if (invocation.state == WorkState::kRunning) out->SayDocent("progress", Decimal(invocation.progress));
-  out->SayText("reason", invocation.reason);
+  out->About(out->Iri(iri));
+  out->Say(RunTerm::kType, RunTerm::kInvocation);
+  out->Say(RunTerm::kOfNode, of_node);
+  out->SayText(RunTerm::kOperation, invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
+  out->SayState(RunTerm::kInvocationState, invocation.state);
+  if (!invocation.robot.empty()) out->Say(RunTerm::kRobot, out->Iri(invocation.robot.value()));
+  if (!invocation.child.empty()) out->Say(RunTerm::kChildRun, out->Iri(RunIri(invocation.child)));
+  for (const OpenCommand& open : invocation.commands) out->SayText(RunTerm::kCommand, open.command.id.value());
+  out->SayText(RunTerm::kStep, invocation.step);
+  if (invocation.state == WorkState::kRunning) out->SayTerm(RunTerm::kProgress, Decimal(invocation.progress));
+  out->SayText(RunTerm::kReason, invocation.reason);
 }
 
-void WriteNode(const Run& run, size_t index, Writer* out) {
+void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index, Writer* out) {
   const NodeState& state = run.nodes[index];
   const cawl::Node& node = run.Flow().nodes[index];
-  std::string iri = absl::StrCat(RunIri(run.id), "/", node.name.value);
-  out->About(iri);
-  out->Say(kRdfType, out->Iri(DocentIri("NodeInstance")));
-  out->SayDocent("ofRun", out->Iri(RunIri(run.id)));
-  out->SayText("nodeName", node.name.value);
-  out->SayText("nodeState", ToString(state.state));
-  out->SayText("waitsFor", state.waits_for);
-  out->SayText("firedBecause", state.fired_because);
-  if (state.fired_us != 0) out->SayDocent("firedAt", out->Time(state.fired_us));
-  if (state.since_us != 0) out->SayDocent("since", out->Time(state.since_us));
-  out->SayText("reason", state.reason);
+  const std::string iri = absl::StrCat(run_iri, "/", node.name.value);
+  const TermId id = out->Iri(iri);
+  out->About(id);
+  out->Say(RunTerm::kType, RunTerm::kNodeInstance);
+  out->Say(RunTerm::kOfRun, of_run);
+  out->SayText(RunTerm::kNodeName, node.name.value);
+  out->SayState(RunTerm::kNodeState, state.state);
+  out->SayText(RunTerm::kWaitsFor, state.waits_for);
+  out->SayText(RunTerm::kFiredBecause, state.fired_because);
+  if (state.fired_us != 0) out->SayTime(RunTerm::kFiredAt, state.fired_us);
+  if (state.since_us != 0) out->SayTime(RunTerm::kSince, state.since_us);
+  out->SayText(RunTerm::kReason, state.reason);
   for (size_t i = 0; i < state.invocations.size(); ++i) {
-    WriteInvocation(state.invocations[i], node, absl::StrCat(iri, "/", i), iri, out);
+    WriteInvocation(state.invocations[i], node, absl::StrCat(iri, "/", i), id, out);
   }
 }
 
@@ -127,28 +131,29 @@ std::string RunIri(const RunId& run) {
   return absl::StrCat("urn:docent:run:", run.value());
 }
 
-std::vector<Quad> RunFacts(const Run& run, Dictionary* dictionary) {
-  Writer out(dictionary);
+std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
+  Writer out(terms);
   const std::string run_iri = RunIri(run.id);
-  out.About(run_iri);
-  out.Say(kRdfType, out.Iri(DocentIri("Run")));
-  out.SayText("workflow", run.document->name.value);
-  out.SayText("flow", run.Flow().name.value);
-  out.SayText("runState", ToString(run.state));
-  out.SayText("reason", run.reason);
-  out.Say(Concat(kProvNs, "startedAtTime"), out.Time(run.started_us));
-  if (run.ended_us != 0) out.Say(Concat(kProvNs, "endedAtTime"), out.Time(run.ended_us));
-  if (!run.parent.empty()) out.SayDocent("parentRun", out.Iri(RunIri(run.parent)));
-  for (const RobotId& robot : run.robots) out.SayDocent("usesRobot", out.Iri(robot.value()));
+  const TermId id = out.Iri(run_iri);
+  out.About(id);
+  out.Say(RunTerm::kType, RunTerm::kRun);
+  out.SayText(RunTerm::kWorkflow, run.document->name.value);
+  out.SayText(RunTerm::kFlow, run.Flow().name.value);
+  out.SayState(RunTerm::kRunState, run.state);
+  out.SayText(RunTerm::kReason, run.reason);
+  out.SayTime(RunTerm::kStartedAtTime, run.started_us);
+  if (run.ended_us != 0) out.SayTime(RunTerm::kEndedAtTime, run.ended_us);
+  if (!run.parent.empty()) out.Say(RunTerm::kParentRun, out.Iri(RunIri(run.parent)));
+  for (const RobotId& robot : run.robots) out.Say(RunTerm::kUsesRobot, out.Iri(robot.value()));
   for (const auto& [name, value] : run.variables) {
-    std::string iri = absl::StrCat(run_iri, "/$", name);
-    out.About(run_iri);
-    out.SayDocent("hasVariable", out.Iri(iri));
-    out.About(iri);
-    out.SayText("variableName", name);
-    out.SayDocent("variableValue", value);
+    const TermId variable = out.Iri(absl::StrCat(run_iri, "/$", name));
+    out.About(id);
+    out.Say(RunTerm::kHasVariable, variable);
+    out.About(variable);
+    out.SayText(RunTerm::kVariableName, name);
+    out.SayTerm(RunTerm::kVariableValue, value);
   }
-  for (size_t i = 0; i < run.nodes.size(); ++i) WriteNode(run, i, &out);
+  for (size_t i = 0; i < run.nodes.size(); ++i) WriteNode(run, run_iri, id, i, &out);
   return out.Take();
 }
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/rdf/dictionary.h"
 #include "kb_server/store/quad.h"
 #include "workflow/engine/run_state.h"
+#include "workflow/engine/run_terms.h"
 
 namespace docent {
 
@@ -16,7 +16,7 @@ namespace docent {
 std::string RunIri(const RunId& run);
 
 // All facts of a run, sorted, none twice. New terms are interned: writer thread only.
-std::vector<Quad> RunFacts(const Run& run, Dictionary* dictionary);
+std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.
 void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, std::vector<Quad>* add,

@@ -1,0 +1,67 @@
+// The terms that the facts of every run are made of, each looked up in the dictionary once.
+#ifndef DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_
+#define DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "kb_server/rdf/dictionary.h"
+#include "workflow/engine/run_state.h"
+
+namespace docent {
+
+// In the order of the table in run_terms.cc.
+enum class RunTerm : uint8_t {
+  kRunsGraph,
+  kType,
+  kRun,
+  kNodeInstance,
+  kInvocation,
+  kStartedAtTime,
+  kEndedAtTime,
+  kWorkflow,
+  kFlow,
+  kRunState,
+  kReason,
+  kParentRun,
+  kUsesRobot,
+  kHasVariable,
+  kVariableName,
+  kVariableValue,
+  kOfRun,
+  kNodeName,
+  kNodeState,
+  kWaitsFor,
+  kFiredBecause,
+  kFiredAt,
+  kSince,
+  kOfNode,
+  kOperation,
+  kInvocationState,
+  kRobot,
+  kChildRun,
+  kCommand,
+  kStep,
+  kProgress,
+};
+
+// Writer thread only.
+class RunTerms {
+ public:
+  explicit RunTerms(Dictionary* dictionary) : dictionary_(*dictionary) {}
+
+  Dictionary& dictionary() { return dictionary_; }
+  // Interned when first asked for, so that ids are given in the order in which facts need them.
+  TermId Of(RunTerm term);
+  TermId Of(WorkState state);
+
+ private:
+  Dictionary& dictionary_;
+  std::array<TermId, static_cast<size_t>(RunTerm::kProgress) + 1> terms_;
+  std::array<TermId, static_cast<size_t>(WorkState::kCancelled) + 1> states_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_
