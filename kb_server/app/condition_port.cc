@@ -28,8 +28,10 @@ std::vector<TermBinding> ConditionPort::Decode(const std::vector<Binding>& bindi
 
 absl::StatusOr<ConstraintId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
                                                      const std::vector<std::string>& key_variables,
-                                                     const GraphVersion& version, TimeMicros now_us) {
+                                                     const GraphVersion& version, TimeMicros now_us,
+                                                     Cancellation* cancellation) {
   RegisterOptions options;
+  options.cancellation = cancellation;
   options.key_variables = key_variables;
   options.now_us = now_us;
   auto id = constraints_->Register(query, version, options);
@@ -38,22 +40,25 @@ absl::StatusOr<ConstraintId> ConditionPort::Register(const sparql::Query& query,
 }
 
 absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
-                                TimeMicros now_us) {
+                                TimeMicros now_us, Cancellation* cancellation) {
   for (const ConditionRequest& request : requests) {
+    if (cancellation != nullptr) {
+      if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
+    }
     sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
     const sparql::Query& query = parsed.query;
     std::shared_ptr<Lasting> lasting;
     if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
     auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
-                       now_us);
+                       now_us, cancellation);
     if (!id.ok()) return id.status();
     conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
                                    std::make_shared<const ConditionRequest>(request), lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
     if (lasting) {
-      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us); !s.ok()) return s;
+      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us, cancellation); !s.ok()) return s;
       continue;
     }
     if (request.only_new || !constraints_->Holds(*id)) continue;
@@ -68,8 +73,8 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
 
 absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& requests,
                                     const std::vector<LastingSince>& times, const GraphVersion& version,
-                                    TimeMicros now_us) {
-  absl::Status status = Arm(requests, version, now_us);
+                                    TimeMicros now_us, Cancellation* cancellation) {
+  absl::Status status = Arm(requests, version, now_us, cancellation);
   if (status.ok()) RestoreTimes(times);
   gathered_.clear();
   gathered_at_.clear();

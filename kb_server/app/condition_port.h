@@ -42,12 +42,13 @@ class ConditionPort final : public ConditionView {
 
   // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
   // and the key bindings that are there already count as edges of the next round.
-  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
-                   TimeMicros now_us);
+  // `cancellation`, here and below: null: none.
+  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version, TimeMicros now_us,
+                   Cancellation* cancellation = nullptr);
   void Disarm(const std::vector<ConditionHandle>& handles);
   // As Arm, for conditions whose edges the engine has had and whose times run already (a start from a snapshot).
   absl::Status Restore(const std::vector<ConditionRequest>& requests, const std::vector<LastingSince>& times,
-                       const GraphVersion& version, TimeMicros now_us);
+                       const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);
   // The times that run, in order of handle, part and binding.
   std::vector<LastingSince> Times() const;
   // When a clock tick is needed, if ever.
@@ -87,10 +88,10 @@ class ConditionPort final : public ConditionView {
   std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
   absl::StatusOr<ConstraintId> Register(const sparql::Query& query, const std::string& text,
                                         const std::vector<std::string>& key_variables, const GraphVersion& version,
-                                        TimeMicros now_us);
+                                        TimeMicros now_us, Cancellation* cancellation);
   // Registers the parts and tells the condition what holds now.
   absl::Status ArmParts(const ConditionRequest& request, const Condition& condition, const GraphVersion& version,
-                        TimeMicros now_us);
+                        TimeMicros now_us, Cancellation* cancellation);
   // What a condition with parts is like at once. False: the change is not about one.
   bool TakeLasting(const ConstraintChange& change, TimeMicros now_us);
   // Something changed about it in this round.

@@ -32,14 +32,14 @@ ConditionPort::Lasting::Lasting(ConditionHandle handle_in, const ConditionReques
     : handle(handle_in), condition(request.key_variables, PartsOf(request)) {}
 
 absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Condition& condition,
-                                     const GraphVersion& version, TimeMicros now_us) {
+                                     const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
   Lasting& lasting = *condition.lasting;
   changed_.push_back(condition.lasting);
   for (size_t i = 0; i < request.lasting.size(); ++i) {
     const LastingPart& part = request.lasting[i];
     sparql::ParsedQuery parsed = sparql::ParseQuery(part.ask);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, part.ask);
-    auto id = Register(parsed.query, part.ask, part.variables, version, now_us);
+    auto id = Register(parsed.query, part.ask, part.variables, version, now_us, cancellation);
     if (!id.ok()) return id.status();
     lasting.parts.push_back(*id);
     for (const Binding& key : constraints_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);

@@ -47,14 +47,17 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
           "workflows went on for ", round, " rounds in one turn; the limit engine_rounds_per_turn is ",
           stages->limits.engine_rounds_per_turn, "; look for a loop without a wait"));
     }
+    if (stages->cancellation != nullptr) {
+      if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
+    }
     size_t told = delta->size();
-    delta = stages->rules.Update(stages->writer, *delta);  // rules, to a fixpoint
+    delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);  // rules, to a fixpoint
     if (!delta.ok()) return delta.status();
     result->inferred += delta->size() - std::min(told, delta->size());
     sum.Add(*delta);
 
     const GraphVersion& graph = stages->writer.current();
-    auto changes = stages->constraints.Update(graph, *delta, batch.time_us);  // standing constraints
+    auto changes = stages->constraints.Update(graph, *delta, batch.time_us, stages->cancellation);  // standing constraints
     if (!changes.ok()) return changes.status();
     stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us);
@@ -70,8 +73,10 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     EngineOutput output = stages->engine.Step(view);  // workflow engine
     Record(output, result);
     stages->conditions.Disarm(output.disarm);
-    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us); !armed.ok())
+    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us, stages->cancellation);
+        !armed.ok()) {
       return armed;
+    }
     if (output.quiet()) break;
     delta = stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
   }

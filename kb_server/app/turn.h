@@ -58,6 +58,8 @@ struct Stages {
   Documents documents;
   // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.
   bool freezes = true;
+  // Ends a turn that nobody waits for any more, as an error; null: none. For questions: what is told is decided.
+  Cancellation* cancellation = nullptr;
 
   void Commit();
   void Rollback();

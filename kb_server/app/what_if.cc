@@ -28,10 +28,13 @@ class FlipWatch {
 
   absl::Status Begin(TimeMicros now_us) {
     for (const ConditionRequest& request : requests_) {
+      if (stages_.cancellation != nullptr) {
+        if (absl::Status status = stages_.cancellation->CheckNow(); !status.ok()) return status;
+      }
       sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
       if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
       auto id = stages_.constraints.Register(parsed.query, stages_.writer.current(),
-                                             {request.key_variables, now_us});
+                                             {request.key_variables, now_us, stages_.cancellation});
       if (!id.ok()) return id.status();
       before_.push_back({*id, stages_.engine.PlaceOf(request.handle), stages_.constraints.Holds(*id),
                          stages_.constraints.Keys(*id)});
@@ -109,15 +112,16 @@ StagesCopy CopyStages(Stages* stages, Revision revision) {
 
 absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dictionary,
                                        const sparql::FunctionRegistry* functions, const Limits& limits,
-                                       WriteBatch batch) {
+                                       WriteBatch batch, Cancellation* cancellation) {
   Stages stages(dictionary, functions, limits, copy.version);
+  stages.cancellation = cancellation;
   for (const explain::RuleText& set : copy.rules) {
     const Diagnostics diagnostics = stages.rules.PutRules(set.name, *set.text);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *set.text);
   }
   stages.rules.Adopt();
   stages.engine.Restore(copy.engine);
-  absl::Status armed = stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us);
+  absl::Status armed = stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us, cancellation);
   if (!armed.ok()) return armed;
   FlipWatch watch(&stages, copy.conditions);
   if (absl::Status begun = watch.Begin(batch.time_us); !begun.ok()) return begun;
@@ -140,7 +144,7 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   return answer;
 }
 
-void WhatIf::Ask(WriteBatch batch, Answered answered) {
+void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) {
   if (batch.OperationCount() > ports_.explain_limits.what_if_operations) {
     return answered(absl::ResourceExhaustedError(
         absl::StrCat("the question has ", batch.OperationCount(), " facts; the limit what_if_operations is ",
@@ -148,18 +152,19 @@ void WhatIf::Ask(WriteBatch batch, Answered answered) {
   }
   auto copy = std::make_shared<StagesCopy>();
   // A batch that is refused on its turn, after it has looked at the stages.
-  const BatchPreparation look = [copy, writer = ports_.writer](const TurnView& view, WriteBatch*) {
+  const BatchPreparation look = [copy, cancellation, writer = ports_.writer](const TurnView& view, WriteBatch*) {
+    if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
     *copy = CopyStages(writer->stages(), view.revision);
-    return absl::CancelledError("only looked at");
+    return absl::AbortedError("only looked at");
   };
   auto question = std::make_shared<WriteBatch>(std::move(batch));
-  ports_.inbox->Push(WriteBatch(), [this, copy, question, answered](const absl::StatusOr<BatchOutcome>& outcome) {
+  ports_.inbox->Push(WriteBatch(), [this, copy, question, cancellation, answered](const absl::StatusOr<BatchOutcome>& outcome) {
     // Any other refusal: it did not come to looking, or what was looked at did not happen (the log refused it).
-    if (!absl::IsCancelled(outcome.status())) return answered(outcome.status());
-    const bool accepted = ports_.workers->Submit([this, copy, question, answered] {
+    if (!absl::IsAborted(outcome.status())) return answered(outcome.status());
+    const bool accepted = ports_.workers->Submit([this, copy, question, cancellation, answered] {
       Dictionary dictionary(ports_.dictionary);
       question->time_us = ports_.clock->Now();
-      answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question)));
+      answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question), cancellation.get()));
     });
     if (!accepted) {
       answered(absl::ResourceExhaustedError(absl::StrCat("too many queries wait: the limit queries_waiting is ",

@@ -29,9 +29,10 @@ struct StagesCopy {
 StagesCopy CopyStages(Stages* stages, Revision revision);
 
 // Runs the batch on private stages. `dictionary` is over the writer's and the caller's own. Beside the writer.
+// CANCELLED or DEADLINE_EXCEEDED by `cancellation`, which may be null.
 absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dictionary,
                                        const sparql::FunctionRegistry* functions, const Limits& limits,
-                                       WriteBatch batch);
+                                       WriteBatch batch, Cancellation* cancellation = nullptr);
 
 class Writer;
 
@@ -49,7 +50,7 @@ class WhatIf final : public WhatIfPort {
   };
   // Everything must outlive it.
   explicit WhatIf(const Ports& ports) : ports_(ports) {}
-  void Ask(WriteBatch batch, Answered answered) override;
+  void Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) override;
 
  private:
   const Ports ports_;

@@ -72,9 +72,10 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext* context,
-                                                 const v1::WhatIfRequest* request, v1::WhatIfReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*, const v1::WhatIfRequest* request,
+                                                 v1::WhatIfReply* reply) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     v1::AssertRequest told;
     *told.mutable_add() = request->add();
     *told.mutable_remove() = request->remove();
@@ -83,12 +84,13 @@ grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext* co
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(), request->prefixes().end());
     for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
-    ports_.what_if->Ask(*std::move(batch), [reactor, reply, display = Display(std::move(prefixes))](
+    ports_.what_if->Ask(*std::move(batch), cancellation, [reactor, reply, display = Display(std::move(prefixes))](
                                                const absl::StatusOr<WhatIfAnswer>& answer) {
       if (answer.ok()) Fill(*answer, display, reply);
       reactor->Finish(ToGrpc(answer.status()));
     });
-  });
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }
 
 }  // namespace docent

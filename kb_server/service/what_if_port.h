@@ -3,10 +3,12 @@
 #define DOCENT_KB_SERVER_SERVICE_WHAT_IF_PORT_H_
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/rdf/term.h"
 #include "kb_server/store/write_batch.h"
@@ -42,8 +44,8 @@ class WhatIfPort {
   virtual ~WhatIfPort() = default;
   using Answered = std::function<void(const absl::StatusOr<WhatIfAnswer>&)>;
   // What the batch would do to the newest state. Answers once, from any thread. Errors as if it were told, and
-  // RESOURCE_EXHAUSTED for more than what_if_operations.
-  virtual void Ask(WriteBatch batch, Answered answered) = 0;
+  // RESOURCE_EXHAUSTED for more than what_if_operations; CANCELLED or DEADLINE_EXCEEDED by `cancellation`.
+  virtual void Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) = 0;
 };
 
 }  // namespace docent

@@ -45,6 +45,7 @@ class Materialiser {
     const Limits& limits;
     size_t& inferred_so_far;  // quads inferred since the last Commit, counted on here
     RuleEngine::Counters& counters;
+    Cancellation* cancellation;  // null: none
   };
 
   // `before`: the rules that the inferred graph follows now; the same object as `program` where they did not

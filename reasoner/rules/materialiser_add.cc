@@ -241,6 +241,10 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
 
 bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
   ++context_.counters.firings;
+  if (context_.cancellation != nullptr) {
+    status_ = context_.cancellation->Check();
+    if (!status_.ok()) return false;
+  }
   if (phase == Phase::kTakeAway) {
     made_.push_back(triple);
     return true;

@@ -83,7 +83,7 @@ bool RuleEngine::RemoveRules(std::string_view name) {
   return true;
 }
 
-absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told) {
+absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told, Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
   if (absl::Status status = impl.CheckTold(told); !status.ok()) return status;
@@ -101,7 +101,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told)
   if (other_rules) ++impl.counters.rule_changes;
   Materialiser materialiser(program, before, told,
                             {writer, impl.schema, impl.inconsistencies, impl.inferred_graph, impl.limits,
-                             impl.inferred_since_commit, impl.counters});
+                             impl.inferred_since_commit, impl.counters, cancellation});
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/rdf/dictionary.h"
@@ -53,8 +54,8 @@ class RuleEngine {
   // quads of docent:inferred in `writer`, and returns told and inferred changes together, net.
   // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the
   // last Commit); INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller
-  // rolls back the writer and this.
-  absl::StatusOr<Delta> Update(GraphWriter& writer, const Delta& told);
+  // rolls back the writer and this. `cancellation` ends it early, likewise as an error; null: none.
+  absl::StatusOr<Delta> Update(GraphWriter& writer, const Delta& told, Cancellation* cancellation = nullptr);
 
   // The turn is done; or it failed: rule sets and state as of the last Commit (the caller rolls the writer
   // back).

@@ -1,4 +1,6 @@
 // Explain and WhatIf over gRPC: with the log behind them, the stages beside the writer.
+#include <fstream>
+
 #include "gmock/gmock.h"
 #include "tests/kb_server/app/server_world.h"
 
@@ -197,6 +199,35 @@ TEST_F(ServerExplainTest, TheWorkEndsWhenTheCallerGoesAway) {
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
   EXPECT_EQ(context_->Explain(&context, request, &reply).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_TRUE(Ask(":a1 :p 1"));  // who works on it is free again
+}
+
+TEST_F(ServerExplainTest, AQuestionThatWouldInferMillionsEndsInTime) {
+  settings_.limits.queries_running = 1;
+  const std::string rules = folder_ / "pairs.rules";
+  std::ofstream(rules) << "PREFIX : <urn:w:> RULE { ?a :with ?b } WHERE { :Party :is :On . ?a :in :Hall . ?b :in :Hall }";
+  settings_.rules = {rules};
+  StartServer();
+  std::string facts;
+  for (int i = 0; i < 2000; ++i) absl::StrAppend(&facts, ":a", i, " :in :Hall . ");
+  MustTell(facts);
+  v1::WhatIfRequest request;
+  v1::WhatIfReply reply;
+  *request.add_add() = Quad("Party", "is", "On");
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_EQ(context_->WhatIf(&context, request, &reply).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_TRUE(Ask(":a1 :in :Hall"));  // who works on it is free again
+  const auto took = std::chrono::steady_clock::now() - begun;
+  std::printf("free after %.2f s\n", std::chrono::duration<double>(took).count());
+  EXPECT_LT(took, std::chrono::seconds(30));
+
+  StopServer();
+  settings_.limits.query_timeout_ms = 100;
+  StartServer();
+  const grpc::Status status = Call(context_, &v1::Context::Stub::WhatIf, request, &reply);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_THAT(status.error_message(), HasSubstr("query_timeout_ms = 100"));
 }
 
 }  // namespace
