@@ -9,13 +9,49 @@
 #include "absl/container/flat_hash_set.h"
 #include "kb_server/sparql/operators.h"
 #include "kb_server/sparql/pattern_scan.h"
-#include "kb_server/sparql/row_set.h"
 
 namespace docent::sparql {
 
 using Kind = Path::Kind;
 
 namespace {
+
+// Nodes in the order in which they were found. Their memory is counted as long as they are kept.
+class Nodes {
+ public:
+  enum class Repeats { kKept, kLeftOut };
+  Nodes(Repeats repeats, EvaluationContext* context) : distinct_(repeats == Repeats::kLeftOut), context_(context) {}
+  Nodes(Nodes&& other) noexcept { *this = std::move(other); }
+  Nodes& operator=(Nodes&& other) noexcept {
+    std::swap(list_, other.list_);
+    std::swap(seen_, other.seen_);
+    std::swap(kept_, other.kept_);
+    distinct_ = other.distinct_;
+    context_ = other.context_;
+    return *this;
+  }
+  ~Nodes() { kept_.LetGo(*context_); }
+
+  // False for a repeat that is left out, and where the run ends for want of memory.
+  bool Add(TermId id) {
+    if (distinct_ && !seen_.insert(id).second) return false;
+    if (!kept_.Add((distinct_ ? 3 : 1) * sizeof(TermId), *context_)) return false;
+    list_.push_back(id);
+    return true;
+  }
+  bool Contains(TermId id) const { return seen_.contains(id); }
+  size_t size() const { return list_.size(); }
+  TermId operator[](size_t i) const { return list_[i]; }
+  auto begin() const { return list_.begin(); }
+  auto end() const { return list_.end(); }
+
+ private:
+  bool distinct_ = false;
+  EvaluationContext* context_ = nullptr;
+  std::vector<TermId> list_;
+  absl::flat_hash_set<TermId> seen_;
+  KeptMemory kept_;
+};
 
 class PathOperator final : public Operator {
  public:
@@ -35,7 +71,6 @@ class PathOperator final : public Operator {
     from_ = node_.subject.slot >= 0 ? in[node_.subject.slot] : context_.Encode(node_.subject_term);
     to_ = node_.object.slot >= 0 ? in[node_.object.slot] : context_.Encode(node_.object_term);
     Forget();
-    kept_.LetGo(context_);
     next_start_ = next_end_ = 0;
     forward_ = !from_.IsNone() || to_.IsNone();
     if (from_.IsNone() && to_.IsNone()) {
@@ -45,13 +80,13 @@ class PathOperator final : public Operator {
       // Between two variables a path of length zero leads from a node of the graph to itself, and from
       // nothing else.
       const bool variables = node_.subject.slot >= 0 && node_.object.slot >= 0;
-      if (!variables || IsNode(start)) starts_.push_back(start);
+      if (!variables || IsNode(start)) starts_.Add(start);
     }
   }
 
   void Forget() override {
-    Empty(&starts_);
-    Empty(&ends_);
+    starts_ = List();
+    ends_ = List();
   }
 
   bool Next(TermId* out) override {
@@ -61,10 +96,10 @@ class PathOperator final : public Operator {
         start_ = starts_[next_start_++];
         next_end_ = 0;
         if (IsClosure(*node_.path) && !from_.IsNone() && !to_.IsNone()) {
-          ends_.assign(Reaches(*node_.path, from_, to_) ? 1 : 0, to_);
+          ends_ = List();
+          if (Reaches(*node_.path, from_, to_)) ends_.Add(to_);
         } else {
           ends_ = Expand(*node_.path, start_, forward_, 0);
-          if (!context_.HasRoom(ends_.size() * sizeof(TermId))) return false;
         }
         continue;
       }
@@ -85,8 +120,8 @@ class PathOperator final : public Operator {
   }
 
  private:
-  using Set = absl::flat_hash_set<TermId>;
-  static constexpr size_t kNodeBytes = 3 * sizeof(TermId);  // in a list and a set
+  Nodes List() { return Nodes(Nodes::Repeats::kKept, &context_); }
+  Nodes Distinct() { return Nodes(Nodes::Repeats::kLeftOut, &context_); }
 
   // Calls `visit(subject, predicate, object)` for each triple that fits; none is a wildcard.
   template <typename Visit>
@@ -113,13 +148,13 @@ class PathOperator final : public Operator {
 
   // The nodes that `path` leads to from `node` (against its direction if not forward). `first`: number of its
   // first IRI.
-  std::vector<TermId> Expand(const Path& path, TermId node, bool forward, int first) {
-    std::vector<TermId> out;
+  Nodes Expand(const Path& path, TermId node, bool forward, int first) {
+    Nodes out = List();
     if (!context_.Poll()) return out;
     switch (path.kind) {
       case Kind::kIri:
         ForTriples(forward ? node : TermId(), Constant(first), forward ? TermId() : node,
-                   [&](TermId s, TermId, TermId o) { out.push_back(forward ? o : s); });
+                   [&](TermId s, TermId, TermId o) { out.Add(forward ? o : s); });
         return out;
       case Kind::kInverse:
         return Expand(path.children[0], node, !forward, first);
@@ -127,17 +162,15 @@ class PathOperator final : public Operator {
         return ExpandSequence(path, node, forward, first);
       case Kind::kAlternative:
         for (const Path& child : path.children) {
-          for (const TermId id : Expand(child, node, forward, first)) out.push_back(id);
+          for (const TermId id : Expand(child, node, forward, first)) out.Add(id);
           first += IriCount(child);
         }
         return out;
       case Kind::kZeroOrOne: {
         if (IsClosure(path.children[0])) return Closure(path, node, forward, first);
-        Set seen = {node};
-        out.push_back(node);
-        for (const TermId id : Expand(path.children[0], node, forward, first)) {
-          if (seen.insert(id).second) out.push_back(id);
-        }
+        out = Distinct();
+        out.Add(node);
+        for (const TermId id : Expand(path.children[0], node, forward, first)) out.Add(id);
         return out;
       }
       case Kind::kZeroOrMore:
@@ -149,21 +182,19 @@ class PathOperator final : public Operator {
     return out;
   }
 
-  std::vector<TermId> ExpandSequence(const Path& path, TermId node, bool forward, int first) {
+  Nodes ExpandSequence(const Path& path, TermId node, bool forward, int first) {
     std::vector<int> firsts;
     for (const Path& child : path.children) {
       firsts.push_back(first);
       first += IriCount(child);
     }
-    std::vector<TermId> now = {node};
+    Nodes now = List();
+    now.Add(node);
     for (size_t i = 0; i < path.children.size(); ++i) {
       const size_t k = forward ? i : path.children.size() - 1 - i;
-      std::vector<TermId> next;
-      Set seen;
+      Nodes next = Distinct();
       for (const TermId id : now) {
-        for (const TermId to : Expand(path.children[k], id, forward, firsts[k])) {
-          if (seen.insert(to).second) next.push_back(to);
-        }
+        for (const TermId to : Expand(path.children[k], id, forward, firsts[k])) next.Add(to);
       }
       now = std::move(next);
     }
@@ -192,7 +223,7 @@ class PathOperator final : public Operator {
   }
 
   // One step of a closure over `path`: closures inside it are stepped through, too.
-  std::vector<TermId> Step(const Path& path, TermId node, bool forward, int first) {
+  Nodes Step(const Path& path, TermId node, bool forward, int first) {
     switch (path.kind) {
       case Kind::kZeroOrMore:
       case Kind::kOneOrMore:
@@ -201,9 +232,9 @@ class PathOperator final : public Operator {
       case Kind::kInverse:
         return Step(path.children[0], node, !forward, first);
       case Kind::kAlternative: {
-        std::vector<TermId> out;
+        Nodes out = List();
         for (const Path& child : path.children) {
-          for (const TermId id : Step(child, node, forward, first)) out.push_back(id);
+          for (const TermId id : Step(child, node, forward, first)) out.Add(id);
           first += IriCount(child);
         }
         return out;
@@ -214,62 +245,46 @@ class PathOperator final : public Operator {
   }
 
   // Function ALP of section 18.4. `path` is a closure, or (…)? around one.
-  std::vector<TermId> Closure(const Path& path, TermId node, bool forward, int first) {
-    std::vector<TermId> out;
-    Set seen;
-    const auto take = [&](TermId id) {
-      if (seen.insert(id).second && context_.Charge(kNodeBytes)) out.push_back(id);
-    };
+  Nodes Closure(const Path& path, TermId node, bool forward, int first) {
+    Nodes out = Distinct();
     if (Nullable(path)) {
-      take(node);
+      out.Add(node);
     } else {
-      for (const TermId id : Step(path, node, forward, first)) take(id);
+      for (const TermId id : Step(path, node, forward, first)) out.Add(id);
     }
     for (size_t i = 0; i < out.size() && context_.Poll(); ++i) {
-      for (const TermId id : Step(path, out[i], forward, first)) take(id);
+      for (const TermId id : Step(path, out[i], forward, first)) out.Add(id);
     }
-    context_.Release(seen.size() * kNodeBytes);
     return out;
   }
 
   // Whether a closure leads from one node to another.
   bool Reaches(const Path& path, TermId from, TermId to) {
     if (from == to && Nullable(path)) return true;
-    Set seen[2];  // from the front, from the back
-    std::vector<TermId> frontier[2] = {Step(path, from, true, 0), {to}};
-    for (int side = 0; side < 2; ++side) seen[side].insert(frontier[side].begin(), frontier[side].end());
-    size_t charged = 0;
-    bool found = seen[0].contains(to);
-    while (!found && !frontier[0].empty() && !frontier[1].empty() && context_.Poll()) {
-      const int side = frontier[0].size() <= frontier[1].size() ? 0 : 1;
-      std::vector<TermId> next;
-      for (const TermId node : frontier[side]) {
-        for (const TermId id : Step(path, node, side == 0, 0)) {
-          found = found || seen[1 - side].contains(id);
-          if (seen[side].insert(id).second) next.push_back(id);
+    // From the front and from the back; the frontier of a side is what follows `next`.
+    Nodes seen[2] = {Distinct(), Distinct()};
+    size_t next[2] = {0, 0};
+    for (const TermId id : Step(path, from, true, 0)) seen[0].Add(id);
+    seen[1].Add(to);
+    bool found = seen[0].Contains(to);
+    while (!found && next[0] < seen[0].size() && next[1] < seen[1].size() && context_.Poll()) {
+      const int side = seen[0].size() - next[0] <= seen[1].size() - next[1] ? 0 : 1;
+      for (const size_t end = seen[side].size(); !found && next[side] < end; ++next[side]) {
+        for (const TermId id : Step(path, seen[side][next[side]], side == 0, 0)) {
+          found = found || seen[1 - side].Contains(id);
+          seen[side].Add(id);
         }
-        if (found) break;
       }
-      if (!context_.Charge(next.size() * kNodeBytes)) break;
-      charged += next.size() * kNodeBytes;
-      frontier[side] = std::move(next);
     }
-    context_.Release(charged);
     return found && context_.status.ok();
   }
 
   // Nodes that `path`, which is not nullable, can lead away from (to, if not forward); maybe a few more.
-  std::vector<TermId> Beginnings(const Path& path, bool forward, int first) {
-    std::vector<TermId> out;
-    Set seen;
-    const auto add = [&](TermId id) {
-      if (!seen.insert(id).second) return;
-      kept_.Add(kNodeBytes, context_);
-      out.push_back(id);
-    };
+  Nodes Beginnings(const Path& path, bool forward, int first) {
+    Nodes out = Distinct();
     switch (path.kind) {
       case Kind::kIri:
-        ForTriples(TermId(), Constant(first), TermId(), [&](TermId s, TermId, TermId o) { add(forward ? s : o); });
+        ForTriples(TermId(), Constant(first), TermId(), [&](TermId s, TermId, TermId o) { out.Add(forward ? s : o); });
         return out;
       case Kind::kInverse:
         return Beginnings(path.children[0], !forward, first);
@@ -282,7 +297,7 @@ class PathOperator final : public Operator {
       }
       case Kind::kAlternative:
         for (const Path& child : path.children) {
-          for (const TermId id : Beginnings(child, forward, first)) add(id);
+          for (const TermId id : Beginnings(child, forward, first)) out.Add(id);
           first += IriCount(child);
         }
         return out;
@@ -291,8 +306,9 @@ class PathOperator final : public Operator {
     }
   }
 
-  std::vector<TermId> ExpandNegated(const Path& path, TermId node, bool forward, int first) {
-    std::vector<TermId> along, against, out;
+  Nodes ExpandNegated(const Path& path, TermId node, bool forward, int first) {
+    Nodes out = List();
+    std::vector<TermId> along, against;
     bool has_along = path.children.empty(), has_against = false;
     for (const Path& child : path.children) {
       const bool inverse = child.kind == Kind::kInverse;
@@ -303,7 +319,7 @@ class PathOperator final : public Operator {
       ForTriples(from_subject ? node : TermId(), TermId(), from_subject ? TermId() : node,
                  [&](TermId s, TermId p, TermId o) {
                    if (std::find(excluded.begin(), excluded.end(), p) != excluded.end()) return;
-                   out.push_back(from_subject ? o : s);
+                   out.Add(from_subject ? o : s);
                  });
     };
     if (has_along) collect(along, forward);
@@ -313,16 +329,11 @@ class PathOperator final : public Operator {
 
   bool IsNode(TermId id) { return AnyTriple(id, TermId()) || AnyTriple(TermId(), id); }
 
-  std::vector<TermId> AllNodes() {
-    std::vector<TermId> out;
-    Set seen;
+  Nodes AllNodes() {
+    Nodes out = Distinct();
     ForTriples(TermId(), TermId(), TermId(), [&](TermId s, TermId, TermId o) {
-      for (const TermId id : {s, o}) {
-        if (seen.insert(id).second) {
-          kept_.Add(kNodeBytes, context_);
-          out.push_back(id);
-        }
-      }
+      out.Add(s);
+      out.Add(o);
     });
     return out;
   }
@@ -330,11 +341,10 @@ class PathOperator final : public Operator {
   PlanNode& node_;
   EvaluationContext& context_;
   std::vector<TermId> in_;
-  KeptMemory kept_;  // of starts_
   PlanPattern triple_;
   TermId graph_, from_, to_, start_;
   bool forward_ = true;
-  std::vector<TermId> starts_, ends_;
+  Nodes starts_ = List(), ends_ = List();
   size_t next_start_ = 0, next_end_ = 0;
 };
 
