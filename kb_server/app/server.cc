@@ -88,7 +88,8 @@ Server::Server(const ServerSettings& settings)
       clock_(settings.clock != nullptr ? *settings.clock : system_clock_),
       inbox_(&clock_, settings.limits),
       feed_(settings.limits.run_events_kept),
-      leases_(&clock_) {
+      leases_(&clock_),
+      query_memory_("queries_memory_bytes", settings.limits.queries_memory_bytes) {
   RegisterSpatialFunctions(&functions_);
 }
 
@@ -144,6 +145,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.catalog = &s.catalog_;
   s.ports_.feed = &s.feed_;
   s.ports_.workers = s.workers_.get();
+  s.ports_.query_memory = &s.query_memory_;
   s.ports_.history = s.history_.get();
   s.ports_.updates = &s.updates_;
   s.ports_.loads = &s.loads_;
@@ -246,6 +248,7 @@ absl::Status Server::StartHttp() {
   options.listen = settings_.http_address;
   options.connections = settings_.limits.http_connections;
   options.body_bytes = settings_.limits.http_body_bytes;
+  options.bodies_bytes = settings_.limits.http_bodies_bytes;
   auto server = HttpServer::Start(options, std::move(routes));
   if (!server.ok()) {
     return absl::Status(server.status().code(),
@@ -304,6 +307,8 @@ void Server::RegisterMetrics() {
                             [this] { return static_cast<double>(history_->kept_versions()); });
   metrics_.AddGaugeFunction("docent_history_bytes", "Memory that these versions alone hold",
                             [this] { return static_cast<double>(history_->kept_bytes()); });
+  metrics_.AddGaugeFunction("docent_query_memory_bytes", "Memory that queries and updates hold, beyond what is small",
+                            [this] { return static_cast<double>(query_memory_.taken()); });
   metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary",
                             [this] { return static_cast<double>(dictionary_.bytes()); });
 }

@@ -15,6 +15,7 @@
 #include "kb_server/app/writer.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/base/memory_budget.h"
 #include "kb_server/service/fleet_leases.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/http_server.h"
@@ -99,6 +100,7 @@ class Server {
   std::unique_ptr<LogHistory> fact_history_;
   std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<WorkerPool> workers_;
+  MemoryBudget query_memory_;
   ServicePorts ports_;
   UpdateRunner updates_{&ports_};
   LoadRunner loads_{&ports_};

@@ -40,6 +40,7 @@ struct Limits {
   int queries_open = 64;    // begun and not ended, those that wait for their clients too
   size_t queries_waiting = 1024;  // to begin; beyond: RESOURCE_EXHAUSTED
   size_t query_memory_bytes = 512u << 20;
+  size_t queries_memory_bytes = size_t{2} << 30;  // of all queries and updates at the same time
   size_t query_text_bytes = 1u << 20;
   int query_nesting = 100;  // groups, expressions and sub-selects inside each other
   size_t query_elements =
@@ -69,6 +70,7 @@ struct Limits {
 
   // network
   size_t http_body_bytes = 64u << 20;
+  size_t http_bodies_bytes = 512u << 20;  // of all requests that are read or answered at the same time
   size_t http_connections = 1024;
   size_t grpc_message_bytes = 16u << 20;
   size_t stream_messages = 1024;   // made for one gRPC client and not sent yet

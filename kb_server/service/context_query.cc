@@ -44,6 +44,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1:
   options.default_graph = DefaultGraphOf(request, ports);
   options.functions = ports.functions;
   options.memory_bytes = ports.limits.query_memory_bytes;
+  options.all_memory = ports.query_memory;
   sparql::RunOptions run_options;
   run_options.version = &version;
   run_options.cancellation = cancellation;

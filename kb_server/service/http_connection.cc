@@ -112,6 +112,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
     co_return false;
   }
   const unsigned version = parser.get().version();
+  MemoryUse body_memory(SIZE_MAX, &shared_.bodies);
   HttpRequest request;
   const HttpHandler* handler = nullptr;
   std::optional<HttpResponse> refusal = CheckHeader(parser, &request, &handler);
@@ -120,7 +121,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
       co_await RefuseAndClose(*std::move(refusal), version);
       co_return false;
     }
-  } else if (!co_await ReadBody(parser)) {
+  } else if (!co_await ReadBody(parser, body_memory)) {
     co_return false;
   }
   const bool keep_alive = parser.keep_alive();
@@ -149,19 +150,28 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   co_return sent&& keep_alive;
 }
 
-net::awaitable<bool> HttpConnection::ReadBody(Parser& parser) {
+net::awaitable<bool> HttpConnection::ReadBody(Parser& parser, MemoryUse& memory) {
   const auto expect = parser.get().find(http::field::expect);
   if (expect != parser.get().end() && beast::iequals(expect->value(), "100-continue") && !parser.is_done()) {
     if (!co_await Send("HTTP/1.1 100 Continue\r\n\r\n")) co_return false;
   }
   ErrorCode error;
+  std::optional<HttpResponse> refusal;
   stream_.expires_after(shared_.options.body_timeout);
-  if (!parser.is_done()) {
-    co_await http::async_read(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
+  for (size_t counted = 0; !parser.is_done() && !error && !refusal;) {
+    co_await http::async_read_some(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
+    const size_t now = parser.get().body().size();
+    if (!memory.Add(now - counted)) {
+      refusal = TextResponse(503, std::string(shared_.bodies.Refusal().message()));
+      refusal->headers.emplace_back("Retry-After", "1");
+      std::string().swap(parser.get().body());
+      memory.Reset();
+    }
+    counted = now;
   }
   stream_.expires_never();
-  if (!error) co_return true;
-  std::optional<HttpResponse> refusal = RefusalOf(error, shared_.options);
+  if (!error && !refusal) co_return true;
+  if (error) refusal = RefusalOf(error, shared_.options);
   if (refusal) co_await RefuseAndClose(*std::move(refusal), parser.get().version());
   co_return false;
 }

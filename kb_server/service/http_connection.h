@@ -16,6 +16,7 @@
 #include <memory>
 #include <string>
 
+#include "kb_server/base/memory_budget.h"
 #include "kb_server/service/http_guard.h"
 #include "kb_server/service/http_server.h"
 
@@ -26,6 +27,7 @@ struct HttpShared {
   HttpServerOptions options;
   HttpRoutes routes;
   HttpGuard guard;
+  MemoryBudget bodies;
   std::atomic<uint64_t> connections{0};
   std::atomic<uint64_t> open{0};
   std::atomic<uint64_t> requests{0};
@@ -53,7 +55,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   // Reads, checks and answers one request; false: the connection is to be closed.
   Awaitable<bool> ServeOne();
-  Awaitable<bool> ReadBody(Parser& parser);
+  // `memory`: counts the body, and lives as long.
+  Awaitable<bool> ReadBody(Parser& parser, MemoryUse& memory);
   // The check that needs no body; nullopt: go on, `*handler` is set.
   std::optional<HttpResponse> CheckHeader(Parser& parser, HttpRequest* request,
                                           const HttpHandler** handler) const;

@@ -72,6 +72,11 @@ void HttpExchange::Begin(HttpResponse head) {
   answer_->Wake();
 }
 
+bool HttpExchange::begun() const {
+  absl::MutexLock lock(&answer_->mutex_);
+  return answer_->begun_;
+}
+
 bool HttpExchange::full() const {
   absl::MutexLock lock(&answer_->mutex_);
   return !answer_->HasRoom();

@@ -67,6 +67,8 @@ class HttpExchange {
 
   // Status and headers of a streamed answer; its body is the first piece.
   void Begin(HttpResponse head);
+  // True once part of the answer is given.
+  bool begun() const;
   // True if the next Write would wait now.
   bool full() const;
   // The next piece. Waits while the client is slower than the answer is made: never call it on a network

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/base/memory_budget.h"
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/text_bytes.h"
@@ -18,6 +19,7 @@
 #include "kb_server/service/http_multipart.h"
 #include "kb_server/service/http_sparql.h"
 #include "kb_server/service/http_sparql_request.h"
+#include "kb_server/service/long_answer.h"
 #include "kb_server/service/update_runner.h"
 #include "kb_server/sparql/parser.h"
 #include "kb_server/store/server_graphs.h"
@@ -67,41 +69,43 @@ Address ReadAddress(const HttpRequest& http) {
   return address;
 }
 
-HttpResponse ReadGraph(const ServicePorts& ports, const Address& address, std::string_view accept) {
-  const GraphType* type = ChooseGraphType(accept);
-  if (type == nullptr) return NoGraphType();
+// Answers with a whole graph.
+void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
+  const GraphType* type = ChooseGraphType(exchange.request().Header("accept"));
+  if (type == nullptr) return exchange.Respond(NoGraphType());
   const GraphVersionPtr version = ports.queries->Newest();
   const std::optional<TermId> graph = ports.dictionary->Find(address.graph);
   const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
-  if (count == 0 && !address.is_default)
-    return TextResponse(404, "there is no graph " + ToDisplay(address.graph));
+  if (count == 0 && !address.is_default) {
+    return exchange.Respond(TextResponse(404, "there is no graph " + ToDisplay(address.graph)));
+  }
   const size_t limit = ports.limits.query_memory_bytes;
+  MemoryUse memory(limit, ports.query_memory);  // until the client has it
   const auto too_long = [&] {
-    return ErrorResponse(absl::ResourceExhaustedError(
+    exchange.Respond(ErrorResponse(memory.Refusal(absl::ResourceExhaustedError(
         absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
-                     "; ask for parts of it with CONSTRUCT")));
+                     "; ask for parts of it with CONSTRUCT")))));
   };
-  if (count > limit / kBytesOfQuad) return too_long();
+  if (!memory.Add(count * kBytesOfQuad)) return too_long();
   std::vector<TermQuad> triples;
   triples.reserve(count);
-  size_t bytes = count * kBytesOfQuad;
+  bool fits = true;
   if (graph) {
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
       triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
                          ports.dictionary->Decode(quad.object), Term{}});
-      bytes += TextBytes(triples.back().object);
-      return bytes <= limit;
+      fits = memory.Add(TextBytes(triples.back().object));
+      return fits;
     });
   }
-  if (bytes > limit) return too_long();
+  if (!fits) return too_long();
   absl::StatusOr<std::string> text = SerializeRdf(triples, type->format, sparql::WellKnownPrefixes());
-  if (!text.ok()) return ErrorResponse(text.status());
-  HttpResponse response;
-  response.content_type = type->told;
-  response.body = *std::move(text);
-  response.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())},
-                      {"Cache-Control", "no-cache"}};
-  return response;
+  if (!text.ok()) return exchange.Respond(ErrorResponse(text.status()));
+  triples = std::vector<TermQuad>();
+  HttpResponse head;
+  head.content_type = type->told;
+  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}};
+  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(*std::move(text));
 }
 
 // What a body says.
@@ -260,7 +264,7 @@ void Patch(const ServicePorts& ports, Address address, const Exchange& exchange)
 void Answer(const ServicePorts& ports, Address address, const Exchange& exchange) {
   const std::string& method = exchange->request().method;
   if (method == "GET" || method == "HEAD") {
-    return exchange->Respond(ReadGraph(ports, address, exchange->request().Header("accept")));
+    return ReadGraph(ports, address, *exchange);
   }
   if (method == "PATCH") return Patch(ports, std::move(address), exchange);
   if (method != "DELETE") return Write(ports, std::move(address), exchange);

@@ -10,6 +10,7 @@
 #include "kb_server/rdf/text_bytes.h"
 #include "kb_server/service/history_port.h"
 #include "kb_server/service/http_formats.h"
+#include "kb_server/service/long_answer.h"
 #include "kb_server/service/remote_access.h"
 #include "kb_server/sparql/describe.h"
 #include "kb_server/sparql/evaluator.h"
@@ -19,9 +20,6 @@
 
 namespace docent {
 namespace {
-
-constexpr size_t kFlushBytes = 64u << 10;  // of rows, sent together
-constexpr size_t kSmallGraph = 1u << 20;   // bytes of a graph that are sent with their length
 
 // One query on a worker thread.
 class QueryAnswer {
@@ -36,7 +34,7 @@ class QueryAnswer {
   // Answers the exchange, whatever happens. The status that the answer has.
   int Run() {
     const absl::Status status = Evaluate();
-    if (!status.ok() && begun_) {
+    if (!status.ok() && exchange_->begun()) {
       exchange_->Abort();
     } else if (!status.ok()) {
       Respond(ErrorResponse(status)).IgnoreError();
@@ -65,6 +63,7 @@ class QueryAnswer {
     options.default_graph = ports_.default_graph;
     options.functions = ports_.functions;
     options.memory_bytes = ports_.limits.query_memory_bytes;
+    options.all_memory = ports_.query_memory;
     run_options_.version = graph_.version.get();
     run_options_.cancellation = &cancellation_;
     run_options_.now_us = ports_.clock->Now();
@@ -95,6 +94,7 @@ class QueryAnswer {
   absl::Status Select(sparql::PreparedQuery& query) {
     const RowType* type = ChooseRowType(exchange_->request().Header("accept"));
     if (type == nullptr) return Respond(NoRowType());
+    LongAnswer answer(Head(type->told), exchange_.get(), ports_.workers);
     std::string rows;
     const std::unique_ptr<sparql::ResultWriter> writer = sparql::ResultWriter::Make(type->format, &rows);
     writer->Begin(query.variables());
@@ -114,9 +114,7 @@ class QueryAnswer {
         if (too_long) return false;
       }
       writer->Row(terms);
-      if (rows.size() >= kFlushBytes) {
-        gone = !Flush(type->told, &rows);
-      }
+      gone = rows.size() >= LongAnswer::kPieceBytes && !answer.Send(&rows);
       return !gone;
     });
     if (!status.ok()) return status;
@@ -125,9 +123,7 @@ class QueryAnswer {
     }
     if (gone) return absl::CancelledError("the client went away");
     writer->End();
-    if (!begun_) return Respond(Head(type->told, std::move(rows)));
-    Flush(type->told, &rows);
-    exchange_->End();
+    answer.End(std::move(rows));
     return absl::OkStatus();
   }
 
@@ -140,19 +136,14 @@ class QueryAnswer {
     if (!triples.ok()) return triples.status();
     absl::StatusOr<std::string> text = SerializeRdf(*triples, type->format, query.prefixes);
     if (!text.ok()) return text.status();
-    if (text->size() <= kSmallGraph) return Respond(Head(type->told, *std::move(text)));
-    // While a slow client takes a large one, it counts among the queries that are open.
     *triples = std::vector<TermQuad>();
-    std::string piece;
-    for (size_t at = 0; at < text->size(); at += kFlushBytes) {
-      piece.assign(*text, at, kFlushBytes);
-      if (!Flush(type->told, &piece)) return absl::CancelledError("the client went away");
+    if (!LongAnswer(Head(type->told), exchange_.get(), ports_.workers).SendAll(*std::move(text))) {
+      return absl::CancelledError("the client went away");
     }
-    exchange_->End();
     return absl::OkStatus();
   }
 
-  HttpResponse Head(std::string_view content_type, std::string body) const {
+  HttpResponse Head(std::string_view content_type, std::string body = "") const {
     HttpResponse response;
     response.content_type = content_type;
     response.body = std::move(body);
@@ -167,28 +158,12 @@ class QueryAnswer {
     return absl::OkStatus();
   }
 
-  // Sends the rows so far; false if the client has gone. Others are served while a slow client is waited for.
-  bool Flush(std::string_view content_type, std::string* rows) {
-    bool there = true;
-    std::optional<WorkerPool::Waiting> waiting;
-    if (exchange_->full()) waiting.emplace(ports_.workers);
-    if (begun_) {
-      there = exchange_->Write(*rows);
-    } else {
-      exchange_->Begin(Head(content_type, *rows));
-      begun_ = true;
-    }
-    rows->clear();
-    return there;
-  }
-
   const ServicePorts& ports_;
   const SparqlRequest request_;
   const std::shared_ptr<HttpExchange> exchange_;
   Cancellation& cancellation_;
   QueryGraph graph_;
   sparql::RunOptions run_options_;
-  bool begun_ = false;  // part of the answer is sent
   int status_ = 200;
 };
 

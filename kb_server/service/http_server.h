@@ -45,6 +45,7 @@ struct HttpServerOptions {
   int threads = 2;                                 // network threads, 1 … 64
   size_t connections = Limits{}.http_connections;  // beyond: 503
   size_t body_bytes = Limits{}.http_body_bytes;    // beyond: 413
+  size_t bodies_bytes = Limits{}.http_bodies_bytes;  // of all requests at the same time; beyond: 503
   uint32_t header_bytes = 64u << 10;               // request line and headers; beyond: 431
   // Without a whole request header for so long the connection is closed, whether idle or slow.
   std::chrono::milliseconds idle_timeout{60000};
@@ -72,6 +73,7 @@ class HttpServer {
     uint64_t open = 0;         // now
     uint64_t requests = 0;     // answered, refused ones included
     uint64_t refused = 0;      // answered with a 4xx status by the server itself
+    uint64_t body_bytes = 0;   // of larger requests, now
   };
   Counts counts() const;
 

@@ -24,6 +24,7 @@ namespace docent {
 
 class HistoryPort;
 class LoadRunner;
+class MemoryBudget;
 class RemoteAccess;
 class Subscriptions;
 class UpdateRunner;
@@ -54,6 +55,7 @@ struct ServicePorts {
   CatalogPort* catalog = nullptr;
   RunFeed* feed = nullptr;
   WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
+  MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
   UpdateRunner* updates = nullptr;
   HistoryPort* history = nullptr;  // null: only the newest version is there
   LoadRunner* loads = nullptr;

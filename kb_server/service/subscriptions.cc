@@ -437,6 +437,7 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
     if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
     if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows));
   }
+  standing.prepared->Stop();
   if (absl::IsDeadlineExceeded(status)) {
     status = absl::DeadlineExceededError(
         absl::StrCat("the query took longer than the limit subscription_evaluation_ms = ",

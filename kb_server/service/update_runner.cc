@@ -30,6 +30,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
     options_.prepare.default_graph = ports.default_graph;
     options_.prepare.functions = ports.functions;
     options_.prepare.memory_bytes = ports.limits.query_memory_bytes;
+    options_.prepare.all_memory = ports.query_memory;
     options_.load = [this](const std::string& iri) { return Document(iri); };
     deadline_ = absl::Now() + request_.timeout;
   }

@@ -13,10 +13,12 @@ namespace {
 // The resources to be described, each once, in order.
 class Resources {
  public:
-  void Add(TermId id) {
-    if ((id.IsIri() || id.IsBlank()) && seen_.insert(id).second) list_.push_back(id);
+  // False: beyond a limit of the query's memory.
+  bool Add(TermId id, PreparedQuery& query) {
+    if (!(id.IsIri() || id.IsBlank()) || !seen_.insert(id).second) return true;
+    list_.push_back(id);
+    return query.Charge(4 * sizeof(TermId));
   }
-  size_t bytes() const { return list_.size() * 4 * sizeof(TermId); }
   bool empty() const { return next_ == list_.size(); }
   TermId Take() { return list_[next_++]; }
 
@@ -58,29 +60,20 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   bool any = false;
   const absl::Status status = prepared.Select(run, {}, [&](absl::Span<const TermId> row) {
     any = true;
-    for (const size_t column : columns) resources.Add(row[column]);
     // The IRIs alone need no more than one solution.
-    return !columns.empty() && resources.bytes() <= options.memory_bytes;
+    return !columns.empty() &&
+           std::all_of(columns.begin(), columns.end(), [&](size_t column) { return resources.Add(row[column], prepared); });
   });
   if (!status.ok()) return status;
   for (const PatternTerm& target : query.describe) {
     if (target.IsVariable() || !any) continue;
-    if (const std::optional<TermId> id = dictionary.Find(target.term)) resources.Add(*id);
+    if (const std::optional<TermId> id = dictionary.Find(target.term)) resources.Add(*id, prepared);
   }
 
   bool all = false;
   const std::vector<TermId> graphs = DefaultGraphs(query, dictionary, options.default_graph, &all);
   std::vector<TermQuad> out;
-  size_t bytes = 0;
-  absl::Status stopped;
-  const auto stop_beyond_limit = [&] {
-    if (stopped.ok() && bytes + resources.bytes() > options.memory_bytes) {
-      stopped = absl::ResourceExhaustedError("the description is larger than the limit query_memory_bytes = " +
-                                             std::to_string(options.memory_bytes));
-    }
-    return !stopped.ok();
-  };
-  stop_beyond_limit();
+  absl::Status stopped = prepared.status();
   while (!resources.empty() && stopped.ok()) {
     if (run.cancellation != nullptr) stopped = run.cancellation->Check();
     Quad last;
@@ -91,11 +84,11 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
       const bool copy = quad.predicate == last.predicate && quad.object == last.object;  // in another graph
       last = quad;
       if (copy) return true;
-      if (quad.object.IsBlank()) resources.Add(quad.object);
+      if (quad.object.IsBlank()) resources.Add(quad.object, prepared);
       out.push_back({dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
                      dictionary.Decode(quad.object), Term{}});
-      bytes += sizeof(TermQuad) + TextBytes(out.back());
-      return !stop_beyond_limit();
+      if (!prepared.Charge(sizeof(TermQuad) + TextBytes(out.back()))) stopped = prepared.status();
+      return stopped.ok();
     });
   }
   if (!stopped.ok()) return stopped;

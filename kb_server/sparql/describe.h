@@ -13,7 +13,7 @@ namespace docent::sparql {
 // The concise bounded descriptions (CBD, W3C member submission of 3 June 2005, without reification) of the
 // query's resources in the data set's default graph: the triples that have them as subject, and those of
 // every blank node that is reached as an object. Distinct, without graph. `prepared` was made from `query`
-// with `options`. Errors as of a run; RESOURCE_EXHAUSTED beyond options.memory_bytes.
+// with `options`. Errors as of a run; what it gives counts as memory of the run.
 absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Query& query,
                                                const Dictionary& dictionary, const PrepareOptions& options,
                                                const RunOptions& run);

@@ -10,6 +10,15 @@ bool EvaluationContext::PollNow() {
   return status.ok();
 }
 
+bool EvaluationContext::Refuse() {
+  polls_left_ = 1;  // the next one tells
+  if (status.ok()) {
+    status = memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
+                                                          std::to_string(memory_limit_)));
+  }
+  return false;
+}
+
 TermId EvaluationContext::Encode(const Term& term) {
   if (term.IsLiteral()) {
     if (const std::optional<TermId> id = InlineLiteral(term)) return *id;

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/clock.h"
+#include "kb_server/base/memory_budget.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/function_registry.h"
 #include "kb_server/sparql/value.h"
@@ -33,10 +34,11 @@ struct DatasetIds {
 
 class EvaluationContext {
  public:
-  EvaluationContext(const Dictionary& dictionary, const FunctionRegistry* functions, size_t memory_limit)
-      : dictionary(dictionary), functions(functions), memory_limit_(memory_limit) {}
+  EvaluationContext(const Dictionary& dictionary, const FunctionRegistry* functions, size_t memory_limit,
+                    MemoryBudget* all_memory = nullptr)
+      : dictionary(dictionary), functions(functions), memory_limit_(memory_limit), memory_(memory_limit, all_memory) {}
 
-  // Begins a run: forgets computed terms, memory and error.
+  // Begins a run: forgets what the one before computed, and its error.
   void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us,
              uint64_t new_seed) {
     version = new_version;
@@ -45,14 +47,18 @@ class EvaluationContext {
     seed = new_seed;
     random_ = new_seed;
     row_number = 0;
-    memory_ = 0;
-    ++run_;
     polls_left_ = 1;
     if (!status.ok()) status = absl::OkStatus();
-    if (!local_terms_.empty()) {
-      local_terms_.clear();
-      local_ids_.clear();
-    }
+    Forget();
+  }
+  // Lets go of computed terms and of what was charged: what the operators hold has to go with it.
+  void Forget() {
+    memory_.Reset();
+    ++run_;
+    if (local_terms_.empty()) return;
+    local_ids_.clear();
+    if (local_terms_.capacity() <= kFewTerms) return local_terms_.clear();
+    std::vector<Term>().swap(local_terms_);
   }
 
   // False soon after the evaluation must end; `status` says why. For inner loops.
@@ -65,14 +71,7 @@ class EvaluationContext {
 
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
   bool Charge(size_t bytes) {
-    memory_ += bytes;
-    if (memory_ <= memory_limit_) return true;
-    polls_left_ = 1;  // the next one tells
-    if (status.ok()) {
-      status = absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
-                                            std::to_string(memory_limit_));
-    }
-    return false;
+    return memory_.Add(bytes) || Refuse();
   }
 
   // Whether so much more could be charged; if not, `status` is set as by Charge.
@@ -82,9 +81,9 @@ class EvaluationContext {
     return room;
   }
   // Memory that was charged and is free again.
-  void Release(size_t bytes) { memory_ -= bytes; }
-  // True if so much more would leave half of the memory free: for what is kept only to be quicker.
-  bool MayKeep(size_t bytes) const { return bytes < memory_limit_ / 2 && memory_ + bytes < memory_limit_ / 2; }
+  void Release(size_t bytes) { memory_.Release(bytes); }
+  // For what is kept only to be quicker.
+  bool MayKeep(size_t bytes) const { return memory_.MayKeep(bytes); }
 
   // The id of a term: the dictionary's, inline, or a local one of this run.
   TermId Encode(const Term& term);
@@ -117,12 +116,14 @@ class EvaluationContext {
   friend class KeptMemory;
   static constexpr int kPolls = 64;  // all but the last of so many cost nothing
   static constexpr uint64_t kMatchesAPoll = 64;
+  static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
 
   bool PollNow();
+  bool Refuse();
 
   int polls_left_ = 1;  // until the status, the caller and the clock are looked at
-  size_t memory_limit_;
-  size_t memory_ = 0;
+  const size_t memory_limit_;
+  MemoryUse memory_;
   uint64_t run_ = 0;
   uint64_t random_ = 0;
   std::vector<Term> local_terms_;

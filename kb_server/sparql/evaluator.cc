@@ -30,7 +30,7 @@ class Program {
   Program(const Dictionary& dictionary, const PrepareOptions& options)
       : dictionary_(dictionary),
         options_(options),
-        context(dictionary, options.functions, options.memory_bytes) {}
+        context(dictionary, options.functions, options.memory_bytes, options.all_memory) {}
 
   // The constants that the dictionary did not have at first are looked for again when it has grown.
   // True if one was found.
@@ -251,6 +251,11 @@ bool PreparedQuery::Next() {
 
 void PreparedQuery::Stop() {
   impl_->End();
+  impl_->program.context.Forget();
+}
+
+bool PreparedQuery::Charge(size_t bytes) {
+  return impl_->program.context.Charge(bytes);
 }
 
 absl::Span<const TermId> PreparedQuery::row() const {
@@ -362,6 +367,7 @@ struct PreparedExpression::Impl {
   Impl(const Dictionary& dictionary, const PrepareOptions& options)
       : program(dictionary, options), options(options) {}
   void Begin(const RunOptions& run, absl::Span<const TermId> row);
+  void End();
 
   Program program;
   PrepareOptions options;
@@ -401,10 +407,14 @@ void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const Ter
     PrepareExpression(*expression, {&program.context, base.size(), base.data()});
     arranged = true;
   }
-  ForgetExpression(*expression);
   std::fill(base.begin(), base.end(), TermId());
   std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())),
             base.begin());
+}
+
+void PreparedExpression::Impl::End() {
+  ForgetExpression(*expression);
+  program.context.Forget();
 }
 
 namespace {
@@ -422,6 +432,7 @@ absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<
   }
   impl_->Begin(run, row);
   const bool passes = Passes(*impl_->expression, impl_->base.data(), impl_->program.context);
+  impl_->End();
   if (!impl_->program.context.status.ok()) return impl_->program.context.status;
   return passes;
 }
@@ -434,9 +445,11 @@ absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOption
   impl_->Begin(run, row);
   EvaluationContext& context = impl_->program.context;
   const Value value = sparql::Evaluate(*impl_->expression, impl_->base.data(), context);
+  std::optional<Term> term;
+  if (context.status.ok() && !value.IsError()) term = value.id().IsNone() ? value.ToTerm() : context.Decode(value.id());
+  impl_->End();
   if (!context.status.ok()) return context.status;
-  if (value.IsError()) return std::optional<Term>();
-  return std::optional<Term>(value.id().IsNone() ? value.ToTerm() : context.Decode(value.id()));
+  return term;
 }
 
 int CompareTerms(const Term& a, const Term& b) {

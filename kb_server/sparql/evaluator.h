@@ -30,6 +30,10 @@
 #include "kb_server/sparql/function_registry.h"
 #include "kb_server/store/graph_version.h"
 
+namespace docent {
+class MemoryBudget;
+}
+
 namespace docent::sparql {
 
 // What a pattern outside GRAPH matches, where the query has no FROM.
@@ -46,6 +50,7 @@ struct PrepareOptions {
   const FunctionRegistry* functions = nullptr;        // must outlive the query; null: casts and builtins only
   bool reorder_joins = true;                          // false: textual order (tests compare the two)
   size_t memory_bytes = Limits{}.query_memory_bytes;  // of hash tables, sorts, groups, computed terms
+  MemoryBudget* all_memory = nullptr;  // counts what the runs of all queries keep; null: nobody does; must outlive the query
 };
 
 // What changes from run to run. The pointers must outlive the run.
@@ -80,7 +85,8 @@ class PreparedQuery {
   absl::Status Start(const RunOptions& run, absl::Span<const TermId> bound = {});
   // To the next solution of the WHERE clause, whatever the form. False: no more, or an error; see status().
   bool Next();
-  // Ends the run before there are no more: what it kept goes.
+  // Ends the run, there may be more or not: what it kept goes, computed terms too. Who keeps the query for a later run
+  // calls it.
   void Stop();
   // The current solution, one id for each of variables(); none where unbound. Valid until Next.
   absl::Span<const TermId> row() const;
@@ -88,8 +94,11 @@ class PreparedQuery {
   // not the whole answer.
   const absl::Status& status() const;
 
+  // Counts what the caller keeps of the answer as the run's own memory. False: beyond a limit, and status() says so.
+  bool Charge(size_t bytes);
+
   // The term of an id of a row. Computed values (BIND, aggregates) have TermId::Tag::kLocal and are known
-  // only here, until the next Start.
+  // only here, until the next Start or Stop.
   Term Decode(TermId id) const;
   // The same into *out, whose memory is used again: quicker for many rows.
   void DecodeTo(TermId id, Term* out) const;

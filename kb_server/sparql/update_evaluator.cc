@@ -8,6 +8,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "absl/hash/hash.h"
+#include "kb_server/base/memory_budget.h"
 #include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/update_reads.h"
@@ -56,7 +57,10 @@ class DistinctQuads {
 class Evaluation {
  public:
   Evaluation(const Dictionary& dictionary, const RunOptions& run, const UpdateOptions& options)
-      : shared_dictionary_(dictionary), run_(run), options_(options) {}
+      : shared_dictionary_(dictionary),
+        run_(run),
+        options_(options),
+        memory_(options.prepare.memory_bytes, options.prepare.all_memory) {}
 
   absl::StatusOr<UpdateEffect> Run(const Update& update) {
     for (const UpdateOperation& operation : update.operations) {
@@ -137,13 +141,13 @@ class Evaluation {
 
   static size_t BytesOf(const TermQuad& quad) { return sizeof(QuadOperation) + TextBytes(quad); }
   absl::Status TooMuch() const {
-    return absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
-                                        std::to_string(options_.prepare.memory_bytes));
+    return memory_.Refusal(
+        absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
+                                     std::to_string(options_.prepare.memory_bytes)));
   }
 
   absl::Status Emit(QuadOperation::Kind kind, TermQuad quad) {
-    bytes_ += BytesOf(quad);
-    if (bytes_ > options_.prepare.memory_bytes) return TooMuch();
+    if (!memory_.Add(BytesOf(quad))) return TooMuch();
     if (IsServerGraph(quad.graph.lexical)) {
       return absl::InvalidArgumentError(
           "it would write to " + Quoted(quad.graph) +
@@ -255,7 +259,7 @@ class Evaluation {
     if (absl::Status status = where.Start(run); !status.ok()) return status;
     // All are removed before any is inserted (section 3.1.3).
     DistinctQuads removed, inserted;
-    size_t bytes = bytes_;
+    size_t bytes = 0;
     for (uint64_t solution = 0; where.Next(); ++solution) {
       for (const bool removes : {true, false}) {
         for (const TemplateSlots& slots : removes ? remove : insert) {
@@ -264,11 +268,12 @@ class Evaluation {
           const size_t more = BytesOf(*quad);
           if (!(removes ? removed : inserted).Add(*std::move(quad))) continue;
           bytes += more;
-          if (bytes > options_.prepare.memory_bytes) return TooMuch();
+          if (!memory_.Add(more)) return TooMuch();
         }
       }
     }
     if (!where.status().ok()) return where.status();
+    memory_.Release(bytes);  // each counts again as it is emitted
     for (TermQuad& quad : removed.quads()) {
       absl::Status status = Emit(QuadOperation::Kind::kRemove, std::move(quad));
       if (!status.ok()) return status;
@@ -397,7 +402,7 @@ class Evaluation {
   const UpdateOptions& options_;
   uint64_t number_ = 0;  // of the operation
   UpdateEffect effect_;
-  size_t bytes_ = 0;
+  MemoryUse memory_;  // of the quads to be changed
   size_t applied_ = 0;  // operations that the private copy has
   std::unique_ptr<Dictionary> private_dictionary_;
   std::unique_ptr<GraphWriter> private_graph_;

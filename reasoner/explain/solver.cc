@@ -365,6 +365,7 @@ absl::StatusOr<std::vector<std::vector<TermId>>> Solver::RowsOf(const Part& part
     }
     return rows.size() < kPartRows;
   });
+  prepared->Stop();
   if (!status.ok()) return status;
   return rows;
 }

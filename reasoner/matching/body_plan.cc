@@ -228,6 +228,7 @@ absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Sp
     query.Stop();
     return absl::OkStatus();
   }
+  query.Stop();
   return query.status();
 }
 

@@ -91,6 +91,42 @@ TEST_F(GraphStoreTest, EveryFormatInAndOut) {
   }
 }
 
+TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
+  settings_.limits.queries_memory_bytes = 30u << 20;
+  StartServer();
+  std::string turtle;
+  for (int i = 0; i < 7000; ++i) absl::StrAppend(&turtle, "<urn:w:a> <urn:w:p> \"", i, std::string(2000, 'x'), "\" .\n");
+  ASSERT_EQ(Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, turtle).status, 201);
+  const auto await_held = [&](double least, double most) {
+    double held = -1;
+    for (int i = 0; i < 1000 && !(least <= held && held <= most); ++i) {
+      const std::string metrics = Ask("GET", "/metrics").body, name = "\ndocent_query_memory_bytes ";
+      held = std::strtod(metrics.c_str() + metrics.find(name) + name.size(), nullptr);
+      absl::SleepFor(absl::Milliseconds(10));
+    }
+    return least <= held && held <= most;
+  };
+  ASSERT_TRUE(await_held(0, 0));
+  const auto get = [&] { return Ask("GET", "/rdf-graphs?graph=urn:w:g", "Accept: application/n-triples\r\n"); };
+  HttpClient slow(http_port());
+  ASSERT_TRUE(slow.Send(absl::StrCat("GET /rdf-graphs?graph=urn:w:g HTTP/1.1\r\nHost: localhost:", http_port(),
+                                     "\r\nAccept: application/n-triples\r\n\r\n")));
+  ASSERT_TRUE(await_held(17e6, 30e6));
+  HttpReply other = get();
+  ASSERT_EQ(other.status, 503);
+  EXPECT_THAT(other.body, HasSubstr("queries_memory_bytes = 31457280"));
+  EXPECT_TRUE(Holds(":a :p ?o")) << "small queries go on";
+  const HttpReply taken = slow.Receive();
+  ASSERT_EQ(taken.status, 200);
+  EXPECT_EQ(taken.headers.at("transfer-encoding"), "chunked");
+  EXPECT_TRUE(taken.whole);
+  EXPECT_EQ(std::count(taken.body.begin(), taken.body.end(), '\n'), 7000);
+  ASSERT_TRUE(await_held(0, 0));
+  other = get();
+  EXPECT_EQ(other.status, 200);
+  EXPECT_TRUE(other.body == taken.body);
+}
+
 TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
   StartServer();
   const auto status = [this](const std::string& method, const std::string& target,

@@ -183,6 +183,27 @@ TEST(HttpServerTest, BodyLimitHoldsAtTheLimitAndBeyond) {
   EXPECT_EQ(chunked.Receive().status, 413);
 }
 
+TEST(HttpServerTest, AllBodiesTogetherEndAtTheirLimit) {
+  HttpServerOptions options;
+  options.bodies_bytes = 4u << 20;
+  auto server = StartServer(EchoRoutes(), options);
+  const std::string head =
+      absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(), "\r\nContent-Length: 3000000\r\n\r\n");
+  HttpClient first(server->port()), third(server->port());
+  ASSERT_TRUE(first.Send(head + std::string(2999999, 'x')));  // all but one
+  for (int i = 0; i < 1000 && server->counts().body_bytes < 2500000; ++i) absl::SleepFor(absl::Milliseconds(10));
+  HttpClient second(server->port());
+  const HttpReply refused = second.Ask("POST", "/length", "", std::string(3000000, 'x'));
+  ASSERT_EQ(refused.status, 503);
+  EXPECT_EQ(refused.headers.at("retry-after"), "1");
+  EXPECT_NE(refused.body.find("http_bodies_bytes = 4194304"), std::string::npos) << refused.body;
+  EXPECT_EQ(third.Ask("POST", "/length", "", "abc").body, "3\n") << "small ones are served all the same";
+  ASSERT_TRUE(first.Send("x"));
+  EXPECT_EQ(first.Receive().body, "3000000\n");
+  for (int i = 0; i < 1000 && server->counts().body_bytes > 0; ++i) absl::SleepFor(absl::Milliseconds(10));
+  EXPECT_EQ(third.Ask("POST", "/length", "", std::string(3000000, 'x')).body, "3000000\n");
+}
+
 TEST(HttpServerTest, HeaderLimit) {
   HttpServerOptions options;
   options.header_bytes = 2000;

@@ -65,8 +65,8 @@ TEST(Describe, TooMuchIsRefusedWithTheLimit) {
   const TestGraph graph(kData);
   const Query query = graph.Parse("DESCRIBE ex:a");
   PrepareOptions options;
-  auto prepared = PreparedQuery::Prepare(query, graph.dictionary, options);
   options.memory_bytes = 100;
+  auto prepared = PreparedQuery::Prepare(query, graph.dictionary, options);
   const auto quads = Describe(**prepared, query, graph.dictionary, options, graph.Run());
   EXPECT_EQ(quads.status().code(), absl::StatusCode::kResourceExhausted);
 }

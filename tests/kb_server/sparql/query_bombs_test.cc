@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "kb_server/base/memory_budget.h"
+#include "kb_server/sparql/algebra_walk.h"
 #include "tests/kb_server/sparql/test_graph.h"
 
 namespace docent::sparql {
@@ -120,6 +122,65 @@ TEST_F(QueryBombs, MemoryIsGivenBackBetweenRuns) {
 TEST_F(QueryBombs, ManySearchesFromManyNodesDoNotAddUp) {
   // Each search keeps 300 nodes for a while; 300 of them one after the other must fit.
   EXPECT_TRUE(Run("SELECT (COUNT(*) AS ?n) { ?a ex:p+ ?b }", 30000, 200000).ok());
+}
+
+TEST_F(QueryBombs, TheStepsOfAPathEndAtTheMemoryLimit) {
+  std::string text = "ex:a ex:to ex:o0";
+  for (int i = 1; i < 20000; ++i) text += ", ex:o" + std::to_string(i);
+  text += " .\n";
+  for (int i = 0; i < 20000; ++i) text += "ex:o" + std::to_string(i) + " ex:end ex:z .\n";
+  g_.Add(text);
+  const std::string path = "SELECT * { ex:a (ex:to/ex:end)+ ?x }";  // one answer, over 20,000 nodes
+  EXPECT_TRUE(Run(path, 30000, 2000000).ok());
+  ExpectMemory(path, 200000);
+  ExpectMemory("SELECT * { ex:a (!ex:no/ex:end)+ ?x }", 200000);
+  ExpectMemory("ASK { ex:a ex:to+ ex:nowhere }", 200000);
+}
+
+TEST_F(QueryBombs, AllQueriesTogetherEndAtTheirLimit) {
+  const std::string sorted = "SELECT * { ?a ex:p ?b . ?c ex:p ?d } ORDER BY ?a ?b ?c ?d";
+  PrepareOptions options;
+  size_t needed = 0;
+  {
+    MemoryBudget plenty("all_bytes", size_t{1} << 40);
+    options.all_memory = &plenty;
+    const auto query = g_.Prepare(sorted, options);
+    ASSERT_TRUE(query->Start(g_.Run()).ok());
+    ASSERT_TRUE(query->Next()) << query->status();
+    needed = plenty.taken();
+    EXPECT_GT(needed, 4u << 20);
+  }
+  MemoryBudget all("all_bytes", needed * 3 / 2);  // one fits, two do not
+  options.all_memory = &all;
+  const auto first = g_.Prepare(sorted, options), second = g_.Prepare(sorted, options);
+  ASSERT_TRUE(first->Start(g_.Run()).ok());
+  ASSERT_TRUE(first->Next()) << first->status();
+  const auto run = [&] { return second->Select(g_.Run(), {}, [](absl::Span<const TermId>) { return true; }); };
+  const absl::Status refused = run();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_NE(refused.message().find("all_bytes"), std::string::npos) << refused;
+  first->Stop();
+  EXPECT_TRUE(run().ok());
+  second->Stop();
+  EXPECT_EQ(all.taken(), 0u);
+}
+
+TEST_F(QueryBombs, AnExpressionKeepsNothing) {
+  MemoryBudget all("all_bytes", 64u << 20);
+  PrepareOptions options;
+  options.all_memory = &all;
+  const Query query = g_.Parse(
+      "SELECT * { FILTER EXISTS { { SELECT DISTINCT ?a ?b ?c { ?a ex:p ?b . ?c ex:p ?d } } FILTER(?a = ?b) } }");
+  const Expression* filter = nullptr;
+  AnyNode(*query.algebra, [&](const Algebra& node) {
+    ForEachExpression(node, [&](const Expression& e) { filter = filter == nullptr ? &e : filter; });
+    return filter != nullptr;
+  });
+  ASSERT_NE(filter, nullptr);
+  auto expression = PreparedExpression::Prepare(*filter, {}, g_.dictionary, options);
+  ASSERT_TRUE(expression.ok()) << expression.status();
+  EXPECT_TRUE(*(*expression)->Test(g_.Run(), {}));
+  EXPECT_EQ(all.taken(), 0u);
 }
 
 TEST_F(QueryBombs, AHugeValuesBlockStreams) {

@@ -1,0 +1,49 @@
+#include "kb_server/service/long_answer.h"
+
+#include <optional>
+#include <utility>
+
+namespace docent {
+namespace {
+
+constexpr size_t kShortBytes = 1u << 20;
+
+}  // namespace
+
+bool LongAnswer::Send(std::string* piece) {
+  bool there = true;
+  if (exchange_.begun()) {
+    std::optional<WorkerPool::Waiting> waiting;
+    if (exchange_.full()) waiting.emplace(&workers_);
+    there = exchange_.Write(*piece);
+  } else {
+    head_.body = *piece;
+    exchange_.Begin(head_);
+  }
+  piece->clear();
+  return there;
+}
+
+bool LongAnswer::End(std::string piece) {
+  if (!exchange_.begun()) {
+    head_.body = std::move(piece);
+    exchange_.Respond(std::move(head_));
+    return true;
+  }
+  const bool there = Send(&piece);
+  exchange_.End();
+  return there;
+}
+
+bool LongAnswer::SendAll(std::string text) {
+  if (text.size() <= kShortBytes || exchange_.request().method == "HEAD") return End(std::move(text));
+  std::string piece;
+  for (size_t at = 0; at < text.size(); at += kPieceBytes) {
+    piece.assign(text, at, kPieceBytes);
+    if (!Send(&piece)) return false;
+  }
+  exchange_.End();
+  return true;
+}
+
+}  // namespace docent

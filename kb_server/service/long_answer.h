@@ -1,0 +1,39 @@
+// The body of one HTTP answer that a worker makes: a short one is sent whole, with its length; of a longer one the pieces
+// that are ready. While a slow client takes them others are served, and the work counts as open.
+#ifndef DOCENT_KB_SERVER_SERVICE_LONG_ANSWER_H_
+#define DOCENT_KB_SERVER_SERVICE_LONG_ANSWER_H_
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "kb_server/service/http_exchange.h"
+#include "kb_server/service/worker_pool.h"
+
+namespace docent {
+
+// Used on a worker's thread.
+class LongAnswer {
+ public:
+  static constexpr size_t kPieceBytes = 64u << 10;  // worth sending
+
+  // `head` has no body. All must outlive it.
+  LongAnswer(HttpResponse head, HttpExchange* exchange, WorkerPool* workers)
+      : head_(std::move(head)), exchange_(*exchange), workers_(*workers) {}
+
+  // The next piece, which is empty then. False: the client has gone.
+  bool Send(std::string* piece);
+  // The last piece.
+  bool End(std::string piece);
+  // A text that is known at once.
+  bool SendAll(std::string text);
+
+ private:
+  HttpResponse head_;
+  HttpExchange& exchange_;
+  WorkerPool& workers_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVICE_LONG_ANSWER_H_
