@@ -49,7 +49,7 @@ void Committer::Start(uint64_t head, uint64_t epoch) {
   epoch_ = epoch;
 }
 
-void Committer::Commit(DecidedGroup group, std::deque<GraphVersionPtr>* gone) {
+std::vector<GraphVersionPtr> Committer::Commit(DecidedGroup group) {
   const auto room = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
     return halted_ || turns_ < kTurnsAhead;
   };
@@ -57,8 +57,7 @@ void Committer::Commit(DecidedGroup group, std::deque<GraphVersionPtr>* gone) {
   mutex_.Await(absl::Condition(&room));
   turns_ += group.turns.size();
   groups_.push_back(std::move(group));
-  std::move(gone_.begin(), gone_.end(), std::back_inserter(*gone));
-  gone_.clear();
+  return std::exchange(gone_, {});
 }
 
 void Committer::Wait() {

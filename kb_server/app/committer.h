@@ -101,9 +101,9 @@ class Committer {
 
   // The log ends at `head`, and this is the writer's claim to it. Nothing is in flight.
   void Start(uint64_t head, uint64_t epoch);
-  // Waits while kTurnsAhead turns are in flight. Versions that are no longer needed here go to `gone`, for the writer to
-  // free: a version shares nearly all of its nodes with others, whose counts are in the caches of the core that made them.
-  void Commit(DecidedGroup group, std::deque<GraphVersionPtr>* gone);
+  // Waits while kTurnsAhead turns are in flight. Gives versions that are no longer needed here, for the writer to free: a
+  // version shares nearly all of its nodes with others, whose counts are in the caches of the core that made them.
+  std::vector<GraphVersionPtr> Commit(DecidedGroup group);
   // Waits until all is told, or it stands still.
   void Wait();
 

@@ -19,8 +19,9 @@ constexpr uint64_t kTurnsPerProgress = 10000;
 // Handed over together: while the disk syncs them, the next ones are decided.
 constexpr size_t kTurnsPerGroup = 256;
 constexpr size_t kLarge = 10000;  // operations
-// Old versions that wait to be freed until no batch waits.
+// Old versions that wait to be freed until no batch waits, and what they alone may hold.
 constexpr size_t kGoneAtMost = 64;
+constexpr size_t kGoneBytes = 4u << 20;
 
 // For counters alone.
 uint64_t MonotonicNanos() {
@@ -248,12 +249,18 @@ void Writer::Commit(DecidedGroup group) {
           TakeState(*stages_, requests_, group.version, newest_time_us_));
     }
   }
-  committer_.Commit(std::move(group), &gone_);
+  for (GraphVersionPtr& version : committer_.Commit(std::move(group))) {
+    if (version.use_count() == 1) gone_.push_back(std::move(version));  // others are the history's, or a reader's
+  }
 }
 
 // Freeing what only an old version holds takes about a tenth of the time of a turn. Nobody waits for it.
 void Writer::FreeGone() {
-  while (!gone_.empty() && (gone_.size() > kGoneAtMost || ports_.inbox->size() == 0)) gone_.pop_front();
+  const auto too_many = [this] {
+    return gone_.size() > kGoneAtMost ||
+           gone_.back()->replaced_bytes() - gone_.front()->replaced_bytes() > kGoneBytes;
+  };
+  while (!gone_.empty() && (too_many() || ports_.inbox->size() == 0)) gone_.pop_front();
 }
 
 // The log refused what is in flight, or cannot say what it did. What it does not have did not happen; what it

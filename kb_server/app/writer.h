@@ -91,7 +91,7 @@ class Writer {
   bool refused_ = false;  // by the log, the last time
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;  // no clock tick before this time
-  std::deque<GraphVersionPtr> gone_;  // to be freed, the oldest first
+  std::deque<GraphVersionPtr> gone_;  // held here alone, to be freed, the oldest first
   WriterCounters counters_;
   Committer committer_;
 };
