@@ -133,7 +133,7 @@ bool Materialiser::InScope(uint32_t rule) const {
 }
 
 absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phase phase) {
-  const sparql::RunOptions run{.version = &graph()};
+  const sparql::RunOptions run{.version = &graph(), .cancellation = context_.cancellation};
   context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
     const CompiledRule& rule = program_.rules[instance.rule];
@@ -159,7 +159,7 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
 }
 
 absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative) {
-  const sparql::RunOptions run{.version = &graph()};
+  const sparql::RunOptions run{.version = &graph(), .cancellation = context_.cancellation};
   const Triple triple = {quad.subject, quad.predicate, quad.object};
   program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const CompiledRule& rule = program_.rules[reference.owner];
@@ -192,7 +192,7 @@ absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
   const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
   if (whole && !whole_.insert(task.rule).second) return absl::OkStatus();
   const absl::Status status = body.Evaluate(
-      {.version = &graph()}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+      {.version = &graph(), .cancellation = context_.cancellation}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 
@@ -200,7 +200,7 @@ absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phas
   const CompiledRule& rule = program.rules[number];
   const std::vector<TermId> nothing(rule.body->columns().size());
   const absl::Status status = rule.body->Evaluate(
-      {.version = &graph()}, nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+      {.version = &graph(), .cancellation = context_.cancellation}, nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 
@@ -210,9 +210,9 @@ absl::Status Materialiser::FireInstances(uint32_t number) {
   const auto filters = rule.filters ? Body::Filters::kAll : Body::Filters::kNone;
   absl::Status status;
   context_.schema.ForEachInstance(number, [&](const std::vector<TermId>& row) {
-    if (!status.ok()) return;
+    if (!status.ok() || !status_.ok()) return;
     status = rule.body->EvaluateRest(
-        {.version = &graph()}, row, rule.schema, filters,
+        {.version = &graph(), .cancellation = context_.cancellation}, row, rule.schema, filters,
         [&](absl::Span<const TermId> found) { return Emit(rule, found, Phase::kAdd); });
   });
   return status.ok() ? status_ : status;
@@ -242,8 +242,10 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
 bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
   ++context_.counters.firings;
   if (context_.cancellation != nullptr) {
-    status_ = context_.cancellation->Check();
-    if (!status_.ok()) return false;
+    if (absl::Status status = context_.cancellation->Check(); !status.ok()) {
+      status_ = std::move(status);
+      return false;
+    }
   }
   if (phase == Phase::kTakeAway) {
     made_.push_back(triple);
