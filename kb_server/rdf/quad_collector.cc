@@ -28,6 +28,11 @@ Term QuadCollector::NewBlank() {
   return Term::Blank(absl::StrCat(std::string(1, kNewMark), new_blanks_++));
 }
 
+std::string QuadCollector::Refusal() const {
+  return absl::StrCat("the document has more than ", most_, " triples: one for each ", kBytesOfQuad,
+                      " bytes of the limit document_bytes");
+}
+
 std::vector<TermQuad> QuadCollector::TakeQuads() {
   std::vector<std::string> labels;
   for (uint64_t n = 1; labels.size() < new_blanks_; ++n) {

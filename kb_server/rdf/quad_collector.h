@@ -3,19 +3,24 @@
 #ifndef DOCENT_KB_SERVER_RDF_QUAD_COLLECTOR_H_
 #define DOCENT_KB_SERVER_RDF_QUAD_COLLECTOR_H_
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
+#include "kb_server/base/limits.h"
 #include "kb_server/rdf/term.h"
 
 namespace docent {
 
 class QuadCollector {
  public:
-  explicit QuadCollector(std::string scope) : scope_(std::move(scope)) {}
+  // `limits` bounds the document.
+  QuadCollector(std::string scope, const Limits& limits)
+      : scope_(std::move(scope)), most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)) {}
 
   // The blank node that the document calls `label`.
   Term NamedBlank(std::string_view label);
@@ -23,13 +28,23 @@ class QuadCollector {
   // is given by TakeQuads.
   Term NewBlank();
 
-  void Add(TermQuad quad) { quads_.push_back(std::move(quad)); }
+  // False, and it is not taken: it is one too many (see Refusal). A quad takes many times the memory of its shortest text.
+  bool Add(TermQuad quad) {
+    if (quads_.size() == most_) return false;
+    quads_.push_back(std::move(quad));
+    return true;
+  }
+  std::string Refusal() const;
 
   // All quads; the collector is empty afterwards.
   std::vector<TermQuad> TakeQuads();
 
  private:
+  static constexpr size_t kBytesOfQuad = 32;  // of text
+  static constexpr size_t kFewQuads = 1000;   // are taken in any case
+
   std::string scope_;
+  const size_t most_;
   std::vector<TermQuad> quads_;
   absl::flat_hash_set<std::string> named_like_new_;  // labels of the document of the form b[0-9]+
   uint64_t new_blanks_ = 0;

@@ -90,7 +90,7 @@ class RdfXmlReader {
       : text_(text),
         options_(options),
         places_(places),
-        collector_(options.blank_node_scope),
+        collector_(options.blank_node_scope, options.limits),
         world_([this](const raptor_log_message& message) { OnMessage(message); }) {}
 
   ParsedRdf Run() {
@@ -210,7 +210,11 @@ class RdfXmlReader {
       Report(raptor_parser_get_locator(parser_), std::string(status.message()), "");
       return;
     }
-    collector_.Add(std::move(quad));
+    if (!collector_.Add(std::move(quad))) {
+      Report(raptor_parser_get_locator(parser_), collector_.Refusal(), "split the document");
+      raptor_parser_parse_abort(parser_);
+      return;
+    }
     if (places_ == nullptr) return;
     raptor_locator* locator = raptor_parser_get_locator(parser_);
     places_->AddPlace({std::max(raptor_locator_line(locator), 1), std::max(raptor_locator_column(locator), 1), 0, 0});

@@ -153,7 +153,7 @@ std::string WriteLines(const std::vector<TermQuad>& quads) {
 
 }  // namespace
 
-absl::StatusOr<std::string> SerializeRdf(const std::vector<TermQuad>& quads, RdfFormat format,
+absl::StatusOr<std::string> SerializeRdf(std::vector<TermQuad> quads, RdfFormat format,
                                          const std::vector<std::pair<std::string, std::string>>& prefixes) {
   bool has_graphs = format == RdfFormat::kTriG || format == RdfFormat::kNQuads;
   for (const TermQuad& quad : quads) {
@@ -172,7 +172,7 @@ absl::StatusOr<std::string> SerializeRdf(const std::vector<TermQuad>& quads, Rdf
     case RdfFormat::kTriG:
       break;
   }
-  return TurtleWriter(quads, prefixes).Write();
+  return TurtleWriter(std::move(quads), prefixes).Write();
 }
 
 }  // namespace docent

@@ -16,7 +16,7 @@ namespace docent {
 // INVALID_ARGUMENT where the format cannot say it (a named graph in Turtle, a predicate that RDF/XML cannot
 // name).
 absl::StatusOr<std::string> SerializeRdf(
-    const std::vector<TermQuad>& quads, RdfFormat format,
+    std::vector<TermQuad> quads, RdfFormat format,
     const std::vector<std::pair<std::string, std::string>>& prefixes = {});
 
 }  // namespace docent

@@ -23,14 +23,14 @@ class TurtleParser {
         line_based_(format == RdfFormat::kNTriples || format == RdfFormat::kNQuads),
         graphs_(format == RdfFormat::kTriG || format == RdfFormat::kNQuads),
         scan_(text, line_based_, options.limits.term_bytes),
-        collector_(options.blank_node_scope),
+        collector_(options.blank_node_scope, options.limits),
         base_(options.base_iri),
         places_(places) {}
 
   ParsedRdf Run() {
     ParsedRdf parsed;
     scan_.SkipLines();
-    while (!scan_.AtEnd() && parsed.diagnostics.size() < options_.limits.document_diagnostics) {
+    while (!scan_.AtEnd() && !too_many_ && parsed.diagnostics.size() < options_.limits.document_diagnostics) {
       if (!(line_based_ ? LineStatement() : Statement())) {
         const TurtleScanner::Failure& f = scan_.failure();
         parsed.diagnostics.push_back({options_.file, SpanAt(text_, f.offset, f.length), f.message, f.hint});
@@ -79,7 +79,7 @@ class TurtleParser {
                         true);
     }
     if (visit_ == nullptr) {
-      Add(std::move(quad), subject_at, predicate_at, object_at);
+      if (!Add(std::move(quad), subject_at, predicate_at, object_at)) return false;
       quad = TermQuad();
     } else if (!(*visit_)(quad)) {
       scan_.SkipAll();
@@ -267,13 +267,16 @@ class TurtleParser {
     const size_t object_at = scan_.position();
     Term object;
     if (!ReadObject(&object)) return false;
-    Add({subject, predicate, std::move(object), graph_}, subject_at, predicate_at, object_at);
-    return true;
+    return Add({subject, predicate, std::move(object), graph_}, subject_at, predicate_at, object_at);
   }
 
-  void Add(TermQuad quad, size_t subject_at, size_t predicate_at, size_t object_at) {
-    collector_.Add(std::move(quad));
+  bool Add(TermQuad quad, size_t subject_at, size_t predicate_at, size_t object_at) {
+    if (!collector_.Add(std::move(quad))) {
+      too_many_ = true;
+      return scan_.Fail(collector_.Refusal(), "split the document");
+    }
     if (places_ != nullptr) places_->AddQuad(subject_at, predicate_at, object_at);
+    return true;
   }
 
   bool ReadObject(Term* object) {
@@ -327,16 +330,17 @@ class TurtleParser {
       if (scan_.AtEnd()) return scan_.Fail("expected ')' at the end of the collection");
       const size_t at = scan_.position();
       Term node = collector_.NewBlank();
-      if (last.lexical.empty())
+      if (last.lexical.empty()) {
         *head = node;
-      else
-        Add({last, rest, node, graph_}, at, at, at);
+      } else if (!Add({last, rest, node, graph_}, at, at, at)) {
+        return false;
+      }
       last = node;
       if (!Object(node, first, at, at)) return false;
       scan_.SkipSpace();
     }
     const size_t end = scan_.position();
-    if (!last.lexical.empty()) Add({last, rest, nil, graph_}, end, end, end);
+    if (!last.lexical.empty() && !Add({last, rest, nil, graph_}, end, end, end)) return false;
     --depth_;
     return true;
   }
@@ -435,6 +439,7 @@ class TurtleParser {
   bool graphs_;
   TurtleScanner scan_;
   QuadCollector collector_;
+  bool too_many_ = false;  // quads
   std::string base_;
   PlaceRecorder* places_;  // may be null
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines

@@ -1,5 +1,6 @@
 #include "kb_server/sparql/grammar.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "kb_server/rdf/iri.h"
@@ -92,6 +93,17 @@ bool Grammar::CountElement(const SourceSpan& span) {
   if (++elements_ <= limit) return !too_deep_;
   Error(span, "more parts than the limit query_elements = " + std::to_string(limit),
         "use VALUES for long lists of alternatives");
+  too_deep_ = true;
+  return false;
+}
+
+bool Grammar::CountTriple() {
+  if (++triples_ <= kFewTriples) return !too_deep_;
+  const size_t limit = std::max(kFewTriples, options_.limits.update_text_bytes / kBytesOfTriple);
+  if (triples_ <= limit) return !too_deep_;
+  Error(Peek().span, Concat({"more than ", std::to_string(limit), " triples: one for each ", std::to_string(kBytesOfTriple),
+                             " bytes of the limit update_text_bytes"}),
+        "send several updates, or load a file");
   too_deep_ = true;
   return false;
 }

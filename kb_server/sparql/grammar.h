@@ -100,6 +100,8 @@ class Grammar {
   };
   // Counts one more element of the query; false once the limit is passed (reported).
   bool CountElement(const SourceSpan& span);
+  // Counts a triple, which takes many times the memory of its shortest text. False beyond the limit.
+  bool CountTriple();
 
   // grammar_query.cc
   struct SelectItem {
@@ -256,6 +258,8 @@ class Grammar {
   Diagnostics diagnostics_;
   int depth_ = 0;
   size_t elements_ = 0;
+  static constexpr size_t kBytesOfTriple = 16, kFewTriples = 1000;
+  size_t triples_ = 0;
   bool too_deep_ = false;
   int counter_ = 0;                               // hidden variables
   int bgp_ = 0;                                   // number of the current basic graph pattern

@@ -127,6 +127,7 @@ bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink
 
 bool Grammar::ObjectList(const PatternTerm& subject, const Path* path, PatternTerm verb, TriplesSink* sink) {
   do {
+    if (!CountTriple()) return false;
     if (path != nullptr || At("(") || At("[")) {  // what stands in brackets gives triples of its own, before this one
       PatternTerm object;
       if (!GraphNode(sink, &object)) return false;
@@ -167,7 +168,7 @@ bool Grammar::Collection(TriplesSink* sink, PatternTerm* out) {
   *out = cell;
   while (true) {
     PatternTerm item;
-    if (!GraphNode(sink, &item)) return false;
+    if (!CountTriple() || !GraphNode(sink, &item)) return false;
     sink->triples.push_back({cell, IriTerm(kRdfFirst), std::move(item)});
     if (Accept(")")) break;
     PatternTerm next = NewBlank(span, sink->template_mode);

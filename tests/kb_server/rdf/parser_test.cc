@@ -176,6 +176,36 @@ TEST(ParserTest, LimitsAtAndOnePast) {
   EXPECT_THAT(Mistakes(text + " ", RdfFormat::kTurtle, options), HasSubstr("document_bytes is 19"));
 }
 
+TEST(ParserTest, TriplesAreBoundedByTheLimitOfTheDocument) {
+  ParseRdfOptions options;
+  options.limits.document_bytes = 40000;  // 1250 triples
+  const auto turtle = [](int count) {
+    std::string text = "<urn:a> <urn:b> 0";
+    for (int i = 1; i < count; ++i) text += "," + std::to_string(i);
+    return text + " .";
+  };
+  EXPECT_EQ(ParseRdf(turtle(1250), RdfFormat::kTurtle, options).quads.size(), 1250u);
+  const ParsedRdf refused = ParseRdf(turtle(5000), RdfFormat::kTurtle, options);
+  EXPECT_TRUE(refused.quads.empty());
+  ASSERT_EQ(refused.diagnostics.size(), 1u);
+  EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("more than 1250 triples: one for each 32 bytes of the limit document_bytes"));
+  const auto lists = [](int count) {
+    std::string text = "<urn:a> <urn:b> (";
+    for (int i = 0; i < count; ++i) text += "1 ";
+    return text + ") .";
+  };
+  EXPECT_EQ(ParseRdf(lists(624), RdfFormat::kTriG, options).quads.size(), 1249u);
+  EXPECT_EQ(ParseRdf(lists(625), RdfFormat::kTriG, options).diagnostics.size(), 1u);
+  options.limits.document_bytes = 32000;  // 1000
+  const auto xml = [](int count) {
+    std::string text = "<r:RDF xmlns:r='http://www.w3.org/1999/02/22-rdf-syntax-ns#' xmlns:e='urn:e:'><e:a>";
+    for (int i = 1; i < count; ++i) text += "<e:p/>";
+    return text + "</e:a></r:RDF>";
+  };
+  EXPECT_EQ(ParseRdf(xml(1000), RdfFormat::kRdfXml, options).quads.size(), 1000u);
+  EXPECT_THAT(Mistakes(xml(1001), RdfFormat::kRdfXml, options), HasSubstr("more than 1000 triples"));
+}
+
 TEST(ParserTest, DeepNestingIsRefusedNotACrash) {
   std::string deep(200000, '[');
   EXPECT_THAT(Mistakes("<urn:a> <urn:b> " + std::string(200000, '(')), HasSubstr("turtle_nesting"));

@@ -86,6 +86,23 @@ TEST(UpdateParser, SeveralMistakesAreReportedTogether) {
   EXPECT_GE(parsed.diagnostics.size(), 4u);
 }
 
+TEST(UpdateParser, TriplesAreBoundedByTheLimitOfTheText) {
+  Limits limits;
+  limits.update_text_bytes = 24000;  // 1500 triples
+  const auto data = [](int count) {
+    std::string text = "INSERT DATA { :a :b 0";
+    for (int i = 1; i < count; ++i) text += i % 2 == 0 ? "; :c " : ",", text += std::to_string(i);
+    return text + " }";
+  };
+  const ParsedUpdate most = Parse(data(1500), limits);
+  ASSERT_TRUE(most.ok());
+  EXPECT_EQ(most.update.operations[0].insert.size(), 1500u);
+  const ParsedUpdate refused = Parse(data(1501), limits);
+  ASSERT_EQ(refused.diagnostics.size(), 1u);
+  EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("more than 1500 triples: one for each 16 bytes of the limit update_text_bytes"));
+  EXPECT_FALSE(Parse(data(800) + "; " + data(800), limits).ok()) << "of all operations";
+}
+
 TEST(UpdateParser, WhatDoesNotFitIntoTheLimitIsRefused) {
   Limits limits;
   limits.update_text_bytes = 9;
