@@ -49,7 +49,7 @@ class MemoryUse {
   // `all` counts what this one keeps beyond kFree; null: nobody does. Must outlive it.
   explicit MemoryUse(size_t limit, MemoryBudget* all = nullptr)
       : limit_(limit), all_(all), granted_(all == nullptr ? limit : std::min(limit, kFree)) {}
-  ~MemoryUse() { GiveBack(); }
+  ~MemoryUse() { GiveBack(taken_); }
   MemoryUse(const MemoryUse&) = delete;
   MemoryUse& operator=(const MemoryUse&) = delete;
 
@@ -58,10 +58,18 @@ class MemoryUse {
     used_ += bytes;
     return used_ <= granted_ || Extend();
   }
-  void Release(size_t bytes) { used_ -= bytes; }
+  void Release(size_t bytes) {
+    used_ -= bytes;
+    if (taken_ != 0 && granted_ > used_ + kSlack) GiveBack(granted_ - used_ - kStep);
+  }
+  // Whether so much more could be added now.
+  bool HasRoom(size_t bytes) const {
+    if (bytes > limit_ || used_ > limit_ - bytes) return false;
+    return used_ + bytes <= granted_ || all_->HasRoom(used_ + bytes - granted_);
+  }
   void Reset() {
     used_ = 0;
-    GiveBack();
+    GiveBack(taken_);
   }
   // True if so much more would leave half of the memory free: for what is kept only to be quicker.
   bool MayKeep(size_t bytes) const {
@@ -70,12 +78,15 @@ class MemoryUse {
   }
   size_t used() const { return used_; }
 
-  // After Add was false: `own` if the limit of this piece of work is the cause, else that of all.
-  absl::Status Refusal(absl::Status own) const { return used_ > limit_ ? std::move(own) : all_->Refusal(); }
+  // After Add, or HasRoom of `more`, was false: `own` if the limit of this piece of work is the cause, else that of all.
+  absl::Status Refusal(absl::Status own, size_t more = 0) const {
+    return more > limit_ || used_ > limit_ - more ? std::move(own) : all_->Refusal();
+  }
 
  private:
   static constexpr size_t kFree = 256u << 10;
-  static constexpr size_t kStep = 1u << 20;  // taken at once
+  static constexpr size_t kStep = 1u << 20;   // taken at once
+  static constexpr size_t kSlack = 8u << 20;  // taken and not used, before some is given back
 
   bool Extend() {
     if (used_ > limit_) return false;
@@ -89,11 +100,12 @@ class MemoryUse {
     taken_ += more;
     return true;
   }
-  void GiveBack() {
-    if (taken_ == 0) return;
-    all_->Give(taken_);
-    granted_ -= taken_;
-    taken_ = 0;
+  void GiveBack(size_t bytes) {
+    bytes = std::min(bytes, taken_);
+    if (bytes == 0) return;
+    all_->Give(bytes);
+    granted_ -= bytes;
+    taken_ -= bytes;
   }
 
   const size_t limit_;

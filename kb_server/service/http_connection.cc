@@ -112,7 +112,8 @@ net::awaitable<bool> HttpConnection::ServeOne() {
     co_return false;
   }
   const unsigned version = parser.get().version();
-  MemoryUse body_memory(SIZE_MAX, &shared_.bodies);
+  std::shared_ptr<MemoryUse> body_memory(new MemoryUse(SIZE_MAX, shared_.bodies.get()),
+                                               [budget = shared_.bodies](MemoryUse* use) { delete use; });
   HttpRequest request;
   const HttpHandler* handler = nullptr;
   std::optional<HttpResponse> refusal = CheckHeader(parser, &request, &handler);
@@ -121,7 +122,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
       co_await RefuseAndClose(*std::move(refusal), version);
       co_return false;
     }
-  } else if (!co_await ReadBody(parser, body_memory)) {
+  } else if (!co_await ReadBody(parser, *body_memory)) {
     co_return false;
   }
   const bool keep_alive = parser.keep_alive();
@@ -141,7 +142,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   } else {
     request.body = std::move(parser.get().body());
     WatchClient(answer_);
-    (*handler)(std::make_shared<HttpExchange>(std::move(request), answer_));
+    (*handler)(std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory)));
   }
   ++shared_.requests;
   const bool sent = co_await SendAnswer(*answer_, head_only, version, keep_alive);
@@ -162,7 +163,7 @@ net::awaitable<bool> HttpConnection::ReadBody(Parser& parser, MemoryUse& memory)
     co_await http::async_read_some(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
     const size_t now = parser.get().body().size();
     if (!memory.Add(now - counted)) {
-      refusal = TextResponse(503, std::string(shared_.bodies.Refusal().message()));
+      refusal = TextResponse(503, std::string(shared_.bodies->Refusal().message()));
       refusal->headers.emplace_back("Retry-After", "1");
       std::string().swap(parser.get().body());
       memory.Reset();

@@ -27,7 +27,7 @@ struct HttpShared {
   HttpServerOptions options;
   HttpRoutes routes;
   HttpGuard guard;
-  MemoryBudget bodies;
+  std::shared_ptr<MemoryBudget> bodies;  // an exchange may outlive the server
   std::atomic<uint64_t> connections{0};
   std::atomic<uint64_t> open{0};
   std::atomic<uint64_t> requests{0};
@@ -55,7 +55,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   // Reads, checks and answers one request; false: the connection is to be closed.
   Awaitable<bool> ServeOne();
-  // `memory`: counts the body, and lives as long.
+  // `memory`: counts the body.
   Awaitable<bool> ReadBody(Parser& parser, MemoryUse& memory);
   // The check that needs no body; nullopt: go on, `*handler` is set.
   std::optional<HttpResponse> CheckHeader(Parser& parser, HttpRequest* request,

@@ -17,6 +17,8 @@
 
 namespace docent {
 
+class MemoryUse;
+
 // What the connection and the handler share. Handlers use HttpExchange below.
 class HttpAnswer {
  public:
@@ -54,8 +56,9 @@ class HttpAnswer {
 
 class HttpExchange {
  public:
-  HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer)
-      : request_(std::move(request)), answer_(std::move(answer)) {}
+  // `memory`: counts the request's body, and lives as long.
+  HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer, std::shared_ptr<MemoryUse> memory = nullptr)
+      : request_(std::move(request)), answer_(std::move(answer)), memory_(std::move(memory)) {}
   ~HttpExchange();
   HttpExchange(const HttpExchange&) = delete;
   HttpExchange& operator=(const HttpExchange&) = delete;
@@ -85,6 +88,7 @@ class HttpExchange {
  private:
   const HttpRequest request_;
   const std::shared_ptr<HttpAnswer> answer_;
+  const std::shared_ptr<MemoryUse> memory_;
 };
 
 using HttpHandler = std::function<void(std::shared_ptr<HttpExchange>)>;

@@ -28,7 +28,8 @@ namespace docent {
 namespace {
 
 constexpr std::string_view kRoot = "/rdf-graphs";
-constexpr size_t kBytesOfQuad = 500;  // of a graph that is read, roughly, as terms and as text, without what is long in them
+constexpr size_t kTextOfQuad = 200;                      // of a graph that is read, roughly, without what its terms say
+constexpr size_t kSlowestBytesASecond = size_t{1} << 20;  // at which a client may take a graph, beyond the time of a query
 
 using Exchange = std::shared_ptr<HttpExchange>;
 using Operation = sparql::UpdateOperation;
@@ -73,7 +74,7 @@ Address ReadAddress(const HttpRequest& http) {
 void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
   const GraphType* type = ChooseGraphType(exchange.request().Header("accept"));
   if (type == nullptr) return exchange.Respond(NoGraphType());
-  const GraphVersionPtr version = ports.queries->Newest();
+  GraphVersionPtr version = ports.queries->Newest();
   const std::optional<TermId> graph = ports.dictionary->Find(address.graph);
   const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
   if (count == 0 && !address.is_default) {
@@ -86,7 +87,7 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
         absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
                      "; ask for parts of it with CONSTRUCT")))));
   };
-  if (!memory.Add(count * kBytesOfQuad)) return too_long();
+  if (!memory.Add(count * (sizeof(TermQuad) + kTextOfQuad))) return too_long();
   std::vector<TermQuad> triples;
   triples.reserve(count);
   bool fits = true;
@@ -94,24 +95,28 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
       triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
                          ports.dictionary->Decode(quad.object), Term{}});
-      fits = memory.Add(TextBytes(triples.back().object));
+      fits = memory.Add(2 * TextBytes(triples.back()));  // as a term, and as text
       return fits;
     });
   }
   if (!fits) return too_long();
-  absl::StatusOr<std::string> text = SerializeRdf(triples, type->format, sparql::WellKnownPrefixes());
-  if (!text.ok()) return exchange.Respond(ErrorResponse(text.status()));
-  triples = std::vector<TermQuad>();
   HttpResponse head;
   head.content_type = type->told;
   head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}};
-  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(*std::move(text));
+  version.reset();
+  absl::StatusOr<std::string> text = SerializeRdf(std::move(triples), type->format, sparql::WellKnownPrefixes());
+  if (!text.ok()) return exchange.Respond(ErrorResponse(text.status()));
+  memory.Release(memory.used() - std::min(memory.used(), text->size()));
+  const size_t seconds = text->size() / kSlowestBytesASecond;
+  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) + std::chrono::seconds(seconds));
+  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(*std::move(text), &cancellation).IgnoreError();
 }
 
 // What a body says.
 struct Content {
   std::optional<HttpResponse> refusal;
   std::vector<TermQuad> triples;
+  std::unique_ptr<MemoryUse> memory;  // counts them
 };
 
 // `part`: its number among several.
@@ -141,12 +146,18 @@ void ReadPart(const ServicePorts& ports, std::string_view content_type, std::str
                                                "; what is sent to one graph cannot name others");
       return;
     }
+    const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
     content->triples.push_back(std::move(quad));
+    if (fits) continue;
+    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
+        "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
+    return;
   }
 }
 
 Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph) {
   Content content;
+  content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
   if (MediaTypeOnly(type) != "multipart/form-data") {
     ReadPart(ports, type, http.body, graph, 1, &content);
@@ -168,6 +179,7 @@ struct Change {
   UpdateRequest request;
   Address address;
   bool existed = false;
+  std::unique_ptr<MemoryUse> memory;  // of what it loads
 };
 
 void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
@@ -216,6 +228,7 @@ void Write(const ServicePorts& ports, Address address, const Exchange& exchange)
   change->request.load =
       [triples = std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
           const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *triples; };
+  change->memory = std::move(content.memory);
   change->address = std::move(address);
   Submit(ports, std::move(change), exchange);
 }

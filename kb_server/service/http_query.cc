@@ -21,6 +21,8 @@
 namespace docent {
 namespace {
 
+constexpr size_t kCopies = 4;  // of a row on its way: as terms, as text, with its connection, as what is sent
+
 // One query on a worker thread.
 class QueryAnswer {
  public:
@@ -99,8 +101,8 @@ class QueryAnswer {
     const std::unique_ptr<sparql::ResultWriter> writer = sparql::ResultWriter::Make(type->format, &rows);
     writer->Begin(query.variables());
     std::vector<std::optional<Term>> terms(query.variables().size());
-    bool gone = false, too_long = false;
-    const size_t limit = ports_.limits.query_memory_bytes;
+    bool gone = false;
+    size_t longest = 0;  // row, in bytes of text
     const absl::Status status = query.Select(run_options_, {}, [&](absl::Span<const TermId> row) {
       size_t bytes = 0;
       for (size_t i = 0; i < terms.size(); ++i) {
@@ -110,17 +112,13 @@ class QueryAnswer {
           query.DecodeTo(row[i], terms[i] ? &*terms[i] : &terms[i].emplace());
           bytes += TextBytes(*terms[i]);
         }
-        too_long = bytes > limit;
-        if (too_long) return false;
+        if (bytes > longest && !query.Charge(kCopies * (bytes - std::exchange(longest, bytes)))) return false;
       }
       writer->Row(terms);
       gone = rows.size() >= LongAnswer::kPieceBytes && !answer.Send(&rows);
       return !gone;
     });
     if (!status.ok()) return status;
-    if (too_long) {
-      return absl::ResourceExhaustedError(absl::StrCat("a row of the answer is longer than the limit query_memory_bytes = ", limit));
-    }
     if (gone) return absl::CancelledError("the client went away");
     writer->End();
     answer.End(std::move(rows));
@@ -134,13 +132,9 @@ class QueryAnswer {
     absl::StatusOr<std::vector<TermQuad>> triples =
         sparql::AnswerGraph(prepared, query, *graph_.dictionary, options, run_options_);
     if (!triples.ok()) return triples.status();
-    absl::StatusOr<std::string> text = SerializeRdf(*triples, type->format, query.prefixes);
+    absl::StatusOr<std::string> text = SerializeRdf(*std::move(triples), type->format, query.prefixes);
     if (!text.ok()) return text.status();
-    *triples = std::vector<TermQuad>();
-    if (!LongAnswer(Head(type->told), exchange_.get(), ports_.workers).SendAll(*std::move(text))) {
-      return absl::CancelledError("the client went away");
-    }
-    return absl::OkStatus();
+    return LongAnswer(Head(type->told), exchange_.get(), ports_.workers).SendAll(*std::move(text), &cancellation_);
   }
 
   HttpResponse Head(std::string_view content_type, std::string body = "") const {

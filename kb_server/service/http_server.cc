@@ -60,7 +60,7 @@ const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& 
 struct HttpServer::Impl {
   Impl(const HttpServerOptions& options, HttpRoutes routes, uint16_t port)
       : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts),
-               MemoryBudget("http_bodies_bytes", options.bodies_bytes)} {}
+               std::make_shared<MemoryBudget>("http_bodies_bytes", options.bodies_bytes)} {}
 
   net::awaitable<void> AcceptLoop();
   void Stop();
@@ -126,7 +126,7 @@ uint16_t HttpServer::port() const {
 
 HttpServer::Counts HttpServer::counts() const {
   return {impl_->shared.connections, impl_->shared.open, impl_->shared.requests, impl_->shared.refused,
-          impl_->shared.bodies.taken()};
+          impl_->shared.bodies->taken()};
 }
 
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOptions& options,

@@ -35,15 +35,22 @@ bool LongAnswer::End(std::string piece) {
   return there;
 }
 
-bool LongAnswer::SendAll(std::string text) {
-  if (text.size() <= kShortBytes || exchange_.request().method == "HEAD") return End(std::move(text));
+absl::Status LongAnswer::SendAll(std::string text, Cancellation* cancellation) {
+  if (text.size() <= kShortBytes || exchange_.request().method == "HEAD") {
+    End(std::move(text));
+    return absl::OkStatus();
+  }
   std::string piece;
   for (size_t at = 0; at < text.size(); at += kPieceBytes) {
+    absl::Status status = cancellation->CheckNow();
     piece.assign(text, at, kPieceBytes);
-    if (!Send(&piece)) return false;
+    if (status.ok() && !Send(&piece)) status = absl::CancelledError("the client went away");
+    if (status.ok()) continue;
+    exchange_.Abort();
+    return status;
   }
   exchange_.End();
-  return true;
+  return absl::OkStatus();
 }
 
 }  // namespace docent

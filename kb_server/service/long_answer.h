@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "absl/status/status.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/service/http_exchange.h"
 #include "kb_server/service/worker_pool.h"
 
@@ -25,8 +27,8 @@ class LongAnswer {
   bool Send(std::string* piece);
   // The last piece.
   bool End(std::string piece);
-  // A text that is known at once.
-  bool SendAll(std::string text);
+  // A text that is known at once. CANCELLED if the client has gone, and what `cancellation` says: then it is cut.
+  absl::Status SendAll(std::string text, Cancellation* cancellation);
 
  private:
   HttpResponse head_;

@@ -87,7 +87,7 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
       if (quad.object.IsBlank()) resources.Add(quad.object, prepared);
       out.push_back({dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
                      dictionary.Decode(quad.object), Term{}});
-      if (!prepared.Charge(sizeof(TermQuad) + TextBytes(out.back()))) stopped = prepared.status();
+      if (!prepared.Charge(2 * (sizeof(TermQuad) + TextBytes(out.back())))) stopped = prepared.status();
       return stopped.ok();
     });
   }

@@ -10,11 +10,12 @@ bool EvaluationContext::PollNow() {
   return status.ok();
 }
 
-bool EvaluationContext::Refuse() {
+bool EvaluationContext::Refuse(size_t more) {
   polls_left_ = 1;  // the next one tells
   if (status.ok()) {
     status = memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
-                                                          std::to_string(memory_limit_)));
+                                                          std::to_string(memory_limit_)),
+                             more);
   }
   return false;
 }

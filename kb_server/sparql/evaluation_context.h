@@ -71,15 +71,11 @@ class EvaluationContext {
 
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
   bool Charge(size_t bytes) {
-    return memory_.Add(bytes) || Refuse();
+    return memory_.Add(bytes) || Refuse(0);
   }
 
   // Whether so much more could be charged; if not, `status` is set as by Charge.
-  bool HasRoom(size_t bytes) {
-    const bool room = Charge(bytes);
-    Release(bytes);
-    return room;
-  }
+  bool HasRoom(size_t bytes) { return memory_.HasRoom(bytes) || Refuse(bytes); }
   // Memory that was charged and is free again.
   void Release(size_t bytes) { memory_.Release(bytes); }
   // For what is kept only to be quicker.
@@ -119,7 +115,7 @@ class EvaluationContext {
   static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
 
   bool PollNow();
-  bool Refuse();
+  bool Refuse(size_t more);
 
   int polls_left_ = 1;  // until the status, the caller and the clock are looked at
   const size_t memory_limit_;

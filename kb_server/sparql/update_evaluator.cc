@@ -292,7 +292,7 @@ class Evaluation {
     if (!quads.ok()) return quads.status();
     const bool into = operation.target.kind == GraphTarget::Kind::kGraph;
     const Term graph = into ? operation.target.graph : Term::Iri(std::string(kDefaultGraph));
-    const size_t before = effect_.operations.size();
+    const size_t before = effect_.operations.size(), used = memory_.used();
     for (TermQuad& quad : *quads) {
       for (Term* term : {&quad.subject, &quad.object}) {
         if (term->IsBlank()) term->lexical = BlankLabel("d" + term->lexical, 0);
@@ -305,6 +305,7 @@ class Evaluation {
       }
       if (status.ok()) status = Emit(QuadOperation::Kind::kAdd, std::move(quad));
       if (!status.ok()) {
+        memory_.Release(memory_.used() - used);
         effect_.operations.resize(before);
         return status;
       }

@@ -220,7 +220,7 @@ TEST_F(ServerExplainTest, AQuestionThatWouldInferMillionsEndsInTime) {
   EXPECT_TRUE(Ask(":a1 :in :Hall"));  // who works on it is free again
   const auto took = std::chrono::steady_clock::now() - begun;
   std::printf("free after %.2f s\n", std::chrono::duration<double>(took).count());
-  EXPECT_LT(took, std::chrono::seconds(30));
+  EXPECT_LT(took, std::chrono::seconds(2));  // without an end it takes many seconds
 
   StopServer();
   settings_.limits.query_timeout_ms = 100;

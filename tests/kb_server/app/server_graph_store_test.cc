@@ -92,7 +92,7 @@ TEST_F(GraphStoreTest, EveryFormatInAndOut) {
 }
 
 TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
-  settings_.limits.queries_memory_bytes = 30u << 20;
+  settings_.limits.queries_memory_bytes = 40u << 20;
   StartServer();
   std::string turtle;
   for (int i = 0; i < 7000; ++i) absl::StrAppend(&turtle, "<urn:w:a> <urn:w:p> \"", i, std::string(2000, 'x'), "\" .\n");
@@ -111,10 +111,10 @@ TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
   HttpClient slow(http_port());
   ASSERT_TRUE(slow.Send(absl::StrCat("GET /rdf-graphs?graph=urn:w:g HTTP/1.1\r\nHost: localhost:", http_port(),
                                      "\r\nAccept: application/n-triples\r\n\r\n")));
-  ASSERT_TRUE(await_held(17e6, 30e6));
+  ASSERT_TRUE(await_held(13e6, 20e6));
   HttpReply other = get();
   ASSERT_EQ(other.status, 503);
-  EXPECT_THAT(other.body, HasSubstr("queries_memory_bytes = 31457280"));
+  EXPECT_THAT(other.body, HasSubstr("queries_memory_bytes = 41943040"));
   EXPECT_TRUE(Holds(":a :p ?o")) << "small queries go on";
   const HttpReply taken = slow.Receive();
   ASSERT_EQ(taken.status, 200);

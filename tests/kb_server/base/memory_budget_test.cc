@@ -56,6 +56,22 @@ TEST(MemoryBudgetTest, UsesShareWhatThereIsAndGiveItBack) {
   EXPECT_EQ(all.taken(), 0u);
 }
 
+TEST(MemoryBudgetTest, WhatIsReleasedIsThereForOthers) {
+  MemoryBudget all("all_bytes", 100 * kMiB);
+  MemoryUse use(SIZE_MAX, &all);
+  EXPECT_TRUE(use.Add(90 * kMiB));
+  EXPECT_TRUE(use.HasRoom(5 * kMiB));
+  EXPECT_FALSE(use.HasRoom(20 * kMiB));
+  EXPECT_LE(all.taken(), 91 * kMiB) << "looking takes nothing";
+  use.Release(80 * kMiB);
+  EXPECT_GE(all.taken(), 10 * kMiB - 256 * 1024);
+  EXPECT_LE(all.taken(), 12 * kMiB);
+  EXPECT_TRUE(use.Add(80 * kMiB));
+  MemoryUse small(10 * kMiB, &all);
+  EXPECT_FALSE(small.HasRoom(11 * kMiB));
+  EXPECT_EQ(small.Refusal(kOwn, 11 * kMiB), kOwn);
+}
+
 TEST(MemoryBudgetTest, WhatIsKeptToBeQuickerLeavesRoomForOthers) {
   MemoryBudget all("all_bytes", 4 * kMiB);
   MemoryUse first(100 * kMiB, &all), second(100 * kMiB, &all);

@@ -170,7 +170,7 @@ TEST_F(QueryBombs, AnExpressionKeepsNothing) {
   PrepareOptions options;
   options.all_memory = &all;
   const Query query = g_.Parse(
-      "SELECT * { FILTER EXISTS { { SELECT DISTINCT ?a ?b ?c { ?a ex:p ?b . ?c ex:p ?d } } FILTER(?a = ?b) } }");
+      "SELECT * { FILTER EXISTS { { SELECT DISTINCT ?a ?b ?c { ?a ex:p ?b . ?c ex:p ?d } } FILTER(?a = 7) } }");
   const Expression* filter = nullptr;
   AnyNode(*query.algebra, [&](const Algebra& node) {
     ForEachExpression(node, [&](const Expression& e) { filter = filter == nullptr ? &e : filter; });
@@ -179,8 +179,12 @@ TEST_F(QueryBombs, AnExpressionKeepsNothing) {
   ASSERT_NE(filter, nullptr);
   auto expression = PreparedExpression::Prepare(*filter, {}, g_.dictionary, options);
   ASSERT_TRUE(expression.ok()) << expression.status();
-  EXPECT_TRUE(*(*expression)->Test(g_.Run(), {}));
+  EXPECT_FALSE(*(*expression)->Test(g_.Run(), {}));
   EXPECT_EQ(all.taken(), 0u);
+  MemoryBudget none("all_bytes", 0);
+  options.all_memory = &none;
+  expression = PreparedExpression::Prepare(*filter, {}, g_.dictionary, options);
+  EXPECT_EQ((*expression)->Test(g_.Run(), {}).status().code(), absl::StatusCode::kResourceExhausted) << "it needs some";
 }
 
 TEST_F(QueryBombs, AHugeValuesBlockStreams) {
