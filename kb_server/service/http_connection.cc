@@ -113,7 +113,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   }
   const unsigned version = parser.get().version();
   std::shared_ptr<MemoryUse> body_memory(new MemoryUse(SIZE_MAX, shared_.bodies.get()),
-                                               [budget = shared_.bodies](MemoryUse* use) { delete use; });
+                                         [budget = shared_.bodies](MemoryUse* use) { delete use; });
   HttpRequest request;
   const HttpHandler* handler = nullptr;
   std::optional<HttpResponse> refusal = CheckHeader(parser, &request, &handler);
