@@ -52,6 +52,12 @@ class HttpClient {
     return true;
   }
 
+  // Waits until an answer begins, and takes nothing of it.
+  bool AwaitAnswer() {
+    char byte;
+    return recv(fd_, &byte, 1, MSG_PEEK) == 1;
+  }
+
   // Adds Host unless `headers` has one, and Content-Length for a body. `headers`: whole lines.
   HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
                 const std::string& body = "") {
