@@ -6,29 +6,23 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/text_bytes.h"
 
 namespace docent {
 namespace {
 
-size_t BytesOf(const Term& term) {
-  return term.lexical.size() + term.datatype.size() + term.language.size();
-}
-
 size_t BytesOf(const WriteBatch& batch) {
   size_t bytes = 0;
-  for (const QuadOperation& operation : batch.operations) {
-    const TermQuad& quad = operation.quad;
-    bytes += BytesOf(quad.subject) + BytesOf(quad.predicate) + BytesOf(quad.object) + BytesOf(quad.graph);
-  }
-  for (const SensorReading& reading : batch.readings) bytes += reading.sensor.size() + BytesOf(reading.value);
+  for (const QuadOperation& operation : batch.operations) bytes += TextBytes(operation.quad);
+  for (const SensorReading& reading : batch.readings) bytes += reading.sensor.size() + TextBytes(reading.value);
   for (const Document& document : batch.documents) bytes += document.text.size();
   for (const CommandReport& report : batch.reports) {
     bytes += report.message.size();
-    for (const auto& [name, value] : report.results) bytes += name.size() + BytesOf(value);
+    for (const auto& [name, value] : report.results) bytes += name.size() + TextBytes(value);
   }
   for (const RunRequest& request : batch.run_requests) {
     bytes += request.target.size();
-    for (const auto& [name, value] : request.arguments) bytes += name.size() + BytesOf(value);
+    for (const auto& [name, value] : request.arguments) bytes += name.size() + TextBytes(value);
   }
   return bytes;
 }
