@@ -25,6 +25,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/sparql/evaluator.h"
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/rules/inconsistency.h"
@@ -82,6 +83,7 @@ class Materialiser {
     return {t.subject, t.predicate, t.object, context_.inferred_graph};
   }
   const GraphVersion& graph() const { return context_.writer.current(); }
+  sparql::RunOptions Now() const { return {.version = &graph(), .cancellation = context_.cancellation}; }
   bool IsInferred(const Triple& t) const { return graph().Contains(InferredQuad(t)); }
   bool IsPresent(const Triple& t) const {
     return graph().Scan({t.subject, t.predicate, t.object, TermId()}).Valid();

@@ -133,7 +133,7 @@ bool Materialiser::InScope(uint32_t rule) const {
 }
 
 absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phase phase) {
-  const sparql::RunOptions run{.version = &graph(), .cancellation = context_.cancellation};
+  const sparql::RunOptions run = Now();
   context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
     const CompiledRule& rule = program_.rules[instance.rule];
@@ -159,7 +159,7 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
 }
 
 absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative) {
-  const sparql::RunOptions run{.version = &graph(), .cancellation = context_.cancellation};
+  const sparql::RunOptions run = Now();
   const Triple triple = {quad.subject, quad.predicate, quad.object};
   program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const CompiledRule& rule = program_.rules[reference.owner];
@@ -191,16 +191,16 @@ absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
   body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
   const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
   if (whole && !whole_.insert(task.rule).second) return absl::OkStatus();
-  const absl::Status status = body.Evaluate(
-      {.version = &graph(), .cancellation = context_.cancellation}, seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  const absl::Status status =
+      body.Evaluate(Now(), seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 
 absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phase phase) {
   const CompiledRule& rule = program.rules[number];
   const std::vector<TermId> nothing(rule.body->columns().size());
-  const absl::Status status = rule.body->Evaluate(
-      {.version = &graph(), .cancellation = context_.cancellation}, nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  const absl::Status status =
+      rule.body->Evaluate(Now(), nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 
@@ -212,7 +212,7 @@ absl::Status Materialiser::FireInstances(uint32_t number) {
   context_.schema.ForEachInstance(number, [&](const std::vector<TermId>& row) {
     if (!status.ok() || !status_.ok()) return;
     status = rule.body->EvaluateRest(
-        {.version = &graph(), .cancellation = context_.cancellation}, row, rule.schema, filters,
+        Now(), row, rule.schema, filters,
         [&](absl::Span<const TermId> found) { return Emit(rule, found, Phase::kAdd); });
   });
   return status.ok() ? status_ : status;

@@ -154,7 +154,7 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
   program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) {
     makers.push_back({r.owner, r.pattern, nullptr});
   });
-  const sparql::RunOptions run{.version = &graph(), .cancellation = context_.cancellation};
+  const sparql::RunOptions run = Now();
   for (const Maker& maker : makers) {
     const CompiledRule& rule = program_.rules[maker.rule];
     const HeadTriple& head = rule.head[maker.head];
@@ -195,7 +195,7 @@ absl::Status Materialiser::RepeatChecks(int stratum) {
     const CompiledRule& rule = program_.rules[check.rule];
     if (rule.stratum != stratum) continue;
     absl::Status status =
-        rule.body->Evaluate({.version = &graph(), .cancellation = context_.cancellation}, check.row,
+        rule.body->Evaluate(Now(), check.row,
                             [&](absl::Span<const TermId> row) { return Emit(rule, row, Phase::kAdd); });
     if (status.ok()) status = status_;
     if (!status.ok()) return status;
