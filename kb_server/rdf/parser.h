@@ -29,10 +29,10 @@ struct ParseRdfOptions {
   Limits limits;  // document_bytes, term_bytes, turtle_nesting, xml_nesting, document_diagnostics
 };
 
-// All quads of `text`, at most one for each 32 bytes of document_bytes; their graph is empty where the document names none. On an error: no quads, but every
-// mistake found (line, column, message, hint). A document type definition in RDF/XML is refused, nothing is
-// ever fetched; invalid UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle
-// family, where RDF has it. `prefixes` holds the document's prefix declarations in order.
+// All quads of `text`, at most one for each 32 bytes of document_bytes; their graph is empty where the document names
+// none. On an error: no quads, but every mistake found (line, column, message, hint). A document type definition in
+// RDF/XML is refused, nothing is ever fetched; invalid UTF-8 is an error, and so is the character U+0000 but in a
+// literal of the Turtle family, where RDF has it. `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;

@@ -17,8 +17,8 @@ bool LongAnswer::Send(std::string* piece) {
     if (exchange_.full()) waiting.emplace(&workers_);
     there = exchange_.Write(*piece);
   } else {
-    head_.body = *piece;
-    exchange_.Begin(head_);
+    head_.body.swap(*piece);
+    exchange_.Begin(std::move(head_));
   }
   piece->clear();
   return there;
