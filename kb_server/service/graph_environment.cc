@@ -83,7 +83,7 @@ class LiveEnvironment final : public cawl::Environment {
       if (!id) return false;
       *place = *id;
     }
-    return version_->Scan(pattern).Valid();
+    return version_->ContainsMatch(pattern);
   }
   bool HasType(const std::string& iri, const std::vector<std::string>& types) const {
     return std::any_of(types.begin(), types.end(),

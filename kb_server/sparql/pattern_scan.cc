@@ -64,12 +64,7 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
       *positions[i] = id;
     }
   }
-  if (known_) {
-    context.version->Rescan(quad, &cursor_);
-  } else {
-    cursor_ = context.version->Scan(quad);
-    known_ = true;
-  }
+  context.version->Rescan(quad, &cursor_);
   last_ = Quad{};
   valid_ = true;
   first_ = true;

@@ -21,9 +21,9 @@ class PatternScan {
   uint64_t Count(TermId* row);
   void Close(TermId* row);
   // The version may be another one from now on.
-  void Forget() { known_ = false; }
+  void Forget() { cursor_.Forget(); }
   // How many Opens found their matches elsewhere than beside the last ones.
-  uint64_t descents() const { return known_ ? cursor_.descents() : 0; }
+  uint64_t descents() const { return cursor_.descents(); }
 
  private:
   // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.
@@ -39,7 +39,6 @@ class PatternScan {
 
   EvaluationContext* context_ = nullptr;
   QuadCursor cursor_;
-  bool known_ = false;  // cursor_ is of the context's version
   Quad last_;
   bool valid_ = false;
   bool first_ = false;

@@ -55,6 +55,13 @@ bool GraphVersion::Contains(const Quad& quad) const {
   return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
 }
 
+bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
+  const IndexOrder order = pattern.graph.IsNone() ? OrderWithoutGraph(pattern) : OrderFor(pattern);
+  const KeyRange range = RangeOf(pattern, order);
+  if (!range.exact) return ScanInOrder(pattern, order).Valid();
+  return tree(order).ContainsAny(range.first, range.last);
+}
+
 IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
   IndexOrder order = OrderWithoutGraph(pattern);
   if (pattern.graph.IsNone()) return order;
@@ -69,11 +76,22 @@ IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
 }
 
 QuadCursor GraphVersion::Scan(const QuadPattern& pattern) const {
-  return ScanInOrder(pattern, OrderFor(pattern));
+  QuadCursor cursor;
+  Open(pattern, OrderFor(pattern), &cursor);
+  return cursor;
+}
+
+QuadCursor GraphVersion::ScanInOrder(const QuadPattern& pattern, IndexOrder order) const {
+  QuadCursor cursor;
+  Open(pattern, order, &cursor);
+  return cursor;
 }
 
 void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const {
-  const IndexOrder order = OrderFor(pattern);
+  Open(pattern, OrderFor(pattern), cursor);
+}
+
+void GraphVersion::Open(const QuadPattern& pattern, IndexOrder order, QuadCursor* cursor) const {
   const QuadTree& over = tree(order);
   const KeyRange range = RangeOf(pattern, order);
   if (cursor->tree_ == &over) {
@@ -81,23 +99,11 @@ void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const 
   } else {
     cursor->tree_ = &over;
     cursor->order_ = order;
-    cursor->iterator_ = over.Range(range.first, range.last);
+    over.Range(range.first, range.last, &cursor->iterator_);
   }
   cursor->pattern_ = pattern;
   cursor->filter_ = !range.exact;
   cursor->Settle();
-}
-
-QuadCursor GraphVersion::ScanInOrder(const QuadPattern& pattern, IndexOrder order) const {
-  KeyRange range = RangeOf(pattern, order);
-  QuadCursor cursor;
-  cursor.tree_ = &tree(order);
-  cursor.order_ = order;
-  cursor.pattern_ = pattern;
-  cursor.filter_ = !range.exact;
-  cursor.iterator_ = tree(order).Range(range.first, range.last);
-  cursor.Settle();
-  return cursor;
 }
 
 uint64_t GraphVersion::Count(const QuadPattern& pattern) const {

@@ -46,8 +46,10 @@ class QuadCursor {
   // Requires Valid().
   const Quad& quad() const { return quad_; }
   IndexOrder order() const { return order_; }
+  // Of no version from now on: nothing but a Rescan may follow.
+  void Forget() { tree_ = nullptr; }
   // How many Rescans found their matches elsewhere than beside the last ones, since it changed its order.
-  uint64_t descents() const { return iterator_.descents(); }
+  uint64_t descents() const { return tree_ == nullptr ? 0 : iterator_.descents(); }
 
  private:
   friend class GraphVersion;
@@ -71,11 +73,13 @@ class GraphVersion {
   uint64_t size() const { return trees_[0].size(); }
 
   bool Contains(const Quad& quad) const;
+  // Whether Scan(pattern) finds anything; quicker.
+  bool ContainsMatch(const QuadPattern& pattern) const;
   // Matches in the order that suits the pattern. A triple that stands in two graphs comes twice: adjacent,
   // since where no graph is bound the graph is the last word of the order.
   QuadCursor Scan(const QuadPattern& pattern) const;
   // *cursor = Scan(pattern), quicker where the cursor is of this version already and the matches lie near those of its
-  // last pattern. The version must not have changed since the cursor was made.
+  // last pattern. The version must not have changed since the cursor was made. A new or forgotten cursor will do, too.
   void Rescan(const QuadPattern& pattern, QuadCursor* cursor) const;
   // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo
   // the copies of a triple are not adjacent.
@@ -111,6 +115,8 @@ class GraphVersion {
   GraphVersion(const GraphVersion&) = default;
 
   IndexOrder OrderFor(const QuadPattern& pattern) const;
+  // The cursor is of this version, or of none.
+  void Open(const QuadPattern& pattern, IndexOrder order, QuadCursor* cursor) const;
   const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
 
   std::array<QuadTree, kIndexOrders> trees_;  // by IndexOrder

@@ -171,6 +171,22 @@ bool QuadTree::Contains(const Key& key) const {
   return root_ != nullptr && Descend(key).found;
 }
 
+bool QuadTree::ContainsAny(const Key& first, const Key& last) const {
+  if (root_ == nullptr || last < first) return false;
+  const Node* node = root_;
+  bool beyond = false;  // the range goes on beyond the nodes on the way down
+  for (int level = 0; level < height_; ++level) {
+    const Inner* inner = static_cast<const Inner*>(node);
+    const int index = inner->ChildFor(first);
+    beyond = beyond || (index + 1 < inner->count && !Inner::IsGreater(inner->keys[index + 1], last));
+    node = inner->children[index];
+  }
+  const Leaf* leaf = static_cast<const Leaf*>(node);
+  const int position = leaf->LowerBound(first, 0, leaf->count);
+  if (position < leaf->count) return !leaf->GreaterAt(position, last);
+  return beyond && Range(first, last).Valid();
+}
+
 QuadTree::Key QuadTree::KeyAt(uint64_t rank) const {
   const Node* node = root_;
   for (int level = 0; level < height_; ++level) {

@@ -47,6 +47,8 @@ class QuadTree {
   bool Erase(const Key& key, uint64_t epoch);
 
   bool Contains(const Key& key) const;
+  // Whether there is a key k with first <= k <= last. O(log n).
+  bool ContainsAny(const Key& first, const Key& last) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
   // The key that `rank` keys stand before, and how many keys are below `key`. O(log n). KeyAt requires rank < size().
@@ -54,6 +56,8 @@ class QuadTree {
   uint64_t RankOf(const Key& key) const { return CountBelow(root_, 0, key, false); }
   // The keys k with first <= k <= last, in order. The tree must outlive the iterator.
   Iterator Range(const Key& first, const Key& last) const;
+  // *iterator = Range(first, last), without a copy of it.
+  void Range(const Key& first, const Key& last, Iterator* iterator) const;
 
   uint64_t size() const { return size_; }
   // Memory of all nodes reachable from this tree, shared or not. O(1).

@@ -13,11 +13,21 @@ void PrefetchLeaf(const QuadTree::Node* leaf) {
 
 QuadTree::Iterator QuadTree::Range(const Key& first, const Key& last) const {
   Iterator iterator;
-  if (root_ == nullptr || last < first) return iterator;
-  iterator.last_ = last;
-  iterator.height_ = height_;
-  iterator.DescendFrom(0, root_, first);
+  Range(first, last, &iterator);
   return iterator;
+}
+
+void QuadTree::Range(const Key& first, const Key& last, Iterator* iterator) const {
+  iterator->descents_ = 0;
+  iterator->height_ = height_;
+  iterator->last_ = last;
+  if (root_ != nullptr && !(last < first)) {
+    iterator->DescendFrom(0, root_, first);
+    return;
+  }
+  iterator->leaf_ = nullptr;
+  iterator->position_ = iterator->limit_ = 0;
+  iterator->last_leaf_ = true;
 }
 
 QuadTree::Key QuadTree::Iterator::key() const {

@@ -85,7 +85,7 @@ bool Body::FlatPlan::IsBound(const Filter& filter) const {
 }
 
 bool Body::FlatPlan::Exists(const ExistsTest& test, const GraphVersion& version) const {
-  return version.Scan(Bind(test.pattern)).Valid() != test.negated;
+  return version.ContainsMatch(Bind(test.pattern)) != test.negated;
 }
 
 // False: stop.
@@ -138,6 +138,7 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
       fresh[fresh_count++] = pattern.columns[i];
     }
   }
+  if (fresh_count == 0) return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
   bool go_on = true;
   Quad last;
   for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.Next()) {
@@ -155,7 +156,6 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
     }
     for (int i = 0; fits && i < fresh_count; ++i) fits = TestBound(fresh[i]);
     if (fits) go_on = Join(run, open & ~(1u << next));
-    if (fresh_count == 0) break;
   }
   for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
   return go_on;

@@ -86,7 +86,7 @@ class Materialiser {
   sparql::RunOptions Now() const { return {.version = &graph(), .cancellation = context_.cancellation}; }
   bool IsInferred(const Triple& t) const { return graph().Contains(InferredQuad(t)); }
   bool IsPresent(const Triple& t) const {
-    return graph().Scan({t.subject, t.predicate, t.object, TermId()}).Valid();
+    return graph().ContainsMatch({t.subject, t.predicate, t.object, TermId()});
   }
 
   void ReadTold();

@@ -58,6 +58,7 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     for (auto it = tree.Range(first, last); it.Valid(); it.Next()) found.push_back(it.key());
     ASSERT_EQ(found, expected);
     ASSERT_EQ(tree.CountRange(first, last), expected.size());
+    ASSERT_EQ(tree.ContainsAny(first, last), !expected.empty());
     ASSERT_EQ(tree.RankOf(first), static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
     if (!model.empty()) {
       const uint64_t rank = source->random() % model.size();

@@ -67,6 +67,7 @@ TEST(GraphVersionTest, EveryPatternFindsWhatItMatches) {
       std::sort(found.begin(), found.end());
       ASSERT_EQ(found, expected) << "mask " << mask;
       bool exact = (mask & 8) == 0 || mask == 8 || mask == 9 || mask == 11 || mask == 15;
+      ASSERT_EQ(version.ContainsMatch(pattern), !expected.empty()) << "mask " << mask;
       if (exact)
         ASSERT_EQ(version.Count(pattern), expected.size()) << "mask " << mask;
       else
