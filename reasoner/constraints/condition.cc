@@ -97,43 +97,40 @@ uint32_t Condition::NewSlot(const Key& key) {
     slot = keyed_->free.back();
     keyed_->free.pop_back();
   }
+  witnesses_[slot].key = key;
   keyed_->slots.emplace(key, slot);
   return slot;
 }
 
-void Condition::SetWitness(const Key& key, absl::Span<const TermId> row) {
-  const int known = SlotOf(key);
-  const uint32_t slot = known < 0 ? NewSlot(key) : static_cast<uint32_t>(known);
+void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
   Witness& witness = witnesses_[slot];
   Unwatch(witness);
-  witness.key = key;
   witness.row.assign(row.begin(), row.end());
   Watch(slot);
 }
 
-void Condition::DropWitness(const Key& key) {
-  const auto slot = static_cast<uint32_t>(SlotOf(key));
-  Unwatch(witnesses_[slot]);
+void Condition::DropSlot(uint32_t slot) {
+  Witness& witness = witnesses_[slot];
+  Unwatch(witness);
   --present_;
   if (!has_keys()) return;
   keyed_->free.push_back(slot);
-  keyed_->slots.erase(key);
+  keyed_->slots.erase(witness.key);
 }
 
 void Condition::Watch(uint32_t slot) {
   Witness& witness = witnesses_[slot];
+  const PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness};
   for (const Trigger& trigger : body_->triggers()) {
     const MatchPattern match = body_->Instantiate(trigger, witness.row);
-    if (RisesOnAdd(trigger.polarity))
-      witness.on_remove.push_back(indexes_.break_on_remove.Add(match, {number_, slot}));
-    if (RisesOnRemove(trigger.polarity))
-      witness.on_add.push_back(indexes_.break_on_add.Add(match, {number_, slot}));
+    if (RisesOnAdd(trigger.polarity)) witness.on_remove.push_back(indexes_.on_remove.Add(match, reference));
+    if (RisesOnRemove(trigger.polarity)) witness.on_add.push_back(indexes_.on_add.Add(match, reference));
   }
 }
 
 void Condition::Unwatch(Witness& witness) {
-  for (const PatternIndex::Handle handle : witness.on_add) indexes_.break_on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : witness.on_remove) indexes_.break_on_remove.Remove(handle);
+  for (const PatternIndex::Handle handle : witness.on_add) indexes_.on_add.Remove(handle);
+  for (const PatternIndex::Handle handle : witness.on_remove) indexes_.on_remove.Remove(handle);
   witness.on_add.clear();
   witness.on_remove.clear();
 }
@@ -141,8 +138,10 @@ void Condition::Unwatch(Witness& witness) {
 bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   Key key = KeyOf(row);
   if (Has(key)) return false;
-  SetWitness(key, row);
-  edits.push_back({std::move(key), false, {}});
+  SetRow(NewSlot(key), row);
+  Edit& edit = edits.emplace_back();
+  edit.condition = number_;
+  edit.key = std::move(key);
   return true;
 }
 
@@ -158,13 +157,17 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
 }
 
 absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits) {
-  const Key key = witnesses_[slot].key;
-  const Row before = witnesses_[slot].row;
-  if (!has_keys() && watches_one() && IsBlocked(*run.version)) {
-    edits.push_back({key, true, before});
-    DropWitness(key);
+  const auto drop = [&] {
+    Edit& edit = edits.emplace_back();
+    edit.condition = number_;
+    edit.was_present = true;
+    edit.key = witnesses_[slot].key;
+    edit.before = std::move(witnesses_[slot].row);
+    DropSlot(slot);
     return absl::OkStatus();
-  }
+  };
+  if (!has_keys() && watches_one() && IsBlocked(*run.version)) return drop();
+  const Key& key = witnesses_[slot].key;
   std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < keys_.size(); ++i) {
     if (body_->columns()[keys_[i]].certain) seed[keys_[i]] = key[i];
@@ -178,13 +181,14 @@ absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Ed
     return false;
   });
   if (!status.ok()) return status;
-  if (found && after == before) return absl::OkStatus();
-  edits.push_back({key, true, before});
-  if (found) {
-    SetWitness(key, after);
-  } else {
-    DropWitness(key);
-  }
+  if (!found) return drop();
+  if (after == witnesses_[slot].row) return absl::OkStatus();
+  Edit& edit = edits.emplace_back();
+  edit.condition = number_;
+  edit.was_present = true;
+  edit.key = key;
+  edit.before = witnesses_[slot].row;
+  SetRow(slot, after);
   return absl::OkStatus();
 }
 
@@ -241,10 +245,11 @@ absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
 }
 
 void Condition::Undo(const Edit& edit) {
+  const int slot = SlotOf(edit.key);
   if (edit.was_present) {
-    SetWitness(edit.key, edit.before);
+    SetRow(slot < 0 ? NewSlot(edit.key) : static_cast<uint32_t>(slot), edit.before);
   } else {
-    DropWitness(edit.key);
+    DropSlot(static_cast<uint32_t>(slot));
   }
 }
 
@@ -254,7 +259,7 @@ MatchPattern Condition::MatchOf(const Trigger& trigger) const {
 
 bool Condition::IsBlocked(const GraphVersion& version) {
   const Trigger& trigger = body_->triggers()[static_cast<size_t>(armed_trigger_)];
-  blocked_ = !version.Scan(MatchOf(trigger).constants).Valid();
+  blocked_ = !version.ContainsMatch(MatchOf(trigger).constants);
   return blocked_;
 }
 
@@ -268,7 +273,7 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
     const Trigger& trigger = triggers[static_cast<size_t>(i)];
     if (!trigger.required || trigger.polarity != Polarity::kPositive) return;
     const QuadPattern constants = MatchOf(trigger).constants;
-    if (ConstantCount(constants) <= best_constants || version.Scan(constants).Valid()) return;
+    if (ConstantCount(constants) <= best_constants || version.ContainsMatch(constants)) return;
     best = i;
     best_constants = ConstantCount(constants);
   };
@@ -281,14 +286,14 @@ void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
   const MatchPattern match = MatchOf(watched);
   if (RisesOnAdd(watched.polarity))
-    armed_on_add_.push_back(indexes_.rise_on_add.Add(match, {number_, trigger}));
+    armed_on_add_.push_back(indexes_.on_add.Add(match, {number_, trigger}));
   if (RisesOnRemove(watched.polarity))
-    armed_on_remove_.push_back(indexes_.rise_on_remove.Add(match, {number_, trigger}));
+    armed_on_remove_.push_back(indexes_.on_remove.Add(match, {number_, trigger}));
 }
 
 void Condition::Disarm() {
-  for (const PatternIndex::Handle handle : armed_on_add_) indexes_.rise_on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : armed_on_remove_) indexes_.rise_on_remove.Remove(handle);
+  for (const PatternIndex::Handle handle : armed_on_add_) indexes_.on_add.Remove(handle);
+  for (const PatternIndex::Handle handle : armed_on_remove_) indexes_.on_remove.Remove(handle);
   armed_on_add_.clear();
   armed_on_remove_.clear();
   if (joined_) shape_->Leave(number_, constants_);

@@ -56,11 +56,13 @@ class Condition {
 
   // What changed, to be told and to be undone.
   struct Edit {
+    uint32_t condition = 0;  // its number
     Key key;
     bool was_present = false;
-    Row before;  // the witness that was there
+    Row before;         // the witness that was there
+    uint32_t next = 0;  // for the caller's own use
   };
-  using Edits = absl::InlinedVector<Edit, 1>;
+  using Edits = std::vector<Edit>;
 
   // The witness `slot` may be broken: looks for another with its key.
   absl::Status Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits);
@@ -123,8 +125,8 @@ class Condition {
   uint32_t NewSlot(const Key& key);
   // Takes `row` as witness of its key unless it has one. True if it is new.
   bool Take(absl::Span<const TermId> row, Edits& edits);
-  void SetWitness(const Key& key, absl::Span<const TermId> row);
-  void DropWitness(const Key& key);
+  void SetRow(uint32_t slot, absl::Span<const TermId> row);
+  void DropSlot(uint32_t slot);
   void Watch(uint32_t slot);
   void Unwatch(Witness& witness);
   MatchPattern MatchOf(const Trigger& trigger) const;

@@ -123,7 +123,7 @@ void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool
     conditions[alone].condition->SetShape(shapes[*like.shape].get(), std::move(values));
     if (alone == number) continue;  // its maker arms it
     conditions[alone].condition->Arm(&now);
-    journal.push_back({JournalEntry::Kind::kArmed, alone, {}, {}});
+    journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
   }
 }
 
@@ -213,7 +213,7 @@ absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, c
   }
   ++impl_->next_id;
   impl_->followers.emplace(id, follower);
-  impl_->journal.push_back({Impl::JournalEntry::Kind::kRegistered, follower.condition, id, {}});
+  impl_->journal.push_back({Impl::JournalEntry::Kind::kRegistered, follower.condition, id});
   return id;
 }
 
@@ -222,7 +222,7 @@ void ConstraintSet::Remove(ConstraintId id) {
   if (found == impl_->followers.end() || found->second.removed) return;
   found->second.removed = true;
   ++impl_->removals;
-  impl_->journal.push_back({Impl::JournalEntry::Kind::kRemoved, found->second.condition, id, {}});
+  impl_->journal.push_back({Impl::JournalEntry::Kind::kRemoved, found->second.condition, id});
 }
 
 ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {

@@ -39,19 +39,20 @@ struct ConstraintSet::Impl {
     std::optional<Threshold> threshold;
   };
   struct JournalEntry {
-    enum class Kind : uint8_t { kEdit, kArmed, kRegistered, kRemoved } kind;
+    enum class Kind : uint8_t { kArmed, kRegistered, kRemoved } kind;
     uint32_t condition = 0;
     ConstraintId id;
-    Condition::Edit edit;
   };
   // What the running Update finds to do with a condition.
   struct Touched {
+    static constexpr uint32_t kNone = ~0u;
     uint32_t condition = 0;
-    Condition::Edits edits;
-    int rises = 0;           // changes that a rise watch matched
-    bool full_done = false;  // evaluated whole: nothing is left to find
+    int rises = 0;  // changes that a rise watch matched
+    uint32_t first = kNone, last = kNone;  // in edits, where one names the next
+    bool full_done = false;                // evaluated whole: nothing is left to find
     bool held = false;
     bool probed = false;
+    bool edited() const { return first != kNone; }
   };
   struct Rise {
     uint32_t owner;  // condition, or shape with WatchIndexes::kIsShape
@@ -95,11 +96,15 @@ struct ConstraintSet::Impl {
   // Counts an evaluation that no change narrows, and how long it takes.
   absl::Status Whole(absl::FunctionRef<absl::Status()> evaluate);
   Touched& Touch(uint32_t number);
-  void GatherRises(const Delta& delta);
-  absl::Status RecheckBroken(const sparql::RunOptions& run, const Delta& delta);
+  // Who is concerned by the change: into broken, rises, shape_rises and touched.
+  void Gather(const Delta& delta);
+  void GatherOf(const Quad& quad, bool added);
+  absl::Status RecheckBroken(const sparql::RunOptions& run);
   absl::Status ProbeRises(const sparql::RunOptions& run);
   absl::Status ProbeShape(const Rise& rise, const sparql::RunOptions& run);
   absl::Status RefreshVolatile(const sparql::RunOptions& run);
+  // The edits from `begin` on are those of this update: each condition that was touched knows its own.
+  void LinkEdits(size_t begin);
   void Settle(const GraphVersion& version);
   absl::Status CollectChanges(std::vector<ConstraintChange>& changes);
   ConstraintChange ChangeOf(ConstraintId id, uint32_t number, const Touched& touched) const;
@@ -129,6 +134,8 @@ struct ConstraintSet::Impl {
   absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
   absl::flat_hash_map<ConstraintId, Follower> followers;
   std::vector<uint32_t> volatile_conditions;
+  // Since the last Commit.
+  Condition::Edits edits;
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
   uint64_t next_id = 1;

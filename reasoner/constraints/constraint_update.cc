@@ -26,37 +26,40 @@ absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evalua
   return status;
 }
 
-// Witnesses that a change may have broken.
-absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run, const Delta& delta) {
+void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
+  const PatternIndex& index = added ? indexes.on_add : indexes.on_remove;
+  index.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+    ++counters.candidates;
+    if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
+      broken.push_back({reference.owner, reference.pattern & ~WatchIndexes::kIsWitness});
+      return;
+    }
+    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
+    int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
+    if (++count > kMaxProbes) return;
+    rises.push_back({reference.owner, reference.pattern, &quad, added});
+  });
+}
+
+void ConstraintSet::Impl::Gather(const Delta& delta) {
+  touched.clear();
   broken.clear();
-  const auto gather = [&](PatternIndex::Reference reference) { broken.push_back(reference); };
-  for (const Quad& quad : delta.added) indexes.break_on_add.ForEachMatch(quad, gather);
-  for (const Quad& quad : delta.removed) indexes.break_on_remove.ForEachMatch(quad, gather);
-  counters.candidates += broken.size();
+  rises.clear();
+  shape_rises.clear();
+  for (const Quad& quad : delta.added) GatherOf(quad, true);
+  for (const Quad& quad : delta.removed) GatherOf(quad, false);
+}
+
+absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
   for (const auto& [number, slot] : broken) {
     Condition& condition = *conditions[number].condition;
     if (condition.stamp(slot) == counters.updates) continue;
     condition.stamp(slot) = counters.updates;
     ++counters.evaluations;
-    if (absl::Status status = condition.Recheck(slot, run, Touch(number).edits); !status.ok()) return status;
+    Touch(number);
+    if (absl::Status status = condition.Recheck(slot, run, edits); !status.ok()) return status;
   }
   return absl::OkStatus();
-}
-
-void ConstraintSet::Impl::GatherRises(const Delta& delta) {
-  rises.clear();
-  shape_rises.clear();
-  const auto gather = [&](const Quad& quad, bool added) {
-    return [this, &quad, added](PatternIndex::Reference reference) {
-      ++counters.candidates;
-      const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
-      int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
-      if (++count > kMaxProbes) return;
-      rises.push_back({reference.owner, reference.pattern, &quad, added});
-    };
-  };
-  for (const Quad& quad : delta.added) indexes.rise_on_add.ForEachMatch(quad, gather(quad, true));
-  for (const Quad& quad : delta.removed) indexes.rise_on_remove.ForEachMatch(quad, gather(quad, false));
 }
 
 absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
@@ -73,9 +76,9 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
     absl::Status status;
     if (touch.rises > kMaxProbes) {
       touch.full_done = true;
-      status = Whole([&] { return condition.ProbeAll(run, touch.edits); });
+      status = Whole([&] { return condition.ProbeAll(run, edits); });
     } else if (const auto probe = [&] {
-                 return condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, touch.edits);
+                 return condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, edits);
                };
                condition.narrows(rise.trigger)) {
       status = probe();
@@ -96,7 +99,8 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   ++counters.evaluations;
   absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {
-                                             conditions[number].condition->Offer(row, Touch(number).edits);
+                                             Touch(number);
+                                             conditions[number].condition->Offer(row, edits);
                                            });
   if (!found.ok() || *found) return found.status();
   for (const uint32_t number : shape.Waiting()) {
@@ -105,8 +109,8 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
     if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;
     absl::Status status =
-        whole ? condition.ProbeAll(run, touch.edits)
-              : condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, touch.edits);
+        whole ? condition.ProbeAll(run, edits)
+              : condition.Probe(rise.trigger, *rise.quad, rise.added, run, touch.full_done, edits);
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -114,7 +118,7 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
 
 absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run) {
   for (const uint32_t number : volatile_conditions) {
-    Condition::Edits& edits = Touch(number).edits;
+    Touch(number);
     ++counters.evaluations;
     const absl::Status status = Whole([&] { return conditions[number].condition->Refresh(run, edits); });
     if (!status.ok()) return status;
@@ -122,19 +126,29 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   return absl::OkStatus();
 }
 
-// Watches follow the new state; what changed goes into the journal.
+void ConstraintSet::Impl::LinkEdits(size_t begin) {
+  for (size_t i = begin; i < edits.size(); ++i) {
+    const auto at = static_cast<uint32_t>(i);
+    Touched& touch = Touch(edits[i].condition);
+    edits[i].next = Touched::kNone;
+    (touch.edited() ? edits[touch.last].next : touch.first) = at;
+    touch.last = at;
+  }
+}
+
+// Watches and groups follow the new state.
 void ConstraintSet::Impl::Settle(const GraphVersion& version) {
-  for (Touched& touch : touched) {
-    const uint32_t number = touch.condition;
-    Condition& condition = *conditions[number].condition;
-    const bool failed = touch.probed && touch.edits.empty();
-    if ((touch.probed || !touch.edits.empty() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
-      journal.push_back({JournalEntry::Kind::kArmed, number, {}, {}});
+  for (const Touched& touch : touched) {
+    Shared& shared = conditions[touch.condition];
+    Condition& condition = *shared.condition;
+    const bool failed = touch.probed && !touch.edited();
+    if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
+      journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
     }
-    for (const Condition::Edit& edit : touch.edits) {
-      journal.push_back({JournalEntry::Kind::kEdit, number, {}, edit});
-      for (const auto& group : conditions[number].groups) {
-        if (group) group->SetKey(edit.key[0], condition.Has(edit.key));
+    for (const auto& group : shared.groups) {
+      if (!group) continue;
+      for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
+        group->SetKey(edits[i].key[0], condition.Has(edits[i].key));
       }
     }
   }
@@ -142,10 +156,9 @@ void ConstraintSet::Impl::Settle(const GraphVersion& version) {
 
 absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number,
                                                 absl::FunctionRef<void(ConstraintId, bool)> visit) {
-  const sparql::RunOptions run{.version = &no_graph};
   for (const auto& group : conditions[number].groups) {
     if (!group) continue;
-    if (absl::Status status = group->Relevel(run, visit); !status.ok()) return status;
+    if (absl::Status status = group->Relevel({.version = &no_graph}, visit); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -167,8 +180,8 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
     change.edge = condition.holds() ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell;
   }
   if (!condition.has_keys()) return change;
-  if (touch.edits.size() == 1) {
-    const Condition::Edit& edit = touch.edits[0];
+  if (touch.first == touch.last) {
+    const Condition::Edit& edit = edits[touch.first];
     const bool now = condition.Has(edit.key);
     if (now != edit.was_present) (now ? change.appeared : change.disappeared).push_back(BindingOf(condition, edit.key));
     return change;
@@ -176,7 +189,8 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
   // The first edit of a key tells what was before; what is now, the condition knows.
   absl::flat_hash_map<Condition::Key, bool> before;
   std::vector<Condition::Key> order;
-  for (const Condition::Edit& edit : touch.edits) {
+  for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
+    const Condition::Edit& edit = edits[i];
     if (before.try_emplace(edit.key, edit.was_present).second) order.push_back(edit.key);
   }
   for (const Condition::Key& key : order) {
@@ -191,7 +205,7 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
 
 absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& changes) {
   for (const Touched& touch : touched) {
-    if (touch.edits.empty()) continue;
+    if (!touch.edited()) continue;
     const uint32_t number = touch.condition;
     for (const ConstraintId id : conditions[number].followers) {
       if (IsRemoved(id)) continue;
@@ -206,7 +220,9 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
     });
     if (!status.ok()) return status;
   }
-  std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  if (changes.size() > 1) {
+    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  }
   return absl::OkStatus();
 }
 
@@ -215,12 +231,13 @@ absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphV
                                                                     Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
-  impl.touched.clear();
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
-  impl.GatherRises(delta);
-  absl::Status status = impl.RecheckBroken(run, delta);
+  const size_t begin = impl.edits.size();
+  impl.Gather(delta);
+  absl::Status status = impl.RecheckBroken(run);
   if (status.ok()) status = impl.ProbeRises(run);
   if (status.ok()) status = impl.RefreshVolatile(run);
+  impl.LinkEdits(begin);
   impl.Settle(version);
   std::vector<ConstraintChange> changes;
   if (status.ok()) status = impl.CollectChanges(changes);
@@ -236,24 +253,25 @@ void ConstraintSet::Commit() {
     }
     impl_->removals = 0;
   }
+  impl_->edits.clear();
   impl_->journal.clear();
 }
 
 void ConstraintSet::Rollback() {
-  std::vector<Impl::JournalEntry> journal = std::move(impl_->journal);
-  impl_->journal.clear();
+  const Condition::Edits edits = std::exchange(impl_->edits, {});
+  const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
   std::vector<uint32_t> changed;
+  for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
+    Impl::Shared& shared = impl_->conditions[edit->condition];
+    shared.condition->Undo(*edit);
+    for (const auto& group : shared.groups) {
+      if (group) group->SetKey(edit->key[0], shared.condition->Has(edit->key));
+    }
+    changed.push_back(edit->condition);
+  }
   for (auto entry = journal.rbegin(); entry != journal.rend(); ++entry) {
-    Impl::Shared& shared = impl_->conditions[entry->condition];
     switch (entry->kind) {
-      case Impl::JournalEntry::Kind::kEdit:
-        shared.condition->Undo(entry->edit);
-        for (const auto& group : shared.groups) {
-          if (group) group->SetKey(entry->edit.key[0], shared.condition->Has(entry->edit.key));
-        }
-        changed.push_back(entry->condition);
-        break;
       case Impl::JournalEntry::Kind::kArmed:
         changed.push_back(entry->condition);
         break;

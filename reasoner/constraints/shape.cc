@@ -179,15 +179,15 @@ void Shape::Watch() {
     if (!shared_[i]) continue;
     const Trigger& trigger = body_->triggers()[i];
     const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
-    if (RisesOnAdd(trigger.polarity)) on_add_.push_back(indexes_.rise_on_add.Add(trigger.match, reference));
+    if (RisesOnAdd(trigger.polarity)) on_add_.push_back(indexes_.on_add.Add(trigger.match, reference));
     if (RisesOnRemove(trigger.polarity))
-      on_remove_.push_back(indexes_.rise_on_remove.Add(trigger.match, reference));
+      on_remove_.push_back(indexes_.on_remove.Add(trigger.match, reference));
   }
 }
 
 void Shape::Unwatch() {
-  for (const PatternIndex::Handle handle : on_add_) indexes_.rise_on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : on_remove_) indexes_.rise_on_remove.Remove(handle);
+  for (const PatternIndex::Handle handle : on_add_) indexes_.on_add.Remove(handle);
+  for (const PatternIndex::Handle handle : on_remove_) indexes_.on_remove.Remove(handle);
   on_add_.clear();
   on_remove_.clear();
 }

@@ -10,15 +10,14 @@
 
 namespace docent {
 
-// References name a condition and, for rises, one of its triggers, for breaks, one of its witnesses. In the
-// rise indexes an owner with kIsShape is a shape.
+// Who is concerned by a quad that comes, and by one that goes. A reference's owner is a condition, its pattern one of
+// its triggers, which may rise, or one of its witnesses, which may be broken.
 struct WatchIndexes {
-  static constexpr uint32_t kIsShape = 0x80000000u;
+  static constexpr uint32_t kIsShape = 0x80000000u;    // in an owner: it is a shape
+  static constexpr uint32_t kIsWitness = 0x80000000u;  // in a pattern: it is a witness
 
-  PatternIndex rise_on_add;
-  PatternIndex rise_on_remove;
-  PatternIndex break_on_add;
-  PatternIndex break_on_remove;
+  PatternIndex on_add;
+  PatternIndex on_remove;
   std::vector<TermId> seed;  // scratch of whoever evaluates
 };
 

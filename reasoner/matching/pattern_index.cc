@@ -1,5 +1,6 @@
 #include "reasoner/matching/pattern_index.h"
 
+#include <bit>
 #include <limits>
 
 namespace docent {
@@ -50,7 +51,11 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
   entry.reference = reference;
   entry.equal = pattern.equal;
   Bucket& bucket = buckets_[entry.key];
-  if (bucket.empty()) ++shape_counts_[ShapeOf(entry.key)];
+  if (bucket.empty()) {
+    const unsigned shape = ShapeOf(entry.key);
+    ++shape_counts_[shape];
+    shapes_ |= 1u << shape;
+  }
   if (pattern.object_guard) {
     if (!bucket.guarded) bucket.guarded = std::make_unique<Guarded>();
     entry.bound = pattern.object_guard->bound;
@@ -79,7 +84,8 @@ void PatternIndex::Remove(Handle handle) {
     bucket.plain.pop_back();
   }
   if (bucket.empty()) {
-    --shape_counts_[ShapeOf(entry.key)];
+    const unsigned shape = ShapeOf(entry.key);
+    if (--shape_counts_[shape] == 0) shapes_ &= ~(1u << shape);
     buckets_.erase(found);
   }
   free_.push_back(handle);
@@ -108,8 +114,8 @@ void PatternIndex::VisitGuarded(const Guarded& guarded, const Quad& quad,
 }
 
 void PatternIndex::ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const {
-  for (unsigned shape = 0; shape < shape_counts_.size(); ++shape) {
-    if (shape_counts_[shape] == 0) continue;
+  for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
+    const int shape = std::countr_zero(rest);
     const Key key = {(shape & 1) ? quad.subject : TermId(), (shape & 2) ? quad.predicate : TermId(),
                      (shape & 4) ? quad.object : TermId()};
     const auto found = buckets_.find(key);

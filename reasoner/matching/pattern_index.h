@@ -106,6 +106,7 @@ class PatternIndex {
   std::vector<Handle> free_;
   absl::flat_hash_map<Key, Bucket> buckets_;
   std::array<size_t, 8> shape_counts_ = {};  // buckets of each shape; bit 0 subject, 1 predicate, 2 object
+  unsigned shapes_ = 0;                      // bit i: shape i has any
 };
 
 }  // namespace docent
