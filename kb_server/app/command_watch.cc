@@ -20,6 +20,7 @@ struct WatchArguments {
   std::vector<std::string> queries;
   std::vector<std::string> files;
   uint32_t min_interval_ms = 0;
+  uint32_t at_least_ms = 0;
   uint64_t count = 0;
 };
 
@@ -72,6 +73,7 @@ absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments
   for (size_t i = 0; i < texts.size(); ++i) {
     all[i].request.set_query(texts[i]);
     all[i].request.set_min_interval_ms(arguments.min_interval_ms);
+    all[i].request.set_at_least_ms(arguments.at_least_ms);
   }
   return all;
 }
@@ -143,6 +145,8 @@ void AddWatchCommand(CLI::App* app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("--min-interval-ms", arguments->min_interval_ms, "At most one change in this time; those between "
                                                                        "are added up");
+  command->add_option("--at-least-ms", arguments->at_least_ms,
+                      "Only what has been so for this time without a break; with NOT EXISTS, what has been missing");
   command->add_option("--count", arguments->count, "End after so many changes, the first answer included");
   command->callback([arguments, exit_code] { *exit_code = RunWatch(*arguments); });
 }

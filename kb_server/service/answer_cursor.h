@@ -15,6 +15,8 @@
 
 namespace docent {
 
+FollowedQuery ToFollowed(const v1::SubscribeRequest& request);
+
 class AnswerCursor {
  public:
   // `subscriptions` must outlive it.

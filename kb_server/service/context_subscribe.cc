@@ -18,7 +18,7 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
     StartSendInitialMetadata();
   }
 
-  void Start(const std::string& query) {
+  void Start(const FollowedQuery& query) {
     const std::shared_ptr<Link> link = link_;  // this may be gone before Open returns
     subscriptions_.Open(query, link, [link](const absl::StatusOr<StandingAnswerPtr>& answer) {
       absl::MutexLock lock(&link->mutex);
@@ -107,7 +107,7 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
 grpc::ServerWriteReactor<v1::SubscribeReply>* ContextService::Subscribe(grpc::CallbackServerContext*,
                                                                         const v1::SubscribeRequest* request) {
   auto* reactor = new SubscribeReactor(ports_.subscriptions, *request);
-  reactor->Start(request->query());
+  reactor->Start(ToFollowed(*request));
   return reactor;
 }
 

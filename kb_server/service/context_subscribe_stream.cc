@@ -60,7 +60,7 @@ class SubscribeStreamReactor final
       }
     }
     if (ended != nullptr) subscriptions_.Close(ended);
-    if (begun != nullptr) Open(begun, request_.begin().query());
+    if (begun != nullptr) Open(begun, ToFollowed(request_.begin()));
     absl::MutexLock lock(&link_->mutex);
     reading_ = false;
     ReadOn();
@@ -123,7 +123,7 @@ class SubscribeStreamReactor final
   static grpc::Status Invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
 
   // Its callback may outlive the stream.
-  void Open(const std::shared_ptr<Followed>& followed, const std::string& query) {
+  void Open(const std::shared_ptr<Followed>& followed, const FollowedQuery& query) {
     subscriptions_.Open(query, followed, [followed](const absl::StatusOr<StandingAnswerPtr>& answer) {
       absl::MutexLock lock(&followed->link->mutex);
       SubscribeStreamReactor* const stream = followed->link->reactor;

@@ -56,16 +56,25 @@ void StandingAnswer::Keep(AnswerChange change) {
   }
 }
 
-bool StandingAnswer::SetBoolean(Revision revision, bool holds) {
+bool StandingAnswer::TellBoolean(TimeMicros now_us) {
+  const bool tell = boolean_ && now_us - boolean_since_us_ >= at_least_us_;
+  if (tell == told_) return false;
+  told_ = tell;
+  whole_.reset();
+  return true;
+}
+
+bool StandingAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
-  const bool changed = evaluated_ && boolean_ != holds;
-  boolean_ = holds;
-  evaluated_ = true;
   whole_.reset();
+  if (holds && !boolean_) boolean_since_us_ = now_us;
+  boolean_ = holds;
+  const bool changed = TellBoolean(now_us) && evaluated_;
+  evaluated_ = true;
   if (changed) {
     AnswerChange change;
-    change.boolean = holds;
+    change.boolean = told_;
     Keep(std::move(change));
   }
   return changed;
@@ -78,17 +87,18 @@ void StandingAnswer::AdoptKnownLocals() {
     if (auto id = dictionary_.Find(term)) known.emplace_back(local, *id);
   }
   if (known.empty()) return;
-  Rows rows;
-  for (const auto& [row, count] : rows_) {
-    Row renamed = row;
-    for (TermId& id : renamed) {
+  const auto renamed = [&known](Row row) {
+    for (TermId& id : row) {
       for (const auto& [local, global] : known) {
         if (id == local) id = global;
       }
     }
-    rows[renamed] += count;
-  }
+    return row;
+  };
+  Rows rows;
+  for (const auto& [row, count] : rows_) rows[renamed(row)] += count;
   rows_ = std::move(rows);
+  young_.Rename(renamed);
   for (const auto& [local, global] : known) local_ids_.erase(locals_[local.payload()]);
 }
 
@@ -96,41 +106,50 @@ void StandingAnswer::AdoptKnownLocals() {
 void StandingAnswer::DropUnusedLocals() {
   if (locals_.size() < drop_locals_at_) return;
   std::vector<Term> held;
-  absl::flat_hash_map<TermId, TermId> renamed;
-  Rows rows;
-  for (const auto& [row, count] : rows_) {
-    Row now = row;
-    for (TermId& id : now) {
+  absl::flat_hash_map<TermId, TermId> names;
+  const auto renamed = [&](Row row) {
+    for (TermId& id : row) {
       if (id.IsNone() || id.tag() != TermId::Tag::kLocal) continue;
-      const auto [place, fresh] = renamed.try_emplace(id, TermId::Make(TermId::Tag::kLocal, held.size()));
+      const auto [place, fresh] = names.try_emplace(id, TermId::Make(TermId::Tag::kLocal, held.size()));
       if (fresh) held.push_back(std::move(locals_[id.payload()]));
       id = place->second;
     }
-    rows.emplace(std::move(now), count);
-  }
+    return row;
+  };
+  Rows rows;
+  for (const auto& [row, count] : rows_) rows.emplace(renamed(row), count);
   rows_ = std::move(rows);
+  young_.Rename(renamed);
   locals_ = std::move(held);
   local_ids_.clear();
   for (size_t i = 0; i < locals_.size(); ++i) local_ids_.emplace(locals_[i], TermId::Make(TermId::Tag::kLocal, i));
   drop_locals_at_ = 2 * locals_.size() + kFewLocals;
 }
 
-bool StandingAnswer::SetRows(Revision revision, Rows rows) {
+void StandingAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us, AnswerChange* change) {
+  if (had == has) return;
+  if (had == 0 && at_least_us_ > 0) return young_.Add(row, now_us);
+  if (!evaluated_) return;  // the first answer is no change
+  if (has == 0 ? young_.Remove(row) : young_.Contains(row)) return;
+  if (has > had) {
+    change->appeared.push_back(Decode(row, has - had));
+  } else {
+    change->disappeared.push_back(Decode(row, had - has));
+  }
+}
+
+bool StandingAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
   whole_.reset();
   AdoptKnownLocals();
   AnswerChange change;
-  if (evaluated_) {
-    for (const auto& [row, count] : rows) {
-      const auto before = rows_.find(row);
-      const uint64_t had = before == rows_.end() ? 0 : before->second;
-      if (count > had) change.appeared.push_back(Decode(row, count - had));
-      if (count < had) change.disappeared.push_back(Decode(row, had - count));
-    }
-    for (const auto& [row, had] : rows_) {
-      if (!rows.contains(row)) change.disappeared.push_back(Decode(row, had));
-    }
+  for (const auto& [row, count] : rows) {
+    const auto before = rows_.find(row);
+    Recount(row, before == rows_.end() ? 0 : before->second, count, now_us, &change);
+  }
+  for (const auto& [row, had] : rows_) {
+    if (!rows.contains(row)) Recount(row, had, 0, now_us, &change);
   }
   rows_ = std::move(rows);
   DropUnusedLocals();
@@ -142,8 +161,8 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows) {
   return changed;
 }
 
-bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared,
-                                absl::Span<const Row> disappeared) {
+bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared, absl::Span<const Row> disappeared,
+                                TimeMicros now_us) {
   absl::flat_hash_map<Row, int64_t> net;
   for (const Row& row : appeared) ++net[row];
   for (const Row& row : disappeared) --net[row];
@@ -152,18 +171,39 @@ bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeare
   for (const auto& [row, count] : net) {
     if (count == 0) continue;
     const auto place = rows_.try_emplace(row, 0).first;
-    place->second += static_cast<uint64_t>(count);
+    const uint64_t had = place->second;
+    const uint64_t has = had + static_cast<uint64_t>(count);
+    place->second = has;
     size_ += static_cast<uint64_t>(count);
-    if (place->second == 0) rows_.erase(place);
-    if (count > 0) {
-      change.appeared.push_back(Decode(row, static_cast<uint64_t>(count)));
-    } else {
-      change.disappeared.push_back(Decode(row, static_cast<uint64_t>(-count)));
-    }
+    if (has == 0) rows_.erase(place);
+    Recount(row, had, has, now_us, &change);
   }
   if (change.appeared.empty() && change.disappeared.empty()) return false;
   revision_ = revision;
   whole_.reset();
+  Keep(std::move(change));
+  return true;
+}
+
+std::optional<TimeMicros> StandingAnswer::ripens_at_us() const {
+  absl::MutexLock lock(&mutex_);
+  if (is_boolean_) return boolean_ && !told_ ? std::make_optional(boolean_since_us_ + at_least_us_) : std::nullopt;
+  const std::optional<TimeMicros> oldest = young_.oldest_us();
+  return oldest ? std::make_optional(*oldest + at_least_us_) : std::nullopt;
+}
+
+bool StandingAnswer::Ripen(Revision revision, TimeMicros now_us) {
+  absl::MutexLock lock(&mutex_);
+  AnswerChange change;
+  if (is_boolean_) {
+    if (!TellBoolean(now_us)) return false;
+    change.boolean = told_;
+  } else {
+    for (const Row& row : young_.TakeUntil(now_us - at_least_us_)) change.appeared.push_back(Decode(row, rows_.at(row)));
+    if (change.appeared.empty()) return false;
+    whole_.reset();
+  }
+  revision_ = revision;
   Keep(std::move(change));
   return true;
 }
@@ -189,8 +229,10 @@ AnswerChangePtr StandingAnswer::Whole() const {
     auto whole = std::make_shared<AnswerChange>();
     whole->number = newest_;
     whole->revision = revision_;
-    whole->boolean = boolean_;
-    for (const auto& [row, count] : rows_) whole->appeared.push_back(Decode(row, count));
+    whole->boolean = told_;
+    for (const auto& [row, count] : rows_) {
+      if (!young_.Contains(row)) whole->appeared.push_back(Decode(row, count));
+    }
     SortRows(whole->appeared);
     whole_ = std::move(whole);
   }

@@ -1,5 +1,5 @@
 // The answer of one standing query as it changes: written by the thread that evaluates it, read by the clients that
-// follow it, each at its own pace. Thread-safe.
+// follow it, each at its own pace. It may be told of it only what has lasted for a while. Thread-safe.
 #ifndef DOCENT_KB_SERVER_SERVICE_STANDING_ANSWER_H_
 #define DOCENT_KB_SERVER_SERVICE_STANDING_ANSWER_H_
 
@@ -16,10 +16,12 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/types/span.h"
+#include "kb_server/base/clock.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/base/subscription_limits.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/rdf/term.h"
+#include "kb_server/service/young_rows.h"
 
 namespace docent {
 
@@ -41,25 +43,38 @@ using AnswerChangePtr = std::shared_ptr<const AnswerChange>;
 
 class StandingAnswer {
  public:
-  // `id`: unique in this life of the server. `dictionary` must outlive it.
+  // `id`: unique in this life of the server. `dictionary` must outlive it. Those who follow are told of a row, and of yes,
+  // when that has been the answer without a break for `at_least_us`; that it is no longer, at once.
   StandingAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables, const Dictionary* dictionary,
-                 const SubscriptionLimits& limits)
-      : id_(id), is_boolean_(is_boolean), variables_(std::move(variables)), dictionary_(*dictionary), limits_(limits) {}
+                 const SubscriptionLimits& limits, TimeMicros at_least_us = 0)
+      : id_(id),
+        is_boolean_(is_boolean),
+        variables_(std::move(variables)),
+        dictionary_(*dictionary),
+        limits_(limits),
+        at_least_us_(at_least_us) {}
 
   uint64_t id() const { return id_; }
   bool is_boolean() const { return is_boolean_; }
   const std::vector<std::string>& variables() const { return variables_; }
 
   // ---- the thread that evaluates -----------------------------------------------------------------------------
-  using Row = absl::InlinedVector<TermId, 4>;
+  // Times do not decrease from call to call.
+  using Row = YoungRows::Row;
   using Rows = absl::flat_hash_map<Row, uint64_t>;
   // The id under which rows hold a computed value, until the next SetRows; there it may get another.
   TermId Local(const Term& term);
-  // The answer on `revision`. True: it differs from the one before.
-  bool SetBoolean(Revision revision, bool holds);
-  bool SetRows(Revision revision, Rows rows);
+  // The answer on `revision`, which came at this time. True: there is a change to tell.
+  bool SetBoolean(Revision revision, bool holds, TimeMicros now_us);
+  bool SetRows(Revision revision, Rows rows, TimeMicros now_us);
   // The same by its changes: rows that came, and rows that went; a row in both is one that stayed.
-  bool ChangeRows(Revision revision, absl::Span<const Row> appeared, absl::Span<const Row> disappeared);
+  bool ChangeRows(Revision revision, absl::Span<const Row> appeared, absl::Span<const Row> disappeared,
+                  TimeMicros now_us);
+  // When what is there and not told will have lasted long enough; nullopt: there is nothing.
+  std::optional<TimeMicros> ripens_at_us() const;
+  // Tells what has by now. True: there is a change to tell.
+  bool Ripen(Revision revision, TimeMicros now_us);
+  // Told or not:
   size_t size() const;  // rows, each as often as it counts
   bool boolean() const;
   bool evaluated() const;
@@ -77,6 +92,10 @@ class StandingAnswer {
  private:
   CountedRow Decode(const Row& row, uint64_t count) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Keep(AnswerChange change) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool TellBoolean(TimeMicros now_us) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // A row's count became another: notes what there is to tell.
+  void Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us, AnswerChange* change)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void AdoptKnownLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropUnusedLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -85,12 +104,16 @@ class StandingAnswer {
   const std::vector<std::string> variables_;
   const Dictionary& dictionary_;
   const SubscriptionLimits limits_;
+  const TimeMicros at_least_us_;
 
   mutable absl::Mutex mutex_;
   bool evaluated_ ABSL_GUARDED_BY(mutex_) = false;
   Revision revision_ ABSL_GUARDED_BY(mutex_);
   bool boolean_ ABSL_GUARDED_BY(mutex_) = false;
+  TimeMicros boolean_since_us_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool told_ ABSL_GUARDED_BY(mutex_) = false;  // what of boolean_ is told
   Rows rows_ ABSL_GUARDED_BY(mutex_);
+  YoungRows young_ ABSL_GUARDED_BY(mutex_);  // those of them that are not told
   size_t size_ ABSL_GUARDED_BY(mutex_) = 0;
   static constexpr size_t kFewLocals = 1000;
   std::vector<Term> locals_ ABSL_GUARDED_BY(mutex_);

@@ -6,7 +6,7 @@
 #include "absl/time/clock.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
-#include "kb_server/service/followed_form.h"
+#include "kb_server/service/standing_query.h"
 #include "kb_server/sparql/algebra_walk.h"
 #include "kb_server/sparql/parser.h"
 
@@ -17,8 +17,6 @@ using sparql::Algebra;
 using sparql::Expression;
 using sparql::PatternTerm;
 
-constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
-constexpr size_t kIdleKept = 1000;                     // and so many of them
 // Turns that wait are looked at before followers are woken, up to so many and so long after the first change.
 constexpr size_t kTurnsTogether = 16;
 constexpr absl::Duration kUnheard = absl::Milliseconds(5);
@@ -57,24 +55,11 @@ std::vector<Term> ConstantsOf(const Algebra& whole) {
 
 }  // namespace
 
-struct Subscriptions::Standing {
-  uint32_t number = 0;
-  std::string text;
-  sparql::Query query;
-  std::optional<FollowedForm> form;  // nullopt: always asked whole
-  TriggerAnalysis analysis;
-  std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
-  std::unique_ptr<sparql::PreparedQuery> prepared;  // null while it is kept
-  std::optional<ConstraintId> kept;
-  std::vector<PatternIndex::Handle> watches;
-  StandingAnswerPtr answer;
-  absl::Time idle_since = absl::InfiniteFuture();
-};
-
 Subscriptions::Subscriptions(const Settings& settings) : settings_(settings), names_(settings.dictionary) {
   ForgetKept();
   version_ = std::make_shared<const GraphVersion>();
   newest_ = version_;
+  newest_time_us_ = settings.clock->Now();
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -115,13 +100,13 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
   turn.whole = true;
 }
 
-void Subscriptions::Open(const std::string& text, std::shared_ptr<Follower> follower, Opened done) {
+void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done) {
   sparql::ParseOptions options;
   options.prefixes = sparql::WellKnownPrefixes();
   options.limits = settings_.limits;
-  sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
+  sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
   if (!parsed.ok()) {
-    done(ToStatus(parsed.diagnostics, text));
+    done(ToStatus(parsed.diagnostics, query.text));
     return;
   }
   if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk) {
@@ -136,26 +121,12 @@ void Subscriptions::Open(const std::string& text, std::shared_ptr<Follower> foll
   {
     absl::MutexLock lock(&mutex_);
     if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
-      openings_.push_back({text, std::move(parsed.query), std::move(follower), std::move(done)});
+      openings_.push_back({query, std::move(parsed.query), std::move(follower), std::move(done)});
       return;
     }
   }
   done(absl::ResourceExhaustedError(
       absl::StrCat("the limit subscriptions_open is ", settings_.subscription_limits.subscriptions_open)));
-}
-
-void Subscriptions::Close(const std::shared_ptr<Follower>& follower) {
-  absl::MutexLock lock(&followers_mutex_);
-  const auto found = followers_.find(follower);
-  if (found == followers_.end()) return;
-  by_standing_[found->second].erase(follower);
-  followers_.erase(found);
-  counters_.open = followers_.size();
-}
-
-void Subscriptions::WakeAt(absl::Time time, std::weak_ptr<Follower> follower) {
-  absl::MutexLock lock(&mutex_);
-  alarms_.emplace(time, std::move(follower));
 }
 
 void Subscriptions::Drain() {
@@ -175,9 +146,11 @@ void Subscriptions::Run() {
     {
       absl::MutexLock lock(&mutex_);
       busy_ = false;
-      followed_ = !by_text_.empty();
+      followed_ = !by_query_.empty();
       absl::Time until = absl::Now() + absl::Seconds(1);  // an alarm that is set meanwhile is at most so late
       if (!alarms_.empty()) until = std::min(until, alarms_.begin()->first);
+      if (!ripening_.empty())
+        until = std::min(until, absl::Now() + absl::Microseconds(ripening_.begin()->first - settings_.clock->Now()));
       const auto work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return HasWork(); };
       mutex_.AwaitWithDeadline(absl::Condition(&work), until);
       if (stopping_) return;
@@ -195,9 +168,13 @@ void Subscriptions::Run() {
       }
       // who opened now has seen versions up to the newest: not before all turns are looked at
       more_turns = !turns_.empty();
-      if (!more_turns) openings.swap(openings_);
+      if (!more_turns) {
+        openings.swap(openings_);
+        now_us_ = std::max(time_us_, settings_.clock->Now());
+      }
     }
     if (turn) Process(*std::move(turn));
+    if (!more_turns) Ripen(now_us_);
     const bool unheard = !changed_.empty() && absl::Now() - changed_since_ > kUnheard;
     if (!more_turns || unheard || ++turns_together == kTurnsTogether) {
       WakeFollowers();
@@ -210,6 +187,7 @@ void Subscriptions::Run() {
 }
 
 void Subscriptions::Process(Turn turn) {
+  Ripen(turn.time_us);  // of what was until then
   version_ = turn.version;
   time_us_ = turn.time_us;
   std::vector<uint32_t> anew = LearnConstants();
@@ -370,15 +348,16 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
     Standing& standing = *standing_[by_constraint_.at(change.id)];
     bool changed = false;
     if (standing.answer->is_boolean()) {
-      changed = standing.answer->SetBoolean(version_->revision(), change.edge == ConstraintChange::Edge::kRose);
+      changed = standing.answer->SetBoolean(version_->revision(), change.edge == ConstraintChange::Edge::kRose, time_us_);
     } else {
       changed = standing.answer->ChangeRows(version_->revision(), standing.form->RowsOf(change.appeared),
-                                            standing.form->RowsOf(change.disappeared));
+                                            standing.form->RowsOf(change.disappeared), time_us_);
       if (standing.answer->size() > settings_.subscription_limits.subscription_rows) {
         FailAll(standing, TooManyRows());
         continue;
       }
     }
+    NoteRipening(standing);
     if (changed) Changed(standing);
   }
   return true;
@@ -422,7 +401,7 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
   if (standing.answer->is_boolean()) {
     const auto holds = standing.prepared->Ask(run);
     status = holds.status();
-    if (holds.ok()) changed = standing.answer->SetBoolean(version_->revision(), *holds);
+    if (holds.ok()) changed = standing.answer->SetBoolean(version_->revision(), *holds, time_us_);
   } else {
     StandingAnswer::Rows rows;
     size_t count = 0;
@@ -435,7 +414,7 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
       return ++count <= settings_.subscription_limits.subscription_rows;
     });
     if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
-    if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows));
+    if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows), time_us_);
   }
   standing.prepared->Stop();
   if (absl::IsDeadlineExceeded(status)) {
@@ -445,64 +424,33 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
   }
   if (!status.ok()) {
     FailAll(standing, status);
-  } else if (changed) {
-    Changed(standing);
+    return status;
   }
+  NoteRipening(standing);
+  if (changed) Changed(standing);
   return status;
 }
 
-void Subscriptions::Changed(const Standing& standing) {
-  ++counters_.changes;
-  if (changed_.empty()) changed_since_ = absl::Now();
-  changed_.push_back(standing.number);
+void Subscriptions::NoteRipening(Standing& standing) {
+  const std::optional<TimeMicros> next = standing.answer->ripens_at_us();
+  if (next == standing.ripens_at_us) return;
+  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, standing.number});
+  if (next) ripening_.emplace(*next, standing.number);
+  standing.ripens_at_us = next;
 }
 
-void Subscriptions::WakeFollowers() {
-  if (changed_.empty()) return;
-  std::sort(changed_.begin(), changed_.end());
-  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
-  absl::MutexLock lock(&followers_mutex_);
-  const auto for_each = [this](void (Follower::*call)()) ABSL_EXCLUSIVE_LOCKS_REQUIRED(followers_mutex_) {
-    for (const uint32_t number : changed_) {
-      const auto found = by_standing_.find(number);
-      if (found == by_standing_.end()) continue;
-      for (const auto& follower : found->second) ((*follower).*call)();
-    }
-  };
-  for_each(&Follower::Wake);
-  for_each(&Follower::AllWoken);
-  changed_.clear();
-}
-
-void Subscriptions::WakeDue(const std::vector<std::weak_ptr<Follower>>& due) {
-  std::vector<std::shared_ptr<Follower>> alive;
-  absl::MutexLock lock(&followers_mutex_);
-  for (const std::weak_ptr<Follower>& follower : due) {
-    std::shared_ptr<Follower> locked = follower.lock();
-    if (locked != nullptr && followers_.contains(locked)) alive.push_back(std::move(locked));
+void Subscriptions::Ripen(TimeMicros now_us) {
+  while (!ripening_.empty() && ripening_.begin()->first <= now_us) {
+    Standing& standing = *standing_[ripening_.begin()->second];
+    if (standing.answer->Ripen(version_->revision(), now_us)) Changed(standing);
+    NoteRipening(standing);
   }
-  for (const auto& follower : alive) follower->Wake();
-  for (const auto& follower : alive) follower->AllWoken();
 }
 
-// The query cannot be followed any more.
-void Subscriptions::FailAll(Standing& standing, const absl::Status& status) {
-  {
-    absl::MutexLock lock(&followers_mutex_);
-    for (const auto& follower : by_standing_[standing.number]) {
-      followers_.erase(follower);
-      follower->Fail(status);
-    }
-    by_standing_.erase(standing.number);
-    counters_.open = followers_.size();
-  }
-  Drop(standing.number);
-}
-
-absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::string& text, sparql::Query query) {
-  if (const auto known = by_text_.find(text); known != by_text_.end()) return standing_[known->second].get();
+absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const FollowedQuery& followed, sparql::Query query) {
+  if (const auto known = by_query_.find(followed); known != by_query_.end()) return standing_[known->second].get();
   auto standing = std::make_unique<Standing>();
-  standing->text = text;
+  standing->followed = followed;
   standing->query = std::move(query);
   standing->analysis = AnalyseTriggers(WithoutModifiers(*standing->query.algebra));
   if (settings_.default_graph == sparql::DefaultGraph::kUnion)
@@ -517,20 +465,20 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const std::st
   const uint32_t number = standing->number;
   Standing* made = standing.get();
   standing_[number] = std::move(standing);
-  by_text_[text] = number;
-  counters_.queries = by_text_.size();
+  by_query_[followed] = number;
+  counters_.queries = by_query_.size();
   if (absl::Status status = Prepare(*made); !status.ok()) {
     Drop(number);
     return status;
   }
   made->answer = std::make_shared<StandingAnswer>(next_answer_++, made->query.form == sparql::Query::Form::kAsk,
                                                   made->prepared->variables(), settings_.dictionary,
-                                                  settings_.subscription_limits);
+                                                  settings_.subscription_limits, followed.at_least_us);
   return made;
 }
 
 void Subscriptions::OpenNow(Opening opening) {
-  auto standing = FindOrMake(opening.text, std::move(opening.query));
+  auto standing = FindOrMake(opening.followed, std::move(opening.query));
   if (!standing.ok()) {
     opening.done(standing.status());
     return;
@@ -546,41 +494,17 @@ void Subscriptions::OpenNow(Opening opening) {
   (*standing)->idle_since = absl::InfiniteFuture();
   absl::Status status;
   if (!answer->evaluated()) status = Begin(**standing);
+  Ripen(now_us_);  // what has been so since before the last turn
   const bool there = opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
   if (!there) Close(opening.follower);
-}
-
-void Subscriptions::DropIdle() {
-  const absl::Time now = absl::Now();
-  if (now < next_idle_check_) return;
-  next_idle_check_ = now + absl::Seconds(1);
-  std::vector<uint32_t> drop;
-  size_t idle = 0;
-  {
-    absl::MutexLock lock(&followers_mutex_);
-    for (auto it = by_standing_.begin(); it != by_standing_.end();) {
-      Standing* standing = standing_[it->first].get();
-      if (!it->second.empty() || standing == nullptr) {
-        ++it;
-        continue;
-      }
-      if (standing->idle_since == absl::InfiniteFuture()) standing->idle_since = now;
-      if (++idle > kIdleKept || now - standing->idle_since > kLinger) {
-        drop.push_back(it->first);
-        by_standing_.erase(it++);
-      } else {
-        ++it;
-      }
-    }
-  }
-  for (uint32_t number : drop) Drop(number);
 }
 
 void Subscriptions::Drop(uint32_t number) {
   Standing& standing = *standing_[number];
   Forget(standing);
-  by_text_.erase(standing.text);
-  counters_.queries = by_text_.size();
+  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, number});
+  by_query_.erase(standing.followed);
+  counters_.queries = by_query_.size();
   standing_[number].reset();
   free_.push_back(number);
 }

@@ -3,7 +3,8 @@
 // Off the writer: the committer hands over each durable version with what changed in it. A thread of its own brings the
 // answers to that very version and keeps what changed of them in a ring under growing numbers. Answers that a
 // ConstraintSet can keep (followed_form.h says which) cost what the change touches, however many there are; the others
-// are asked whole when a change can match them. Queries of the same text share all of it. A client holds a place in the
+// are asked whole when a change can match them. Queries of the same text share all of it. What must have been the answer
+// for a while is told when it has: time is that of the turns, and between them the clock's. A client holds a place in the
 // ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody follows any more is
 // kept for a while, so that a client that lost its connection can go on.
 //
@@ -56,6 +57,18 @@ struct SubscriptionCounters {
   std::atomic<uint64_t> revision{0};     // that has been looked at
 };
 
+// What is followed.
+struct FollowedQuery {
+  std::string text;
+  TimeMicros at_least_us = 0;  // a row, or yes, is told when it has been the answer for so long without a break
+
+  friend bool operator==(const FollowedQuery&, const FollowedQuery&) = default;
+  template <typename H>
+  friend H AbslHashValue(H h, const FollowedQuery& q) {
+    return H::combine(std::move(h), q.text, q.at_least_us);
+  }
+};
+
 // One who follows an answer.
 class Follower {
  public:
@@ -95,7 +108,7 @@ class Subscriptions {
   // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows; DEADLINE_EXCEEDED:
   // subscription_evaluation_ms. It says whether the follower is still there; one that is not is closed.
   using Opened = std::function<bool(const absl::StatusOr<StandingAnswerPtr>&)>;
-  void Open(const std::string& text, std::shared_ptr<Follower> follower, Opened done);
+  void Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done);
   // Ends following; after it neither Wake nor Fail is called. Not from within these.
   void Close(const std::shared_ptr<Follower>& follower);
   // Calls Wake at about this time.
@@ -114,7 +127,7 @@ class Subscriptions {
     bool whole = false;
   };
   struct Opening {
-    std::string text;
+    FollowedQuery followed;
     sparql::Query query;
     std::shared_ptr<Follower> follower;
     Opened done;
@@ -124,7 +137,7 @@ class Subscriptions {
   void Run();
   void Process(Turn turn);
   void OpenNow(Opening opening);
-  absl::StatusOr<Standing*> FindOrMake(const std::string& text, sparql::Query query);
+  absl::StatusOr<Standing*> FindOrMake(const FollowedQuery& followed, sparql::Query query);
   // From the whole answer on `version_` on, its changes will be noticed.
   absl::Status Begin(Standing& standing);
   // The same for one that has begun before.
@@ -148,6 +161,10 @@ class Subscriptions {
   absl::Status TooManyRows() const;
   bool MayTurn(PatternIndex::Reference reference, bool added) const;
   void Changed(const Standing& standing);
+  // What has lasted long enough by then is told.
+  void Ripen(TimeMicros now_us);
+  // After its answer may have changed: notes when it ripens next.
+  void NoteRipening(Standing& standing);
   void WakeFollowers();
   void WakeDue(const std::vector<std::weak_ptr<Follower>>& due);
   void FailAll(Standing& standing, const absl::Status& status);
@@ -178,10 +195,12 @@ class Subscriptions {
 
   // Of the thread.
   GraphVersionPtr version_;
-  TimeMicros time_us_ = 0;
+  TimeMicros time_us_ = 0;  // of its turn
+  TimeMicros now_us_ = 0;   // until when what is published has been looked at
   std::vector<std::unique_ptr<Standing>> standing_;  // by number; null: free
   std::vector<uint32_t> free_;
-  absl::flat_hash_map<std::string, uint32_t> by_text_;
+  absl::flat_hash_map<FollowedQuery, uint32_t> by_query_;
+  absl::btree_set<std::pair<TimeMicros, uint32_t>> ripening_;  // when, and which
   Dictionary names_;  // the constraint set's: the dictionary, read only
   std::unique_ptr<ConstraintSet> kept_;
   absl::flat_hash_map<ConstraintId, uint32_t> by_constraint_;

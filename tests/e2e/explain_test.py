@@ -83,6 +83,13 @@ class Explain(StageTest):
         for number in "12":
             self.assertTrue(any(line.startswith(number + "  + ?where = ") for line in lines), done.stdout)
 
+    def test_what_has_not_lasted_is_not_told(self):
+        where = "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }"
+        for at_least_ms, rows in ("0", 1), ("3600000", 0):
+            done = self.server.run("watch", "--count", "1", "--at-least-ms", at_least_ms, where)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout.count("+ ?where = "), rows, done.stdout)
+
     def test_bad_questions(self):
         self.assert_refused(self.server.run("why", "ask", "ASK { ?x"), 2, "1:")
         self.assert_refused(self.server.run("why", "expo:John docent:isAt"), 2, "error")

@@ -104,6 +104,23 @@ TEST_F(ServerSubscribeStreamTest, EachQueryHasItsAnswerAndItsChangesInOrder) {
   EXPECT_EQ(sequences[8], 2u);
 }
 
+TEST_F(ServerSubscribeStreamTest, WhatMustLastIsToldByTheClockAlone) {
+  StartServer();
+  OpenStream();
+  v1::SubscribeStreamRequest request;
+  request.set_tag(1);
+  request.mutable_begin()->set_query("SELECT ?v { <urn:w:a> <urn:w:p> ?v }");
+  request.mutable_begin()->set_at_least_ms(300);
+  ASSERT_TRUE(stream_->Write(request));
+  EXPECT_EQ(Next().reply().appeared_size(), 0);
+  const absl::Time told = absl::Now();
+  MustTell(":a :p 1 .");
+  const auto part = Next();
+  ASSERT_EQ(part.reply().appeared_size(), 1);
+  EXPECT_GE(absl::Now() - told, absl::Milliseconds(300));
+  EXPECT_LE(absl::Now() - told, absl::Seconds(5));
+}
+
 TEST_F(ServerSubscribeStreamTest, WhoEndsHearsSoAndMayUseTheTagAgain) {
   StartServer();
   OpenStream();

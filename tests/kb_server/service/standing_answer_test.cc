@@ -15,7 +15,7 @@ TEST(StandingAnswer, ComputedValuesComeAndGo) {
     StandingAnswer::Rows rows;
     ++rows[{answer.Local(Term::Literal("stays"))}];
     ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
-    ASSERT_EQ(answer.SetRows(Revision(i), std::move(rows)), i > 1);  // the first answer is no change
+    ASSERT_EQ(answer.SetRows(Revision(i), std::move(rows), 0), i > 1);  // the first answer is no change
     if (i == 1) continue;
     const auto change = answer.Get(answer.newest());
     ASSERT_TRUE(change.ok() && *change != nullptr) << i;
@@ -28,6 +28,25 @@ TEST(StandingAnswer, ComputedValuesComeAndGo) {
   ASSERT_EQ(whole->appeared.size(), 2u);
   EXPECT_EQ(whole->appeared[0].values[0], Term::Literal("5000"));
   EXPECT_EQ(whole->appeared[1].values[0], Term::Literal("stays"));
+}
+
+// The same where a row is told after two rounds: the one that stays, and never those that go before.
+TEST(StandingAnswer, ComputedValuesThatMustLast) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 2);
+  for (uint64_t i = 1; i <= 5000; ++i) {
+    StandingAnswer::Rows rows;
+    ++rows[{answer.Local(Term::Literal("stays"))}];
+    ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
+    const auto now_us = static_cast<TimeMicros>(i);
+    ASSERT_FALSE(answer.SetRows(Revision(i), std::move(rows), now_us)) << i;
+    ASSERT_EQ(answer.ripens_at_us(), i <= 3 ? 3 : now_us + 2) << i;
+    ASSERT_EQ(answer.Ripen(Revision(i), now_us), i == 3) << i;
+  }
+  const AnswerChangePtr whole = answer.Whole();
+  ASSERT_EQ(whole->appeared.size(), 1u);
+  EXPECT_EQ(whole->appeared[0].values[0], Term::Literal("stays"));
+  EXPECT_EQ(answer.size(), 2u);
 }
 
 }  // namespace

@@ -81,10 +81,10 @@ class SubscriptionsTest : public ::testing::Test {
     subscriptions_->PublishWhole(world_.writer.Freeze(Revision(revision_)));
   }
 
-  std::shared_ptr<Client> Open(const std::string& query) {
+  std::shared_ptr<Client> Open(const std::string& query, TimeMicros at_least_us = 0) {
     auto client = std::make_shared<Client>();
     absl::Status status;
-    subscriptions_->Open(kPrefix + query, client, [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
+    subscriptions_->Open({kPrefix + query, at_least_us}, client, [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
       status = answer.status();
       if (answer.ok()) client->answer = *answer;
       return true;
@@ -98,7 +98,7 @@ class SubscriptionsTest : public ::testing::Test {
   void Turn(const std::vector<std::string>& add, const std::vector<std::string>& remove = {}) {
     const Delta delta = world_.Apply(add, remove);
     version_ = world_.writer.Freeze(Revision(++revision_));
-    subscriptions_->Publish(version_, delta, 0);
+    subscriptions_->Publish(version_, delta, clock_.Now());
   }
 
   // The answer, by running the query again.
@@ -133,7 +133,7 @@ class SubscriptionsTest : public ::testing::Test {
 TEST_F(SubscriptionsTest, WhoHasGoneBeforeTheAnswerIsClosed) {
   Make();
   auto client = std::make_shared<Client>();
-  subscriptions_->Open("ASK {}", client, [](const absl::StatusOr<StandingAnswerPtr>&) { return false; });
+  subscriptions_->Open({"ASK {}"}, client, [](const absl::StatusOr<StandingAnswerPtr>&) { return false; });
   subscriptions_->Drain();
   EXPECT_EQ(subscriptions_->counters().open, 0u);
 }
@@ -341,8 +341,101 @@ TEST_F(SubscriptionsTest, WhatTakesTooLongIsEndedAndTheOthersGoOn) {
   EXPECT_EQ(light->rows.size(), 3u);
 }
 
-// Replaying the changes gives, at every revision, what running the query again gives.
-TEST_F(SubscriptionsTest, ReplayedChangesAreTheAnswerAtEachRevision) {
+TEST_F(SubscriptionsTest, ARowIsToldWhenItHasLastedAndGoesAtOnce) {
+  world_.Apply({"old at b1"});
+  clock_.Set(1'000'000);
+  Make();
+  clock_.Set(2'000'000);
+  const auto client = Open("SELECT ?who { ?who :at :b1 }", 5'000'000);
+  const auto at_once = Open("SELECT ?who { ?who :at :b1 }");
+  EXPECT_TRUE(client->rows.empty());
+  EXPECT_EQ(at_once->rows.size(), 1u);
+  Turn({"ann at b1", "bob at b1"});
+  clock_.Set(6'000'000);  // old is there since 1, the others since 2
+  Turn({"cid likes ann"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_EQ(client->rows, (Bag{{"<http://example.org/old> ", 1}}));
+  Turn({}, {"bob at b1"});
+  Turn({"bob at b1"});  // whose time begins anew
+  clock_.Set(8'000'000);
+  Turn({}, {"old at b1"});
+  subscriptions_->Drain();
+  client->TakeAll();
+  EXPECT_EQ(client->rows, (Bag{{"<http://example.org/ann> ", 1}}));
+  clock_.Set(11'000'000);  // no turn: the clock alone
+  for (int i = 0; i < 200 && client->rows.size() < 2; ++i) {
+    absl::SleepFor(absl::Milliseconds(20));
+    client->TakeAll();
+  }
+  EXPECT_EQ(client->rows, (Bag{{"<http://example.org/ann> ", 1}, {"<http://example.org/bob> ", 1}}));
+  EXPECT_EQ(client->told.rbegin()->first, revision_);
+}
+
+TEST_F(SubscriptionsTest, WhatHasBeenSoForLongIsInTheFirstAnswer) {
+  world_.Apply({"ann at b1"});
+  clock_.Set(1'000'000);
+  Make();
+  clock_.Set(60'000'000);
+  EXPECT_EQ(Open("SELECT ?who { ?who :at :b1 }", 5'000'000)->rows.size(), 1u);
+  EXPECT_TRUE(Open("ASK { FILTER NOT EXISTS { ?who :at :b2 } }", 30'000'000)->boolean);
+  EXPECT_FALSE(Open("ASK { FILTER NOT EXISTS { ?who :at :b2 } }", 90'000'000)->boolean);
+}
+
+TEST_F(SubscriptionsTest, YesIsToldOnceItHasLasted) {
+  Make();
+  const auto lasting = Open("ASK { :ann :at :b1 }", 5'000'000);
+  Turn({"ann at b1"});
+  clock_.Set(4'000'000);
+  Turn({}, {"ann at b1"});
+  Turn({"ann at b1"});
+  clock_.Set(8'000'000);
+  Turn({"x p y"});
+  subscriptions_->Drain();
+  EXPECT_EQ(lasting->wakes, 0);
+  clock_.Set(9'000'000);
+  Turn({}, {"ann at b1"});  // which had lasted
+  subscriptions_->Drain();
+  ASSERT_TRUE(lasting->answer->Get(1).ok() && lasting->answer->Get(2).ok());
+  EXPECT_TRUE((*lasting->answer->Get(1))->boolean);
+  EXPECT_EQ((*lasting->answer->Get(1))->revision, Revision(revision_ - 1));
+  EXPECT_FALSE((*lasting->answer->Get(2))->boolean);
+  EXPECT_EQ((*lasting->answer->Get(2))->revision, Revision(revision_));
+}
+
+// What running a query again gives, and since when it does.
+class Reference {
+ public:
+  void Set(TimeMicros now_us, const std::pair<bool, Bag>& answer) {
+    if (answer.first && !answer_.first) since_ = now_us;
+    std::map<std::string, TimeMicros> rows;
+    for (const auto& [row, count] : answer.second) {
+      const auto known = rows_since_.find(row);
+      rows[row] = known == rows_since_.end() ? now_us : known->second;
+    }
+    rows_since_ = std::move(rows);
+    answer_ = answer;
+  }
+  std::pair<bool, Bag> Lasting(TimeMicros now_us, TimeMicros at_least_us) const {
+    std::pair<bool, Bag> lasting{answer_.first && now_us - since_ >= at_least_us, {}};
+    for (const auto& [row, since_us] : rows_since_) {
+      if (now_us - since_us >= at_least_us) lasting.second[row] = answer_.second.at(row);
+    }
+    return lasting;
+  }
+
+ private:
+  std::pair<bool, Bag> answer_;
+  TimeMicros since_ = 0;
+  std::map<std::string, TimeMicros> rows_since_;
+};
+
+// Replaying the changes gives, at every revision, what running the query again gives; where it must last, just before the
+// next revision that of it which has.
+class SubscriptionsReplayTest : public SubscriptionsTest, public ::testing::WithParamInterface<TimeMicros> {};
+INSTANTIATE_TEST_SUITE_P(AtLeastUs, SubscriptionsReplayTest, ::testing::Values(0, 2'000'000));
+
+TEST_P(SubscriptionsReplayTest, ReplayedChangesAreTheAnswerAtEachRevision) {
   std::vector<std::string> queries = {
       "SELECT ?x ?y { ?x :p0 ?y }",
       "SELECT ?x { ?x :p0 ?y . ?y :p1 ?z }",
@@ -376,14 +469,23 @@ TEST_F(SubscriptionsTest, ReplayedChangesAreTheAnswerAtEachRevision) {
     std::set<std::string> told;  // what earlier rounds left is just more data
     subscriptions_.reset();
     Make();
+    const GraphVersionPtr opened = world_.writer.Freeze(Revision(revision_));
     std::vector<std::shared_ptr<Client>> clients;
-    for (const std::string& query : queries) clients.push_back(Open(query));
+    for (const std::string& query : queries) clients.push_back(Open(query, GetParam()));
     std::vector<std::map<uint64_t, std::pair<bool, Bag>>> truth(queries.size());
+    std::vector<Reference> references(queries.size());
     const uint64_t first = revision_;
+    version_ = opened;
+    for (size_t q = 0; q < queries.size(); ++q) references[q].Set(clock_.Now(), Rerun(queries[q]));
     for (int turn = 0; turn < 40; ++turn) {
       const RandomBatch batch = random.Batch(told);
+      clock_.Set(clock_.Now() + random.Pick(4) * TimeMicros{500'000});
+      for (size_t q = 0; q < queries.size(); ++q) truth[q][revision_] = references[q].Lasting(clock_.Now(), GetParam());
       Turn(batch.add, batch.remove);
-      for (size_t q = 0; q < queries.size(); ++q) truth[q][revision_] = Rerun(queries[q]);
+      for (size_t q = 0; q < queries.size(); ++q) {
+        references[q].Set(clock_.Now(), Rerun(queries[q]));
+        truth[q][revision_] = references[q].Lasting(clock_.Now(), GetParam());
+      }
       if (random.Chance(30)) subscriptions_->Drain();
     }
     subscriptions_->Drain();
