@@ -1,7 +1,9 @@
 #include "reasoner/matching/pattern_index.h"
 
 #include <bit>
-#include <limits>
+#include <utility>
+
+#include "absl/hash/hash.h"
 
 namespace docent {
 namespace {
@@ -46,70 +48,69 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     free_.pop_back();
   }
   Entry& entry = entries_[handle];
-  entry.key = {pattern.constants.subject, pattern.constants.predicate, pattern.constants.object};
-  entry.graph = pattern.constants.graph;
-  entry.reference = reference;
-  entry.equal = pattern.equal;
-  Bucket& bucket = buckets_[entry.key];
-  if (bucket.empty()) {
-    const unsigned shape = ShapeOf(entry.key);
-    ++shape_counts_[shape];
-    shapes_ |= 1u << shape;
-  }
+  entry = {.key = {pattern.constants.subject, pattern.constants.predicate, pattern.constants.object},
+           .graph = pattern.constants.graph,
+           .reference = reference,
+           .equal = pattern.equal};
+  const unsigned shape = ShapeOf(entry.key);
+  if (shape_counts_[shape]++ == 0) shapes_ |= 1u << shape;
+  const size_t hash = absl::HashOf(entry.key);
   if (pattern.object_guard) {
-    if (!bucket.guarded) bucket.guarded = std::make_unique<Guarded>();
+    std::unique_ptr<Guarded>& guarded = guarded_[hash];
+    if (!guarded) guarded = std::make_unique<Guarded>();
     entry.bound = pattern.object_guard->bound;
     entry.side = IsLowerBound(pattern.object_guard->op) ? 1 : -1;
-    (entry.side > 0 ? bucket.guarded->at_least : bucket.guarded->at_most).insert({entry.bound, handle});
-  } else {
-    entry.side = 0;
-    entry.place = static_cast<uint32_t>(bucket.plain.size());
-    bucket.plain.push_back(handle);
+    (entry.side > 0 ? guarded->at_least : guarded->at_most).insert({entry.bound, handle});
+    return handle;
+  }
+  const auto [first, fresh] = first_.try_emplace(hash, handle);
+  if (!fresh) {
+    entry.next = std::exchange(first->second, handle);
+    entries_[entry.next].previous = handle;
   }
   return handle;
 }
 
 void PatternIndex::Remove(Handle handle) {
   const Entry& entry = entries_[handle];
-  const auto found = buckets_.find(entry.key);
-  Bucket& bucket = found->second;
-  if (entry.side != 0) {
-    Guarded& guarded = *bucket.guarded;
-    (entry.side > 0 ? guarded.at_least : guarded.at_most).erase({entry.bound, handle});
-    if (guarded.at_least.empty() && guarded.at_most.empty()) bucket.guarded.reset();
-  } else {
-    const Handle last = bucket.plain.back();
-    bucket.plain[entry.place] = last;
-    entries_[last].place = entry.place;
-    bucket.plain.pop_back();
-  }
-  if (bucket.empty()) {
-    const unsigned shape = ShapeOf(entry.key);
-    if (--shape_counts_[shape] == 0) shapes_ &= ~(1u << shape);
-    buckets_.erase(found);
-  }
+  const unsigned shape = ShapeOf(entry.key);
+  if (--shape_counts_[shape] == 0) shapes_ &= ~(1u << shape);
   free_.push_back(handle);
+  if (entry.side != 0) {
+    const auto found = guarded_.find(absl::HashOf(entry.key));
+    Guarded& guarded = *found->second;
+    (entry.side > 0 ? guarded.at_least : guarded.at_most).erase({entry.bound, handle});
+    if (guarded.at_least.empty() && guarded.at_most.empty()) guarded_.erase(found);
+    return;
+  }
+  if (entry.next != kNone) entries_[entry.next].previous = entry.previous;
+  if (entry.previous != kNone) {
+    entries_[entry.previous].next = entry.next;
+  } else if (const auto first = first_.find(absl::HashOf(entry.key)); entry.next != kNone) {
+    first->second = entry.next;
+  } else {
+    first_.erase(first);
+  }
 }
 
-void PatternIndex::VisitEntry(Handle handle, const Quad& quad,
+void PatternIndex::VisitEntry(const Entry& entry, const Key& key, const Quad& quad,
                               absl::FunctionRef<void(Reference)> visit) const {
-  const Entry& entry = entries_[handle];
-  if (!entry.graph.IsNone() && entry.graph != quad.graph) return;
+  if (entry.key != key || (!entry.graph.IsNone() && entry.graph != quad.graph)) return;
   if (EqualPositionsHold(entry.equal, quad)) visit(entry.reference);
 }
 
-void PatternIndex::VisitGuarded(const Guarded& guarded, const Quad& quad,
+void PatternIndex::VisitGuarded(const Guarded& guarded, const Key& key, const Quad& quad,
                                 absl::FunctionRef<void(Reference)> visit) const {
   const NumberView view = ViewNumber(quad.object);
   if (view.kind == NumberView::Kind::kOther) return;
   const bool known = view.kind == NumberView::Kind::kNumber;
   for (const Bound& bound : guarded.at_least) {
     if (known && bound.value > view.value) break;
-    VisitEntry(bound.handle, quad, visit);
+    VisitEntry(entries_[bound.handle], key, quad, visit);
   }
   for (auto it = guarded.at_most.rbegin(); it != guarded.at_most.rend(); ++it) {
     if (known && it->value < view.value) break;
-    VisitEntry(it->handle, quad, visit);
+    VisitEntry(entries_[it->handle], key, quad, visit);
   }
 }
 
@@ -118,10 +119,14 @@ void PatternIndex::ForEachMatch(const Quad& quad, absl::FunctionRef<void(Referen
     const int shape = std::countr_zero(rest);
     const Key key = {(shape & 1) ? quad.subject : TermId(), (shape & 2) ? quad.predicate : TermId(),
                      (shape & 4) ? quad.object : TermId()};
-    const auto found = buckets_.find(key);
-    if (found == buckets_.end()) continue;
-    for (const Handle handle : found->second.plain) VisitEntry(handle, quad, visit);
-    if (found->second.guarded) VisitGuarded(*found->second.guarded, quad, visit);
+    const size_t hash = absl::HashOf(key);
+    if (const auto first = first_.find(hash); first != first_.end()) {
+      for (Handle handle = first->second; handle != kNone; handle = entries_[handle].next) {
+        VisitEntry(entries_[handle], key, quad, visit);
+      }
+    }
+    if (guarded_.empty()) continue;
+    if (const auto found = guarded_.find(hash); found != guarded_.end()) VisitGuarded(*found->second, key, quad, visit);
   }
 }
 

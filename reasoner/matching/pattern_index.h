@@ -18,7 +18,6 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
-#include "absl/container/inlined_vector.h"
 #include "absl/functional/function_ref.h"
 #include "kb_server/store/quad.h"
 #include "reasoner/matching/number_range.h"
@@ -83,29 +82,30 @@ class PatternIndex {
     absl::btree_set<Bound> at_least;  // object >= value (and >): all up to the object's number are visited
     absl::btree_set<Bound> at_most;
   };
-  struct Bucket {
-    absl::InlinedVector<Handle, 4> plain;  // most have one or two
-    std::unique_ptr<Guarded> guarded;
-    bool empty() const { return plain.empty() && !guarded; }
-  };
-  struct Entry {
+  // One line of the cache: what a change touches of ten thousands of patterns is most often not in it.
+  struct alignas(64) Entry {
     Key key;
     TermId graph;
     Reference reference;
-    uint32_t place = 0;  // in Bucket::plain
+    Handle next = kNone, previous = kNone;  // without a guard: those with the same hash
     uint8_t equal = 0;
-    int8_t side = 0;  // 0: plain, +1: at_least, -1: at_most
+    int8_t side = 0;  // 0: no guard, +1: at_least, -1: at_most
     double bound = 0;
   };
+  static constexpr Handle kNone = ~Handle{0};
 
   static unsigned ShapeOf(const Key& key);
-  void VisitGuarded(const Guarded& guarded, const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
-  void VisitEntry(Handle handle, const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
+  void VisitGuarded(const Guarded& guarded, const Key& key, const Quad& quad,
+                    absl::FunctionRef<void(Reference)> visit) const;
+  void VisitEntry(const Entry& entry, const Key& key, const Quad& quad,
+                  absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
   std::vector<Handle> free_;
-  absl::flat_hash_map<Key, Bucket> buckets_;
-  std::array<size_t, 8> shape_counts_ = {};  // buckets of each shape; bit 0 subject, 1 predicate, 2 object
+  // By hash of the key, which an entry is compared with when it is visited.
+  absl::flat_hash_map<size_t, Handle> first_;
+  absl::flat_hash_map<size_t, std::unique_ptr<Guarded>> guarded_;
+  std::array<size_t, 8> shape_counts_ = {};  // patterns of each shape; bit 0 subject, 1 predicate, 2 object
   unsigned shapes_ = 0;                      // bit i: shape i has any
 };
 
