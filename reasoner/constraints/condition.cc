@@ -13,16 +13,16 @@ int ConstantCount(const QuadPattern& pattern) {
 }  // namespace
 
 Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
-    : body_(body.get()), indexes_(indexes), number_(number), keys_(std::move(keys)), own_(std::move(body)) {
+    : number_(number), body_(body.get()), indexes_(indexes), keys_(std::move(keys)), own_(std::move(body)) {
   Begin();
 }
 
 Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, Keys keys, WatchIndexes& indexes)
-    : body_(&shape->body()),
-      shape_(shape),
+    : number_(number),
+      body_(&shape->body()),
       indexes_(indexes),
-      number_(number),
       keys_(std::move(keys)),
+      shape_(shape),
       constants_(std::move(constants)) {
   const std::vector<TermId> seed = shape->SeedOf(constants_);
   base_.assign(seed.begin(), seed.end());
@@ -44,7 +44,7 @@ void Condition::SetShape(Shape* shape, Shape::Constants constants) {
 
 Condition::~Condition() {
   Disarm();
-  for (Witness& witness : witnesses_) Unwatch(witness);
+  for (Witness& witness : witnesses_) indexes_.RemoveAll(witness.watches);
 }
 
 std::vector<Condition::Key> Condition::Present() const {
@@ -104,14 +104,14 @@ uint32_t Condition::NewSlot(const Key& key) {
 
 void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
   Witness& witness = witnesses_[slot];
-  Unwatch(witness);
+  indexes_.RemoveAll(witness.watches);
   witness.row.assign(row.begin(), row.end());
   Watch(slot);
 }
 
 void Condition::DropSlot(uint32_t slot) {
   Witness& witness = witnesses_[slot];
-  Unwatch(witness);
+  indexes_.RemoveAll(witness.watches);
   --present_;
   if (!has_keys()) return;
   keyed_->free.push_back(slot);
@@ -123,16 +123,9 @@ void Condition::Watch(uint32_t slot) {
   const PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness};
   for (const Trigger& trigger : body_->triggers()) {
     const MatchPattern match = body_->Instantiate(trigger, witness.row);
-    if (RisesOnAdd(trigger.polarity)) witness.on_remove.push_back(indexes_.on_remove.Add(match, reference));
-    if (RisesOnRemove(trigger.polarity)) witness.on_add.push_back(indexes_.on_add.Add(match, reference));
+    if (RisesOnAdd(trigger.polarity)) witness.watches.push_back(indexes_.Goes(match, reference));
+    if (RisesOnRemove(trigger.polarity)) witness.watches.push_back(indexes_.Comes(match, reference));
   }
-}
-
-void Condition::Unwatch(Witness& witness) {
-  for (const PatternIndex::Handle handle : witness.on_add) indexes_.on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : witness.on_remove) indexes_.on_remove.Remove(handle);
-  witness.on_add.clear();
-  witness.on_remove.clear();
 }
 
 bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
@@ -285,17 +278,12 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
   const MatchPattern match = MatchOf(watched);
-  if (RisesOnAdd(watched.polarity))
-    armed_on_add_.push_back(indexes_.on_add.Add(match, {number_, trigger}));
-  if (RisesOnRemove(watched.polarity))
-    armed_on_remove_.push_back(indexes_.on_remove.Add(match, {number_, trigger}));
+  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(indexes_.Comes(match, {number_, trigger}));
+  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(indexes_.Goes(match, {number_, trigger}));
 }
 
 void Condition::Disarm() {
-  for (const PatternIndex::Handle handle : armed_on_add_) indexes_.on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : armed_on_remove_) indexes_.on_remove.Remove(handle);
-  armed_on_add_.clear();
-  armed_on_remove_.clear();
+  indexes_.RemoveAll(armed_watches_);
   if (joined_) shape_->Leave(number_, constants_);
   joined_ = false;
   armed_ = Armed::kNothing;

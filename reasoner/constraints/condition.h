@@ -100,8 +100,8 @@ class Condition {
   // For the caller's own use: the update that last touched witness `slot`, or the whole condition and where it is
   // listed there.
   uint64_t& stamp(uint32_t slot) { return witnesses_[slot].stamp; }
-  uint64_t touched_in = 0;
-  uint32_t touched_at = 0;
+  uint64_t& touched_in() { return touched_in_; }
+  uint32_t& touched_at() { return touched_at_; }
 
  private:
   enum class Armed : uint8_t { kNothing, kOne, kAll };
@@ -109,8 +109,7 @@ class Condition {
     Key key;
     Row row;
     uint64_t stamp = 0;
-    absl::InlinedVector<PatternIndex::Handle, 3> on_add;
-    absl::InlinedVector<PatternIndex::Handle, 3> on_remove;
+    absl::InlinedVector<WatchIndexes::Watch, 4> watches;
   };
 
   // Only where there are keys.
@@ -128,7 +127,6 @@ class Condition {
   void SetRow(uint32_t slot, absl::Span<const TermId> row);
   void DropSlot(uint32_t slot);
   void Watch(uint32_t slot);
-  void Unwatch(Witness& witness);
   MatchPattern MatchOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
   // Of a condition that watches one pattern: whether it has no match, so that there is no solution.
@@ -140,23 +138,25 @@ class Condition {
 
   bool Narrows(uint32_t trigger) const;
 
-  uint64_t whole_ = 0;  // triggers, as bits, that do not narrow; the last bit stands for all beyond
-  Body* body_;
-  Shape* shape_ = nullptr;
-  WatchIndexes& indexes_;
+  // What an update looks at, together: the lines of ten thousands of conditions are most often in no cache.
+  uint64_t touched_in_ = 0;
+  uint32_t touched_at_ = 0;
   const uint32_t number_;
+  uint32_t present_ = 0;        // witnesses
+  int16_t armed_trigger_ = -1;  // kOne: which
   Armed armed_ = Armed::kNothing;
-  bool joined_ = false;   // it waits at the shape
+  bool joined_ = false;  // it waits at the shape
   bool in_vain_ = false;
   bool blocked_ = false;   // kOne: nothing matches the trigger now, as a Recheck of this update saw
   bool unlooked_ = false;  // kAll: whether one would do was not looked at since it fell
-  int16_t armed_trigger_ = -1;  // kOne: which
-  uint32_t present_ = 0;        // witnesses
-  Row base_;                    // the constants by column of the shape's body; empty with a body of its own
+  uint64_t whole_ = 0;     // triggers, as bits, that do not narrow; the last bit stands for all beyond
+  Body* body_;
+  WatchIndexes& indexes_;
   const Keys keys_;
   absl::InlinedVector<Witness, 1> witnesses_;  // without keys: the first, while present_
-  absl::InlinedVector<PatternIndex::Handle, 3> armed_on_add_;
-  absl::InlinedVector<PatternIndex::Handle, 3> armed_on_remove_;
+  Row base_;                                   // the constants by column of the shape's body; empty with a body of its own
+  absl::InlinedVector<WatchIndexes::Watch, 4> armed_watches_;
+  Shape* shape_ = nullptr;
   Shape::Constants constants_;  // what tells this condition from others of the shape
   std::unique_ptr<Keyed> keyed_;
   const std::unique_ptr<Body> own_;

@@ -237,7 +237,7 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   if (follower.threshold) {
     GroupOf(follower).RemoveMember(id, follower.threshold->constant);
   } else {
-    std::erase(shared.followers, id);
+    shared.followers.erase(std::find(shared.followers.begin(), shared.followers.end(), id));
   }
   if (shared.IsFollowed()) return;
   std::erase(volatile_conditions, follower.condition);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
 #include "reasoner/constraints/condition.h"
 #include "reasoner/constraints/constraint_set.h"
 #include "reasoner/constraints/shape.h"
@@ -20,12 +21,13 @@ namespace docent {
 
 struct ConstraintSet::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
-  struct Shared {
+  // What an update looks at stands first, in one line of the cache.
+  struct alignas(64) Shared {
     std::unique_ptr<Condition> condition;
-    std::string fingerprint;
-    std::vector<ConstraintId> followers;
+    absl::InlinedVector<ConstraintId, 1> followers;
     std::array<std::unique_ptr<ThresholdGroup>, 2> groups;  // below, above
-    std::string shape;                                      // key in shapes; empty: none is like it
+    std::string fingerprint;
+    std::string shape;  // key in shapes; empty: none is like it
 
     bool IsFollowed() const;
   };

@@ -10,12 +10,12 @@ namespace docent {
 
 ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
   Condition& condition = *conditions[number].condition;
-  if (condition.touched_in != counters.updates) {
-    condition.touched_in = counters.updates;
-    condition.touched_at = static_cast<uint32_t>(touched.size());
+  if (condition.touched_in() != counters.updates) {
+    condition.touched_in() = counters.updates;
+    condition.touched_at() = static_cast<uint32_t>(touched.size());
     touched.push_back({.condition = number, .held = condition.holds()});
   }
-  return touched[condition.touched_at];
+  return touched[condition.touched_at()];
 }
 
 absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evaluate) {

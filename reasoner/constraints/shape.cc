@@ -179,17 +179,13 @@ void Shape::Watch() {
     if (!shared_[i]) continue;
     const Trigger& trigger = body_->triggers()[i];
     const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
-    if (RisesOnAdd(trigger.polarity)) on_add_.push_back(indexes_.on_add.Add(trigger.match, reference));
-    if (RisesOnRemove(trigger.polarity))
-      on_remove_.push_back(indexes_.on_remove.Add(trigger.match, reference));
+    if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, reference));
+    if (RisesOnRemove(trigger.polarity)) watches_.push_back(indexes_.Goes(trigger.match, reference));
   }
 }
 
 void Shape::Unwatch() {
-  for (const PatternIndex::Handle handle : on_add_) indexes_.on_add.Remove(handle);
-  for (const PatternIndex::Handle handle : on_remove_) indexes_.on_remove.Remove(handle);
-  on_add_.clear();
-  on_remove_.clear();
+  indexes_.RemoveAll(watches_);
 }
 
 void Shape::Join(uint32_t condition, const Constants& constants) {

@@ -92,7 +92,7 @@ class Shape {
   size_t waiting_ = 0;
   bool lends_body_ = false;
   bool shares_any_ = false;
-  std::vector<PatternIndex::Handle> on_add_, on_remove_;
+  std::vector<WatchIndexes::Watch> watches_;
   std::vector<TermId> seed_;  // scratch
   Constants found_;                 // scratch
 };

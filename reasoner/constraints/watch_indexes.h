@@ -16,6 +16,26 @@ struct WatchIndexes {
   static constexpr uint32_t kIsShape = 0x80000000u;    // in an owner: it is a shape
   static constexpr uint32_t kIsWitness = 0x80000000u;  // in a pattern: it is a witness
 
+  // A handle of on_add, or with kGoes of on_remove.
+  using Watch = PatternIndex::Handle;
+  static constexpr Watch kGoes = 0x80000000u;
+
+  Watch Comes(const MatchPattern& match, PatternIndex::Reference reference) { return on_add.Add(match, reference); }
+  Watch Goes(const MatchPattern& match, PatternIndex::Reference reference) {
+    return on_remove.Add(match, reference) | kGoes;
+  }
+  template <typename Watches>
+  void RemoveAll(Watches& watches) {
+    for (const Watch watch : watches) {
+      if ((watch & kGoes) == 0) {
+        on_add.Remove(watch);
+      } else {
+        on_remove.Remove(watch & ~kGoes);
+      }
+    }
+    watches.clear();
+  }
+
   PatternIndex on_add;
   PatternIndex on_remove;
   std::vector<TermId> seed;  // scratch of whoever evaluates
