@@ -126,23 +126,25 @@ struct ConstraintSet::Impl {
   Dictionary& dictionary;
   const sparql::FunctionRegistry* functions;
   NumberComparer comparer;
-  const GraphVersion no_graph;                 // comparisons of numbers read none
-  WatchIndexes indexes;                        // before conditions: they unregister themselves
-  std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
-  std::vector<Shared> conditions;              // by number; after shapes: they leave theirs
+  const GraphVersion no_graph;  // comparisons of numbers read none
   std::vector<uint32_t> free_numbers;
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;
   absl::flat_hash_map<std::string, Alike> alike;               // by fingerprint of the shape
   absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
   absl::flat_hash_map<ConstraintId, Follower> followers;
+  uint64_t next_id = 1;
+  StopWatch now_ns = nullptr;
+
+  // What every Update looks at.
+  WatchIndexes indexes;                        // before shapes and conditions: they take their watches out
+  std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
+  std::vector<Shared> conditions;              // by number; after shapes: they leave theirs
   std::vector<uint32_t> volatile_conditions;
+  Counters counters;
   // Since the last Commit.
   Condition::Edits edits;
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
-  uint64_t next_id = 1;
-  Counters counters;
-  StopWatch now_ns = nullptr;
 
   // of the running Update
   std::vector<Touched> touched;  // a condition knows its place

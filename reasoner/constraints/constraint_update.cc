@@ -45,7 +45,7 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
-  shape_rises.clear();
+  if (!shape_rises.empty()) shape_rises.clear();
   for (const Quad& quad : delta.added) GatherOf(quad, true);
   for (const Quad& quad : delta.removed) GatherOf(quad, false);
 }

@@ -101,12 +101,12 @@ class PatternIndex {
                   absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
-  std::vector<Handle> free_;
   // By hash of the key, which an entry is compared with when it is visited.
   absl::flat_hash_map<size_t, Handle> first_;
   absl::flat_hash_map<size_t, std::unique_ptr<Guarded>> guarded_;
+  unsigned shapes_ = 0;  // bit i: shape i has any
+  std::vector<Handle> free_;
   std::array<size_t, 8> shape_counts_ = {};  // patterns of each shape; bit 0 subject, 1 predicate, 2 object
-  unsigned shapes_ = 0;                      // bit i: shape i has any
 };
 
 }  // namespace docent
