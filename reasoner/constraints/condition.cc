@@ -120,8 +120,10 @@ void Condition::DropSlot(uint32_t slot) {
 
 void Condition::Watch(uint32_t slot) {
   Witness& witness = witnesses_[slot];
-  const PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness};
+  PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness};
   for (const Trigger& trigger : body_->triggers()) {
+    const auto place = &trigger - body_->triggers().data();
+    reference.detail = static_cast<uint16_t>(std::min<ptrdiff_t>(place, WatchIndexes::kSomeTrigger));
     const MatchPattern match = body_->Instantiate(trigger, witness.row);
     if (RisesOnAdd(trigger.polarity)) witness.watches.push_back(indexes_.Goes(match, reference));
     if (RisesOnRemove(trigger.polarity)) witness.watches.push_back(indexes_.Comes(match, reference));
@@ -149,7 +151,7 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
   Take(own, edits);
 }
 
-absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits) {
+absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
   const auto drop = [&] {
     Edit& edit = edits.emplace_back();
     edit.condition = number_;
@@ -159,11 +161,15 @@ absl::Status Condition::Recheck(uint32_t slot, const sparql::RunOptions& run, Ed
     DropSlot(slot);
     return absl::OkStatus();
   };
-  if (!has_keys() && watches_one() && IsBlocked(*run.version)) return drop();
   const Key& key = witnesses_[slot].key;
   std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < keys_.size(); ++i) {
     if (body_->columns()[keys_[i]].certain) seed[keys_[i]] = key[i];
+  }
+  // What lost a match has most often no other.
+  if (trigger != WatchIndexes::kSomeTrigger && HasNoMatch(trigger, seed, *run.version)) {
+    blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
+    return drop();
   }
   bool found = false;
   Row after;
@@ -224,7 +230,7 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
   for (const Key& key : Present()) slots.push_back(static_cast<uint32_t>(SlotOf(key)));
   std::sort(slots.begin(), slots.end());
   for (const uint32_t slot : slots) {
-    if (absl::Status status = Recheck(slot, run, edits); !status.ok()) return status;
+    if (absl::Status status = Recheck(slot, WatchIndexes::kSomeTrigger, run, edits); !status.ok()) return status;
   }
   return ProbeAll(run, edits);
 }
@@ -250,10 +256,10 @@ MatchPattern Condition::MatchOf(const Trigger& trigger) const {
   return base_.empty() ? trigger.match : body_->Instantiate(trigger, base_);
 }
 
-bool Condition::IsBlocked(const GraphVersion& version) {
-  const Trigger& trigger = body_->triggers()[static_cast<size_t>(armed_trigger_)];
-  blocked_ = !version.ContainsMatch(MatchOf(trigger).constants);
-  return blocked_;
+bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const {
+  const Trigger& lost = body_->triggers()[trigger];
+  return lost.required && lost.polarity == Polarity::kPositive &&
+         !version.ContainsMatch(body_->Instantiate(lost, seed).constants);
 }
 
 // A required pattern without any match: nothing can rise before it has one. The most specific of them; the one that is

@@ -64,8 +64,9 @@ class Condition {
   };
   using Edits = std::vector<Edit>;
 
-  // The witness `slot` may be broken: looks for another with its key.
-  absl::Status Recheck(uint32_t slot, const sparql::RunOptions& run, Edits& edits);
+  // The witness `slot` may be broken: looks for another with its key. `trigger`: of which it has lost a match, or gained
+  // one; or kSomeTrigger.
+  absl::Status Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits);
   // Whether Probe has anything to go by: what a change that matches `trigger` binds, or a constant of the query.
   // Otherwise it is a whole evaluation, which costs more the larger the graph is.
   bool narrows(uint32_t trigger) const { return (whole_ & (uint64_t{1} << std::min(trigger, 63u))) == 0; }
@@ -129,8 +130,8 @@ class Condition {
   void Watch(uint32_t slot);
   MatchPattern MatchOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
-  // Of a condition that watches one pattern: whether it has no match, so that there is no solution.
-  bool IsBlocked(const GraphVersion& version);
+  // Whether the trigger has no match with the seed, so that there is no solution.
+  bool HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const;
   void WatchTrigger(uint32_t trigger);
   void Disarm();
   // The scratch seed: the constants, nothing else.

@@ -31,7 +31,7 @@ void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
   index.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     ++counters.candidates;
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
-      broken.push_back({reference.owner, reference.pattern & ~WatchIndexes::kIsWitness});
+      broken.push_back(reference);
       return;
     }
     const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
@@ -51,13 +51,14 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
 }
 
 absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
-  for (const auto& [number, slot] : broken) {
+  for (const auto& [number, witness, trigger] : broken) {
+    const uint32_t slot = witness & ~WatchIndexes::kIsWitness;
     Condition& condition = *conditions[number].condition;
     if (condition.stamp(slot) == counters.updates) continue;
     condition.stamp(slot) = counters.updates;
     ++counters.evaluations;
     Touch(number);
-    if (absl::Status status = condition.Recheck(slot, run, edits); !status.ok()) return status;
+    if (absl::Status status = condition.Recheck(slot, trigger, run, edits); !status.ok()) return status;
   }
   return absl::OkStatus();
 }

@@ -47,10 +47,11 @@ class PatternIndex {
  public:
   // Names a registered pattern until it is removed; then the number is used again.
   using Handle = uint32_t;
-  // What the owner wants back: who it is and which of its patterns.
+  // What the owner wants back: who it is, which of its patterns, and what else it likes to know.
   struct Reference {
     uint32_t owner = 0;
     uint32_t pattern = 0;
+    uint16_t detail = 0;
     friend bool operator==(const Reference&, const Reference&) = default;
   };
 
@@ -93,6 +94,7 @@ class PatternIndex {
     double bound = 0;
   };
   static constexpr Handle kNone = ~Handle{0};
+  static_assert(sizeof(Entry) == 64);
 
   static unsigned ShapeOf(const Key& key);
   void VisitGuarded(const Guarded& guarded, const Key& key, const Quad& quad,

@@ -25,12 +25,12 @@ absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph
   absl::InlinedVector<PatternIndex::Reference, 4> found;
   const Quad quad = {triple.subject, triple.predicate, triple.object, TermId()};
   program_->schema_triggers.ForEachMatch(quad, [&](PatternIndex::Reference r) { found.push_back(r); });
-  for (const auto& [rule, trigger_number] : found) {
-    Body& body = *program_->rules[rule].body;
-    const Trigger& trigger = body.triggers()[trigger_number];
+  for (const PatternIndex::Reference& reference : found) {
+    Body& body = *program_->rules[reference.owner].body;
+    const Trigger& trigger = body.triggers()[reference.pattern];
     std::vector<TermId> seed;
     body.SeedFrom(trigger, quad, seed);
-    if (absl::Status status = Find(rule, seed, 1u << trigger.pattern, graph); !status.ok()) return status;
+    if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, graph); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
