@@ -56,7 +56,7 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   std::string shape_name = form ? Fingerprint(form->shared, {}) : "";
   const bool reused = !free_numbers.empty();
   const uint32_t number = reused ? free_numbers.back() : static_cast<uint32_t>(conditions.size());
-  absl::StatusOr<std::unique_ptr<Condition>> condition = nullptr;
+  absl::StatusOr<std::unique_ptr<Shared>> condition = nullptr;
   if (form) condition = BorrowBody(number, *form, shape_name, options);
   if (!condition.ok()) return condition.status();
   const bool borrowed = *condition != nullptr;
@@ -65,7 +65,7 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
     if (!body.ok()) return body.status();
     auto keys = KeyColumns(**body, options.key_variables);
     if (!keys.ok()) return keys.status();
-    *condition = std::make_unique<Condition>(number, *std::move(body), *std::move(keys), indexes);
+    *condition = std::make_unique<Shared>(number, *std::move(body), *std::move(keys), indexes);
   }
   Condition::Edits first;
   const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
@@ -77,16 +77,16 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   }
   if ((*condition)->body().is_volatile()) volatile_conditions.push_back(number);
   by_fingerprint.emplace(fingerprint, number);
-  Shared& shared = conditions[number];
-  shared.condition = *std::move(condition);
+  conditions[number] = *std::move(condition);
+  Shared& shared = *conditions[number];
   shared.fingerprint = std::move(fingerprint);
   shared.shape = std::move(shape_name);
   if (form) JoinShape(number, *form, borrowed, now);
-  shared.condition->Arm(&now);
+  shared.Arm(&now);
   return number;
 }
 
-absl::StatusOr<std::unique_ptr<Condition>> ConstraintSet::Impl::BorrowBody(uint32_t number, const ShapeForm& form,
+absl::StatusOr<std::unique_ptr<ConstraintSet::Impl::Shared>> ConstraintSet::Impl::BorrowBody(uint32_t number, const ShapeForm& form,
                                                                            const std::string& shape_name,
                                                                            const RegisterOptions& options) {
   const auto like = alike.find(shape_name);
@@ -97,11 +97,11 @@ absl::StatusOr<std::unique_ptr<Condition>> ConstraintSet::Impl::BorrowBody(uint3
   if (!keys.ok()) return keys.status();
   Shape::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
-  return std::make_unique<Condition>(number, &shape, std::move(constants), *std::move(keys), indexes);
+  return std::make_unique<Shared>(number, &shape, std::move(constants), *std::move(keys), indexes);
 }
 
 void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
-  Shared& shared = conditions[number];
+  Shared& shared = *conditions[number];
   Alike& like = alike[shared.shape];
   ++like.count;
   if (like.hopeless || borrowed) return;
@@ -112,7 +112,7 @@ void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool
   if (!like.shape) {
     const auto free = std::find(shapes.begin(), shapes.end(), nullptr);
     const auto place = static_cast<uint32_t>(free - shapes.begin());
-    auto shape = Shape::Make(place, form, shared.condition->body(), indexes, dictionary, functions);
+    auto shape = Shape::Make(place, form, shared.body(), indexes, dictionary, functions);
     like.hopeless = !shape.ok() || *shape == nullptr;
     if (free == shapes.end() && !like.hopeless) shapes.emplace_back();
     if (!like.hopeless) shapes[place] = *std::move(shape);
@@ -120,9 +120,9 @@ void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool
   }
   for (auto& [alone, values] : std::exchange(like.alone, {})) {
     if (like.hopeless) continue;
-    conditions[alone].condition->SetShape(shapes[*like.shape].get(), std::move(values));
+    conditions[alone]->SetShape(shapes[*like.shape].get(), std::move(values));
     if (alone == number) continue;  // its maker arms it
-    conditions[alone].condition->Arm(&now);
+    conditions[alone]->Arm(&now);
     journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
   }
 }
@@ -180,13 +180,13 @@ absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl
   const absl::StatusOr<std::optional<uint32_t>> number = GroupCondition(*form, now, options);
   if (!number.ok()) return number.status();
   if (!*number) return std::nullopt;
-  Shared& shared = conditions[**number];
+  Shared& shared = *conditions[**number];
   const bool above = ThresholdGroup::IsAbove(form->op);
   std::unique_ptr<ThresholdGroup>& group = shared.groups[above];
   const sparql::RunOptions run{.version = &no_graph};
   if (!group) {
     group = std::make_unique<ThresholdGroup>(above, dictionary, comparer);
-    for (const Condition::Key& key : shared.condition->Present()) group->SetKey(key[0], true);
+    for (const Condition::Key& key : shared.Present()) group->SetKey(key[0], true);
     if (absl::Status status = group->Relevel(run, [](ConstraintId, bool) {}); !status.ok()) return status;
   }
   const TermId constant = dictionary.Intern(form->constant);
@@ -209,7 +209,7 @@ absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, c
     const absl::StatusOr<uint32_t> number = impl_->FindOrMake(ask, now, options);
     if (!number.ok()) return number.status();
     follower.condition = *number;
-    impl_->conditions[*number].followers.push_back(id);
+    impl_->conditions[*number]->followers.push_back(id);
   }
   ++impl_->next_id;
   impl_->followers.emplace(id, follower);
@@ -226,14 +226,14 @@ void ConstraintSet::Remove(ConstraintId id) {
 }
 
 ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {
-  return *conditions[follower.condition].groups[follower.threshold->above];
+  return *conditions[follower.condition]->groups[follower.threshold->above];
 }
 
 void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   const auto found = followers.find(id);
   const Follower follower = found->second;
   followers.erase(found);
-  Shared& shared = conditions[follower.condition];
+  Shared& shared = *conditions[follower.condition];
   if (follower.threshold) {
     GroupOf(follower).RemoveMember(id, follower.threshold->constant);
   } else {
@@ -243,14 +243,14 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   std::erase(volatile_conditions, follower.condition);
   by_fingerprint.erase(shared.fingerprint);
   const std::string shape = std::move(shared.shape);
-  shared = Shared{};
+  conditions[follower.condition].reset();
   LeaveShape(shape, follower.condition);
   free_numbers.push_back(follower.condition);
 }
 
 bool ConstraintSet::Impl::Holds(ConstraintId id, const Follower& follower) const {
   if (follower.threshold) return GroupOf(follower).Holds(id, follower.threshold->constant);
-  return conditions[follower.condition].condition->holds();
+  return conditions[follower.condition]->holds();
 }
 
 bool ConstraintSet::Holds(ConstraintId id) const {
@@ -266,7 +266,7 @@ std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
     if (impl_->Holds(id, found->second)) bindings.emplace_back();
     return bindings;
   }
-  const Condition& condition = *impl_->conditions[found->second.condition].condition;
+  const Condition& condition = *impl_->conditions[found->second.condition];
   for (const Condition::Key& key : condition.Present()) bindings.push_back(impl_->BindingOf(condition, key));
   SortBindings(bindings, impl_->dictionary);
   return bindings;
@@ -278,7 +278,7 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
   const Impl::Follower& follower = found->second;
-  Condition& condition = *impl_->conditions[follower.condition].condition;
+  Condition& condition = *impl_->conditions[follower.condition];
   const std::vector<Body::Column>& columns = condition.body().columns();
   std::vector<TermId> seed = condition.Seed();
   std::vector<std::pair<size_t, TermId>> wanted;  // column and value

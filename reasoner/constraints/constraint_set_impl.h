@@ -21,9 +21,8 @@ namespace docent {
 
 struct ConstraintSet::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
-  // What an update looks at stands first, in one line of the cache.
-  struct alignas(64) Shared {
-    std::unique_ptr<Condition> condition;
+  struct Shared final : Condition {
+    using Condition::Condition;
     absl::InlinedVector<ConstraintId, 1> followers;
     std::array<std::unique_ptr<ThresholdGroup>, 2> groups;  // below, above
     std::string fingerprint;
@@ -84,7 +83,7 @@ struct ConstraintSet::Impl {
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
   // A condition with the body of its shape; null: the shape has none to lend.
-  absl::StatusOr<std::unique_ptr<Condition>> BorrowBody(uint32_t number, const ShapeForm& form,
+  absl::StatusOr<std::unique_ptr<Shared>> BorrowBody(uint32_t number, const ShapeForm& form,
                                                         const std::string& shape_name, const RegisterOptions& options);
   // Counts the condition among those like it. Gives it its shape, if there are enough of them.
   void JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now);
@@ -138,7 +137,7 @@ struct ConstraintSet::Impl {
   // What every Update looks at.
   WatchIndexes indexes;                        // before shapes and conditions: they take their watches out
   std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
-  std::vector<Shared> conditions;              // by number; after shapes: they leave theirs
+  std::vector<std::unique_ptr<Shared>> conditions;  // by number; null: free; after shapes: they leave theirs
   std::vector<uint32_t> volatile_conditions;
   Counters counters;
   // Since the last Commit.

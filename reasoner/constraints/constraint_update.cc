@@ -9,7 +9,7 @@
 namespace docent {
 
 ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
-  Condition& condition = *conditions[number].condition;
+  Condition& condition = *conditions[number];
   if (condition.touched_in() != counters.updates) {
     condition.touched_in() = counters.updates;
     condition.touched_at() = static_cast<uint32_t>(touched.size());
@@ -53,7 +53,7 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
 absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
   for (const auto& [number, witness, trigger] : broken) {
     const uint32_t slot = witness & ~WatchIndexes::kIsWitness;
-    Condition& condition = *conditions[number].condition;
+    Condition& condition = *conditions[number];
     if (condition.stamp(slot) == counters.updates) continue;
     condition.stamp(slot) = counters.updates;
     ++counters.evaluations;
@@ -69,7 +69,7 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
       if (absl::Status status = ProbeShape(rise, run); !status.ok()) return status;
       continue;
     }
-    Condition& condition = *conditions[rise.owner].condition;
+    Condition& condition = *conditions[rise.owner];
     Touched& touch = Touch(rise.owner);
     touch.probed = true;
     if (touch.full_done || condition.IgnoresRise()) continue;
@@ -101,11 +101,11 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {
                                              Touch(number);
-                                             conditions[number].condition->Offer(row, edits);
+                                             conditions[number]->Offer(row, edits);
                                            });
   if (!found.ok() || *found) return found.status();
   for (const uint32_t number : shape.Waiting()) {
-    Condition& condition = *conditions[number].condition;
+    Condition& condition = *conditions[number];
     Touched& touch = Touch(number);
     if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;
@@ -121,7 +121,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   for (const uint32_t number : volatile_conditions) {
     Touch(number);
     ++counters.evaluations;
-    const absl::Status status = Whole([&] { return conditions[number].condition->Refresh(run, edits); });
+    const absl::Status status = Whole([&] { return conditions[number]->Refresh(run, edits); });
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -140,13 +140,12 @@ void ConstraintSet::Impl::LinkEdits(size_t begin) {
 // Watches and groups follow the new state.
 void ConstraintSet::Impl::Settle(const GraphVersion& version) {
   for (const Touched& touch : touched) {
-    Shared& shared = conditions[touch.condition];
-    Condition& condition = *shared.condition;
+    Shared& condition = *conditions[touch.condition];
     const bool failed = touch.probed && !touch.edited();
     if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
       journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
     }
-    for (const auto& group : shared.groups) {
+    for (const auto& group : condition.groups) {
       if (!group) continue;
       for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
         group->SetKey(edits[i].key[0], condition.Has(edits[i].key));
@@ -157,7 +156,7 @@ void ConstraintSet::Impl::Settle(const GraphVersion& version) {
 
 absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number,
                                                 absl::FunctionRef<void(ConstraintId, bool)> visit) {
-  for (const auto& group : conditions[number].groups) {
+  for (const auto& group : conditions[number]->groups) {
     if (!group) continue;
     if (absl::Status status = group->Relevel({.version = &no_graph}, visit); !status.ok()) return status;
   }
@@ -173,7 +172,7 @@ Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Conditi
 }
 
 ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number, const Touched& touch) const {
-  const Condition& condition = *conditions[number].condition;
+  const Condition& condition = *conditions[number];
   ConstraintChange change;
   change.id = id;
   change.edge = ConstraintChange::Edge::kBindingsChanged;
@@ -208,7 +207,7 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
   for (const Touched& touch : touched) {
     if (!touch.edited()) continue;
     const uint32_t number = touch.condition;
-    for (const ConstraintId id : conditions[number].followers) {
+    for (const ConstraintId id : conditions[number]->followers) {
       if (IsRemoved(id)) continue;
       ConstraintChange change = ChangeOf(id, number, touch);
       const bool edge = change.edge != ConstraintChange::Edge::kBindingsChanged;
@@ -264,10 +263,10 @@ void ConstraintSet::Rollback() {
   impl_->removals = 0;
   std::vector<uint32_t> changed;
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
-    Impl::Shared& shared = impl_->conditions[edit->condition];
-    shared.condition->Undo(*edit);
+    Impl::Shared& shared = *impl_->conditions[edit->condition];
+    shared.Undo(*edit);
     for (const auto& group : shared.groups) {
-      if (group) group->SetKey(edit->key[0], shared.condition->Has(edit->key));
+      if (group) group->SetKey(edit->key[0], shared.Has(edit->key));
     }
     changed.push_back(edit->condition);
   }
@@ -285,9 +284,9 @@ void ConstraintSet::Rollback() {
     }
   }
   for (const uint32_t number : changed) {
-    if (!impl_->conditions[number].condition) continue;
+    if (!impl_->conditions[number]) continue;
     // What a single watched pattern relied on is not known of the version that it goes back to.
-    impl_->conditions[number].condition->Arm(nullptr);
+    impl_->conditions[number]->Arm(nullptr);
     // It succeeded for these very keys before.
     impl_->RelevelGroups(number, [](ConstraintId, bool) {}).IgnoreError();
   }
