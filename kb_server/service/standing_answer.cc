@@ -57,7 +57,7 @@ void StandingAnswer::Keep(AnswerChange change) {
 }
 
 bool StandingAnswer::TellBoolean(TimeMicros now_us) {
-  const bool tell = boolean_ && now_us - boolean_since_us_ >= at_least_us_;
+  const bool tell = boolean_ && (told_ || now_us - boolean_since_us_ >= at_least_us_);
   if (tell == told_) return false;
   told_ = tell;
   whole_.reset();
@@ -81,7 +81,7 @@ bool StandingAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us
 }
 
 // A value that was computed here may have become a term of the dictionary since: one term, one id.
-void StandingAnswer::AdoptKnownLocals() {
+void StandingAnswer::AdoptKnownLocals(Rows* fresh) {
   std::vector<std::pair<TermId, TermId>> known;
   for (const auto& [term, local] : local_ids_) {
     if (auto id = dictionary_.Find(term)) known.emplace_back(local, *id);
@@ -95,9 +95,11 @@ void StandingAnswer::AdoptKnownLocals() {
     }
     return row;
   };
-  Rows rows;
-  for (const auto& [row, count] : rows_) rows[renamed(row)] += count;
-  rows_ = std::move(rows);
+  for (Rows* all : {&rows_, fresh}) {
+    Rows rows;
+    for (const auto& [row, count] : *all) rows[renamed(row)] += count;
+    *all = std::move(rows);
+  }
   young_.Rename(renamed);
   for (const auto& [local, global] : known) local_ids_.erase(locals_[local.payload()]);
 }
@@ -142,7 +144,7 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
   whole_.reset();
-  AdoptKnownLocals();
+  AdoptKnownLocals(&rows);
   AnswerChange change;
   for (const auto& [row, count] : rows) {
     const auto before = rows_.find(row);

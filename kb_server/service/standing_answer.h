@@ -59,7 +59,7 @@ class StandingAnswer {
   const std::vector<std::string>& variables() const { return variables_; }
 
   // ---- the thread that evaluates -----------------------------------------------------------------------------
-  // Times do not decrease from call to call.
+  // Times may go back a little from call to call, from the clock's to that of a turn before: what is told stays told.
   using Row = YoungRows::Row;
   using Rows = absl::flat_hash_map<Row, uint64_t>;
   // The id under which rows hold a computed value, until the next SetRows; there it may get another.
@@ -96,7 +96,8 @@ class StandingAnswer {
   // A row's count became another: notes what there is to tell.
   void Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us, AnswerChange* change)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void AdoptKnownLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // In rows_ and young_, and in `fresh`, which are to be the rows.
+  void AdoptKnownLocals(Rows* fresh) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void DropUnusedLocals() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const uint64_t id_;

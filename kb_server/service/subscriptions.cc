@@ -80,7 +80,7 @@ void Subscriptions::Publish(GraphVersionPtr version, const Delta& delta, TimeMic
     return;  // nobody is woken for nothing
   }
   if (turns_.size() < settings_.subscription_limits.subscription_backlog) {
-    turns_.emplace_back();
+    turns_.emplace_back().first_us = time_us;
   } else {
     ++counters_.coalesced;
   }
@@ -96,7 +96,7 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
   newest_time_us_ = settings_.clock->Now();
   Turn& turn = turns_.emplace_back();
   turn.version = std::move(version);
-  turn.time_us = newest_time_us_;
+  turn.time_us = turn.first_us = newest_time_us_;
   turn.whole = true;
 }
 
@@ -187,7 +187,7 @@ void Subscriptions::Run() {
 }
 
 void Subscriptions::Process(Turn turn) {
-  Ripen(turn.time_us);  // of what was until then
+  Ripen(turn.first_us);
   version_ = turn.version;
   time_us_ = turn.time_us;
   std::vector<uint32_t> anew = LearnConstants();

@@ -123,7 +123,8 @@ class Subscriptions {
   struct Turn {
     GraphVersionPtr version;
     DeltaSum changes;
-    TimeMicros time_us = 0;
+    TimeMicros time_us = 0;   // of the last of those looked at together
+    TimeMicros first_us = 0;  // and of the first: until then what was before it was so
     bool whole = false;
   };
   struct Opening {

@@ -92,8 +92,6 @@ class Condition {
   // Brings the rise watches in line with the state on `version`. True if they changed. Without a version
   // every trigger is watched that the state needs. `probed`: a change matched one of them, and nothing rose.
   bool Arm(const GraphVersion* version, bool probed = false);
-  // A rise watch was hit although only one pattern was watched: what was known of it no longer holds.
-  bool watches_one() const { return armed_ == Armed::kOne; }
   // It holds, and what it watches to rise was hit nevertheless. What holds keeps these watches until then: most
   // often it falls before, and needs them again.
   bool watches_in_vain() const { return in_vain_; }
@@ -138,6 +136,7 @@ class Condition {
   std::vector<TermId>& BeginSeed() const;
 
   bool Narrows(uint32_t trigger) const;
+  bool watches_one() const { return armed_ == Armed::kOne; }
 
   // What an update looks at, together: the lines of ten thousands of conditions are most often in no cache.
   uint64_t touched_in_ = 0;

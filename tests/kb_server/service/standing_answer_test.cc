@@ -49,5 +49,32 @@ TEST(StandingAnswer, ComputedValuesThatMustLast) {
   EXPECT_EQ(answer.size(), 2u);
 }
 
+// The clock's time may be ahead of that of the turns which come after.
+TEST(StandingAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, true, {}, &dictionary, SubscriptionLimits{}, 5);
+  EXPECT_FALSE(answer.SetBoolean(Revision(1), true, 0));
+  EXPECT_TRUE(answer.Ripen(Revision(1), 5));
+  EXPECT_FALSE(answer.SetBoolean(Revision(2), true, 4));
+  EXPECT_TRUE(answer.Whole()->boolean);
+  EXPECT_EQ(answer.ripens_at_us(), std::nullopt);
+  EXPECT_TRUE(answer.SetBoolean(Revision(3), false, 4));
+  EXPECT_FALSE(answer.SetBoolean(Revision(4), true, 4));
+  EXPECT_EQ(answer.ripens_at_us(), 9);
+}
+
+// A value that was computed, and that the dictionary learns before the rows are set, is the same row.
+TEST(StandingAnswer, AValueLearntMeanwhileKeepsItsTime) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 5);
+  const Term value = Term::Literal("some text that is in no id");
+  EXPECT_FALSE(answer.SetRows(Revision(1), {{{answer.Local(value)}, 1}}, 0));
+  EXPECT_TRUE(answer.Ripen(Revision(1), 5));
+  StandingAnswer::Rows again = {{{answer.Local(value)}, 1}};
+  dictionary.Intern(value);
+  EXPECT_FALSE(answer.SetRows(Revision(2), std::move(again), 6));
+  EXPECT_EQ(answer.Whole()->appeared.size(), 1u);
+}
+
 }  // namespace
 }  // namespace docent

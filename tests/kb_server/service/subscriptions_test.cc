@@ -372,6 +372,22 @@ TEST_F(SubscriptionsTest, ARowIsToldWhenItHasLastedAndGoesAtOnce) {
   EXPECT_EQ(client->told.rbegin()->first, revision_);
 }
 
+TEST_F(SubscriptionsTest, TurnsLookedAtTogetherMakeNothingLast) {
+  SubscriptionLimits limits;
+  limits.subscription_backlog = 1;
+  world_.Apply({"v0 at b1"});
+  Make(limits);
+  const auto client = Open("SELECT ?who { ?who :at :b1 }", 5'000'000);
+  for (int i = 1; i < 300; ++i) {  // so many at once that some are looked at together
+    clock_.Set(clock_.Now() + 4'000'000);
+    Turn({absl::StrCat("v", i, " at b1")}, {absl::StrCat("v", i - 1, " at b1")});
+  }
+  subscriptions_->Drain();
+  EXPECT_GT(subscriptions_->counters().coalesced, 0u);
+  client->TakeAll();
+  EXPECT_EQ(client->position, 0u);
+}
+
 TEST_F(SubscriptionsTest, WhatHasBeenSoForLongIsInTheFirstAnswer) {
   world_.Apply({"ann at b1"});
   clock_.Set(1'000'000);
