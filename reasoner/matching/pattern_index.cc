@@ -63,11 +63,13 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     (entry.side > 0 ? guarded->at_least : guarded->at_most).insert({entry.bound, handle});
     return handle;
   }
-  const auto [first, fresh] = first_.try_emplace(hash, handle);
+  const auto [place, fresh] = first_.try_emplace(hash, handle);
+  Entry& first = entries_[place->second];
   if (!fresh) {
-    entry.next = std::exchange(first->second, handle);
-    entries_[entry.next].previous = handle;
+    entry.previous = first.previous;
+    entries_[entry.previous].next = handle;
   }
+  first.previous = handle;
   return handle;
 }
 
@@ -83,14 +85,20 @@ void PatternIndex::Remove(Handle handle) {
     if (guarded.at_least.empty() && guarded.at_most.empty()) guarded_.erase(found);
     return;
   }
-  if (entry.next != kNone) entries_[entry.next].previous = entry.previous;
-  if (entry.previous != kNone) {
-    entries_[entry.previous].next = entry.next;
-  } else if (const auto first = first_.find(absl::HashOf(entry.key)); entry.next != kNone) {
-    first->second = entry.next;
-  } else {
-    first_.erase(first);
+  Entry& previous = entries_[entry.previous];
+  const bool is_first = previous.next == kNone;
+  if (!is_first) previous.next = entry.next;
+  if (!is_first && entry.next != kNone) {
+    entries_[entry.next].previous = entry.previous;
+    return;
   }
+  const auto place = first_.find(absl::HashOf(entry.key));
+  if (is_first && entry.next == kNone) {
+    first_.erase(place);
+    return;
+  }
+  if (is_first) place->second = entry.next;
+  entries_[place->second].previous = entry.previous;  // the last
 }
 
 void PatternIndex::VisitEntry(const Entry& entry, const Key& key, const Quad& quad,

@@ -59,8 +59,8 @@ class PatternIndex {
   // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
   void Remove(Handle handle);
 
-  // Calls `visit` for each pattern that matches `quad`, in no particular order. `visit` must not change the
-  // index.
+  // Calls `visit` for each pattern that matches `quad`: those with the same constants in the order in which they were
+  // added, those with a guard after the others. `visit` must not change the index.
   void ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
 
   size_t size() const { return entries_.size() - free_.size(); }
@@ -88,7 +88,7 @@ class PatternIndex {
     Key key;
     TermId graph;
     Reference reference;
-    Handle next = kNone, previous = kNone;  // without a guard: those with the same hash
+    Handle next = kNone, previous = kNone;  // without a guard: those with the same hash; before the first comes the last
     uint8_t equal = 0;
     int8_t side = 0;  // 0: no guard, +1: at_least, -1: at_most
     double bound = 0;

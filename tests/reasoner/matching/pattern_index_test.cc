@@ -80,6 +80,27 @@ TEST(PatternIndex, GuardsAreReachedOnlyByNumbersBeyondThem) {
 }
 
 // Against a list of patterns that are tried one by one, with removals in between.
+// Rules are tried in the order in which they stand.
+TEST(PatternIndex, ThoseOfTheSameConstantsComeInTheOrderInWhichTheyWereAdded) {
+  PatternIndex index;
+  std::vector<PatternIndex::Handle> handles;
+  for (uint32_t i = 0; i < 6; ++i) handles.push_back(index.Add(Pattern(0, 2, 3), {i, 0}));
+  const auto in_order = [&] {
+    std::vector<uint32_t> owners;
+    index.ForEachMatch({Id(1), Id(2), Id(3), Id(4)}, [&](PatternIndex::Reference r) { owners.push_back(r.owner); });
+    return owners;
+  };
+  EXPECT_THAT(in_order(), ElementsAre(0, 1, 2, 3, 4, 5));
+  index.Remove(handles[0]);
+  index.Remove(handles[3]);
+  index.Remove(handles[5]);
+  EXPECT_THAT(in_order(), ElementsAre(1, 2, 4));
+  index.Add(Pattern(0, 2, 3), {6, 0});
+  EXPECT_THAT(in_order(), ElementsAre(1, 2, 4, 6));
+  for (const int i : {4, 1, 2}) index.Remove(handles[static_cast<size_t>(i)]);
+  EXPECT_THAT(in_order(), ElementsAre(6));
+}
+
 TEST(PatternIndex, AgreesWithTryingEveryPattern) {
   std::mt19937 random(7);
   const auto pick = [&](int n) { return static_cast<uint64_t>(random() % n); };
