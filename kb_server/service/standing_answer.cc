@@ -60,7 +60,6 @@ bool StandingAnswer::TellBoolean(TimeMicros now_us) {
   const bool tell = boolean_ && (told_ || now_us - boolean_since_us_ >= at_least_us_);
   if (tell == told_) return false;
   told_ = tell;
-  whole_.reset();
   return true;
 }
 
@@ -203,9 +202,9 @@ bool StandingAnswer::Ripen(Revision revision, TimeMicros now_us) {
   } else {
     for (const Row& row : young_.TakeUntil(now_us - at_least_us_)) change.appeared.push_back(Decode(row, rows_.at(row)));
     if (change.appeared.empty()) return false;
-    whole_.reset();
   }
   revision_ = revision;
+  whole_.reset();
   Keep(std::move(change));
   return true;
 }

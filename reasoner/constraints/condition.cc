@@ -134,9 +134,7 @@ bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   Key key = KeyOf(row);
   if (Has(key)) return false;
   SetRow(NewSlot(key), row);
-  Edit& edit = edits.emplace_back();
-  edit.condition = number_;
-  edit.key = std::move(key);
+  edits.push_back({number_, std::move(key), false, {}});
   return true;
 }
 
@@ -153,11 +151,7 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
 
 absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
   const auto drop = [&] {
-    Edit& edit = edits.emplace_back();
-    edit.condition = number_;
-    edit.was_present = true;
-    edit.key = witnesses_[slot].key;
-    edit.before = std::move(witnesses_[slot].row);
+    edits.push_back({number_, witnesses_[slot].key, true, std::move(witnesses_[slot].row)});
     DropSlot(slot);
     return absl::OkStatus();
   };
@@ -182,11 +176,7 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
   if (!status.ok()) return status;
   if (!found) return drop();
   if (after == witnesses_[slot].row) return absl::OkStatus();
-  Edit& edit = edits.emplace_back();
-  edit.condition = number_;
-  edit.was_present = true;
-  edit.key = key;
-  edit.before = witnesses_[slot].row;
+  edits.push_back({number_, key, true, witnesses_[slot].row});
   SetRow(slot, after);
   return absl::OkStatus();
 }

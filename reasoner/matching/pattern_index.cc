@@ -86,19 +86,18 @@ void PatternIndex::Remove(Handle handle) {
     return;
   }
   Entry& previous = entries_[entry.previous];
-  const bool is_first = previous.next == kNone;
+  const bool is_first = previous.next == kNone, is_last = entry.next == kNone;
   if (!is_first) previous.next = entry.next;
-  if (!is_first && entry.next != kNone) {
-    entries_[entry.next].previous = entry.previous;
-    return;
-  }
+  if (!is_last) entries_[entry.next].previous = entry.previous;
+  if (!is_first && !is_last) return;
   const auto place = first_.find(absl::HashOf(entry.key));
-  if (is_first && entry.next == kNone) {
+  if (!is_first) {
+    entries_[place->second].previous = entry.previous;
+  } else if (!is_last) {
+    place->second = entry.next;
+  } else {
     first_.erase(place);
-    return;
   }
-  if (is_first) place->second = entry.next;
-  entries_[place->second].previous = entry.previous;  // the last
 }
 
 void PatternIndex::VisitEntry(const Entry& entry, const Key& key, const Quad& quad,
