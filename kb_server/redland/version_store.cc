@@ -25,7 +25,7 @@ class VersionStream final : public QuadStream {
 
   bool Next(TermQuad* quad) override {
     if (!cursor_.Valid()) return false;
-    const Quad& ids = cursor_.quad();
+    const Quad ids = cursor_.quad();
     Decode(ids.subject, last_.subject, &quad->subject);
     Decode(ids.predicate, last_.predicate, &quad->predicate);
     Decode(ids.object, last_.object, &quad->object);

@@ -38,12 +38,8 @@ TermId EvaluationContext::Encode(const Term& term) {
   return id;
 }
 
-void EvaluationContext::DecodeTo(TermId id, Term* out) const {
-  if (id.tag() != TermId::Tag::kLocal) {
-    dictionary.DecodeTo(id, out);
-  } else {
-    *out = id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
-  }
+void EvaluationContext::DecodeLocalTo(TermId id, Term* out) const {
+  *out = id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
 }
 
 Value EvaluationContext::ValueOf(TermId id) const {

@@ -84,7 +84,9 @@ class EvaluationContext {
   // The id of a term: the dictionary's, inline, or a local one of this run.
   TermId Encode(const Term& term);
   TermId Encode(const Value& value) { return value.id().IsNone() ? Encode(value.ToTerm()) : value.id(); }
-  void DecodeTo(TermId id, Term* out) const;
+  void DecodeTo(TermId id, Term* out) const {
+    return id.tag() == TermId::Tag::kLocal ? DecodeLocalTo(id, out) : dictionary.DecodeTo(id, out);
+  }
   Term Decode(TermId id) const {
     Term term;
     DecodeTo(id, &term);
@@ -114,6 +116,7 @@ class EvaluationContext {
   static constexpr uint64_t kMatchesAPoll = 64;
   static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
 
+  void DecodeLocalTo(TermId id, Term* out) const;
   bool PollNow();
   bool Refuse(size_t more);
 

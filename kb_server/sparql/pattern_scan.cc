@@ -65,7 +65,8 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
     }
   }
   context.version->Rescan(quad, &cursor_);
-  last_ = Quad{};
+  checks_ = only_ != nullptr || !except_.IsNone() || equals_ > 0;
+  if (checks_) last_ = Quad{};
   valid_ = true;
   first_ = true;
 }
@@ -83,33 +84,37 @@ bool PatternScan::Next(TermId* row) {
   while (valid_) {
     if (first_) {
       first_ = false;
+    } else if (merge_ && !checks_) {
+      cursor_.NextTriple();
     } else {
       cursor_.Next();
     }
     if (!cursor_.Valid() || !context_->Poll()) break;
-    const Quad& quad = cursor_.quad();
-    if ((only_ != nullptr || !except_.IsNone()) && !GraphAllowed(quad.graph)) continue;
-    if (merge_) {  // copies of a triple are adjacent
-      if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object)
-        continue;
-      last_ = quad;
-    }
-    const auto terms = std::bit_cast<std::array<TermId, 4>>(quad);
-    if (equals_ > 0) {
-      bool same = true;
-      for (int k = 0; k < equals_; ++k) same &= terms[equal_[k].first] == terms[equal_[k].second];
-      if (!same) continue;
-    }
-    for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = terms[assigns_[k].position];
+    if (checks_ && !Passes()) continue;
+    for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = cursor_.term(assigns_[k].position);
     return true;
   }
   Close(row);
   return false;
 }
 
+bool PatternScan::Passes() {
+  const Quad quad = cursor_.quad();
+  if (!GraphAllowed(quad.graph)) return false;
+  if (merge_) {  // copies of a triple are adjacent
+    if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object) return false;
+    last_ = quad;
+  }
+  const auto terms = std::bit_cast<std::array<TermId, 4>>(quad);
+  for (int k = 0; k < equals_; ++k) {
+    if (terms[equal_[k].first] != terms[equal_[k].second]) return false;
+  }
+  return true;
+}
+
 uint64_t PatternScan::Count(TermId* row) {
   uint64_t count = 0;
-  if (only_ != nullptr || !except_.IsNone() || equals_ > 0 || cursor_.filters()) {
+  if (checks_ || cursor_.filters()) {
     while (Next(row)) ++count;
     return count;
   }

@@ -29,6 +29,8 @@ class PatternScan {
   // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.
   bool OpenGraph(const GraphRef& graph, const TermId* row, QuadPattern* quad);
   bool GraphAllowed(TermId graph) const;
+  // Whether what the cursor stands at is a match, where `checks_`.
+  bool Passes();
   void AssignTo(int slot, int position);
 
   // The matches give `slot` the term at this position (0 to 3: subject, predicate, object, graph).
@@ -39,9 +41,10 @@ class PatternScan {
 
   EvaluationContext* context_ = nullptr;
   QuadCursor cursor_;
-  Quad last_;
+  Quad last_;  // the last one allowed, where `checks_` and `merge_`
   bool valid_ = false;
   bool first_ = false;
+  bool checks_ = false;                        // not everything that the cursor finds is a match
   bool merge_ = false;                         // the same triple in several graphs is one match
   const std::vector<TermId>* only_ = nullptr;  // graphs allowed; null: all
   TermId except_;                              // graph not allowed

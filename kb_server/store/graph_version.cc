@@ -4,52 +4,18 @@
 #include <cstdlib>
 
 #include "kb_server/store/index_order.h"
-#include "kb_server/store/quad_tree_node.h"
 
 namespace docent {
 namespace {
 
 // The order whose prefix is S, P and O as far as they are bound.
-IndexOrder OrderWithoutGraph(const QuadPattern& p) {
-  bool s = !p.subject.IsNone(), o = !p.object.IsNone();
-  if (!p.predicate.IsNone()) return s ? IndexOrder::kSpog : IndexOrder::kPosg;
-  return o ? IndexOrder::kOspg : IndexOrder::kSpog;
+IndexOrder OrderWithoutGraph(unsigned bound) {
+  constexpr unsigned kSubject = 1, kPredicate = 2, kObject = 4;
+  if ((bound & kPredicate) != 0) return (bound & kSubject) != 0 ? IndexOrder::kSpog : IndexOrder::kPosg;
+  return (bound & kObject) != 0 ? IndexOrder::kOspg : IndexOrder::kSpog;
 }
 
 }  // namespace
-
-void QuadCursor::Settle() {
-  for (; iterator_.Valid(); iterator_.Next()) {
-    quad_ = QuadOf(iterator_.leaf()->KeyAt(iterator_.position()), order_);
-    if (!filter_ || pattern_.Matches(quad_)) return;
-  }
-}
-
-void QuadCursor::Seek(const Quad& target) {
-  iterator_.Seek(KeyOf(target, order_));
-  Settle();
-}
-
-uint64_t QuadCursor::CountRest(bool triples) {
-  uint64_t count = 0;
-  triples &= order_ != IndexOrder::kGspo;  // there are none within one graph
-  QuadTree::Key last = {};  // no quad's
-  for (; iterator_.Valid(); iterator_.SkipLeaf()) {
-    const QuadTree::Leaf& leaf = *iterator_.leaf();
-    const int first = iterator_.position(), limit = iterator_.limit();
-    count += static_cast<uint64_t>(limit - first);
-    if (!triples) continue;
-    // The graph is the last word, and a leaf within one graph has every triple once.
-    const int end = leaf.mask[3] == 0 ? first + 1 : limit;
-    for (int i = first; i < end; ++i) {
-      if (i > first) last = leaf.KeyAt(i - 1);
-      const bool copy = leaf.Word(i, 0) == last[0] && leaf.Word(i, 1) == last[1] && leaf.Word(i, 2) == last[2];
-      if (copy) --count;
-    }
-    last = leaf.KeyAt(limit - 1);
-  }
-  return count;
-}
 
 bool GraphVersion::Contains(const Quad& quad) const {
   return tree(IndexOrder::kSpog).Contains(KeyOf(quad, IndexOrder::kSpog));
@@ -63,13 +29,13 @@ bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
 }
 
 IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
-  IndexOrder order = OrderWithoutGraph(pattern);
+  const unsigned bound = BoundIn(pattern);
+  const IndexOrder order = OrderWithoutGraph(bound);
   if (pattern.graph.IsNone()) return order;
-  if (RangeOf(pattern, IndexOrder::kGspo).exact) return IndexOrder::kGspo;
-  KeyRange without = RangeOf(pattern, order);
-  if (without.exact) return order;
+  if (IsExact(bound, IndexOrder::kGspo)) return IndexOrder::kGspo;
+  if (IsExact(bound, order)) return order;
   // Neither covers all that is bound: walk the shorter run.
-  KeyRange within = RangeOf(pattern, IndexOrder::kGspo);
+  const KeyRange without = RangeOf(pattern, order), within = RangeOf(pattern, IndexOrder::kGspo);
   bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <
                      tree(order).CountRange(without.first, without.last);
   return graph_first ? IndexOrder::kGspo : order;
@@ -101,13 +67,14 @@ void GraphVersion::Open(const QuadPattern& pattern, IndexOrder order, QuadCursor
     cursor->order_ = order;
     over.Range(range.first, range.last, &cursor->iterator_);
   }
-  cursor->pattern_ = pattern;
   cursor->filter_ = !range.exact;
+  if (range.exact) return;
+  cursor->pattern_ = pattern;
   cursor->Settle();
 }
 
 uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
-  IndexOrder order = OrderWithoutGraph(pattern);
+  const IndexOrder order = OrderWithoutGraph(BoundIn(pattern));
   KeyRange without = RangeOf(pattern, order);
   if (without.exact && pattern.graph.IsNone()) {
     if (pattern.subject.IsNone() && pattern.predicate.IsNone() && pattern.object.IsNone()) return size();

@@ -17,51 +17,10 @@
 
 #include "kb_server/base/ids.h"
 #include "kb_server/store/quad.h"
+#include "kb_server/store/quad_cursor.h"
 #include "kb_server/store/quad_tree.h"
 
 namespace docent {
-
-enum class IndexOrder : uint8_t { kSpog = 0, kPosg = 1, kOspg = 2, kGspo = 3 };
-inline constexpr int kIndexOrders = 4;
-
-// A position in a scan. Usage: for (auto c = version.Scan(p); c.Valid(); c.Next()) use(c.quad());
-// Holds a pointer into the version, which must outlive it; a change by the writer whose current() it reads
-// makes it invalid. One thread.
-class QuadCursor {
- public:
-  QuadCursor() = default;
-  bool Valid() const { return iterator_.Valid(); }
-  void Next() {
-    iterator_.Next();
-    if (iterator_.Valid()) Settle();
-  }
-  // Moves forward to the first match whose key in this cursor's order is >= the key of `target`; stays if the
-  // current one is. O(log distance).
-  void Seek(const Quad& target);
-  // How many matches are left, this one among them; `triples`: copies of a triple in several graphs, which must be adjacent,
-  // are one. The cursor is then at its end. Much quicker than going over them. Requires !filters().
-  uint64_t CountRest(bool triples);
-  // Whether it passes over quads that do not match: then only going over them tells how many do.
-  bool filters() const { return filter_; }
-  // Requires Valid().
-  const Quad& quad() const { return quad_; }
-  IndexOrder order() const { return order_; }
-  // Of no version from now on: nothing but a Rescan may follow.
-  void Forget() { tree_ = nullptr; }
-  // How many Rescans found their matches elsewhere than beside the last ones, since it changed its order.
-  uint64_t descents() const { return tree_ == nullptr ? 0 : iterator_.descents(); }
-
- private:
-  friend class GraphVersion;
-  void Settle();
-
-  const QuadTree* tree_ = nullptr;  // what iterator_ goes over
-  QuadTree::Iterator iterator_;
-  QuadPattern pattern_;
-  Quad quad_;
-  IndexOrder order_ = IndexOrder::kSpog;
-  bool filter_ = false;  // bound positions beyond the prefix
-};
 
 class GraphVersion {
  public:

@@ -1,39 +1,69 @@
-// How a quad is laid out as a key in each index order. Included only by files of this folder.
+// How quads are laid out as keys in each index, and which part of an index a pattern's matches are.
 #ifndef DOCENT_KB_SERVER_STORE_INDEX_ORDER_H_
 #define DOCENT_KB_SERVER_STORE_INDEX_ORDER_H_
 
-#include "kb_server/store/graph_version.h"
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "kb_server/store/quad.h"
+#include "kb_server/store/quad_tree.h"
 
 namespace docent {
 
-// Positions of a quad, in the sequence of its fields.
-inline QuadTree::Key KeyOf(const Quad& q, IndexOrder order) {
-  uint64_t s = q.subject.bits(), p = q.predicate.bits(), o = q.object.bits(), g = q.graph.bits();
-  switch (order) {
-    case IndexOrder::kSpog:
-      return {s, p, o, g};
-    case IndexOrder::kPosg:
-      return {p, o, s, g};
-    case IndexOrder::kOspg:
-      return {o, s, p, g};
-    case IndexOrder::kGspo:
-      break;
+enum class IndexOrder : uint8_t { kSpog = 0, kPosg = 1, kOspg = 2, kGspo = 3 };
+inline constexpr int kIndexOrders = 4;
+
+// The position of a quad (0 to 3: subject, predicate, object, graph) that each word of a key holds, by order.
+inline constexpr std::array<std::array<uint8_t, 4>, kIndexOrders> kPositions = {
+    {{0, 1, 2, 3}, {1, 2, 0, 3}, {2, 0, 1, 3}, {3, 0, 1, 2}}};
+// The word of a key that holds each position of a quad.
+inline constexpr auto kWords = [] {
+  std::array<std::array<uint8_t, 4>, kIndexOrders> words{};
+  for (int order = 0; order < kIndexOrders; ++order) {
+    for (uint8_t word = 0; word < 4; ++word) words[order][kPositions[order][word]] = word;
   }
-  return {g, s, p, o};
+  return words;
+}();
+
+inline QuadTree::Key KeyOf(const Quad& quad, IndexOrder order) {
+  const auto ids = std::bit_cast<std::array<uint64_t, 4>>(quad);
+  const auto& positions = kPositions[static_cast<size_t>(order)];
+  return {ids[positions[0]], ids[positions[1]], ids[positions[2]], ids[positions[3]]};
 }
 
-inline Quad QuadOf(const QuadTree::Key& k, IndexOrder order) {
-  switch (order) {
-    case IndexOrder::kSpog:
-      return {TermId(k[0]), TermId(k[1]), TermId(k[2]), TermId(k[3])};
-    case IndexOrder::kPosg:
-      return {TermId(k[2]), TermId(k[0]), TermId(k[1]), TermId(k[3])};
-    case IndexOrder::kOspg:
-      return {TermId(k[1]), TermId(k[2]), TermId(k[0]), TermId(k[3])};
-    case IndexOrder::kGspo:
-      break;
+inline Quad QuadOf(const QuadTree::Key& key, IndexOrder order) {
+  const auto& words = kWords[static_cast<size_t>(order)];
+  return {TermId(key[words[0]]), TermId(key[words[1]]), TermId(key[words[2]]), TermId(key[words[3]])};
+}
+
+// The positions that a pattern binds, a bit each: 1, 2, 4, 8.
+inline unsigned BoundIn(const QuadPattern& p) {
+  return (p.subject.IsNone() ? 0u : 1u) | (p.predicate.IsNone() ? 0u : 2u) | (p.object.IsNone() ? 0u : 4u) |
+         (p.graph.IsNone() ? 0u : 8u);
+}
+
+// How many words of a key come before the first that is not bound, by order and bound positions.
+inline constexpr auto kPrefixes = [] {
+  std::array<std::array<uint8_t, 16>, kIndexOrders> prefixes{};
+  for (int order = 0; order < kIndexOrders; ++order) {
+    for (unsigned bound = 0; bound < 16; ++bound) {
+      while (prefixes[order][bound] < 4 && (bound >> kPositions[order][prefixes[order][bound]] & 1) != 0) ++prefixes[order][bound];
+    }
   }
-  return {TermId(k[1]), TermId(k[2]), TermId(k[3]), TermId(k[0])};
+  return prefixes;
+}();
+
+// The same where all that is bound comes first.
+inline constexpr auto kWholePrefixes = [] {
+  std::array<uint8_t, 16> prefixes{};
+  for (unsigned bound = 0; bound < 16; ++bound) prefixes[bound] = static_cast<uint8_t>(std::popcount(bound));
+  return prefixes;
+}();
+
+// Whether all matches of a pattern that binds these positions are neighbours in `order`, and no others among them.
+inline bool IsExact(unsigned bound, IndexOrder order) {
+  return kWholePrefixes[bound] == kPrefixes[static_cast<size_t>(order)][bound];
 }
 
 // The keys of `order` that agree with the pattern's bound words up to the first unbound one.
@@ -44,17 +74,16 @@ struct KeyRange {
 };
 
 inline KeyRange RangeOf(const QuadPattern& p, IndexOrder order) {
-  KeyRange range{KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, order), {}, true};
-  range.last = range.first;
-  bool open = false;
+  const unsigned bound = BoundIn(p);
+  const int prefix = kPrefixes[static_cast<size_t>(order)][bound];
+  const QuadTree::Key key = KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, order);
+  KeyRange range;
   for (int i = 0; i < 4; ++i) {
-    if (open && range.first[i] != 0) range.exact = false;
-    if (range.first[i] == 0) open = true;
-    if (open) {
-      range.first[i] = 0;
-      range.last[i] = ~uint64_t{0};
-    }
+    const uint64_t free = i < prefix ? 0 : ~uint64_t{0};
+    range.first[i] = key[i] & ~free;
+    range.last[i] = key[i] | free;
   }
+  range.exact = IsExact(bound, order);
   return range;
 }
 

@@ -97,6 +97,8 @@ class QuadTree::Iterator {
   int position() const { return position_; }
   // One past the last position of leaf() that is within the range.
   int limit() const { return limit_; }
+  // Whether the next key, if there is one, is in another leaf.
+  bool NextIsElsewhere() const { return position_ + 1 == limit_ && !last_leaf_; }
   void Next() {
     if (++position_ == limit_ && !last_leaf_) NextLeaf();
   }

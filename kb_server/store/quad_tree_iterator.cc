@@ -67,8 +67,13 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
     return;
   }
   // Lookups that rise slowly find their place beside the last one.
-  const int near = position_ < leaf_->count && leaf_->LessAt(position_, first) ? position_ + 1 : 0;
-  position_ = leaf_->LowerBound(first, near, leaf_->count);
+  constexpr int kClose = 8;
+  int from = 0, to = leaf_->count;
+  if (position_ < to && leaf_->LessAt(position_, first)) {
+    from = position_ + 1;
+    if (from + kClose < to && !leaf_->LessAt(from + kClose, first)) to = from + kClose;
+  }
+  position_ = leaf_->LowerBound(first, from, to);
   SetLimit();
   if (position_ >= limit_ && !last_leaf_) NextLeaf();
 }

@@ -1,4 +1,4 @@
-// The nodes of a QuadTree. Included only by quad_tree*.cc, and by graph_version.cc, whose cursors read keys in place.
+// The nodes of a QuadTree. Included only by quad_tree*.cc, and by quad_cursor.h, since cursors read keys in place.
 //
 // A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a
 // node is reachable from that writer's tree alone.

@@ -13,10 +13,6 @@ namespace {
 constexpr size_t kPartRows = 10000;  // of one evaluation of a part
 constexpr size_t kBlockers = 16;     // matches of one absence that are looked at
 
-bool SameTriple(const Quad& a, const Quad& b) {
-  return a.subject == b.subject && a.predicate == b.predicate && a.object == b.object;
-}
-
 }  // namespace
 
 Solver::Solver(const GraphVersion& version, Dictionary& dictionary,
@@ -201,14 +197,12 @@ bool Solver::TryMatches(int goal) {
   const int base = frames_[goals_[goal].frame].base;
   const Atom& atom = *goals_[goal].atom;
   const bool any_graph = atom.terms[3].variable < 0 && atom.terms[3].constant.IsNone();
-  Quad before;
-  for (QuadCursor c = version_.Scan(PatternOf(goals_[goal])); c.Valid(); c.Next()) {
-    if (any_graph && SameTriple(before, c.quad())) continue;
-    before = c.quad();
+  for (QuadCursor c = version_.Scan(PatternOf(goals_[goal])); c.Valid(); any_graph ? c.NextTriple() : c.Next()) {
+    const Quad quad = c.quad();
     const size_t mark = Mark();
     bool go_on = true;
-    if (BindQuad(atom, base, before)) {
-      goals_[goal].match = before;
+    if (BindQuad(atom, base, quad)) {
+      goals_[goal].match = quad;
       goals_[goal].matched = true;
       go_on = Step();
       goals_[goal].matched = false;

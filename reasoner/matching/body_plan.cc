@@ -140,13 +140,9 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   }
   if (fresh_count == 0) return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
   bool go_on = true;
-  Quad last;
-  for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.Next()) {
-    const Quad& q = c.quad();
-    if (q.subject == last.subject && q.predicate == last.predicate && q.object == last.object) continue;
-    last = q;
+  for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.NextTriple()) {
     for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
-    const std::array<TermId, 3> found = {q.subject, q.predicate, q.object};
+    const std::array<TermId, 3> found = {c.term(0), c.term(1), c.term(2)};
     bool fits = true;
     for (int i = 0; fits && i < 3; ++i) {
       if (!given[i].IsNone()) continue;

@@ -26,7 +26,7 @@ bool Surroundings::MayMatch(const GraphVersion& graph, const Triple& pattern,
     (by_subject ? around.subject : around.object) = place->first;
     QuadCursor c = graph.Scan(around);
     for (; c.Valid() && facts.others.size() < kFew; c.Next()) {
-      const Quad& q = c.quad();
+      const Quad q = c.quad();
       facts.others.emplace_back(by_subject ? q.predicate : q.subject, by_subject ? q.object : q.predicate);
     }
     facts.all = !c.Valid();

@@ -31,7 +31,7 @@ class GraphView {
   void ForEach(TermId subject, TermId predicate, TermId object, const Visit& visit) const {
     Quad last;
     for (QuadCursor c = version_->Scan({subject, predicate, object, TermId()}); c.Valid(); c.Next()) {
-      const Quad& quad = c.quad();
+      const Quad quad = c.quad();
       if (!all_ && !std::binary_search(graphs_.begin(), graphs_.end(), quad.graph)) continue;
       if (quad.subject == last.subject && quad.predicate == last.predicate && quad.object == last.object) continue;
       last = quad;
