@@ -56,19 +56,19 @@ bool IsBlankLabel(std::string_view label) {
   return !label.empty() && scanner.ReadBlankLabel(&read) && read == label;
 }
 
-bool IsLanguageTag(std::string_view tag) {
-  std::string text = Concat("@", tag);
-  std::string_view read;
-  TurtleScanner scanner(text, /*line_based=*/true, text.size());
-  return scanner.ReadLanguage(&read) && read == tag;
-}
-
 absl::Status InPosition(std::string_view position, const absl::Status& status) {
   if (status.ok()) return status;
   return absl::Status(status.code(), Concat(position, ": ", FromAbsl(status.message())));
 }
 
 }  // namespace
+
+bool IsLanguageTag(std::string_view tag) {
+  std::string text = Concat("@", tag);
+  std::string_view read;
+  TurtleScanner scanner(text, /*line_based=*/true, text.size());
+  return scanner.ReadLanguage(&read) && read == tag;
+}
 
 absl::Status CheckTerm(const Term& term, size_t term_bytes) {
   std::string_view what = term.IsIri() ? "IRI" : term.IsBlank() ? "blank node label" : "literal";

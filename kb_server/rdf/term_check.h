@@ -16,6 +16,9 @@ namespace docent {
 // UTF-8. RESOURCE_EXHAUSTED: more than `term_bytes` bytes in one part.
 absl::Status CheckTerm(const Term& term, size_t term_bytes);
 
+// Whether a literal may have this language tag.
+bool IsLanguageTag(std::string_view tag);
+
 // CheckTerm for each position, and: the subject is no literal, the predicate an IRI, the graph an IRI, a
 // blank node or absent. The message names the position.
 absl::Status CheckQuad(const TermQuad& quad, size_t term_bytes);

@@ -13,7 +13,25 @@ namespace {
 
 constexpr int64_t kRegexMemoryBytes = 8 << 20;
 
-// XPath and XQuery Functions section 5.6.1.1: flags s, m, i, x, q.
+// XPath's \\d and \\w mean the characters of Unicode, RE2's those of ASCII. What stands for `letter` outside a class and
+// within one; empty: as RE2 has it.
+std::string_view UnicodeClass(char letter, bool within) {
+  switch (letter) {
+    case 'd':
+      return "\\p{Nd}";
+    case 'D':
+      return "\\P{Nd}";
+    case 'w':  // everything but punctuation, separators and others
+      return within ? "\\pL\\pM\\pN\\pS" : "[\\pL\\pM\\pN\\pS]";
+    case 'W':
+      return within ? "\\pP\\pZ\\pC" : "[\\pP\\pZ\\pC]";
+    default:
+      return {};
+  }
+}
+
+// XPath and XQuery Functions section 5.6.1.1: flags s, m, i, x, q. Null: not valid, or a class subtraction ([a-z-[aeiou]]),
+// which RE2 does not have and would read as something else.
 std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view flags) {
   re2::RE2::Options options;
   options.set_log_errors(false);
@@ -42,17 +60,18 @@ std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view fla
     }
   }
   options.set_literal(literal);
-  for (size_t i = 0, in_class = 0; i < pattern.size(); ++i) {
+  if (literal) source = pattern;
+  bool within = false;  // a class
+  for (size_t i = 0; i < pattern.size() && !literal; ++i) {
     const char c = pattern[i];
-    if (drop_space && !literal && in_class == 0 && (c == ' ' || c == '\t' || c == '\n' || c == '\r'))
-      continue;
+    if (drop_space && !within && (c == ' ' || c == '\t' || c == '\n' || c == '\r')) continue;
     if (c == '\\' && i + 1 < pattern.size()) {
-      source.push_back(c);
-      source.push_back(pattern[++i]);
+      const std::string_view of_unicode = UnicodeClass(pattern[++i], within);
+      source += of_unicode.empty() ? pattern.substr(i - 1, 2) : of_unicode;
       continue;
     }
-    if (c == '[') ++in_class;
-    if (c == ']' && in_class > 0) --in_class;
+    if (within && c == '[' && pattern[i - 1] == '-') return nullptr;
+    within = within ? c != ']' : c == '[';
     source.push_back(c);
   }
   if (multi_line && !literal) source = "(?m)" + source;

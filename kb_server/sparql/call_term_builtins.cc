@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "kb_server/rdf/iri.h"
+#include "kb_server/rdf/term_check.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/text.h"
@@ -74,7 +75,7 @@ Value DatatypeOf(const Value& v, EvaluationContext& context) {
     const Term term = context.Decode(id);  // a type derived from xsd:integer keeps its name
     return Value::Iri(term.datatype.empty() ? std::string(kXsdString) : term.datatype);
   }
-  return Value::Iri(std::string(v.CanonicalDatatype()));
+  return Value::Iri(std::string(v.DatatypeIri()));
 }
 
 Value NewBlank(const std::vector<Value>& arguments, EvaluationContext& context) {
@@ -103,9 +104,9 @@ Value WithDatatype(const Value& text, const Value& datatype, EvaluationContext& 
 }
 
 Value WithLanguage(const Value& text, const Value& language) {
-  if (text.type() != Type::kString || language.type() != Type::kString || language.text().empty())
-    return Value::Error();
-  return Value::LangString(std::string(text.text()), LowerAscii(language.text()));
+  if (text.type() != Type::kString || language.type() != Type::kString) return Value::Error();
+  std::string tag = LowerAscii(language.text());
+  return IsLanguageTag(tag) ? Value::LangString(std::string(text.text()), std::move(tag)) : Value::Error();
 }
 
 }  // namespace

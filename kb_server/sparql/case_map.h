@@ -1,6 +1,5 @@
-// Upper and lower case of UTF-8 text by code point (Unicode simple case mapping of Latin, Greek and Cyrillic
-// letters; other letters stay). It does not depend on the process's locale, so that a replay gives the same.
-// Pure functions.
+// Upper and lower case of UTF-8 text: Unicode's full case mapping (XPath and XQuery Functions sections 5.4.7 and 5.4.8), by ICU
+// and for no language in particular, so that it does not depend on the process's locale. Pure functions.
 #ifndef DOCENT_KB_SERVER_SPARQL_CASE_MAP_H_
 #define DOCENT_KB_SERVER_SPARQL_CASE_MAP_H_
 
@@ -9,7 +8,7 @@
 
 namespace docent::sparql {
 
-std::string UpperCase(std::string_view text);
+std::string UpperCase(std::string_view text);  // may be longer: "ß" gives "SS"
 std::string LowerCase(std::string_view text);
 
 }  // namespace docent::sparql

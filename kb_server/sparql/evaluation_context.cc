@@ -52,7 +52,7 @@ Value EvaluationContext::ValueOf(TermId id) const {
 
 std::string EvaluationContext::LexicalOf(const Value& value) const {
   const TermId id = value.id();
-  if (id.IsNone()) return value.CanonicalText();
+  if (id.IsNone()) return value.Lexical();
   if (id.InDictionary()) return std::string(dictionary.Lexical(id));
   if (id.tag() == TermId::Tag::kLocal) return local_terms_[id.payload()].lexical;
   return DecodeInline(id).lexical;

@@ -40,6 +40,9 @@ constexpr std::array<uint8_t, 256> kClasses = [] {
 bool Is(char c, uint8_t part) {
   return (kClasses[static_cast<uint8_t>(c)] & part) != 0;
 }
+bool IsWordChar(char c) {
+  return Is(c, kInName) && c != '-';
+}
 
 // The code point at `at` of valid UTF-8 and its length.
 std::pair<uint32_t, size_t> CodePointAt(std::string_view text, size_t at) {
@@ -79,6 +82,20 @@ std::optional<std::pair<uint32_t, size_t>> CodePointEscape(std::string_view text
     code = code << 4 | HexValue(c);
   }
   return std::make_pair(code, digits + 2);
+}
+
+struct CodePoint {
+  uint32_t code;
+  size_t length;  // in the text
+};
+
+// The code point at `at`, whether it is written or escaped (section 19.2); nothing at the end, and at a '\\' that begins no
+// such escape.
+std::optional<CodePoint> CodePointOrEscape(std::string_view text, size_t at) {
+  if (at >= text.size()) return std::nullopt;
+  const auto found = text[at] == '\\' ? CodePointEscape(text, at) : std::optional(CodePointAt(text, at));
+  if (!found) return std::nullopt;
+  return CodePoint{found->first, found->second};
 }
 
 std::optional<char> SimpleEscape(char c) {
@@ -248,22 +265,22 @@ Token Lexer::Next() {
 Token Lexer::LexVariable() {
   const size_t begin = at_ + 1;
   size_t end = begin;
-  bool ascii = true;
-  while (end < text_.size()) {  // [166] VARNAME
-    const char c = text_[end];
-    if (Is(c, kInName) && c != '-') {
-      ++end;
-      continue;
-    }
-    if (static_cast<uint8_t>(c) < 0x80) break;
-    const auto [code, length] = CodePointAt(text_, end);
-    if (!IsNameChar(code) || (end == begin && (code == 0xB7 || (code >= 0x300 && code <= 0x36F)))) break;
-    end += length;
-    ascii = false;
+  while (end < text_.size() && IsWordChar(text_[end])) ++end;  // [166] VARNAME
+  const bool goes_on = end < text_.size() && (static_cast<uint8_t>(text_[end]) >= 0x80 || text_[end] == '\\');
+  if (!goes_on) {
+    if (end == begin) return LexPunctuation();
+    return MakeAscii(TokenKind::kVariable, end - at_, text_.substr(begin, end - begin));
   }
-  if (end == begin) return LexPunctuation();
-  const std::string_view name = text_.substr(begin, end - begin);
-  return ascii ? MakeAscii(TokenKind::kVariable, end - at_, name) : Make(TokenKind::kVariable, end - at_, name);
+  std::string name;
+  end = begin;
+  while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
+    const bool never_first = c->code == 0xB7 || (c->code >= 0x300 && c->code <= 0x36F) || (c->code >= 0x203F && c->code <= 0x2040);
+    if (!IsNameChar(c->code) || c->code == '-' || (name.empty() && never_first)) break;
+    AppendUtf8(c->code, &name);
+    end += c->length;
+  }
+  if (name.empty()) return LexPunctuation();
+  return Make(TokenKind::kVariable, end - at_, Keep(std::move(name)));
 }
 
 Token Lexer::LexLanguage() {
@@ -392,37 +409,45 @@ Token Lexer::LexWordOrName() {
   size_t end = at_;
   while (end < text_.size() && Is(text_[end], kInName)) ++end;
   const char after = end < text_.size() ? text_[end] : ' ';
-  if (after == ':') return LexLocalName(end - at_, true);
-  if (after == '.' || static_cast<uint8_t>(after) >= 0x80) {  // may go on
-    while (end < text_.size()) {
-      const auto [code, length] = CodePointAt(text_, end);
-      if (!(end == at_ ? IsNameStart(code) : IsNameChar(code) || code == '.')) break;
-      end += length;
-    }
-    if (end < text_.size() && text_[end] == ':' && text_[end - 1] != '.') return LexLocalName(end - at_, false);
+  if (after == ':') return LexLocalName(end - at_);
+  const bool goes_on = after == '.' || after == '\\' || static_cast<uint8_t>(after) >= 0x80;
+  if (goes_on) {
+    if (std::optional<Token> name = LexNameWithWidePrefix()) return *name;
   }
-  for (end = at_; end < text_.size() && (Is(text_[end], kInName) && text_[end] != '-');) ++end;
+  for (end = at_; end < text_.size() && IsWordChar(text_[end]);) ++end;
   if (end == text_.size() || text_[end] != '\\') {
     if (end > at_) return MakeAscii(TokenKind::kWord, end - at_, text_.substr(at_, end - at_));
     const size_t length = CodePointAt(text_, at_).second;
     return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
   }
-  // a keyword; in it code point escapes are allowed as everywhere (section 19.2)
-  std::string word;
-  for (end = at_; end < text_.size();) {
-    if (Is(text_[end], kInName) && text_[end] != '-') {
-      word.push_back(text_[end++]);
-    } else if (const auto escape = CodePointEscape(text_, end); escape && AppendUtf8(escape->first, &word)) {
-      end += escape->second;
-    } else {
-      break;
-    }
+  std::string word;  // a keyword with escapes
+  end = at_;
+  for (std::optional<CodePoint> c; (c = CodePointOrEscape(text_, end)) && c->code < 0x80 && IsWordChar(static_cast<char>(c->code));) {
+    word.push_back(static_cast<char>(c->code));
+    end += c->length;
   }
   if (end == at_) return Error(1, "'\\' cannot stand here");
   return Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
 }
 
-Token Lexer::LexLocalName(size_t prefix_length, bool ascii_prefix) {
+// A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; nothing if what begins here is none.
+std::optional<Token> Lexer::LexNameWithWidePrefix() {
+  std::string prefix;
+  size_t end = at_;
+  while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
+    if (c->code == ':') {
+      if (!prefix.empty() && prefix.back() == '.') return std::nullopt;
+      return LexEscapedLocalName(end + c->length, Keep(std::move(prefix)));
+    }
+    if (!(prefix.empty() ? IsNameStart(c->code) : IsNameChar(c->code) || c->code == '.')) return std::nullopt;
+    AppendUtf8(c->code, &prefix);
+    end += c->length;
+  }
+  return std::nullopt;
+}
+
+Token Lexer::LexLocalName(size_t prefix_length) {
+  const std::string_view prefix = text_.substr(at_, prefix_length);
   const size_t begin = at_ + prefix_length + 1;
   size_t end = begin;
   if (end < text_.size() && text_[end] != '-') {
@@ -430,53 +455,40 @@ Token Lexer::LexLocalName(size_t prefix_length, bool ascii_prefix) {
   }
   const char next = end < text_.size() ? text_[end] : ' ';
   if (static_cast<uint8_t>(next) >= 0x80 || next == '.' || next == '%' || next == '\\' || next == ':') {
-    return LexEscapedLocalName(prefix_length);
+    return LexEscapedLocalName(begin, prefix);
   }
-  const std::string_view local = text_.substr(begin, end - begin), prefix = text_.substr(at_, prefix_length);
-  return ascii_prefix ? MakeAscii(TokenKind::kPrefixedName, end - at_, local, prefix)
-                      : Make(TokenKind::kPrefixedName, end - at_, local, prefix);
+  return MakeAscii(TokenKind::kPrefixedName, end - at_, text_.substr(begin, end - begin), prefix);
 }
 
-// [169] PN_LOCAL after `prefix_length` bytes and a colon
-Token Lexer::LexEscapedLocalName(size_t prefix_length) {
+// [169] PN_LOCAL from `begin` on
+Token Lexer::LexEscapedLocalName(size_t begin, std::string_view prefix) {
   std::string local;
-  size_t end = at_ + prefix_length + 1;
+  size_t end = begin;
   size_t good_end = end, good_size = 0;  // the name does not end with '.'
   while (end < text_.size()) {
     const char c = text_[end];
-    if (IsAlpha(c)) {
-      local.push_back(c);
-      ++end;
-    } else if (c == '%') {
+    if (c == '%') {
       if (end + 2 >= text_.size() || !IsHex(text_[end + 1]) || !IsHex(text_[end + 2])) break;
       local.append(text_.substr(end, 3));
       end += 3;
-    } else if (c == '\\') {
-      if (const auto escape = CodePointEscape(text_, end)) {
-        if (!AppendUtf8(escape->first, &local)) break;
-        end += escape->second;
-      } else if (end + 1 < text_.size() &&
-                 std::string_view("_~.-!$&'()*+,;=/?#@%").find(text_[end + 1]) != std::string_view::npos) {
-        local.push_back(text_[end + 1]);
-        end += 2;
-      } else {
-        break;
-      }
+    } else if (const std::optional<CodePoint> point = CodePointOrEscape(text_, end)) {
+      const uint32_t code = point->code;
+      const bool anywhere = IsNameStart(code) || code == ':' || code == '_' || (code < 0x80 && IsDigit(static_cast<char>(code)));
+      if (!anywhere && (local.empty() || !(IsNameChar(code) || code == '.'))) break;
+      AppendUtf8(code, &local);
+      end += point->length;
+      if (code == '.') continue;
+    } else if (end + 1 < text_.size() && std::string_view("_~.-!$&'()*+,;=/?#@%").find(text_[end + 1]) != std::string_view::npos) {
+      local.push_back(text_[end + 1]);  // [173] PN_LOCAL_ESC
+      end += 2;
     } else {
-      const auto [code, length] = CodePointAt(text_, end);
-      const bool digit_or_colon = c == ':' || c == '_' || IsDigit(c);
-      const bool part = local.empty() ? IsNameStart(code) || digit_or_colon
-                                      : IsNameChar(code) || c == '.' || digit_or_colon;
-      if (!part) break;
-      local.append(text_.substr(end, length));
-      end += length;
-      if (c == '.') continue;
+      break;
     }
     good_end = end;
     good_size = local.size();
   }
   local.resize(good_size);
-  return Make(TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), text_.substr(at_, prefix_length));
+  return Make(TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), prefix);
 }
 
 Token Lexer::LexEscapedIri(size_t length) {
@@ -487,7 +499,8 @@ Token Lexer::LexEscapedIri(size_t length) {
       continue;
     }
     const auto escape = CodePointEscape(text_, i);  // it is one: seen before
-    if (escape->first <= 0x20 || !AppendUtf8(escape->first, &iri)) {
+    const bool allowed = escape->first >= 0x80 || Is(static_cast<char>(escape->first), kInIri);
+    if (!allowed || !AppendUtf8(escape->first, &iri)) {
       return Error(length, "an escape in this IRI is not a character that an IRI may hold");
     }
     i += escape->second;

@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_SPARQL_LEXER_H_
 
 #include <list>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -64,9 +65,10 @@ class Lexer {
   Token LexVariable();
   Token LexLanguage();
   Token LexIriOrPunctuation();
-  Token LexLocalName(size_t prefix_length, bool ascii_prefix);
+  std::optional<Token> LexNameWithWidePrefix();
+  Token LexLocalName(size_t prefix_length);
   Token LexBlankLabel();
-  Token LexEscapedLocalName(size_t prefix_length);
+  Token LexEscapedLocalName(size_t begin, std::string_view prefix);
   Token LexPunctuation();
   Token LexEscapedIri(size_t length);
 

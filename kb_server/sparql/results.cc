@@ -41,8 +41,11 @@ void AppendJsonString(std::string_view text, std::string* out) {
   out->push_back('"');
 }
 
+// What XML 1.0 (section 2.2) has no way to write, a control character or U+FFFE or U+FFFF, becomes U+FFFD.
 void AppendXmlText(std::string_view text, std::string* out) {
-  for (const char c : text) {
+  constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     switch (c) {
       case '&':
         *out += "&amp;";
@@ -60,9 +63,11 @@ void AppendXmlText(std::string_view text, std::string* out) {
         *out += "&#13;";
         break;
       default:
-        // XML 1.0 section 2.2 has no other control characters, not even as references.
         if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') {
-          *out += "\xEF\xBF\xBD";
+          *out += kReplacement;
+        } else if (const std::string_view next = text.substr(i, 3); next == "\xEF\xBF\xBE" || next == "\xEF\xBF\xBF") {
+          *out += kReplacement;
+          i += 2;
         } else {
           out->push_back(c);
         }

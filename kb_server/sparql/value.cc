@@ -307,6 +307,14 @@ std::string Value::CanonicalText() const {
   }
 }
 
+std::string Value::Lexical() const {
+  return text_.empty() ? CanonicalText() : std::string(text_);
+}
+
+std::string_view Value::DatatypeIri() const {
+  return type_ == Type::kLangString || tag_.empty() ? CanonicalDatatype() : tag_;
+}
+
 Term Value::ToTerm() const {
   switch (type_) {
     case Type::kIri:
@@ -318,7 +326,7 @@ Term Value::ToTerm() const {
     case Type::kLangString:
       return Term::LangString(std::string(text()), std::string(language()));
     default:
-      return Term::Literal(CanonicalText(), std::string(CanonicalDatatype()));
+      return Term::Literal(Lexical(), std::string(DatatypeIri()));
   }
 }
 

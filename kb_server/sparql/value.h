@@ -76,11 +76,11 @@ class Value {
   // The instant; a time without zone counts as UTC (XPath's implicit timezone).
   TimeMicros instant_us() const { return time_us_ - TimeMicros{60'000'000} * zone_.value_or(0); }
 
-  // Of kIri, kBlank, kString, kLangString, kOther.
+  // Of kIri, kBlank, kString, kLangString, kOther; of other literals as written, where they were read from a text.
   std::string_view text() const { return text_; }
   std::string_view language() const { return tag_; }
   std::string_view datatype() const { return tag_; }  // kOther
-  // xsd:… of a literal that is none of kString, kLangString, kOther, as computed.
+  // xsd:… of a literal that is none of kString, kLangString, kOther, as computed: not a type derived from xsd:integer.
   std::string_view CanonicalDatatype() const;
 
   // Memory of computed texts, shared with the copies.
@@ -88,10 +88,11 @@ class Value {
     return owned_ == nullptr ? 0 : sizeof(Texts) + owned_->text.capacity() + owned_->tag.capacity();
   }
 
-  // The term of a computed value, in canonical lexical form. Not for kError, and not for values with an id,
-  // whose lexical form may be another.
+  // The term: as written where it was read from a text, else in canonical lexical form. Not for kError.
   Term ToTerm() const;
-  // The lexical form, canonical for computed values.
+  std::string Lexical() const;
+  std::string_view DatatypeIri() const;  // a literal's
+  // The lexical form of the value, however it was written.
   std::string CanonicalText() const;
 
  private:

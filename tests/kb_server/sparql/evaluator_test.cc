@@ -123,6 +123,10 @@ TEST_F(SparqlEvaluator, RegexTakesXPathFlagsAndLinearTime) {
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REPLACE(\"abcd\", \"b(.)\", \"[$1]\") AS ?y) }"),
               ElementsAre("a[c]d"));
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"a\", \"(\") AS ?y) }"), ElementsAre("-"));
+  // RE2 has no class subtraction, and would read this as the class of a to z, '-', '[' and 'b', and a ']'.
+  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"acd\", \"[a-z-[b]]{3}\") AS ?y) }"), ElementsAre("-"));
+  EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"é٣\", \"^\\\\w\\\\d$\") && REGEX(\"é-٣\", \"^[\\\\w-]+$\") && !REGEX(\"é٣\", \"[\\\\W\\\\D-]{2}\")) }"));
+  EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"a[-\", \"[\\\\[-]\") && REGEX(\"\\\\d\", \"\\\\d\", \"q\")) }"));
   const std::string many(50000, 'a');
   EXPECT_FALSE(g_.Ask("ASK { FILTER REGEX(\"" + many + "b\", \"^(a+)+$\") }"));
 }
@@ -306,6 +310,30 @@ TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
   EXPECT_THAT(std::string(service.status().message()), HasSubstr("line 2, column 11: SERVICE"));
   const auto function = PreparedQuery::Prepare(g_.Parse("ASK { FILTER(ex:near(1, 2)) }"), g_.dictionary);
   EXPECT_EQ(function.status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// Whether the graph has such a term or not.
+TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
+  EXPECT_THAT(g_.Rows("SELECT (STR(1E3) AS ?a) (STR(\"007\"^^xsd:integer) AS ?b) (DATATYPE(\"5\"^^xsd:byte) AS ?c) {}"),
+              ElementsAre("1E3 007 <http://www.w3.org/2001/XMLSchema#byte>"));
+  EXPECT_THAT(g_.Rows("SELECT * { BIND(\"2026-01-01T00:00:00.123456789Z\"^^xsd:dateTime AS ?t) BIND(+1.50 AS ?d) BIND(\"1\"^^xsd:boolean AS ?b) }"),
+              ElementsAre("2026-01-01T00:00:00.123456789Z +1.50 1"));
+  EXPECT_TRUE(g_.Ask("ASK { FILTER(\"007\"^^xsd:integer = 7 && !sameTerm(\"007\"^^xsd:integer, 7)) }"));
+  EXPECT_TRUE(g_.Ask("ASK { BIND(\"007\"^^xsd:integer AS ?x) VALUES ?y { \"007\"^^xsd:integer } FILTER sameTerm(?x, ?y) }"));
+  EXPECT_THAT(g_.Rows("SELECT (COUNT(DISTINCT ?x) AS ?n) { { BIND(1.0 AS ?x) } UNION { BIND(1.00 AS ?x) } }"), ElementsAre("2"));
+  EXPECT_THAT(g_.Rows("SELECT (1.50 + 1.50 AS ?computed) (xsd:string(1E3) AS ?cast) {}"), ElementsAre("3 1000"));
+}
+
+TEST_F(SparqlEvaluator, LanguageTagsThatAreNoneAreErrors) {
+  EXPECT_THAT(g_.Rows("SELECT (STRLANG(\"a\", \"en-GB\") AS ?x) {}"), ElementsAre("\"a\"@en-gb"));
+  for (const char* tag : {"bad lang", "en_US", "", "-", "en-", "1a"}) {
+    EXPECT_THAT(g_.Rows(std::string("SELECT (STRLANG(\"a\", \"") + tag + "\") AS ?x) {}"), ElementsAre("-")) << tag;
+  }
+}
+
+TEST_F(SparqlEvaluator, CaseIsThatOfUnicode) {
+  EXPECT_THAT(g_.Rows("SELECT (UCASE(\"straße ŉ აბ ǆ\") AS ?u) (LCASE(\"ΣΑΣ İ ÄÖ Ꭰ\"@de) AS ?l) {}"),
+              ElementsAre("STRASSE ʼN ᲐᲑ Ǆ \"σας i̇ äö ꭰ\"@de"));
 }
 
 TEST_F(SparqlEvaluator, NamedFunctions) {

@@ -131,6 +131,18 @@ std::string NestedGroups(int depth) {
   return text;
 }
 
+// Section 19.2: in names and IRIs, too, and only for what may stand there.
+TEST(SparqlParser, EscapedCodePoints) {
+  const std::string plain = AlgebraOf("PREFIX α: <http://g/> SELECT ?xy { ?xy ex:p α:é, ex:q, <http://h/é> }");
+  EXPECT_EQ(AlgebraOf(R"(PREFIX \u03B1: <http://g/> S\u0045LECT ?x\u0079 { $\u0078y ex\u003Ap \u03b1:\U000000E9, e\u0078:q, <http://h/\u00e9> })"),
+            plain);
+  for (const char* wrong : {R"(ASK { ?x\u0020y ex:p 1 })", R"(ASK { ?s ex:p <http://a/\u003e> })", R"(ASK { ?s ex:p ex:a\u0020b })",
+                            R"(ASK { ?s ex:p <http://a/\u0020> })", R"(ASK { ?\uD800 ex:p 1 })", R"(ASK { ?s ex:p ex:\u })"}) {
+    EXPECT_FALSE(Parse(wrong).ok()) << wrong;
+  }
+  EXPECT_EQ(AlgebraOf(R"(ASK { ?s ex:p "\u0041\\u0041" })"), R"((bgp (?s <http://example.org/p> "A\\u0041")))");
+}
+
 TEST(SparqlParser, NestingLimitHoldsAtItAndOnePastIt) {
   const int limit = Limits{}.query_nesting;
   EXPECT_TRUE(Parse(NestedGroups(limit - 1)).ok());  // the pattern's predicate is one level more

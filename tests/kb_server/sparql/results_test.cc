@@ -44,6 +44,15 @@ TEST(SparqlResults, Xml) {
             std::string::npos);
 }
 
+TEST(SparqlResults, WhatXmlCannotHoldIsReplaced) {
+  std::string out;
+  const auto writer = ResultWriter::Make(ResultFormat::kXml, &out);
+  writer->Begin({"a"});
+  writer->Row({{Term::Literal("\x01|\uFFFE|\uFFFF|\uFFFC|é")}});
+  writer->End();
+  EXPECT_NE(out.find(">\uFFFD|\uFFFD|\uFFFD|\uFFFC|é<"), std::string::npos) << out;
+}
+
 TEST(SparqlResults, BooleansAndMediaTypes) {
   EXPECT_EQ(WriteBoolean(true, ResultFormat::kJson), "{\"head\":{},\"boolean\":true}\n");
   EXPECT_EQ(WriteBoolean(false, ResultFormat::kCsv), "false\n");
