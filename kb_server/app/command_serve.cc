@@ -99,6 +99,9 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   command->add_option("--history-bytes", settings->limits.history_bytes,
                       "Memory of past graph versions for as-of queries; older ones are made again from the log")
       ->capture_default_str();
+  command->add_option("--http-name", settings->http_names,
+                      "NAME or NAME:PORT under which HTTP is reached, beside localhost and addresses; may be given again")
+      ->allow_extra_args(false);
   command->add_flag("--insecure", settings->insecure,
                     "Allow addresses other than loopback although nothing authenticates clients");
   command->callback([settings, default_graph, on_violation, exit_code] {

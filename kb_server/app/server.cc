@@ -246,6 +246,7 @@ absl::Status Server::StartHttp() {
   AddGraphStoreRoutes(&routes, &ports_);
   HttpServerOptions options;
   options.listen = settings_.http_address;
+  options.allowed_hosts = settings_.http_names;
   options.connections = settings_.limits.http_connections;
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;

@@ -31,6 +31,7 @@ struct ServerSettings {
   std::string data_folder;                      // made if absent
   std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
   std::string http_address = "127.0.0.1:7480";
+  std::vector<std::string> http_names;  // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
   bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are

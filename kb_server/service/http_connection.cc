@@ -205,6 +205,11 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   request->raw_path = std::string(target.substr(0, question));
   request->parameters = *std::move(parameters);
 
+  const std::string encoding = request->Header("content-encoding");
+  if (!encoding.empty() && !absl::EqualsIgnoreCase(encoding, "identity")) {
+    return TextResponse(415, absl::StrCat("send the body as it is: a Content-Encoding of ", encoding, " is not read"));
+  }
+
   HttpResponse refusal;
   *handler = shared_.routes.Find(request->method, request->path, &refusal);
   if (*handler == nullptr) return refusal;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "kb_server/base/diagnostic.h"
@@ -15,6 +16,7 @@
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "kb_server/service/history_port.h"
 #include "kb_server/service/http_formats.h"
 #include "kb_server/service/http_multipart.h"
 #include "kb_server/service/http_sparql.h"
@@ -40,12 +42,28 @@ struct Address {
   Term graph;
   bool is_default = false;
   bool is_new = false;  // POST to the store itself
+  std::string as_of;    // GET and HEAD: the past
+  Revision min_revision;
 };
 
 Address ReadAddress(const HttpRequest& http) {
   Address address;
   int named = 0;
+  const bool reads = http.method == "GET" || http.method == "HEAD";
   for (const auto& [name, value] : http.parameters) {
+    if (name == "as-of" || name == "min-revision") {
+      uint64_t number = 0;
+      if (!reads) {
+        address.refusal = TextResponse(400, name + " goes with GET and HEAD alone");
+      } else if (name == "as-of") {
+        address.as_of = value;
+      } else if (absl::SimpleAtoi(value, &number)) {
+        address.min_revision = Revision(number);
+      } else {
+        address.refusal = TextResponse(400, "min-revision must be a revision number, not \"" + value + "\"");
+      }
+    }
+    if (address.refusal) return address;
     if (name != "default" && name != "graph") continue;
     ++named;
     address.is_default = name == "default";
@@ -64,7 +82,7 @@ Address ReadAddress(const HttpRequest& http) {
   } else if (!IsValidTermIri(address.graph.lexical)) {
     address.refusal =
         TextResponse(400, "graph must be an absolute IRI, not \"" + address.graph.lexical + "\"");
-  } else if (http.method != "GET" && http.method != "HEAD" && IsServerGraph(address.graph.lexical)) {
+  } else if (!reads && IsServerGraph(address.graph.lexical)) {
     address.refusal = TextResponse(403, "the server alone writes " + ToDisplay(address.graph));
   }
   return address;
@@ -74,8 +92,14 @@ Address ReadAddress(const HttpRequest& http) {
 void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
   const GraphType* type = ChooseGraphType(exchange.request().Header("accept"));
   if (type == nullptr) return exchange.Respond(NoGraphType());
-  GraphVersionPtr version = ports.queries->Newest();
-  const std::optional<TermId> graph = ports.dictionary->Find(address.graph);
+  const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
+  Cancellation waiting(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  absl::StatusOr<QueryGraph> read =
+      GraphForQuery(ports, address.min_revision, address.as_of, absl::Now() + patience, &waiting);
+  if (!read.ok()) return exchange.Respond(ErrorResponse(read.status()));
+  const std::shared_ptr<const Dictionary> dictionary = read->dictionary;
+  GraphVersionPtr version = std::move(read->version);
+  const std::optional<TermId> graph = dictionary->Find(address.graph);
   const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
   if (count == 0 && !address.is_default) {
     return exchange.Respond(TextResponse(404, "there is no graph " + ToDisplay(address.graph)));
@@ -93,8 +117,7 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   bool fits = true;
   if (graph) {
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
-      triples.push_back({ports.dictionary->Decode(quad.subject), ports.dictionary->Decode(quad.predicate),
-                         ports.dictionary->Decode(quad.object), Term{}});
+      triples.push_back({dictionary->Decode(quad.subject), dictionary->Decode(quad.predicate), dictionary->Decode(quad.object), Term{}});
       fits = memory.Add(2 * TextBytes(triples.back()));  // as a term, and as text
       return fits;
     });

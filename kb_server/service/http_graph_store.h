@@ -5,7 +5,7 @@
 // The graph is ?default (docent:default), ?graph=IRI, or the address itself below /rdf-graphs/. POST to
 // /rdf-graphs alone makes a graph and names it in Location. Bodies: Turtle, N-Triples, RDF/XML, and TriG or
 // N-Quads that name no graph; multipart/form-data with several. A graph is there while it has a triple;
-// docent:default always is.
+// docent:default always is. GET and HEAD take `as-of` and `min-revision`, as a query does (http_sparql.h).
 //
 // Statuses: 200 with what changed as JSON, 201 where the graph is new, 400 with line, column and caret for a
 // body that is wrong, 403 for a graph that the server alone writes, 404, 406, 413, 415, 422 for a PATCH that

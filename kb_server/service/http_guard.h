@@ -13,27 +13,6 @@
 
 namespace docent {
 
-class HttpGuard {
- public:
-  // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
-  // loopback names and addresses with `port`, which are always allowed.
-  HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
-
-  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
-  // Origin that is not allowed.
-  std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
-
-  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is
-  // given.
-  bool IsAllowedHost(std::string_view host, uint16_t default_port) const;
-  // "http://localhost:7480" and the like; "null" is not.
-  bool IsAllowedOrigin(std::string_view origin) const;
-
- private:
-  const uint16_t port_;
-  const std::vector<std::string> allowed_hosts_;
-};
-
 // "host:port", "[v6]:port" or a host alone → host (without brackets, lower case) and port. nullopt: not of
 // that form.
 struct HostAndPort {
@@ -41,6 +20,28 @@ struct HostAndPort {
   std::optional<uint16_t> port;
 };
 std::optional<HostAndPort> SplitHostAndPort(std::string_view text);
+
+class HttpGuard {
+ public:
+  // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
+  // loopback names with `port`, which are always allowed.
+  HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
+
+  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
+  // Origin that is not allowed.
+  std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
+
+ private:
+  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is given.
+  bool IsOwnName(const HostAndPort& asked, uint16_t default_port) const;
+  // One of its own names, or an address: who rebinds a name cannot send that.
+  bool IsAllowedHost(std::string_view host) const;
+  // The page of a server of one of these names, or of what the request itself calls this server; "null" is not.
+  bool IsAllowedOrigin(std::string_view origin, std::string_view host) const;
+
+  const uint16_t port_;
+  const std::vector<std::string> allowed_hosts_;
+};
 
 }  // namespace docent
 

@@ -160,6 +160,22 @@ TEST_F(GraphStoreTest, DescribeIsAnsweredOverHttpAndGrpc) {
   EXPECT_THAT(Query("DESCRIBE <urn:w:a>").rows, SizeIs(3));
 }
 
+TEST_F(GraphStoreTest, AGraphAsItWas) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 1 .").status, 201);
+  const std::string then = absl::StrCat(Revision());
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 .").status, 200);
+  const HttpReply past = Ask("GET", graph + "&as-of=" + then, "Accept: application/n-triples\r\n");
+  EXPECT_THAT(past.body, HasSubstr("\"1\""));
+  EXPECT_EQ(past.headers.at("docent-revision"), then);
+  EXPECT_THAT(Ask("GET", graph, "Accept: application/n-triples\r\n").body, HasSubstr("\"2\""));
+  EXPECT_EQ(Ask("GET", graph + "&as-of=0").status, 404);
+  EXPECT_EQ(Ask("GET", graph + "&as-of=yesterday").status, 400);
+  EXPECT_EQ(Ask("GET", graph + absl::StrCat("&min-revision=", Revision())).status, 200);
+  EXPECT_EQ(Ask("DELETE", graph + "&as-of=" + then).status, 400);
+}
+
 TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
   ServerSettings other = settings_;
   other.data_folder = folder_ / "other";

@@ -103,6 +103,7 @@ TEST(HttpServerTest, OnlyItsOwnHostNamesAreServed) {
   HttpClient client(server->port());
   for (const std::string& host :
        {"localhost" + port, "LOCALHOST" + port, "127.0.0.1" + port, "127.1.2.3" + port, "[::1]" + port,
+        "1.2.3.4" + port, "[2001:db8::1]" + port,  // no name that could be made to point here
         std::string("docent.example.org"), std::string("docent.example.org:99"),
         std::string("robot.example.org:8080")}) {
     EXPECT_EQ(client.Ask("GET", "/hello", "Host: " + host + "\r\n").status, 200) << host;
@@ -110,7 +111,7 @@ TEST(HttpServerTest, OnlyItsOwnHostNamesAreServed) {
   for (const std::string& host :
        {std::string("localhost"), std::string("localhost:1"), "evil.example.org" + port,
         "localhost.evil.example" + port, std::string("robot.example.org"), "127.0.0.1.evil.example" + port,
-        "1.2.3.4" + port, "user@localhost" + port, "localhost" + port + port, std::string("[::1"),
+        std::string("1.2.3.4:1"), "user@localhost" + port, "localhost" + port + port, std::string("[::1"),
         std::string("localhost:99999999999")}) {
     const HttpReply reply = client.Ask("GET", "/hello", "Host: " + host + "\r\n");
     EXPECT_EQ(reply.status, 403) << host;
@@ -139,9 +140,21 @@ TEST(HttpServerTest, OtherSitesAreRefused) {
     EXPECT_EQ(get.status, 403) << origin;
     EXPECT_THAT(get.body, HasSubstr("requests from web pages of " + origin + " are refused"));
   }
+  const std::string address = "Host: 192.0.2.1" + port + "\r\n";  // reached from elsewhere: its own pages, and no others
+  EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: http://192.0.2.1" + port + "\r\n").status, 200);
+  EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: http://192.0.2.2" + port + "\r\n").status, 403);
+  EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: https://192.0.2.1" + port + "\r\n").status, 403);
   // Refused before the body is read: the connection ends.
   EXPECT_EQ(client.Ask("POST", "/length", "Origin: http://evil.example.org\r\n", "abc").status, 403);
   EXPECT_TRUE(client.Ended());
+}
+
+TEST(HttpServerTest, EncodedBodiesAreRefused) {
+  auto server = StartServer(EchoRoutes());
+  const HttpReply gzip = HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: gzip\r\n", "abc");
+  EXPECT_EQ(gzip.status, 415);
+  EXPECT_THAT(gzip.body, HasSubstr("a Content-Encoding of gzip is not read"));
+  EXPECT_EQ(HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: Identity\r\n", "abc").status, 200);
 }
 
 TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
