@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/sparql/evaluator.h"
+#include "reasoner/rules/negation_order.h"
 
 namespace docent {
 
@@ -17,8 +18,7 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
       context_(context),
       proofs_(program, context.schema, context.writer, context.inconsistencies, context.inferred_graph,
               marked_),
-      is_entering_(program.rules.size()),
-      rederivable_(static_cast<size_t>(program.stratum_count) + 1) {}
+      is_entering_(program.rules.size()) {}
 
 // Sorted, so that the lookups walk along the index.
 void Materialiser::ReadTold() {
@@ -83,7 +83,7 @@ absl::Status Materialiser::SettleTold() {
       proofs_.Forget();
       if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
-      for (auto& triples : rederivable_) triples.push_back(entry.triple);
+      rederivable_.push_back(entry.triple);
     } else {
       unproven.push_back(entry.triple);
     }
@@ -91,7 +91,7 @@ absl::Status Materialiser::SettleTold() {
   // One that was asked before another became inferred may follow from that one.
   for (const Triple& triple : unproven) {
     if (!any_proven) break;
-    for (auto& triples : rederivable_) triples.push_back(triple);
+    rederivable_.push_back(triple);
   }
   return absl::OkStatus();
 }
@@ -177,12 +177,33 @@ absl::Status Materialiser::Maintain() {
   CompareRules();
   ReadTold();
   if (absl::Status status = SettleTold(); !status.ok()) return status;
+  PlaceNegation().IgnoreError();  // with the axioms as they are yet; below with those that stay
   if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
-  for (int stratum = 0; stratum < program_.stratum_count; ++stratum) {
-    CollectChanges(stratum);
-    if (absl::Status status = TakeAway(stratum); !status.ok()) return status;
-    if (absl::Status status = Add(stratum); !status.ok()) return status;
+  for (stratum_ = 0; stratum_ < program_.stratum_count; ++stratum_) {
+    if (absl::Status status = MaintainStratum(); !status.ok()) return status;
+    if (stratum_ != program_.first_entangled || program_.ordered.empty()) continue;
+    // Axioms came and went: with those that are there now the facts of this stratum may be others.
+    while (program_.placed_for != context_.schema.changes()) {
+      absl::Status status = PlaceNegation();
+      if (status.ok()) status = MaintainStratum();
+      if (!status.ok()) return status;
+    }
   }
+  return absl::OkStatus();
+}
+
+absl::Status Materialiser::MaintainStratum() {
+  CollectChanges(stratum_);
+  absl::Status status = TakeAway(stratum_);
+  return status.ok() ? Add(stratum_) : status;
+}
+
+absl::Status Materialiser::PlaceNegation() {
+  if (program_.ordered.empty() || program_.placed_for == context_.schema.changes()) return absl::OkStatus();
+  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema);
+  if (!order.ok()) return order.status();
+  program_.Place(*std::move(order));
+  program_.placed_for = context_.schema.changes();
   return absl::OkStatus();
 }
 

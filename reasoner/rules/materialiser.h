@@ -91,6 +91,8 @@ class Materialiser {
 
   void ReadTold();
   absl::Status SettleTold();
+  absl::Status PlaceNegation();
+  absl::Status MaintainStratum();
   void CompareRules();
   void ToOldState();
   void ToNewState();
@@ -102,7 +104,7 @@ class Materialiser {
   absl::Status TakeAway(int stratum);
   absl::Status EvaluateBefore(int stratum);
   absl::Status Propagate(int stratum);
-  absl::Status Consider(const Triple& triple, int stratum);
+  absl::Status Consider(const Triple& triple);
   void AddGhosts(int stratum);
   void RemoveMarked();
   absl::Status Rederive(int stratum);
@@ -116,6 +118,11 @@ class Materialiser {
   absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
   bool InScope(uint32_t rule) const;
+  // Whether a rule may make a fact in the running stratum.
+  bool MayMake(const CompiledRule& rule, const Triple& fact) const {
+    return stratum_ < 0 || program_.ordered.empty() || !program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data())) ||
+           program_.StratumOf(fact) == stratum_;
+  }
   // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
   // The first those with a schema part by its solutions, the second all others (and changes of the schema
   // itself).
@@ -138,6 +145,7 @@ class Materialiser {
   const Context context_;
   ProofSearch proofs_;
 
+  int stratum_ = -1;                // that runs
   std::vector<ToldEntry> told_;     // by triple
   std::vector<uint32_t> entering_;  // rules of program_ that before_ does not have
   std::vector<bool> is_entering_;
@@ -154,7 +162,7 @@ class Materialiser {
   std::vector<Triple> queue_;           // marked_, in order
   size_t ghosts_ = 0;                   // the first of queue_ that were gone already
   bool ghosts_in_graph_ = false;
-  std::vector<std::vector<Triple>> rederivable_;  // by stratum
+  std::vector<Triple> rederivable_;  // in the running stratum and all after it
   struct CheckRow {
     uint32_t rule;
     std::vector<TermId> row;

@@ -64,7 +64,7 @@ absl::Status Materialiser::FirstRound(int stratum) {
   scope_ = Scope::kStaying;
   for (const uint32_t number : entering_) {
     const CompiledRule& rule = program_.rules[number];
-    if (rule.stratum != stratum || rule.of_schema) continue;
+    if (!program_.Runs(number, stratum) || (rule.of_schema && rule.stratum == stratum)) continue;
     const absl::Status status =
         rule.schema != 0 ? FireInstances(number) : FireWhole(program_, number, Phase::kAdd);
     if (!status.ok()) return status;
@@ -74,7 +74,7 @@ absl::Status Materialiser::FirstRound(int stratum) {
   for (const Triple& t : lost_) {
     program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
       const CompiledRule& rule = program_.rules[reference.owner];
-      if (rule.stratum != stratum || is_entering_[reference.owner]) return;
+      if (!program_.Runs(reference.owner, stratum) || is_entering_[reference.owner]) return;
       if (rule.body->triggers()[reference.pattern].polarity == Polarity::kPositive) return;
       tasks.push_back({reference.owner, reference.pattern, t});
     });
@@ -137,7 +137,7 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
   context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
     const CompiledRule& rule = program_.rules[instance.rule];
-    if (rule.stratum != stratum || !status_.ok()) return;
+    if (!program_.Runs(instance.rule, stratum) || !status_.ok()) return;
     if (phase == Phase::kAdd && !InScope(instance.rule)) return;
     const Trigger& trigger = rule.body->triggers()[reference.pattern];
     seed_ = instance.row;
@@ -163,7 +163,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
   const Triple triple = {quad.subject, quad.predicate, quad.object};
   program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     const CompiledRule& rule = program_.rules[reference.owner];
-    if (rule.stratum != stratum || !status_.ok()) return;
+    if (!program_.Runs(reference.owner, stratum) || !status_.ok()) return;
     if (phase == Phase::kAdd && !InScope(reference.owner)) return;
     const Trigger& trigger = rule.body->triggers()[reference.pattern];
     absl::Status status;
@@ -209,10 +209,10 @@ absl::Status Materialiser::FireInstances(uint32_t number) {
   const CompiledRule& rule = program_.rules[number];
   const auto filters = rule.filters ? Body::Filters::kAll : Body::Filters::kNone;
   absl::Status status;
-  context_.schema.ForEachInstance(number, [&](const std::vector<TermId>& row) {
+  context_.schema.ForEachInstance(number, [&](const SchemaIndex::Instance& instance) {
     if (!status.ok() || !status_.ok()) return;
     status = rule.body->EvaluateRest(
-        Now(), row, rule.schema, filters,
+        Now(), instance.row, rule.schema, filters,
         [&](absl::Span<const TermId> found) { return Emit(rule, found, Phase::kAdd); });
   });
   return status.ok() ? status_ : status;
@@ -233,7 +233,7 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   }
   for (const HeadTriple& head : rule.head) {
     Triple triple;
-    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
+    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple) || !MayMake(rule, triple)) continue;
     if (!Collect(rule, triple, phase)) return false;
   }
   return true;

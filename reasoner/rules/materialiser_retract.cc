@@ -20,7 +20,7 @@ absl::Status Materialiser::TakeAwayFromLeavingRules() {
   ToNewState();
   check_rows_.clear();
   const std::vector<Triple> made = std::exchange(made_, {});
-  for (size_t i = 0; i < made.size() && status.ok(); ++i) status = Consider(made[i], 0);
+  for (size_t i = 0; i < made.size() && status.ok(); ++i) status = Consider(made[i]);
   if (status.ok()) RemoveMarked();
   return status;
 }
@@ -36,7 +36,7 @@ absl::Status Materialiser::TakeAway(int stratum) {
   ghosts_ = queue_.size();
   marked_.insert(queue_.begin(), queue_.end());
   for (const Triple& triple : std::exchange(made_, {})) {
-    if (absl::Status status = Consider(triple, stratum); !status.ok()) return status;
+    if (absl::Status status = Consider(triple); !status.ok()) return status;
   }
   if (absl::Status status = Propagate(stratum); !status.ok()) return status;
   RemoveMarked();
@@ -50,7 +50,7 @@ absl::Status Materialiser::EvaluateBefore(int stratum) {
     for (const Triple& t : triples) {
       program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
         const CompiledRule& rule = program_.rules[reference.owner];
-        if (rule.positive || rule.stratum != stratum || is_entering_[reference.owner]) return;
+        if (rule.positive || !program_.Runs(reference.owner, stratum) || is_entering_[reference.owner]) return;
         if (rule.body->triggers()[reference.pattern].polarity == unconcerned) return;
         tasks.push_back({reference.owner, reference.pattern, t});
       });
@@ -104,15 +104,18 @@ absl::Status Materialiser::Propagate(int stratum) {
     if (!status.ok()) return status;
     scratch_ = made_;
     for (const Triple& made : scratch_) {
-      status = Consider(made, stratum);
+      status = Consider(made);
       if (!status.ok()) return status;
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status Materialiser::Consider(const Triple& triple, int stratum) {
-  if (marked_.contains(triple) || added_set_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
+absl::Status Materialiser::Consider(const Triple& triple) {
+  if (marked_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
+  // What lower strata added rests on what they had. (But for an axiom that is new: at once it makes what it can of all facts,
+  // those of higher strata among them.)
+  if (added_set_.contains(triple) && program_.ordered.empty()) return absl::OkStatus();
   const absl::StatusOr<ProofSearch::Answer> answer = proofs_.Prove(triple);
   if (!answer.ok()) return answer.status();
   if (*answer == ProofSearch::Answer::kProven) return absl::OkStatus();
@@ -120,8 +123,7 @@ absl::Status Materialiser::Consider(const Triple& triple, int stratum) {
   queue_.push_back(triple);
   if (*answer == ProofSearch::Answer::kUnproven) return absl::OkStatus();
   // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
-  for (size_t s = static_cast<size_t>(stratum); s < rederivable_.size(); ++s)
-    rederivable_[s].push_back(triple);
+  rederivable_.push_back(triple);
   return absl::OkStatus();
 }
 
@@ -130,9 +132,15 @@ void Materialiser::RemoveMarked() {
   for (size_t i = ghosts_in_graph_ ? 0 : ghosts_; i < queue_.size(); ++i)
     quads.push_back(InferredQuad(queue_[i]));
   context_.writer.RemoveAll(quads);
+  absl::flat_hash_set<Triple> not_added;
   for (size_t i = ghosts_; i < queue_.size(); ++i) {
-    removed_.insert(queue_[i]);
     context_.schema.Lost(queue_[i]);
+    (added_set_.contains(queue_[i]) ? not_added : removed_).insert(queue_[i]);
+  }
+  if (!not_added.empty()) {
+    for (std::vector<Triple>* added : {&added_, &gained_}) {
+      std::erase_if(*added, [&](const Triple& t) { return not_added.contains(t); });
+    }
   }
   queue_.clear();
   marked_.clear();
@@ -163,7 +171,8 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
     } else {
       seed_.assign(rule.body->columns().size(), TermId());
     }
-    if (rule.stratum > stratum || !head.SeedFrom(triple, absl::MakeSpan(seed_))) continue;
+    if (rule.stratum > stratum || (program_.IsEntangled(maker.rule) && program_.StratumOf(triple) > stratum)) continue;
+    if (!head.SeedFrom(triple, absl::MakeSpan(seed_))) continue;
     bool derivable = false;
     const auto visit = [&](absl::Span<const TermId> row) {
       Triple made;
@@ -180,7 +189,7 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
 }
 
 absl::Status Materialiser::Rederive(int stratum) {
-  for (const Triple& triple : rederivable_[stratum]) {
+  for (const Triple& triple : rederivable_) {
     if (IsPresent(triple)) continue;
     const absl::StatusOr<bool> derivable = IsDerivable(triple, stratum);
     if (!derivable.ok()) return derivable.status();

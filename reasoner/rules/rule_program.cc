@@ -6,7 +6,6 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/sparql/algebra_printer.h"
 #include "reasoner/rules/schema_words.h"
-#include "reasoner/rules/stratification.h"
 
 namespace docent {
 namespace {
@@ -16,19 +15,32 @@ bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
   return agree(a.subject, b.subject) && agree(a.predicate, b.predicate) && agree(a.object, b.object);
 }
 
-// a → b with the strongest sign that any of their patterns gives it.
+// a → b with the strongest sign that any of their patterns gives it, once where it is so whatever the axioms are and once
+// where a rule has a part about axioms, which say what it makes and of what.
 void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b,
                      std::vector<RuleDependency>& out) {
-  bool any = false;
-  bool negative = false;
+  RuleDependency found[2] = {{a, b, false, false}, {a, b, false, true}};
+  bool any[2] = {false, false};
   for (const Trigger& trigger : rules[a].body->triggers()) {
+    const bool about_axioms = trigger.pattern >= 0 && (rules[a].schema & (1u << trigger.pattern)) != 0;
     for (const HeadTriple& head : rules[b].head) {
       if (!CanUnify(trigger.match.constants, head.Pattern())) continue;
-      any = true;
-      negative = negative || trigger.polarity != Polarity::kPositive;
+      const bool by_axioms = rules[b].schema != 0 || (rules[a].schema != 0 && !about_axioms);
+      any[by_axioms] = true;
+      found[by_axioms].negative |= trigger.polarity != Polarity::kPositive;
     }
   }
-  if (any) out.push_back({a, b, negative});
+  for (const int by_axioms : {0, 1}) {
+    if (any[by_axioms]) out.push_back(found[by_axioms]);
+  }
+}
+
+std::vector<RuleDependency> WithoutAxioms(const std::vector<RuleDependency>& dependencies) {
+  std::vector<RuleDependency> certain;
+  for (const RuleDependency& d : dependencies) {
+    if (!d.by_axioms) certain.push_back(d);
+  }
+  return certain;
 }
 
 HeadTriple CompileHead(const sparql::TriplePattern& triple, const Body& body, Dictionary& dictionary) {
@@ -64,25 +76,6 @@ void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
   rule.of_schema = schema == rule.patterns;
   rule.schema = rule.of_schema ? 0 : schema;
   rule.filters = rule.body->has_filters() && (rule.schema == 0 || !rule.body->FiltersDecidedBy(rule.schema));
-}
-
-// SCCs in order of dependency → as few strata as negation needs: a rule lies above those that it negates and
-// not below those that it uses.
-int Flatten(const std::vector<RuleDependency>& dependencies, Stratification& strata) {
-  std::vector<int> level(static_cast<size_t>(strata.count), 0);
-  std::vector<std::vector<std::pair<int, bool>>> needs(static_cast<size_t>(strata.count));
-  for (const RuleDependency& d : dependencies) {
-    needs[strata.stratum[d.from]].push_back({strata.stratum[d.to], d.negative});
-  }
-  int highest = 0;
-  for (int component = 0; component < strata.count; ++component) {
-    for (const auto& [below, negative] : needs[component]) {
-      level[component] = std::max(level[component], level[below] + (negative ? 1 : 0));
-    }
-    highest = std::max(highest, level[component]);
-  }
-  for (int& stratum : strata.stratum) stratum = level[stratum];
-  return strata.count == 0 ? 0 : highest + 1;
 }
 
 bool Aggregates(const CompiledRule& rule) {
@@ -198,10 +191,72 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
   return ok;
 }
 
-void RuleProgram::Index() {
-  rules_of_stratum.resize(static_cast<size_t>(stratum_count));
+// Components in order of dependency → as few strata as negation needs: a rule lies above those that it negates and not below
+// those that it uses.
+void RuleProgram::Place(NegationOrder order) {
+  order_ = std::move(order);
+  std::vector<int> first(static_cast<size_t>(component_count_), 0);
+  std::vector<std::vector<std::pair<int, bool>>> needs(static_cast<size_t>(component_count_));
+  for (const RuleDependency& d : dependencies_) {
+    if (component_[d.from] != component_[d.to]) needs[component_[d.from]].push_back({component_[d.to], d.negative});
+  }
+  const int height = order_.of_rules.empty() ? 0 : *std::max_element(order_.of_rules.begin(), order_.of_rules.end());
+  const auto last = [&](int component) { return first[component] + (component == entangled_ ? height : 0); };
+  stratum_count = 0;
+  for (int component = 0; component < component_count_; ++component) {
+    for (const auto& [below, negative] : needs[component]) {
+      first[component] = std::max(first[component], last(below) + (negative ? 1 : 0));
+    }
+    stratum_count = std::max(stratum_count, last(component) + 1);
+  }
+  for (uint32_t r = 0; r < rules.size(); ++r) rules[r].stratum = first[component_[r]];
+  if (entangled_ >= 0) {
+    first_entangled = first[entangled_];
+    last_entangled = first_entangled + height;
+  }
+  for (size_t i = 0; i < ordered.size(); ++i) rules[ordered[i]].stratum += order_.of_rules[i];
+  rules_of_stratum.assign(static_cast<size_t>(stratum_count), {});
   for (uint32_t r = 0; r < rules.size(); ++r) {
-    rules_of_stratum[rules[r].stratum].push_back(r);
+    for (int stratum = rules[r].stratum; stratum < stratum_count && Runs(r, stratum); ++stratum) rules_of_stratum[stratum].push_back(r);
+  }
+}
+
+int RuleProgram::StratumOf(const Triple& fact) const {
+  int level = 0;
+  for (const std::pair<TermId, TermId>& key : {std::pair(fact.predicate, fact.object), std::pair(fact.predicate, TermId()),
+                                               std::pair(TermId(), fact.object), std::pair(TermId(), TermId())}) {
+    const auto found = order_.of_facts.find(key);
+    if (found != order_.of_facts.end()) level = std::max(level, found->second);
+  }
+  return first_entangled + level;
+}
+
+// Where the dependencies have a negative cycle: false, with its message, if axioms do not matter to it.
+bool RuleProgram::FindOrdered(const Stratification& components, Diagnostics& diagnostics) {
+  if (components.negative_cycle.empty()) return true;
+  const Stratification certain = Stratify(static_cast<uint32_t>(rules.size()), WithoutAxioms(dependencies_));
+  if (!certain.negative_cycle.empty()) {
+    diagnostics.push_back(CycleDiagnostic(rules, certain.negative_cycle));
+    return false;
+  }
+  entangled_ = component_[components.negative_cycle[0]];
+  std::vector<bool> negates(rules.size());
+  for (const RuleDependency& d : dependencies_) {
+    if (!d.negative || component_[d.from] != component_[d.to]) continue;
+    if (component_[d.from] != entangled_) {  // one such knot is enough
+      diagnostics.push_back(CycleDiagnostic(rules, components.negative_cycle));
+      return false;
+    }
+    negates[d.from] = true;
+  }
+  for (uint32_t r = 0; r < rules.size(); ++r) {
+    if (negates[r]) ordered.push_back(r);
+  }
+  return true;
+}
+
+void RuleProgram::Index() {
+  for (uint32_t r = 0; r < rules.size(); ++r) {
     const std::vector<Trigger>& patterns = rules[r].body->triggers();
     for (uint32_t i = 0; i < patterns.size(); ++i) {
       const bool of_schema = patterns[i].pattern >= 0 && (rules[r].schema & (1u << patterns[i].pattern));
@@ -224,18 +279,15 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   auto program = std::make_shared<RuleProgram>();
   if (!program->Compile(sets, dictionary, functions, diagnostics)) return nullptr;
   const auto count = static_cast<uint32_t>(program->rules.size());
-  std::vector<RuleDependency> dependencies;
   for (uint32_t a = 0; a < count; ++a) {
-    for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, dependencies);
+    for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, program->dependencies_);
   }
-  Stratification strata = Stratify(count, dependencies);
-  if (!strata.negative_cycle.empty()) {
-    diagnostics.push_back(CycleDiagnostic(program->rules, strata.negative_cycle));
-    return nullptr;
-  }
-  if (!CheckTermination(sets, program->rules, dependencies, diagnostics)) return nullptr;
-  program->stratum_count = Flatten(dependencies, strata);
-  for (uint32_t r = 0; r < count; ++r) program->rules[r].stratum = strata.stratum[r];
+  const Stratification components = Stratify(count, program->dependencies_);
+  program->component_ = components.stratum;
+  program->component_count_ = components.count;
+  if (!program->FindOrdered(components, diagnostics)) return nullptr;
+  if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics)) return nullptr;
+  program->Place({std::vector<int>(program->ordered.size(), 1), {}});
   program->Index();
   return program;
 }

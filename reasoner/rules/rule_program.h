@@ -7,8 +7,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "kb_server/base/diagnostic.h"
@@ -18,6 +20,7 @@
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/rule_parser.h"
+#include "reasoner/rules/stratification.h"
 
 namespace docent {
 
@@ -63,6 +66,12 @@ struct CompiledRule {
   Triple Premise(size_t i, absl::Span<const TermId> row) const;
 };
 
+// Levels are strata above the first of those of the rules that are entangled.
+struct NegationOrder {
+  std::vector<int> of_rules;                                     // of RuleProgram::ordered, from 1
+  absl::flat_hash_map<std::pair<TermId, TermId>, int> of_facts;  // of predicate and object (none: any), from 1; others: 0
+};
+
 using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
 
 class RuleProgram {
@@ -72,6 +81,22 @@ class RuleProgram {
   static std::shared_ptr<RuleProgram> Build(const RuleSets& sets, Dictionary& dictionary,
                                             const sparql::FunctionRegistry* functions,
                                             Diagnostics& diagnostics);
+
+  // Rules with negation that would depend on themselves if the axioms were such: the axioms decide which of them comes after
+  // which (negation_order.h). They, and all other rules that are entangled with them, run in several strata, and make in each
+  // the facts of its level.
+  std::vector<uint32_t> ordered;
+  void Place(NegationOrder order);
+  uint64_t placed_for = 0;  // SchemaIndex::changes() of the axioms that the order is for; 0: of none
+  // The strata in which they run; empty (0 to -1) where there are none.
+  int first_entangled = 0, last_entangled = -1;
+  bool IsEntangled(uint32_t rule) const { return component_[rule] == entangled_; }
+  bool Runs(uint32_t rule, int stratum) const {
+    return rules[rule].stratum == stratum ||
+           (IsEntangled(rule) && rules[rule].stratum < stratum && stratum <= last_entangled);
+  }
+  // Where it is entangled rules that make it.
+  int StratumOf(const Triple& fact) const;
 
   std::vector<CompiledRule> rules;
   int stratum_count = 0;
@@ -83,7 +108,14 @@ class RuleProgram {
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
                Diagnostics& diagnostics);
+  bool FindOrdered(const Stratification& components, Diagnostics& diagnostics);
   void Index();
+
+  std::vector<RuleDependency> dependencies_;
+  std::vector<int> component_;  // of each rule: of the dependencies, those depended on first
+  int component_count_ = 0;
+  int entangled_ = -1;  // the component of `ordered`
+  NegationOrder order_;
 };
 
 }  // namespace docent

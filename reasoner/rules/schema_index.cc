@@ -7,6 +7,7 @@ namespace docent {
 
 absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph) {
   program_ = &program;
+  ++changes_;
   instances_.clear();
   free_.clear();
   by_triple_.clear();
@@ -65,6 +66,7 @@ void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
     id = free_.back();
     free_.pop_back();
   }
+  ++changes_;
   for (const Triple& triple : support) by_triple_[triple].push_back(id);
   Instance& instance = instances_[id];
   instance.rule = rule;
@@ -107,6 +109,7 @@ void SchemaIndex::Remove(uint32_t id) {
   for (const PatternIndex::Handle handle : instance.triggers) triggers_.Remove(handle);
   for (const PatternIndex::Handle handle : instance.heads) heads_.Remove(handle);
   instance = Instance();
+  ++changes_;
   free_.push_back(id);
 }
 

@@ -40,17 +40,26 @@ class SchemaIndex {
   void Lost(const Triple& triple);
 
   const Instance& instance(uint32_t id) const { return instances_[id]; }
-  // Calls `visit(row)` for each instance of a rule. O(size).
+  // Calls `visit(instance)` for each instance of a rule. O(size).
   template <typename Visit>
   void ForEachInstance(uint32_t rule, Visit visit) const {
     for (const Instance& instance : instances_) {
-      if (instance.rule == rule && !instance.triggers.empty()) visit(instance.row);
+      if (instance.rule == rule && !instance.triggers.empty()) visit(instance);
     }
   }
   // References: instance, trigger of its rule's body; instance, triple of its rule's head.
   const PatternIndex& triggers() const { return triggers_; }
   const PatternIndex& heads() const { return heads_; }
   size_t size() const { return instances_.size() - free_.size(); }
+  // Calls `visit(id, instance)` for each. O(size).
+  template <typename Visit>
+  void ForEach(Visit visit) const {
+    for (uint32_t id = 0; id < instances_.size(); ++id) {
+      if (!instances_[id].triggers.empty()) visit(id, instances_[id]);
+    }
+  }
+  // Grows with every change.
+  uint64_t changes() const { return changes_; }
 
  private:
   absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
@@ -65,6 +74,7 @@ class SchemaIndex {
   PatternIndex triggers_;
   PatternIndex heads_;
   std::vector<TermId> seed_;
+  uint64_t changes_ = 0;
 };
 
 }  // namespace docent

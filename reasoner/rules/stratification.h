@@ -17,6 +17,7 @@ struct RuleDependency {
   uint32_t from = 0;  // a
   uint32_t to = 0;    // b
   bool negative = false;
+  bool by_axioms = false;  // only where there are axioms that make it so
 };
 
 struct Stratification {
