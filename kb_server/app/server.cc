@@ -15,6 +15,7 @@
 #include "absl/strings/str_split.h"
 #include "kb_server/app/spatial_functions.h"
 #include "kb_server/log/sqlite_log.h"
+#include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/graph_reader.h"
@@ -368,7 +369,7 @@ absl::Status Server::LoadOntologies() {
     std::string name = std::filesystem::path(file).filename().string();
     ParseRdfOptions options;
     options.file = file;
-    options.blank_node_scope = absl::StrCat(name, "_");
+    options.blank_node_scope = absl::StrCat(NameInBlankLabel(name), "_");
     ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
     std::string graph = OntologyGraph(name);

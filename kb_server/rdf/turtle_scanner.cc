@@ -43,7 +43,8 @@ bool IsNameBase(char32_t c) {
   return false;
 }
 
-// Turtle [164s] PN_CHARS_U and [166s] PN_CHARS.
+}  // namespace
+
 bool IsNameStart(char32_t c) {
   return c == '_' || IsNameBase(c);
 }
@@ -51,6 +52,8 @@ bool IsNameChar(char32_t c) {
   return IsNameStart(c) || c == '-' || (c >= '0' && c <= '9') || c == 0xB7 || (c >= 0x300 && c <= 0x36F) ||
          (c >= 0x203F && c <= 0x2040);
 }
+
+namespace {
 
 // Turtle [172s] PN_LOCAL_ESC.
 bool IsEscapableInName(char c) {

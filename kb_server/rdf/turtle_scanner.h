@@ -1,5 +1,5 @@
 // The terminals of Turtle, TriG, N-Triples and N-Quads (RDF 1.1 Turtle section 6.5, N-Triples section 7).
-// Included only by turtle_*.cc. One thread.
+// Included only by .cc files of this folder. One thread.
 //
 // Each reading function stands at its terminal's first character, moves past the terminal and returns true;
 // or returns false, having put place, message and hint into failure().
@@ -10,6 +10,10 @@
 #include <string_view>
 
 namespace docent {
+
+// Turtle [164s] PN_CHARS_U and [166s] PN_CHARS.
+bool IsNameStart(char32_t c);
+bool IsNameChar(char32_t c);
 
 class TurtleScanner {
  public:

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/line_parser.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/catalog.h"
@@ -21,7 +22,7 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   ParseRdfOptions options;
   options.file = request.name();
   options.limits = limits;
-  options.blank_node_scope = absl::StrCat(request.name(), "_");
+  options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
   const auto add = [&](TermQuad quad) {
     if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
     batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});

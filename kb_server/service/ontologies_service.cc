@@ -3,8 +3,9 @@
 #include <chrono>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/base/cancellation.h"
+#include "kb_server/rdf/document_name.h"
+#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
 #include "kb_server/service/load_runner.h"
@@ -68,7 +69,7 @@ void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::
 }  // namespace
 
 std::string OntologyGraph(const std::string& name) {
-  return absl::StrCat("https://w3id.org/docent/ontology/", name);
+  return absl::StrCat("https://w3id.org/docent/ontology/", NameInIri(name));
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,

@@ -112,6 +112,18 @@ class Modules(StageTest):
         self.assertEqual(server.run("ontology", "replace", words).returncode, 2, "there is none to replace")
         self.assertFalse(server.ask("<http://example.org/Room> ?p ?o"))
 
+    def test_a_module_whose_name_has_characters_that_terms_do_not(self):
+        server = self.stage.server()
+        words = self.file("my words (1)+é–100%@home.ttl", WORDS)
+        for arguments in (["load"], ["ontology", "load"], ["ontology", "replace"], ["ontology", "diff"]):
+            done = server.run(*arguments, words)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f"\n{words.name} ", "\n" + server.command("ontology", "list"))
+        self.assertTrue(server.ask("GRAPH <https://w3id.org/docent/ontology/my%20words%20(1)+é–100%25@home.ttl> { ?r :onProperty ?p }"
+                                   .replace(":onProperty", "<http://www.w3.org/2002/07/owl#onProperty>")))
+        server.command("ontology", "remove", words.name)
+        self.assertEqual(server.command("ontology", "list"), "")
+
     def test_a_server_that_refuses_what_violates_its_shapes(self):
         server = stage.Server(self.stage, arguments=["--on-violation", "refuse"])
         server.command("ontology", "load", self.file("shapes.ttl", SHAPES))

@@ -340,5 +340,14 @@ TEST_F(ServerStartTest, FilesAreLoadedOnceAndMistakesInThemShown) {
   EXPECT_EQ(TryStart(settings_).code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(ServerStartTest, AFileMayHaveAnyName) {
+  settings_.ontologies = {WriteFile("my place (1)+100%.ttl", "@prefix : <urn:w:> . :Hall :has [ :a :b ] .")};
+  StartServer();
+  EXPECT_TRUE(Ask("GRAPH <https://w3id.org/docent/ontology/my%20place%20(1)+100%25.ttl> { :Hall :has ?x }"));
+  StopServer();
+  StartServer();
+  EXPECT_EQ(Revision(), 1u) << "nothing changed, nothing is loaded";
+}
+
 }  // namespace
 }  // namespace docent::test

@@ -1,0 +1,20 @@
+// What a document is called, most often a file's name with whatever characters it has, as a part of the names that RDF
+// has for it and for what it holds. A name of nothing but characters that may stand there is itself; different names
+// give different texts. Any thread.
+#ifndef DOCENT_KB_SERVER_RDF_DOCUMENT_NAME_H_
+#define DOCENT_KB_SERVER_RDF_DOCUMENT_NAME_H_
+
+#include <string>
+#include <string_view>
+
+namespace docent {
+
+// As a part of an IRI, percent-encoded (RFC 3986 section 2.1): "a b.ttl" → "a%20b.ttl".
+std::string NameInIri(std::string_view name);
+
+// As the beginning of a blank node label, which knows no percent sign: "a (1).ttl" → "a℅20℅281℅29.ttl".
+std::string NameInBlankLabel(std::string_view name);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_RDF_DOCUMENT_NAME_H_

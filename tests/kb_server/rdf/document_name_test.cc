@@ -1,0 +1,36 @@
+#include "kb_server/rdf/document_name.h"
+
+#include <gtest/gtest.h>
+
+#include "kb_server/rdf/term_check.h"
+
+namespace docent {
+namespace {
+
+TEST(DocumentNameTest, WhatMayStandThereStaysAsItIs) {
+  for (const char* name : {"", "place.ttl", "a-b_c.1.ttl", "2026.nt", "größe.ttl", "地図.ttl"}) {
+    EXPECT_EQ(NameInIri(name), name);
+    EXPECT_EQ(NameInBlankLabel(name), name);
+  }
+  for (const char* name : {"o/m.ttl", "a(1)+b@c.ttl", "a#b?c"}) EXPECT_EQ(NameInIri(name), name);
+}
+
+TEST(DocumentNameTest, WhatMayNotIsEscaped) {
+  EXPECT_EQ(NameInIri("my data (1).ttl"), "my%20data%20(1).ttl");
+  EXPECT_EQ(NameInIri("100%.ttl"), "100%25.ttl");
+  EXPECT_EQ(NameInIri("a%20b.ttl"), "a%2520b.ttl") << "not what \"a b.ttl\" gives";
+  EXPECT_EQ(NameInBlankLabel("data (1).ttl"), "data℅20℅281℅29.ttl");
+  EXPECT_EQ(NameInBlankLabel("a℅20b.ttl"), "a℅E2℅84℅8520b.ttl") << "not what \"a b.ttl\" gives";
+}
+
+TEST(DocumentNameTest, AnyNameGivesTermsThatMayBeStored) {
+  for (const char* name : {"a b", "-a", ".a", "a–b", "a+b@c%d", "o/my onto.ttl", "a\\b|c^`{}<>\"", "\x01", "\xff\xfe.ttl", "ü\xfc.ttl"}) {
+    const absl::Status iri = CheckTerm(Term::Iri("https://w3id.org/docent/ontology/" + NameInIri(name)), 1000);
+    EXPECT_TRUE(iri.ok()) << iri;
+    const absl::Status label = CheckTerm(Term::Blank(NameInBlankLabel(name) + "_b1"), 1000);
+    EXPECT_TRUE(label.ok()) << label;
+  }
+}
+
+}  // namespace
+}  // namespace docent
