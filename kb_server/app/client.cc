@@ -4,9 +4,7 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
@@ -49,6 +47,9 @@ int Fail(const grpc::Status& status, const ClientOptions& options) {
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
     std::cerr << "docent: no server answers at " << options.server << " (" << status.error_message()
               << "); start one with `docent serve` or name it with --server\n";
+  } else if (status.error_code() == grpc::StatusCode::INTERNAL && status.error_message().empty()) {
+    // how gRPC says that protobuf refused to write the message
+    std::cerr << "docent: nothing was sent: what was given does not fit into a message; is all of it UTF-8?\n";
   } else {
     std::cerr << "docent: " << status.error_message() << "\n";
   }
@@ -69,20 +70,6 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
   }
   std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
             << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
-}
-
-absl::StatusOr<std::string> ReadText(const std::string& path) {
-  std::ostringstream text;
-  if (path == "-") {
-    text << std::cin.rdbuf();
-    return text.str();
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
-  text << file.rdbuf();
-  if (file.bad())
-    return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
-  return text.str();
 }
 
 absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text) {

@@ -43,9 +43,6 @@ void PrintJson(const google::protobuf::Message& message);
 // What a batch or update did, for people or as JSON, to standard output.
 void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
-// The whole file, or standard input for "-". NOT_FOUND and the like name the file.
-absl::StatusOr<std::string> ReadText(const std::string& path);
-
 // "name=value" where value is N-Triples (<iri>, "text"@en, "1"^^<…>), a prefixed name with a well-known
 // prefix, a number, true/false, or anything else as a plain string.
 absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text);

@@ -7,6 +7,7 @@
 #include "kb_server/app/check_files.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/rdf/parser.h"
 #include "nlohmann/json.hpp"
 #include "workflow/cawl/check.h"
@@ -43,7 +44,7 @@ class Checker {
   // files.
   absl::Status Prepare() {
     for (const std::string& file : arguments_.ontologies) {
-      auto text = ReadText(file);
+      auto text = ReadBytes(file);
       if (!text.ok()) return text.status();
       ParseRdfOptions options;
       options.file = file;
@@ -55,14 +56,14 @@ class Checker {
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRdf) continue;
-      auto text = ReadText(file);
+      auto text = ReadBytes(file);
       if (!text.ok()) return text.status();
       files_.AddRdf(file, *text, false);
     }
     rsel::ServiceRegistry registry;
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRsel) continue;
-      auto text = ReadText(file);
+      auto text = ReadBytes(file);
       if (!text.ok()) return text.status();
       rsel::ParsedRsel parsed = rsel::ParseRsel(*text, file);
       if (!parsed.ok()) continue;
@@ -76,7 +77,7 @@ class Checker {
   }
 
   absl::Status Check(const std::string& file) {
-    auto text = ReadText(file);
+    auto text = ReadBytes(file);
     if (!text.ok()) return text.status();
     std::vector<ontology::Finding> findings;
     switch (KindOf(file)) {

@@ -16,6 +16,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/part_loader.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/rdf/parser.h"
 
 namespace docent {

@@ -10,6 +10,7 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/catalog.h"
@@ -183,12 +184,12 @@ nlohmann::json AsJson(const std::vector<TermQuad>& triples) {
 // One file: the server's module against it. Two: the first against the second.
 int Diff(const OntologyArguments& arguments) {
   int exit_code = kExitOk;
+  auto after = Parse(arguments.files.back());
+  if (!after.ok()) return Fail(after.status());
   auto before = arguments.files.size() == 1 ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
                                             : Parse(arguments.files[0]);
   if (exit_code != kExitOk) return exit_code;
   if (!before.ok()) return Fail(before.status());
-  auto after = Parse(arguments.files.back());
-  if (!after.ok()) return Fail(after.status());
   const ontology::ModuleDiff diff = ontology::DiffModules(*before, *after);
   const ontology::ModuleVersion old_version = ontology::VersionOf(*before), new_version = ontology::VersionOf(*after);
   if (arguments.client.json) {

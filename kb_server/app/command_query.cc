@@ -7,6 +7,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/query_with_rasqal.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/service/convert.h"
 
 namespace docent {
@@ -52,25 +53,19 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
 }
 
 int RunQuery(const QueryArguments& arguments) {
-  std::string query = arguments.query;
-  if (!arguments.file.empty()) {
-    auto text = ReadText(arguments.file);
-    if (!text.ok()) return Fail(text.status());
-    query = *text;
-  }
-  if (query.empty())
-    return Fail(absl::InvalidArgumentError("no query given; pass it as an argument or with --file"));
+  const auto query = GivenText("query", arguments.query, arguments.file);
+  if (!query.ok()) return Fail(query.status());
   if (arguments.engine == "rasqal") {
     if (arguments.explain)
       return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
     if (!arguments.as_of.empty())
       return Fail(absl::InvalidArgumentError("Rasqal asks the newest graph; leave --as-of away"));
-    return QueryWithRasqal(query, arguments.client.server, arguments.format, arguments.timeout_ms);
+    return QueryWithRasqal(*query, arguments.client.server, arguments.format, arguments.timeout_ms);
   }
   auto stub = v1::Context::NewStub(Connect(arguments.client));
   grpc::ClientContext context;
   v1::QueryRequest request;
-  request.set_query(query);
+  request.set_query(*query);
   request.set_timeout_ms(arguments.timeout_ms);
   request.set_explain(arguments.explain);
   request.set_as_of(arguments.as_of);

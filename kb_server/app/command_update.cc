@@ -6,6 +6,7 @@
 #include "docent/v1/context.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/text_input.h"
 
 namespace docent {
 namespace {
@@ -19,18 +20,11 @@ struct UpdateArguments {
 };
 
 int RunUpdate(const UpdateArguments& arguments) {
-  std::string update = arguments.update;
-  if (!arguments.file.empty()) {
-    auto text = ReadText(arguments.file);
-    if (!text.ok()) return Fail(text.status());
-    update = *text;
-  }
-  if (update.empty()) {
-    return Fail(absl::InvalidArgumentError("no update given; pass it as an argument or with --file"));
-  }
+  const auto update = GivenText("update", arguments.update, arguments.file);
+  if (!update.ok()) return Fail(update.status());
   grpc::ClientContext context;
   v1::UpdateRequest request;
-  request.set_update(update);
+  request.set_update(*update);
   request.set_request_id(arguments.request_id);
   request.set_timeout_ms(arguments.timeout_ms);
   v1::AssertReply reply;

@@ -8,6 +8,7 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/vocabulary.h"

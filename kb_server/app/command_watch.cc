@@ -11,6 +11,7 @@
 #include "docent/v1/context.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/text_input.h"
 
 namespace docent {
 namespace {
@@ -63,6 +64,9 @@ void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* w
 
 absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments) {
   std::vector<std::string> texts = arguments.queries;
+  for (const std::string& query : texts) {
+    if (absl::Status status = CheckUtf8(query, ""); !status.ok()) return status;
+  }
   for (const std::string& file : arguments.files) {
     auto text = ReadText(file);
     if (!text.ok()) return text.status();
@@ -78,16 +82,16 @@ absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments
   return all;
 }
 
-// Begins all, each under its place in the list, from 1, as its tag.
-void BeginAll(const std::vector<Watched>& all,
+// Begins all, each under its place in the list, from 1, as its tag. False: not all of them could be sent.
+bool BeginAll(const std::vector<Watched>& all,
               grpc::ClientReaderWriter<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* stream) {
   for (size_t i = 0; i < all.size(); ++i) {
     v1::SubscribeStreamRequest begin;
     begin.set_tag(i + 1);
     *begin.mutable_begin() = all[i].request;
-    if (!stream->Write(begin)) return;  // Finish says why
+    if (!stream->Write(begin)) return false;
   }
-  stream->WritesDone();
+  return stream->WritesDone();
 }
 
 int RunWatch(const WatchArguments& arguments) {
@@ -100,7 +104,7 @@ int RunWatch(const WatchArguments& arguments) {
   while (true) {
     grpc::ClientContext context;
     auto stream = stub->SubscribeStream(&context);
-    BeginAll(*all, stream.get());
+    const bool begun = BeginAll(*all, stream.get());
     v1::SubscribeStreamReply reply;
     while (stream->Read(&reply)) {
       for (const v1::SubscribeStreamReply::Part& part : reply.parts()) {
@@ -124,8 +128,10 @@ int RunWatch(const WatchArguments& arguments) {
     }
     const grpc::Status status = stream->Finish();
     // a lost connection is taken up again, if there ever was one
-    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || !answered)
-      return status.ok() ? kExitOk : Fail(status, arguments.client);
+    if (status.error_code() != grpc::StatusCode::UNAVAILABLE || !answered) {
+      if (!status.ok()) return Fail(status, arguments.client);
+      return begun ? kExitOk : Fail(absl::InternalError("not all queries could be sent"));
+    }
     std::cerr << "docent: the connection was lost; trying again\n";
     std::this_thread::sleep_for(kPause);
   }

@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <future>
-#include <sstream>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "kb_server/app/spatial_functions.h"
+#include "kb_server/app/text_input.h"
 #include "kb_server/log/sqlite_log.h"
 #include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/parser.h"
@@ -52,14 +51,6 @@ absl::StatusOr<Address> ParseAddress(const std::string& text, bool insecure) {
         " is not a loopback address and nothing authenticates clients; add --insecure if that is meant"));
   }
   return address;
-}
-
-absl::StatusOr<std::string> ReadFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
 }
 
 // True if the module's graph holds exactly these triples.
@@ -364,7 +355,7 @@ absl::Status Server::LoadFiles() {
 
 absl::Status Server::LoadOntologies() {
   for (const std::string& file : settings_.ontologies) {
-    auto text = ReadFile(file);
+    auto text = ReadText(file);
     if (!text.ok()) return text.status();
     std::string name = std::filesystem::path(file).filename().string();
     ParseRdfOptions options;
@@ -406,7 +397,7 @@ absl::Status Server::LoadRules() {
     std::string name = given;
     std::string text = BuiltInRuleSet(given);
     if (text.empty()) {
-      auto file = ReadFile(given);
+      auto file = ReadText(given);
       if (!file.ok()) return file.status();
       text = *std::move(file);
       name = std::filesystem::path(given).filename().string();

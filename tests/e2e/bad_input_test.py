@@ -102,6 +102,33 @@ class Documents(StageTest):
         file = self.file("long.ttl", f'@prefix : <http://example.org/> .\n:a :bad "{"x" * (1 << 20)}x" .\n')
         self.assert_refused(self.server.run("load", "--as", "facts", file), 2, "term_bytes")
 
+    def test_a_directory_is_no_file(self):
+        folder = self.stage.folder / "folder.ttl"
+        folder.mkdir()
+        shapes = self.file("shapes.ttl", "")
+        for arguments in (["load"], ["ontology", "load"], ["ontology", "replace"], ["ontology", "diff"], ["check"], ["rules", "use"],
+                          ["query", "-f"], ["update", "-f"], ["watch", "-f"], ["validate", "--shapes", shapes], ["validate", "--shapes"]):
+            with self.subTest(arguments):
+                self.assert_refused(self.server.run(*arguments, folder), 2, f"{folder} is a directory")
+
+    def test_what_is_not_utf8(self):
+        latin = self.stage.folder / "latin.ttl"
+        latin.write_bytes(b'<urn:a> <urn:p> "\xc3\xa4" .\n<http://example.org/a> <http://example.org/bad> "\xc3\xa4\xe4" .\n')
+        rules = self.stage.folder / "latin.rules"
+        rules.write_bytes(b'RULE { ?x <http://example.org/bad> "\xe4" } WHERE { ?x ?p ?y }')
+        for arguments, place in ((["load", latin], "latin.ttl:2:51"), (["load", "--as", "facts", latin], "latin.ttl:2:51"),
+                                 (["ontology", "load", latin], "latin.ttl:2:51"), (["load", rules], "latin.rules:1:37"),
+                                 (["rules", "use", rules], "latin.rules:1:37"), (["query", "-f", latin], "latin.ttl:2:51")):
+            with self.subTest(arguments):
+                self.assert_refused(self.server.run(*arguments), 2, place, "not UTF-8", "save the text as UTF-8")
+        for command in ("query", "update", "watch"):
+            with self.subTest(command):
+                done = self.server.run(command, b"ASK { <urn:a> <urn:p> \"\xe4\" }".decode(errors="surrogateescape"))
+                self.assert_refused(done, 2, "1:24: error", "not UTF-8", "save the text as UTF-8")
+        done = self.server.run("tell", "--reading", b"docent:s=\xe4".decode(errors="surrogateescape"))
+        self.assert_refused(done, 2, "UTF-8")
+        self.assertEqual(self.server.run("check", latin, rules).returncode, 1, "it says what is wrong with all files")
+
     def test_bytes_that_are_no_message(self):
         """A client that talks nonsense to the gRPC and HTTP ports does not disturb the others."""
         for address in (self.server.grpc, self.server.http):
