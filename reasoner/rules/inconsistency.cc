@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -36,7 +37,7 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   for (const Triple& t : matched) {
     for (const TermId id : {t.subject, t.predicate, t.object}) add_text(id);
   }
-  const std::string name = rule.name.empty() ? rule.set : rule.name;
+  const std::string name = rule.name.empty() ? NameInIri(rule.set) : rule.name;
   const std::string iri =
       absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);

@@ -116,6 +116,14 @@ TEST_F(RuleEngineTest, ACheckReportsItsSolutionsWithTheirTriples) {
   EXPECT_EQ(world_.Inferred(), reported) << "the same inconsistency bears the same name";
 }
 
+TEST_F(RuleEngineTest, AReportsNameIsAnIriWhateverTheSetIsCalled) {
+  Put("RULE { } WHERE { ?x a :Robot . ?x a :Person }", "my rules (1).rules");
+  Turn({"r a Robot", "r a Person"});
+  const std::vector<std::string> reported = world_.Inferred();
+  ASSERT_EQ(reported.size(), 10u);
+  EXPECT_THAT(reported[0], HasSubstr("urn:docent:inconsistency:my%20rules%20(1).rules:"));
+}
+
 TEST_F(RuleEngineTest, WhatFollowsFromAReportStaysWithIt) {
   Put("RULE :odd { } WHERE { ?x :at ?a . ?x :near ?a }\n"
       "RULE { :ops :sees ?rule } WHERE { ?i docent:rule ?rule }\n"
