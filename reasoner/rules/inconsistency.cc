@@ -21,17 +21,40 @@ uint64_t Hash(std::string_view text) {
   return hash;
 }
 
+// The triples that a solution must have matched, as far as its row alone tells them: what else the graph holds must not
+// count, or the same solution would be told otherwise later.
+std::vector<Triple> Matched(const CompiledRule& rule, absl::Span<const TermId> row) {
+  std::vector<Triple> matched;
+  if (rule.body->flat()) {
+    for (size_t i = 0; i < rule.body->patterns().size(); ++i) matched.push_back(rule.Premise(i, row));
+    return matched;
+  }
+  for (const Trigger& trigger : rule.body->triggers()) {
+    if (!trigger.required || trigger.polarity != Polarity::kPositive) continue;
+    const QuadPattern& constants = trigger.match.constants;
+    std::array<TermId, 3> terms = {constants.subject, constants.predicate, constants.object};
+    for (size_t i = 0; i < terms.size(); ++i) {
+      if (trigger.columns[i] != Trigger::kNoColumn) terms[i] = row[static_cast<size_t>(trigger.columns[i])];
+    }
+    if (std::none_of(terms.begin(), terms.end(), [](TermId id) { return id.IsNone(); }))
+      matched.push_back({terms[0], terms[1], terms[2]});
+  }
+  return matched;
+}
+
 }  // namespace
 
 void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId> row,
                               std::vector<Triple>& out) {
-  std::vector<Triple> matched;
-  std::string text = absl::StrCat(rule.set, "\n", rule.name.empty() ? rule.text : rule.name);
-  for (size_t i = 0; i < rule.body->patterns().size(); ++i) matched.push_back(rule.Premise(i, row));
+  const std::vector<Triple> matched = Matched(rule, row);
+  const bool flat = rule.body->flat();
+  // Where the triples decide a solution, those of two rules of one name come and go together.
+  const bool by_name = !rule.name.empty() && rule.positive;
+  std::string text = absl::StrCat(rule.set, "\n", by_name ? rule.name : rule.text);
   const auto add_text = [&](TermId id) {
     absl::StrAppend(&text, "\n", id.IsNone() ? "" : ToNTriples(dictionary_.Decode(id)));
   };
-  if (matched.empty()) {
+  if (!flat) {
     for (const TermId id : row) add_text(id);
   }
   for (const Triple& t : matched) {
@@ -55,6 +78,15 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
     out.push_back({evidence, words_[kPredicate], t.predicate});
     out.push_back({evidence, words_[kObject], t.object});
   }
+  for (size_t i = 0; !flat && i < row.size(); ++i) {
+    const Body::Column& column = rule.body->columns()[i];
+    if (!column.visible || row[i].IsNone()) continue;
+    const TermId binding = dictionary_.InternIri(absl::StrCat(iri, ":variable:", column.name));
+    reports_.insert(binding);
+    out.push_back({id, words_[kBinding], binding});
+    out.push_back({binding, words_[kBindingName], dictionary_.Intern(Term::Literal(column.name))});
+    out.push_back({binding, words_[kBindingValue], row[i]});
+  }
 }
 
 void InconsistencyFacts::InternWords() {
@@ -62,10 +94,26 @@ void InconsistencyFacts::InternWords() {
   inconsistency_ = dictionary_.InternIri(DocentIri("Inconsistency"));
   words_[kRule] = dictionary_.InternIri(DocentIri("rule"));
   words_[kEvidence] = dictionary_.InternIri(DocentIri("evidence"));
+  words_[kBinding] = dictionary_.InternIri(DocentIri("binding"));
+  words_[kBindingName] = dictionary_.InternIri(DocentIri("bindingName"));
+  words_[kBindingValue] = dictionary_.InternIri(DocentIri("bindingValue"));
   const auto rdf = [&](const char* word) { return dictionary_.InternIri(Concat(kRdfNs, word)); };
   words_[kSubject] = rdf("subject");
   words_[kPredicate] = rdf("predicate");
   words_[kObject] = rdf("object");
+}
+
+std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const {
+  std::vector<Triple> facts;
+  for (const TermId report : reports_) {
+    graph.ForEach({report, TermId(), TermId(), TermId()}, [&](const Quad& quad) {
+      const Triple fact = {quad.subject, quad.predicate, quad.object};
+      if (IsOfReport(fact)) facts.push_back(fact);
+      return true;
+    });
+  }
+  std::sort(facts.begin(), facts.end());
+  return facts;
 }
 
 void InconsistencyFacts::Find(const GraphVersion& graph) {
@@ -83,10 +131,12 @@ void InconsistencyFacts::Find(const GraphVersion& graph) {
   InternWords();
   for (const TermId report : found) {
     reports_.insert(report);
-    graph.ForEach({report, words_[kEvidence], TermId(), *graph_id}, [&](const Quad& quad) {
-      reports_.insert(quad.object);
-      return true;
-    });
+    for (const TermId part : {words_[kEvidence], words_[kBinding]}) {
+      graph.ForEach({report, part, TermId(), *graph_id}, [&](const Quad& quad) {
+        reports_.insert(quad.object);
+        return true;
+      });
+    }
   }
 }
 

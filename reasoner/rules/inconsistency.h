@@ -6,7 +6,13 @@
 //   <urn:docent:inconsistency:cax-dw:6f0c…:1> rdf:subject ex:r1 ; rdf:predicate rdf:type ; rdf:object
 //   ex:Robot .
 //
-// The IRI follows from the rule's name and the matched triples alone, so it is the same in every computation.
+// Of a body that is more than triple patterns with filters (UNION, sub-SELECTs …), the evidence is what every solution
+// must have matched, and its variables are told besides:
+//
+//   <urn:docent:inconsistency:busy:1d07…> docent:binding <urn:docent:inconsistency:busy:1d07…:variable:n> .
+//   <urn:docent:inconsistency:busy:1d07…:variable:n> docent:bindingName "n" ; docent:bindingValue 2 .
+//
+// The IRI follows from the rule and the solution alone, so it is the same in every computation.
 // Nothing but its check makes these facts: that what a report names is the same as another thing is no second
 // report. Rules may match them, and say more about a report with words of their own.
 // Private to this folder. Writer thread only: interns.
@@ -38,17 +44,19 @@ class InconsistencyFacts {
                             : std::find(words_.begin(), words_.end(), t.predicate) != words_.end();
     return worded && reports_.contains(t.subject);
   }
+  // All such facts about the reports that it knows.
+  std::vector<Triple> FactsIn(const GraphVersion& graph) const;
   // Forgets what it knows, and looks for the reports that `graph` holds.
   void Find(const GraphVersion& graph);
 
  private:
-  enum Word : uint8_t { kRule, kEvidence, kSubject, kPredicate, kObject, kWords };
+  enum Word : uint8_t { kRule, kEvidence, kSubject, kPredicate, kObject, kBinding, kBindingName, kBindingValue, kWords };
   void InternWords();
 
   Dictionary& dictionary_;
   std::array<TermId, kWords> words_;  // none: not said yet
   TermId type_, inconsistency_;
-  absl::flat_hash_set<TermId> reports_;  // and their evidence
+  absl::flat_hash_set<TermId> reports_;  // and their evidence and bindings
 };
 
 }  // namespace docent

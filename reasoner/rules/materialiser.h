@@ -131,6 +131,8 @@ class Materialiser {
   absl::Status FireWhole(RuleProgram& program, uint32_t rule, Phase phase);
   absl::Status FireInstances(uint32_t rule);
   absl::Status FireTask(const Task& task, Phase phase);
+  // A rule with `seed_`.
+  absl::Status FireSeeded(uint32_t number, Phase phase);
   // False: stop.
   bool Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase);
   bool Collect(const CompiledRule& rule, const Triple& triple, Phase phase);

@@ -186,13 +186,21 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
 }
 
 absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
-  const CompiledRule& rule = program_.rules[task.rule];
-  Body& body = *rule.body;
+  Body& body = *program_.rules[task.rule].body;
   body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
+  return FireSeeded(task.rule, phase);
+}
+
+absl::Status Materialiser::FireSeeded(uint32_t number, Phase phase) {
+  const CompiledRule& rule = program_.rules[number];
+  // A check tells of its whole row: a seed would be told, too, of a solution that leaves the column open.
+  for (size_t i = 0; rule.check && i < seed_.size(); ++i) {
+    if (!rule.body->columns()[i].certain) seed_[i] = TermId();
+  }
   const bool whole = std::all_of(seed_.begin(), seed_.end(), [](TermId id) { return id.IsNone(); });
-  if (whole && !whole_.insert(task.rule).second) return absl::OkStatus();
+  if (whole && !whole_.insert(number).second) return absl::OkStatus();
   const absl::Status status =
-      body.Evaluate(Now(), seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+      rule.body->Evaluate(Now(), seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : status;
 }
 

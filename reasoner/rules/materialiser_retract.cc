@@ -9,8 +9,12 @@
 namespace docent {
 
 absl::Status Materialiser::TakeAwayFromLeavingRules() {
-  if (leaving_.empty()) return absl::OkStatus();
-  made_.clear();
+  // With no rules before, nobody here made the reports that there are: another engine did, and may have called them
+  // otherwise. Those that are still found come back in this turn.
+  std::vector<Triple> reports;
+  if (before_.rules.empty()) reports = context_.inconsistencies.FactsIn(graph());
+  if (leaving_.empty() && reports.empty()) return absl::OkStatus();
+  made_ = std::move(reports);
   ToOldState();
   absl::Status status;
   for (const uint32_t rule : leaving_) {
@@ -201,13 +205,9 @@ absl::Status Materialiser::Rederive(int stratum) {
 // Solutions of checks with negation that may be gone or not.
 absl::Status Materialiser::RepeatChecks(int stratum) {
   for (const CheckRow& check : check_rows_) {
-    const CompiledRule& rule = program_.rules[check.rule];
-    if (rule.stratum != stratum) continue;
-    absl::Status status =
-        rule.body->Evaluate(Now(), check.row,
-                            [&](absl::Span<const TermId> row) { return Emit(rule, row, Phase::kAdd); });
-    if (status.ok()) status = status_;
-    if (!status.ok()) return status;
+    if (program_.rules[check.rule].stratum != stratum) continue;
+    seed_ = check.row;
+    if (absl::Status status = FireSeeded(check.rule, Phase::kAdd); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
