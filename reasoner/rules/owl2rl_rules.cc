@@ -5,6 +5,7 @@
 #include "reasoner/rules/owl2rl_rules.h"
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "reasoner/rules/rule_sets.h"
 
 namespace docent {
@@ -130,13 +131,6 @@ RULE rl:dt-type1 {
   xsd:Name a rdfs:Datatype . xsd:NCName a rdfs:Datatype . xsd:NMTOKEN a rdfs:Datatype .
   xsd:boolean a rdfs:Datatype . xsd:hexBinary a rdfs:Datatype . xsd:base64Binary a rdfs:Datatype .
   xsd:anyURI a rdfs:Datatype . xsd:dateTime a rdfs:Datatype . xsd:dateTimeStamp a rdfs:Datatype } WHERE { }
-# two values of what may have one: literals that prp-fp and cls-maxc2 would make the same (eq-diff1)
-RULE rl:dt-diff { } WHERE {
-  ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2
-  FILTER(ISLITERAL(?y1) && ISLITERAL(?y2) && ?y1 != ?y2 && STR(?y1) < STR(?y2)) }
-RULE rl:dt-diff { } WHERE {
-  ?c owl:maxCardinality ?n . ?c owl:onProperty ?p . ?x a ?c . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?n = 1)
-  FILTER(ISLITERAL(?y1) && ISLITERAL(?y2) && ?y1 != ?y2 && STR(?y1) < STR(?y2)) }
 
 # Table 9: schema vocabulary
 RULE rl:scm-cls { ?c rdfs:subClassOf ?c . ?c owl:equivalentClass ?c . ?c rdfs:subClassOf owl:Thing .
@@ -216,9 +210,45 @@ constexpr char kOutside[] = R"rules(
       || (?d = xsd:unsignedLong && ?y > 18446744073709551615)))))))
 )rules";
 
+// What tells the value of a literal ?y from others: the space of values that it lies in (OWL 2, section 4: no two of
+// them share one) and, where its text can tell it, the value. Numbers and times within a space are left to `!=`. An
+// error for what is ill-typed or of another datatype, of which nothing is known.
+constexpr char kValue[] = R"rules(
+    IF(DATATYPE(?y) IN (xsd:string, rdf:langString), CONCAT("string ", LANG(?y), " ", STR(?y)),
+    IF(DATATYPE(?y) IN (xsd:normalizedString, xsd:token, xsd:language, xsd:Name, xsd:NCName, xsd:NMTOKEN)
+      && REGEX(STR(?y), IF(DATATYPE(?y) = xsd:language, "^[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*$",
+        IF(DATATYPE(?y) IN (xsd:Name, xsd:NCName, xsd:NMTOKEN), "^[a-zA-Z_][a-zA-Z0-9._-]*$",
+        "^([^ \\t\\r\\n]+( [^ \\t\\r\\n]+)*)?$"))), CONCAT("string  ", STR(?y)),
+    IF(ISNUMERIC(?y), IF(DATATYPE(?y) IN (xsd:float, xsd:double), STR(DATATYPE(?y)), "decimal"),
+    IF(DATATYPE(?y) = xsd:boolean && STR(?y) IN ("true", "false", "1", "0"), "boolean",
+    IF(DATATYPE(?y) IN (xsd:dateTime, xsd:dateTimeStamp) && COALESCE(YEAR(?y), 0) != 0, "time",
+    IF(DATATYPE(?y) = xsd:anyURI, CONCAT("IRI ", STR(?y)),
+    IF(DATATYPE(?y) = xsd:hexBinary && REGEX(STR(?y), "^([0-9a-fA-F]{2})*$"), CONCAT("hex ", UCASE(STR(?y))),
+    IF(DATATYPE(?y) = xsd:base64Binary && REGEX(REPLACE(STR(?y), " ", ""),
+        "^([a-zA-Z0-9+/]{4})*([a-zA-Z0-9+/]{2}[AEIMQUYcgkosw048]=|[a-zA-Z0-9+/][AQgw]==)?$"),
+      CONCAT("base64 ", REPLACE(STR(?y), " ", "")),
+    1 / 0)))))))))rules";
+
+// FILTERs that let two literals ?y1 and ?y2 through that are surely two values, in one order of the two.
+std::string TwoValues() {
+  const auto value = [](const char* variable) { return absl::StrReplaceAll(kValue, {{"?y", variable}}); };
+  return absl::StrCat(R"rules(
+  FILTER(!SAMETERM(?y1, ?y2)) FILTER(ISLITERAL(?y1)) FILTER(ISLITERAL(?y2))
+  FILTER(CONCAT(STR(?y1), " ", STR(DATATYPE(?y1)), " ", LANG(?y1)) < CONCAT(STR(?y2), " ", STR(DATATYPE(?y2)), " ", LANG(?y2)))
+  FILTER(COALESCE()rules",
+                      value("?y1"), " !=", value("?y2"), ", false) || ?y1 != ?y2) }\n");
+}
+
 std::string DatatypeRules() {
   return absl::StrCat(
-      "\n# Table 8 again: what prp-rng and cls-avf would say of a literal\n"
+      "\n# Table 8 again: literals that prp-fp and cls-maxc2 would make the same (eq-diff1)\n"
+      "RULE rl:dt-diff { } WHERE {\n"
+      "  ?p a owl:FunctionalProperty . ?x ?p ?y1 . ?x ?p ?y2",
+      TwoValues(),
+      "RULE rl:dt-diff { } WHERE {\n"
+      "  ?c owl:maxCardinality ?n . ?c owl:onProperty ?p . ?x a ?c . ?x ?p ?y1 . ?x ?p ?y2 FILTER(?n = 1)",
+      TwoValues(),
+      "# what prp-rng and cls-avf would say of a literal\n"
       "RULE rl:dt-not-type { } WHERE { ?p rdfs:range ?d . ?x ?p ?y",
       kOutside,
       "}\nRULE rl:dt-not-type { } WHERE {\n"
