@@ -1,5 +1,6 @@
 // docent ontology: the modules of a running server, changed while it runs.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -132,6 +133,17 @@ int Remove(const OntologyArguments& arguments) {
   return kExitOk;
 }
 
+// Asked where its graph is empty: a module may be.
+bool IsListed(const OntologyArguments& arguments, const std::string& name) {
+  v1::ListOntologiesReply reply;
+  grpc::ClientContext context;
+  const grpc::Status status =
+      v1::Ontologies::NewStub(Connect(arguments.client))->List(&context, v1::ListOntologiesRequest(), &reply);
+  return status.ok() && std::any_of(reply.modules().begin(), reply.modules().end(), [&](const auto& module) {
+    return module.kind() == v1::LoadRequest::ONTOLOGY && module.name() == name;
+  });
+}
+
 // The triples of a module as the server has them.
 absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, const std::string& name, int* exit_code) {
   v1::QueryRequest request;
@@ -152,7 +164,7 @@ absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, 
     *exit_code = Fail(status, arguments.client);
     return absl::UnavailableError("");
   }
-  if (quads.empty()) return absl::NotFoundError(absl::StrCat("the server has no module \"", name, "\""));
+  if (quads.empty() && !IsListed(arguments, name)) return absl::NotFoundError(absl::StrCat("the server has no module \"", name, "\""));
   return quads;
 }
 

@@ -207,7 +207,10 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
     return;
   }
   if (pending.prepare) {
-    const TurnView view{stages_->writer.current(), Revision(newest_), changes_};
+    const auto has_document = [this](Document::Kind kind, const std::string& name) {
+      return stages_->documents.entries().count({kind, name}) > 0;
+    };
+    const TurnView view{stages_->writer.current(), Revision(newest_), changes_, has_document};
     if (absl::Status status = pending.prepare(view, &pending.batch); !status.ok()) {
       group->answers.push_back({std::move(status), std::move(pending.done)});
       return;

@@ -10,9 +10,11 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "kb_server/base/clock.h"
@@ -39,6 +41,8 @@ struct TurnView {
   const GraphVersion& graph;
   Revision revision;  // of `graph`; may not be visible to readers yet
   const RecentChanges& changes;
+  // Whether a document of that kind and name has been put and not removed, whatever it holds.
+  absl::FunctionRef<bool(Document::Kind kind, const std::string& name)> has_document;
 };
 // Called on the writer's turn just before the batch is applied: may look whether what the batch was made from
 // still holds, and may fill its operations. An error refuses the batch. It must be quick: nothing else is

@@ -24,19 +24,16 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
   reply->set_inferred(outcome.inferred);
 }
 
-// Whether there is a module of that name, on the writer's turn: ontologies by their graphs, which are exact then.
+// Whether there is a module of that name, on the writer's turn, when that is exact. A graph that was filled otherwise
+// counts, too.
 BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& ports) {
   if (request.mode() == v1::LoadRequest::PUT) return nullptr;
   return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](const TurnView& view,
                                                                                        WriteBatch*) -> absl::Status {
-    bool there = false;
-    if (kind == v1::LoadRequest::RULES) {
-      for (const ModuleEntry& module : ports.catalog->Get()->modules) {
-        there = there || (module.kind == Document::Kind::kRules && module.name == name);
-      }
-    } else if (const auto graph = ports.dictionary->FindIri(OntologyGraph(name))) {
-      there = view.graph.Count({{}, {}, {}, *graph}) > 0;
-    }
+    const bool rules = kind == v1::LoadRequest::RULES;
+    bool there = view.has_document(rules ? Document::Kind::kRules : Document::Kind::kOntology, name);
+    if (const auto graph = ports.dictionary->FindIri(OntologyGraph(name)); graph && !rules)
+      there = there || view.graph.Count({{}, {}, {}, *graph}) > 0;
     if (mode == v1::LoadRequest::ADD && there) {
       return absl::AlreadyExistsError(absl::StrCat("there is a module \"", name, "\" already; replace it, or name the new one otherwise"));
     }

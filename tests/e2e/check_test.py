@@ -112,6 +112,16 @@ class Modules(StageTest):
         self.assertEqual(server.run("ontology", "replace", words).returncode, 2, "there is none to replace")
         self.assertFalse(server.ask("<http://example.org/Room> ?p ?o"))
 
+    def test_a_module_that_was_emptied_can_be_compared_and_filled_again(self):
+        server = self.stage.server()
+        words, empty = self.file("m.ttl", WORDS), self.file("empty.ttl", "")
+        server.command("ontology", "load", words)
+        server.command("ontology", "replace", "--name", "m.ttl", empty)
+        self.assertIn("0 triples", server.command("ontology", "list"))
+        self.assertEqual(server.run("ontology", "diff", "--name", "m.ttl", empty).returncode, 0)
+        self.assertEqual(server.run("ontology", "diff", words).returncode, 1)
+        server.command("ontology", "replace", words)
+
     def test_a_module_whose_name_has_characters_that_terms_do_not(self):
         server = self.stage.server()
         words = self.file("my words (1)+é–100%@home.ttl", WORDS)

@@ -145,5 +145,15 @@ TEST_F(ServerShapesTest, ModulesAreAddedReplacedAndListedWithTheirVersions) {
   EXPECT_EQ(list.modules(0).revision(), Revision());
 }
 
+TEST_F(ServerShapesTest, AModuleWithoutTriplesIsThere) {
+  StartServer();
+  ASSERT_TRUE(LoadModule("m.ttl", ":a :b 1 .", v1::LoadRequest::ADD).ok());
+  ASSERT_TRUE(LoadModule("m.ttl", "", v1::LoadRequest::REPLACE).ok());
+  EXPECT_FALSE(Ask(":a :b 1"));
+  EXPECT_EQ(LoadModule("m.ttl", ":a :b 2 .", v1::LoadRequest::ADD).error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  ASSERT_TRUE(LoadModule("m.ttl", ":a :b 3 .", v1::LoadRequest::REPLACE).ok());
+  EXPECT_TRUE(Ask(":a :b 3"));
+}
+
 }  // namespace
 }  // namespace docent::test
