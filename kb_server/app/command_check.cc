@@ -172,7 +172,9 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
       "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors). Words of RDF, "
       "rules and queries are checked against the vocabulary of all RDF files named");
   command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
-  command->add_option("--ontology", arguments->ontologies, "Ontology files whose words may be used");
+  command
+      ->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used; may be given several times")
+      ->allow_extra_args(false);
   command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
   command->add_flag("--strict", arguments->strict, "Warnings, too, make the exit code 1");
   command->add_flag("--json", arguments->json, "Print JSON for machines");

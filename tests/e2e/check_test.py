@@ -58,6 +58,15 @@ class Check(StageTest):
         self.assertEqual([(f["rule"], f["line"], f["column"]) for f in found if f["severity"] == "error"],
                          [("undefined-term", 2, 6), ("range-clash", 3, 9)])
 
+    def test_an_option_takes_one_file(self):
+        words, data = self.file("words.ttl", WORDS), "<http://e/A> a <http://example.org/Rom> .\n"
+        files = [self.file("a.ttl", data), self.file("b.ttl", data)]
+        for arguments in (["--ontology", words, *files], ["--ontology", words, "--ontology", words, *files]):
+            done = self.docent("check", *arguments)
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            for file in files:
+                self.assertIn(f"{file}:1:", done.stderr)
+
     def test_strict_counts_warnings(self):
         unused = self.file("unused.ttl", "@prefix x: <http://x/> .\n<http://e/a> <http://e/b> <http://e/c> .\n")
         self.assertEqual(self.docent("check", unused).returncode, 0)
