@@ -38,6 +38,40 @@ bool IsPropertyType(std::string_view type) {
   return types->contains(type);
 }
 
+bool NamesIndividual(std::string_view property) {
+  return property == "owl:hasValue" || property == "owl:sameAs" || property == "owl:differentFrom" ||
+         property == "owl:sourceIndividual" || property == "owl:targetIndividual";
+}
+
+// The rdf:Lists of a document, made of blank nodes.
+class Lists {
+ public:
+  explicit Lists(const std::vector<TermQuad>& quads) {
+    const std::string first = Concat(kRdfNs, "first"), rest = Concat(kRdfNs, "rest");
+    for (const TermQuad& q : quads) {
+      if (!q.subject.IsBlank()) continue;
+      if (q.predicate.lexical == first) cells_[q.subject.lexical].first = &q.object;
+      if (q.predicate.lexical == rest) cells_[q.subject.lexical].second = &q.object;
+    }
+  }
+  // The members that are IRIs.
+  Words Iris(const Term& list) const {
+    Words iris;
+    const Term* at = &list;
+    for (size_t steps = 0; steps <= cells_.size() && at != nullptr && at->IsBlank(); ++steps) {
+      const auto cell = cells_.find(at->lexical);
+      if (cell == cells_.end()) break;
+      const auto& [first, rest] = cell->second;
+      if (first != nullptr && first->IsIri()) iris.insert(first->lexical);
+      at = rest;
+    }
+    return iris;
+  }
+
+ private:
+  std::map<std::string_view, std::pair<const Term*, const Term*>> cells_;  // first and rest, in the document's quads
+};
+
 }  // namespace
 
 std::string_view NamespaceOf(std::string_view iri) {
@@ -111,30 +145,26 @@ void Vocabulary::AddPropertyFact(const TermQuad& quad) {
   }
 }
 
-// owl:AllDisjointClasses with owl:members ( … ).
-void Vocabulary::AddList(const std::vector<TermQuad>& quads) {
-  const std::string first = Concat(kRdfNs, "first"), rest = Concat(kRdfNs, "rest");
-  const std::string members = Concat(kOwlNs, "members"), all = Concat(kOwlNs, "AllDisjointClasses");
-  std::map<std::string, const TermQuad*> firsts, rests;
-  Words disjoint_nodes;
+// Axioms that speak of several words: owl:AllDisjointClasses, and those that name individuals, which OWL 2 wants no
+// declaration of.
+void Vocabulary::AddAxioms(const std::vector<TermQuad>& quads) {
+  const Lists lists(quads);
+  std::map<std::string, std::string> types;  // of the blank nodes that AllDisjointClasses and AllDifferent are
   for (const TermQuad& q : quads) {
-    if (!q.subject.IsBlank()) continue;
-    if (q.predicate.lexical == first) firsts[q.subject.lexical] = &q;
-    if (q.predicate.lexical == rest) rests[q.subject.lexical] = &q;
-    if (q.predicate.lexical == kRdfType && q.object.lexical == all) disjoint_nodes.insert(q.subject.lexical);
+    if (q.subject.IsBlank() && q.predicate.lexical == kRdfType) types[q.subject.lexical] = Short(q.object.lexical);
   }
   for (const TermQuad& q : quads) {
-    if (q.predicate.lexical != members || !disjoint_nodes.contains(q.subject.lexical)) continue;
-    std::vector<std::string> classes;
-    std::string cell = q.object.lexical;
-    for (size_t steps = 0; steps <= firsts.size() && firsts.contains(cell) && rests.contains(cell); ++steps) {
-      if (firsts[cell]->object.IsIri()) classes.push_back(firsts[cell]->object.lexical);
-      cell = rests[cell]->object.lexical;
-    }
-    for (const std::string& a : classes) {
-      for (const std::string& b : classes) {
-        if (a != b) disjoint_[a].insert(b);
+    const std::string name = Short(q.predicate.lexical);
+    if (name == "owl:oneOf" || name == "owl:distinctMembers" || (name == "owl:members" && types[q.subject.lexical] == "owl:AllDifferent")) {
+      known_.merge(lists.Iris(q.object));
+    } else if (name == "owl:members" && types[q.subject.lexical] == "owl:AllDisjointClasses") {
+      const Words classes = lists.Iris(q.object);
+      for (const std::string& cls : classes) {
+        disjoint_[cls].insert(classes.begin(), classes.end());
+        disjoint_[cls].erase(cls);
       }
+    } else if (q.object.IsIri() && NamesIndividual(name)) {
+      known_.insert(q.object.lexical);
     }
   }
 }
@@ -147,7 +177,7 @@ void Vocabulary::Add(const std::vector<TermQuad>& quads) {
     known_.insert(q.subject.lexical);
     AddPropertyFact(q);
   }
-  AddList(quads);
+  AddAxioms(quads);
 }
 
 bool Vocabulary::IsDatatype(std::string_view iri) const { return datatypes_.contains(iri); }

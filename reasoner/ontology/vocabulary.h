@@ -35,6 +35,7 @@ class Vocabulary {
   bool IsClass(std::string_view iri) const { return classes_.contains(iri); }
   bool IsDatatype(std::string_view iri) const;
   bool IsProperty(std::string_view iri) const { return properties_.contains(iri); }
+  // Described, or named by an axiom as an individual (owl:oneOf, owl:hasValue …).
   bool IsKnown(std::string_view iri) const { return known_.contains(iri); }
   // Null where it is no property.
   const PropertyFacts* Property(std::string_view iri) const;
@@ -66,7 +67,7 @@ class Vocabulary {
  private:
   void AddType(const std::string& subject, const std::string& type);
   void AddPropertyFact(const TermQuad& quad);
-  void AddList(const std::vector<TermQuad>& quads);
+  void AddAxioms(const std::vector<TermQuad>& quads);
 
   Words classes_, properties_, datatypes_, known_, covered_, labelled_, explained_;
   std::map<std::string, PropertyFacts, std::less<>> facts_;

@@ -111,11 +111,19 @@ Kind ObjectKind(std::string_view predicate) {
   return properties->contains(predicate) ? Kind::kProperty : Kind::kAny;
 }
 
+// Ontologies and their versions have IRIs of their own, often those of a namespace but for the last sign.
+bool NamesOntology(std::string_view predicate) {
+  static const std::set<std::string, std::less<>>* words = new std::set<std::string, std::less<>>{
+      Concat(kOwlNs, "versionIRI"), Concat(kOwlNs, "imports"), Concat(kOwlNs, "priorVersion"),
+      Concat(kOwlNs, "backwardCompatibleWith"), Concat(kOwlNs, "incompatibleWith")};
+  return words->contains(predicate);
+}
+
 void UseTriple(const Term& subject, const Term& predicate, const Term& object, const SourceSpan& subject_at,
                const SourceSpan& predicate_at, const SourceSpan& object_at, bool described, WordCheck& check) {
   if (!described) check.Use(subject, Kind::kAny, subject_at);
   check.Use(predicate, Kind::kProperty, predicate_at);
-  check.Use(object, ObjectKind(predicate.lexical), object_at);
+  if (!NamesOntology(predicate.lexical)) check.Use(object, ObjectKind(predicate.lexical), object_at);
 }
 
 void UsePattern(const sparql::TriplePattern& t, WordCheck& check) {

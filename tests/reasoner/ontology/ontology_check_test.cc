@@ -70,6 +70,21 @@ TEST_F(OntologyCheckTest, UndefinedWordsHaveTheNearestKnown) {
   EXPECT_THAT(text, HasSubstr("the resource <http://e/Nowhere> is not defined"));
 }
 
+TEST_F(OntologyCheckTest, IndividualsThatAxiomsNameNeedNoDeclaration) {
+  EXPECT_EQ(Check(":Here owl:equivalentClass [ owl:oneOf ( :Hall :Room ) ] .\n"
+                  ":AtHall owl:equivalentClass [ a owl:Restriction ; owl:onProperty :isAt ; owl:hasValue :Yard ] .\n"
+                  "[ a owl:AllDifferent ; owl:distinctMembers ( :Hall :Cellar ) ] . [ a owl:AllDifferent ; owl:members ( :Attic ) ] .\n"
+                  ":R1 a :Guide ; :isAt :Hall , :Room , :Yard , :Cellar , :Attic , :Garden . :Hall owl:differentFrom :Garden ."),
+            "");
+  EXPECT_THAT(Check("[ a owl:AllDisjointClasses ; owl:members ( :Robot :Plaice ) ] ."), HasSubstr("<http://e/Plaice> is not defined"));
+}
+
+TEST_F(OntologyCheckTest, TheIriOfAnOntologyIsNoWord) {
+  EXPECT_EQ(Check("<http://e> a owl:Ontology ; owl:versionIRI <http://e/1.0> ; owl:priorVersion <http://e/0.9> ;\n"
+                  "  owl:imports <https://e/other> , <http://e#x> ."),
+            "");
+}
+
 TEST_F(OntologyCheckTest, AWordOfTheWrongKind) {
   const std::string text = Check(":R1 a :isAt . :R2 :Robot :R1 .");
   EXPECT_THAT(text, HasSubstr("wrong-kind f.ttl:2:7: error: <http://e/isAt> is a property, and a class is meant here"));
