@@ -30,11 +30,12 @@ struct LoadArguments {
   std::string source;  // facts only
 };
 
+// Empty: its ending does not tell. Standard input has none and is Turtle.
 std::string LoadKindOf(const std::string& file) {
   if (absl::EndsWith(file, ".rules")) return "rules";
   if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return "cawl";
   if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return "rsel";
-  return "data";
+  return file == "-" || FormatOfFile(file) ? "data" : "";
 }
 
 class Loader {
@@ -43,9 +44,14 @@ class Loader {
       : arguments_(arguments), channel_(Connect(arguments.client)) {}
 
   int Load(const std::string& file) {
+    std::string kind = arguments_.as.empty() ? LoadKindOf(file) : arguments_.as;
     auto text = ReadText(file);
     if (!text.ok()) return Fail(text.status());
-    std::string kind = arguments_.as.empty() ? LoadKindOf(file) : arguments_.as;
+    if (kind.empty()) {
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat(file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .xml .rules .cawl.xml or .rsel.xml, or say "
+                             "with --as what it is (data is read as Turtle)")));
+    }
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
     if (kind == "facts") return Assert(file, *text);

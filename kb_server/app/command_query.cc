@@ -2,6 +2,7 @@
 #include <iostream>
 #include <optional>
 
+#include "absl/strings/str_cat.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "kb_server/app/answer_printer.h"
 #include "kb_server/app/client.h"
@@ -9,6 +10,7 @@
 #include "kb_server/app/query_with_rasqal.h"
 #include "kb_server/app/text_input.h"
 #include "kb_server/service/convert.h"
+#include "kb_server/sparql/parser.h"
 
 namespace docent {
 namespace {
@@ -52,9 +54,22 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
   return printer.End(revision);
 }
 
+// The formats hold rows and truth values. What does not parse is left to the server to say.
+absl::Status CheckFormat(const std::string& query, const QueryArguments& arguments) {
+  if (arguments.format.empty() || arguments.explain) return absl::OkStatus();
+  sparql::ParseOptions options;
+  options.prefixes = sparql::WellKnownPrefixes();
+  const sparql::ParsedQuery parsed = sparql::ParseQuery(query, options);
+  const sparql::Query::Form form = parsed.query.form;
+  if (!parsed.ok() || (form != sparql::Query::Form::kConstruct && form != sparql::Query::Form::kDescribe)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("the answer is triples, which ", arguments.format,
+                                                 " cannot hold; without --format and --json they are printed as Turtle"));
+}
+
 int RunQuery(const QueryArguments& arguments) {
   const auto query = GivenText("query", arguments.query, arguments.file);
   if (!query.ok()) return Fail(query.status());
+  if (absl::Status status = CheckFormat(*query, arguments); !status.ok()) return Fail(status);
   if (arguments.engine == "rasqal") {
     if (arguments.explain)
       return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
@@ -85,7 +100,7 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
   command->add_option("query", arguments->query,
                       "SPARQL SELECT, ASK or CONSTRUCT; well-known prefixes need no PREFIX");
   command->add_option("--file,-f", arguments->file, "Read the query from a file, - for standard input");
-  command->add_option("--format", arguments->format, "json, csv, tsv or xml instead of a table")
+  command->add_option("--format", arguments->format, "json, csv, tsv or xml instead of a table (SELECT, ASK); triples are printed as Turtle")
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
   command->add_option("--timeout-ms", arguments->timeout_ms,
                       "Give up after this time (default: the server's limit)");

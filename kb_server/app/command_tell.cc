@@ -6,6 +6,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/fact_arguments.h"
+#include "kb_server/app/text_input.h"
 
 namespace docent {
 namespace {
@@ -27,6 +28,7 @@ absl::Status AddReading(const std::string& prologue, const std::string& text, v1
   if (equals == std::string::npos || equals == 0) {
     return absl::InvalidArgumentError(absl::StrCat("--reading \"", text, "\" is not SENSOR=VALUE"));
   }
+  if (absl::Status status = CheckUtf8(text, "--reading"); !status.ok()) return status;
   std::string sensor = text.substr(0, equals);
   auto quads = ParseFacts(prologue, absl::StrCat(sensor, " a ", sensor), "--reading");
   if (!quads.ok()) return quads.status();
@@ -52,7 +54,7 @@ absl::StatusOr<v1::AssertRequest> MakeRequest(const TellArguments& arguments) {
   if (request.add_size() + request.remove_size() + request.readings_size() == 0) {
     return absl::InvalidArgumentError("nothing to tell; give facts, --withdraw or --reading");
   }
-  request.set_source(arguments.source);
+  request.set_source(ReadIri(arguments.prefixes, arguments.source));
   request.set_request_id(arguments.request_id);
   request.set_lifetime_ms(arguments.lifetime_ms);
   return request;
@@ -84,7 +86,7 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
       ->allow_extra_args(false);
-  command->add_option("--source", arguments->source, "IRI of who says it");
+  command->add_option("--source", arguments->source, "IRI of who says it, whole or with a prefix");
   command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
   command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time");
   command->callback([arguments, exit_code] { *exit_code = RunTell(*arguments); });

@@ -33,7 +33,7 @@ absl::StatusOr<v1::WhatIfRequest> MakeRequest(const WhatIfArguments& arguments) 
   }
   if (request.add_size() + request.remove_size() == 0)
     return absl::InvalidArgumentError("no facts given; e.g. docent whatif '+expo:R01 docent:localised true'");
-  request.set_source(arguments.source);
+  request.set_source(ReadIri(arguments.prefixes, arguments.source));
   if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok()) return status;
   return request;
 }
@@ -84,7 +84,7 @@ void AddWhatIfCommand(CLI::App* app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
       ->allow_extra_args(false);
-  command->add_option("--source", arguments->source, "IRI of who would say it");
+  command->add_option("--source", arguments->source, "IRI of who would say it, whole or with a prefix");
   command->callback([arguments, exit_code] { *exit_code = RunWhatIf(*arguments); });
 }
 

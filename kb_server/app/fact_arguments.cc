@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/wire/term_proto.h"
@@ -42,6 +44,22 @@ absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, st
     return ToStatus(parsed.diagnostics, text);
   }
   return std::move(parsed.quads);
+}
+
+std::string ReadIri(const std::vector<std::string>& prefixes, const std::string& text) {
+  if (absl::StartsWith(text, "<") && absl::EndsWith(text, ">")) return text.substr(1, text.size() - 2);
+  const size_t colon = text.find(':');
+  if (colon == std::string::npos) return text;
+  const std::string local = text.substr(colon + 1);
+  std::string iri = text;
+  for (const auto& [prefix, name_space] : kWellKnownPrefixes) {
+    if (prefix == text.substr(0, colon)) iri = Concat(name_space, local);
+  }
+  // as in Turtle, the last declaration holds
+  for (const std::string& given : prefixes) {
+    if (absl::StartsWith(given, text.substr(0, colon) + "=")) iri = given.substr(colon + 1) + local;
+  }
+  return iri;
 }
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {

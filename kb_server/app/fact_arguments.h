@@ -19,6 +19,9 @@ absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixe
 absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
                                                  const std::string& name);
 
+// An IRI as people write one where no Turtle is expected: a name with one of those prefixes, <…>, or the IRI itself.
+std::string ReadIri(const std::vector<std::string>& prefixes, const std::string& text);
+
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out);
 
 // "NAME=IRI" … as a message has them.

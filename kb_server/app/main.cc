@@ -3,10 +3,37 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <iostream>
+#include <string>
+#include <vector>
 
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/base/diagnostic.h"
 #include "kb_server/base/program_setup.h"
+
+namespace docent {
+namespace {
+
+// CLI11 says of a word that is no command only that a command is missing. What to say instead; empty where none is given.
+std::string UnknownCommand(const CLI::App& app) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+  std::string word;
+  for (const std::string& left : app.remaining(/*recurse=*/true)) {
+    if (word.empty() && !left.starts_with('-')) word = left;
+  }
+  if (word.empty()) return "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : at->get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  const std::string nearest = Nearest(word, names);
+  const std::string group = at == &app ? "" : at->get_name() + " ";
+  return "there is no command \"" + group + word + "\"; " +
+         (nearest.empty() ? "`docent " + group + "--help` lists them" : "did you mean `docent " + group + nearest + "`?");
+}
+
+}  // namespace
+}  // namespace docent
 
 int main(int argc, char** argv) {
   docent::SetMutexChecks();
@@ -41,6 +68,13 @@ int main(int argc, char** argv) {
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
     app.parse(arguments);
+  } catch (const CLI::RequiredError& error) {
+    if (const std::string word = docent::UnknownCommand(app); !word.empty()) {
+      std::cerr << "docent: " << word << "\n";
+      return docent::kExitBad;
+    }
+    app.exit(error);
+    return docent::kExitBad;
   } catch (const CLI::ParseError& error) {
     int code = app.exit(error);
     return code == 0 ? docent::kExitOk : docent::kExitBad;

@@ -102,6 +102,28 @@ class Documents(StageTest):
         file = self.file("long.ttl", f'@prefix : <http://example.org/> .\n:a :bad "{"x" * (1 << 20)}x" .\n')
         self.assert_refused(self.server.run("load", "--as", "facts", file), 2, "term_bytes")
 
+    def test_an_ending_that_is_not_known(self):
+        file = self.file("data.jsonld", GOOD.replace(":b", ":other"))
+        self.assert_refused(self.server.run("load", file), 2, "data.jsonld: I do not know this ending", ".ttl", "--as")
+        self.server.command("load", "--as", "data", file)
+        self.server.command("load", "-", text=GOOD.replace(":b", ":other"))
+
+    def test_a_format_that_cannot_hold_the_answer(self):
+        for query in ("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", "CONSTRUCT WHERE { ?s ?p ?o }", "DESCRIBE <http://example.org/a>"):
+            for arguments, format in (["--format", "csv"], "csv"), (["--format", "xml"], "xml"), (["--json"], "json"):
+                done = self.server.run("query", *arguments, query)
+                self.assert_refused(done, 2, "triples", format, "Turtle")
+                self.assertEqual(done.stdout, "")
+            self.assertIn("<http://example.org/b>", self.server.command("query", query))
+        self.assertEqual(self.server.command("query", "--format", "csv", "SELECT * WHERE { <http://example.org/a> ?p ?o }").splitlines()[0], "p,o")
+        self.assert_refused(self.server.run("query", "--format", "csv", "CONSTRUCT { ?s } WHERE { ?s ?p ?o }"), 2, "1:1")
+
+    def test_a_source_may_have_a_prefix(self):
+        for i, (source, iri) in enumerate([("ex:sensor1", "http://example.org/s#sensor1"), ("<http://example.org/s2>", "http://example.org/s2"),
+                                           ("docent:sensor3", "https://w3id.org/docent#sensor3"), ("urn:ex:4", "urn:ex:4")]):
+            self.server.command("tell", "--prefix", "ex=http://example.org/s#", "--source", source, f"ex:a ex:b {i}")
+            self.assertTrue(self.server.ask(f"GRAPH <{iri}> {{ <http://example.org/s#a> <http://example.org/s#b> {i} }}"), source)
+
     def test_a_directory_is_no_file(self):
         folder = self.stage.folder / "folder.ttl"
         folder.mkdir()
@@ -126,7 +148,7 @@ class Documents(StageTest):
                 done = self.server.run(command, b"ASK { <urn:a> <urn:p> \"\xe4\" }".decode(errors="surrogateescape"))
                 self.assert_refused(done, 2, "1:24: error", "not UTF-8", "save the text as UTF-8")
         done = self.server.run("tell", "--reading", b"docent:s=\xe4".decode(errors="surrogateescape"))
-        self.assert_refused(done, 2, "UTF-8")
+        self.assert_refused(done, 2, "--reading:1:10", "not UTF-8")
         self.assertEqual(self.server.run("check", latin, rules).returncode, 1, "it says what is wrong with all files")
 
     def test_bytes_that_are_no_message(self):
@@ -219,7 +241,11 @@ class Starting(StageTest):
         self.assert_refused(done, 2, "127.0.0.1:1")
 
     def test_wrong_usage(self):
-        self.assertEqual(self.docent("no-such-command").returncode, 2)
+        self.assert_refused(self.docent("no-such-command"), 2, 'there is no command "no-such-command"', "docent --help")
+        self.assert_refused(self.docent("serv", "--data", "x"), 2, '"serv"', "did you mean `docent serve`?")
+        self.assert_refused(self.docent("ontology", "reload", "m.ttl"), 2, '"ontology reload"', "did you mean `docent ontology load`?")
+        self.assert_refused(self.docent("rules"), 2, "subcommand")
+        self.assert_refused(self.docent(), 2, "subcommand")
         self.assertEqual(self.docent("--help").returncode, 0)
         self.assertIn("serve", self.docent("--help").stdout)
 
