@@ -28,6 +28,7 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
       limits_(limits),
       inferred_(dictionary.InternIri(kInferredGraph)),
       prefixes_(std::move(prefixes)),
+      reports_(version, dictionary, rules, functions, run),
       solver_(version, dictionary, functions, run, limits.explain_steps) {}
 
 std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
@@ -40,29 +41,47 @@ std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
   return told;
 }
 
+// By their heads, and the checks that report it.
+absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
+  std::vector<Maker> makers;
+  const std::array<TermId, 3> terms = {fact.subject, fact.predicate, fact.object};
+  rules_.ForEachHead(fact.predicate, [&](RuleBase::Head place) {
+    const RuleClause& rule = rules_.clauses()[place.clause];
+    std::vector<TermId> seed(rule.body.names.size());
+    for (int i = 0; i < 3; ++i) {
+      const AtomTerm& head = rule.heads[place.head].terms[i];
+      TermId constant = head.constant;
+      TermId& value = head.variable < 0 ? constant : seed[head.variable];
+      if (!value.IsNone() && value != terms[i]) return;
+      value = terms[i];
+    }
+    makers.push_back({place.clause, std::move(seed)});
+  });
+  auto origins = reports_.Of(fact);
+  if (!origins.ok()) return origins.status();
+  for (const ReportOrigins::Origin& origin : *origins) {
+    for (uint32_t c = 0; c < rules_.clauses().size(); ++c) {
+      const RuleClause& check = rules_.clauses()[c];
+      if (check.rule != origin.rule) continue;
+      std::vector<TermId> seed(check.body.names.size());
+      for (const auto& [name, value] : origin.values) {
+        if (const int variable = check.body.Find(name); variable >= 0) seed[variable] = value;
+      }
+      makers.push_back({c, std::move(seed)});
+    }
+  }
+  return makers;
+}
+
 // All ways in which one rule makes the fact of facts that the version holds.
 absl::Status Prover::Derive(const Quad& fact, Known& known) {
   known.derived = true;
-  std::vector<RuleBase::Head> heads;
-  rules_.ForEachHead(fact.predicate, [&](RuleBase::Head h) { heads.push_back(h); });
-  const std::array<TermId, 3> terms = {fact.subject, fact.predicate, fact.object};
-  for (const RuleBase::Head& place : heads) {
-    const RuleClause& rule = rules_.clauses()[place.clause];
-    const Atom& head = rule.heads[place.head];
-    std::vector<TermId> seed(rule.body.names.size());
-    bool fits = true;
-    for (int i = 0; i < 3 && fits; ++i) {
-      if (head.terms[i].variable < 0) {
-        fits = head.terms[i].constant == terms[i];
-      } else {
-        TermId& value = seed[head.terms[i].variable];
-        fits = value.IsNone() || value == terms[i];
-        value = terms[i];
-      }
-    }
-    if (!fits) continue;
-    absl::Status status = solver_.Solve(rule.body, seed, SolveOptions(), [&](const Solution& solution) {
-      Derivation derivation{place.clause, solution.row, {}};
+  auto makers = MakersOf(fact);
+  if (!makers.ok()) return makers.status();
+  for (const Maker& maker : *makers) {
+    const Clause& body = rules_.clauses()[maker.clause].body;
+    absl::Status status = solver_.Solve(body, maker.seed, SolveOptions(), [&](const Solution& solution) {
+      Derivation derivation{maker.clause, solution.row, {}};
       for (const Quad& quad : solution.facts) {
         const Quad premise = WithoutGraph(quad);
         if (premise == fact) return true;  // rests on itself

@@ -19,6 +19,7 @@
 #include "kb_server/base/explain_limits.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/rdf/term.h"
+#include "reasoner/explain/report_origins.h"
 #include "reasoner/explain/rule_base.h"
 #include "reasoner/explain/solver.h"
 
@@ -66,6 +67,11 @@ class Prover {
   std::vector<std::string> Conditions(const Clause& clause, absl::Span<const TermId> row) const;
 
  private:
+  // A rule that may make a fact, with the values of its variables that the fact gives.
+  struct Maker {
+    uint32_t clause;
+    std::vector<TermId> seed;
+  };
   // A way to infer a fact.
   struct Derivation {
     uint32_t clause;
@@ -81,6 +87,7 @@ class Prover {
   };
 
   std::vector<Quad> ToldQuads(const Quad& fact) const;
+  absl::StatusOr<std::vector<Maker>> MakersOf(const Quad& fact);
   absl::Status Derive(const Quad& fact, Known& known);
   absl::StatusOr<bool> Prove(const Quad& fact, int depth);
   absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
@@ -91,6 +98,7 @@ class Prover {
   const ExplainLimits limits_;
   const TermId inferred_;
   const std::vector<std::pair<std::string, std::string>> prefixes_;
+  ReportOrigins reports_;
   Solver solver_;
   size_t calls_ = 0;
   size_t proven_ = 0;

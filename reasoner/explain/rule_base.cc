@@ -23,36 +23,42 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
   auto base = std::make_shared<RuleBase>();
   base->type_ = dictionary.InternIri(kRdfType);
   for (const RuleText& set : sets) {
-    const ParsedRules parsed = ParseRules(*set.text, set.name, limits);
-    if (!parsed.ok()) return ToStatus(parsed.diagnostics, *set.text);
+    auto parsed = std::make_shared<const ParsedRules>(ParseRules(*set.text, set.name, limits));
+    if (!parsed->ok()) return ToStatus(parsed->diagnostics, *set.text);
+    base->sets_[set.name] = std::move(parsed);
+  }
+  for (const auto& [name, parsed] : base->sets_) {
     int number = 0;
-    for (const Rule& rule : parsed.rules) {
-      const auto index = static_cast<uint32_t>(base->rules_.size());
-      base->rules_.push_back({RuleLabel(set.name, rule, ++number), set.name, rule.span.line});
-      auto clauses = ToClauses(*rule.body.algebra, dictionary);
-      if (!clauses.ok()) return clauses.status();
-      for (Clause& clause : *clauses) {
-        RuleClause& made = base->clauses_.emplace_back();
-        made.rule = index;
-        made.body = std::move(clause);
-        for (const sparql::TriplePattern& head : rule.head) {
-          Atom atom;
-          atom.terms[0] = HeadTerm(head.subject, made.body, dictionary);
-          atom.terms[1] = HeadTerm(head.predicate, made.body, dictionary);
-          atom.terms[2] = HeadTerm(head.object, made.body, dictionary);
-          const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3, [](const AtomTerm& t) {
-            return t.variable >= 0 || !t.constant.IsNone();
-          });
-          if (!whole) continue;  // a variable that this alternative leaves open makes no fact
-          const Head place{static_cast<uint32_t>(base->clauses_.size() - 1),
-                           static_cast<uint32_t>(made.heads.size())};
-          made.heads.push_back(atom);
-          base->by_predicate_[atom.terms[1].constant].push_back(place);
-        }
-      }
+    for (const Rule& rule : parsed->rules) {
+      if (absl::Status status = base->Add(name, rule, ++number, dictionary); !status.ok()) return status;
     }
   }
   return std::shared_ptr<const RuleBase>(std::move(base));
+}
+
+absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary) {
+  const auto index = static_cast<uint32_t>(rules_.size());
+  rules_.push_back({RuleLabel(set, rule, number), set, rule.span.line});
+  auto clauses = ToClauses(*rule.body.algebra, dictionary);
+  if (!clauses.ok()) return clauses.status();
+  for (Clause& clause : *clauses) {
+    RuleClause& made = clauses_.emplace_back();
+    made.rule = index;
+    made.body = std::move(clause);
+    for (const sparql::TriplePattern& head : rule.head) {
+      Atom atom;
+      atom.terms[0] = HeadTerm(head.subject, made.body, dictionary);
+      atom.terms[1] = HeadTerm(head.predicate, made.body, dictionary);
+      atom.terms[2] = HeadTerm(head.object, made.body, dictionary);
+      const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3,
+                                     [](const AtomTerm& t) { return t.variable >= 0 || !t.constant.IsNone(); });
+      if (!whole) continue;  // a variable that this alternative leaves open makes no fact
+      const Head place{static_cast<uint32_t>(clauses_.size() - 1), static_cast<uint32_t>(made.heads.size())};
+      made.heads.push_back(atom);
+      by_predicate_[atom.terms[1].constant].push_back(place);
+    }
+  }
+  return absl::OkStatus();
 }
 
 void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const {

@@ -14,6 +14,7 @@
 #include "kb_server/rdf/dictionary.h"
 #include "reasoner/explain/condition_form.h"
 #include "reasoner/explain/rule_text.h"
+#include "reasoner/rules/rule_program.h"
 
 namespace docent::explain {
 
@@ -41,6 +42,8 @@ class RuleBase {
   static absl::StatusOr<std::shared_ptr<const RuleBase>> Make(const std::vector<RuleText>& sets,
                                                               Dictionary& dictionary, const Limits& limits);
 
+  const RuleSets& sets() const { return sets_; }
+  // In the order of `sets`, as RuleProgram numbers them.
   const std::vector<RuleInfo>& rules() const { return rules_; }
   const std::vector<RuleClause>& clauses() const { return clauses_; }
   // The heads that may make a fact with this predicate (none: any) and object, in order of the rules.
@@ -49,6 +52,9 @@ class RuleBase {
   bool IsMadeByName(TermId predicate, TermId object) const;
 
  private:
+  absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
+
+  RuleSets sets_;
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
   absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable

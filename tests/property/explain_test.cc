@@ -76,6 +76,8 @@ std::string RandomRules(RandomWorld& random) {
       "RULE { ?x :p3 ?x } WHERE { ?x :p0/:p1 ?y }\n",
       "RULE { ?x a :Thing } WHERE { ?x :p0 ?y . FILTER EXISTS { ?y :p0 ?w } }\n",
       "RULE { ?x a :Other } WHERE { ?x a :Thing . MINUS { ?x :p3 ?y } }\n",
+      "RULE :far { } WHERE { ?x :q ?y . ?y :p0 ?z . FILTER(?x != ?z) }\n",
+      "RULE { } WHERE { { ?x a :Thing } UNION { ?x :p2 ?y } ?x :p1 ?y }\n",
   };
   std::string rules;
   for (const std::string& rule : kPool) {

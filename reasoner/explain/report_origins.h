@@ -1,0 +1,59 @@
+// What a report of an inconsistency (reasoner/rules/inconsistency.h) was made of: its check, and the solution of that.
+//
+// A report does not name the rule set of its check, nor, of a body that is more than triple patterns, all that matched.
+// But check and solution give the report: so the checks of its name are solved, and the solutions taken that report just
+// this. The evidence is all that a body of triple patterns has to be matched with, however many other reports it made.
+//
+// One thread, beside the writer: reads an immutable version, interns in a dictionary of the caller's own.
+#ifndef DOCENT_REASONER_EXPLAIN_REPORT_ORIGINS_H_
+#define DOCENT_REASONER_EXPLAIN_REPORT_ORIGINS_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/explain/rule_base.h"
+
+namespace docent {
+class RuleProgram;
+}
+
+namespace docent::explain {
+
+class ReportOrigins {
+ public:
+  struct Origin {
+    uint32_t rule = 0;  // in RuleBase::rules
+    std::vector<std::pair<std::string, TermId>> values;  // of the check's variables, by name
+  };
+
+  // All must outlive it.
+  ReportOrigins(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
+                const sparql::FunctionRegistry* functions, const sparql::RunOptions& run);
+  ~ReportOrigins();
+
+  // Empty for a fact that is not of a report. CANCELLED, DEADLINE_EXCEEDED.
+  absl::StatusOr<std::vector<Origin>> Of(const Quad& fact);
+
+ private:
+  std::optional<TermId> ReportOf(TermId subject) const;
+
+  const GraphVersion& version_;
+  Dictionary& dictionary_;
+  const RuleBase& rules_;
+  const sparql::FunctionRegistry* functions_;
+  const sparql::RunOptions run_;
+  std::shared_ptr<RuleProgram> program_;  // null: not needed yet
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_REPORT_ORIGINS_H_

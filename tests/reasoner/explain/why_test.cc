@@ -1,0 +1,130 @@
+// Why a fact holds that no head of a rule makes: what a check reports.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "gmock/gmock.h"
+#include "tests/reasoner/explain/explain_world.h"
+
+namespace docent {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+constexpr char kTwoNames[] = "RULE :twoNames { } WHERE { ?x :name ?a . ?x :name ?b . FILTER(?a < ?b) }";
+constexpr char kLost[] =
+    "RULE { } WHERE { { ?x :at ?p } UNION { ?x :near ?p } FILTER NOT EXISTS { ?p a :Place } }";
+
+class WhyInconsistency : public ExplainWorld {
+ protected:
+  // The told facts under each report's proof, a report an element: "i name 1, i name 2".
+  std::vector<std::string> ToldUnderReports() {
+    auto explainer = Explain();
+    const TermId inconsistency = dictionary.InternIri(DocentIri("Inconsistency"));
+    std::vector<std::string> all;
+    for (const TermQuad& report : Inferred({.object = inconsistency})) {
+      const auto proof = explainer->WhyFact(report);
+      EXPECT_TRUE(proof.ok() && proof->has_value()) << proof.status();
+      std::vector<std::string> told;
+      for (const explain::ProofStep& step : (*proof)->steps) {
+        if (!step.told.empty()) told.push_back(TextOf(step.fact));
+      }
+      std::sort(told.begin(), told.end());
+      all.push_back(absl::StrJoin(told, ", "));
+    }
+    return all;
+  }
+  std::vector<TermQuad> Inferred(QuadPattern pattern = {}) {
+    std::vector<TermQuad> facts;
+    pattern.graph = dictionary.InternIri(kInferredGraph);
+    writer.current().ForEach(pattern, [&](const Quad& quad) {
+      facts.push_back({dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
+                       dictionary.Decode(quad.object), Term()});
+      return true;
+    });
+    return facts;
+  }
+  std::string TextOf(const TermQuad& fact) {
+    const auto word = [this](const Term& term) { return Text(dictionary.Intern(term)); };
+    return absl::StrCat(word(fact.subject), " ", word(fact.predicate), " ", word(fact.object));
+  }
+};
+
+TEST_F(WhyInconsistency, IsExplainedByItsCheckAndWhatThatMatched) {
+  Rules("names.rules", kTwoNames);
+  Tell({"i name 1", "i name 2", "k name 1"});
+  EXPECT_THAT(Why("ASK { ?i a docent:Inconsistency }"),
+              HasSubstr(" a docent:Inconsistency\n"
+                        "  by names.rules twoNames (line 2), ?x = :i, ?a = 1, ?b = 2\n"
+                        "  and (1 < 2)\n"
+                        "  :i :name 1\n"
+                        "    told by docent:default\n"
+                        "  :i :name 2\n"
+                        "    told by docent:default\n"));
+}
+
+TEST_F(WhyInconsistency, EveryFactOfAReportIsExplained) {
+  Rules("names.rules", kTwoNames);
+  Rules("lost.rules", kLost);
+  Tell({"i name 1", "i name 2", "k name 1", "k name 2", "r1 at p1", "r2 near p2"});
+  auto explainer = Explain();
+  const std::vector<TermQuad> facts = Inferred();
+  EXPECT_GE(facts.size(), 2u * (2 + 2 * 4) + 2u * 2);
+  for (const TermQuad& fact : facts) {
+    const auto proof = explainer->WhyFact(fact);
+    ASSERT_TRUE(proof.ok() && proof->has_value()) << proof.status();
+    EXPECT_THAT((*proof)->steps[(*proof)->roots[0]].rule,
+                AnyOf("names.rules twoNames (line 2)", "lost.rules rule 1 (line 2)"))
+        << TextOf(fact);
+  }
+}
+
+TEST_F(WhyInconsistency, EachReportRestsOnWhatItMatched) {
+  Rules("names.rules", kTwoNames);
+  Tell({"i name 1", "i name 2", "i name 3", "k name 1", "k name 2"});
+  EXPECT_THAT(ToldUnderReports(), UnorderedElementsAre("i name 1, i name 2", "i name 1, i name 3",
+                                                       "i name 2, i name 3", "k name 1, k name 2"));
+}
+
+TEST_F(WhyInconsistency, AReportWithoutEvidenceRestsOnItsSolution) {
+  Rules("lost.rules", kLost);
+  Tell({"r1 at p1", "r2 near p2", "r3 at p3", "p3 a Place"});
+  EXPECT_THAT(ToldUnderReports(), UnorderedElementsAre("r1 at p1", "r2 near p2"));
+  EXPECT_THAT(Why("ASK { ?i a docent:Inconsistency ; docent:rule ?r }"),
+              AllOf(HasSubstr("by lost.rules rule 1 (line 2), "), HasSubstr("  and no { :p")));
+}
+
+TEST_F(WhyInconsistency, ChecksOfTheSameNameAreToldApart) {
+  Rules("b.rules", "RULE :odd { } WHERE { ?x :name 2 }");
+  Rules("a.rules", "RULE :odd { } WHERE { ?x :name 1 }");
+  Tell({"i name 1", "k name 2"});
+  EXPECT_THAT(ToldUnderReports(), UnorderedElementsAre("i name 1", "k name 2"));
+  EXPECT_THAT(Why("ASK { ?i docent:evidence/rdf:subject :k }"), HasSubstr("by b.rules odd (line 2), ?x = :k"));
+}
+
+TEST_F(WhyInconsistency, OfOwlIsExplainedDownToWhoToldIt) {
+  BuiltIn("owl2rl");
+  Tell({"Man owl:disjointWith Woman", "Groom rdfs:subClassOf Man", "w1 a Groom @crm", "w1 a Woman"});
+  const std::string text = Why("ASK { ?i a docent:Inconsistency ; docent:rule 'cax-dw' }");
+  EXPECT_THAT(text, AllOf(HasSubstr("by owl2rl cax-dw (line "), HasSubstr(":Man owl:disjointWith :Woman"),
+                          HasSubstr("  :w1 a :Man\n    by owl2rl cax-sco (line "),
+                          HasSubstr("    :w1 a :Groom\n      told by :crm"), HasSubstr("  :w1 a :Woman\n    told by")));
+}
+
+TEST_F(WhyInconsistency, ItsLeavesAreWhatToWithdraw) {
+  Rules("names.rules", kTwoNames);
+  Tell({"i name 1", "i name 2"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { FILTER NOT EXISTS { ?i a docent:Inconsistency } }");
+  ASSERT_FALSE(answer.repairs.empty());
+  ASSERT_EQ(answer.repairs[0].in_the_way.size(), 1u);
+  ASSERT_EQ(answer.repairs[0].in_the_way[0].withdraw.size(), 1u);
+  EXPECT_EQ(TextOf(answer.repairs[0].in_the_way[0].withdraw[0]), "i name 1");
+}
+
+}  // namespace
+}  // namespace docent
