@@ -10,18 +10,24 @@ using sparql::PatternTerm;
 void Substitute(PatternTerm& term, const Values& values) {
   if (!term.IsVariable()) return;
   const auto found = values.find(term.variable->name);
-  if (found != values.end()) term = PatternTerm::Of(found->second);
+  if (found != values.end()) term = found->second;
+}
+
+void Rename(sparql::Variable& variable, const Values& values) {
+  PatternTerm term = PatternTerm::Of(variable);
+  Substitute(term, values);
+  if (term.IsVariable()) variable = *term.variable;
 }
 
 void Substitute(Algebra& node, const Values& values);
 
 void Substitute(Expression& e, const Values& values) {
   if (e.kind == Expression::Kind::kVariable) {
-    const auto found = values.find(e.variable.name);
-    if (found != values.end()) {
-      e.kind = Expression::Kind::kTerm;
-      e.term = found->second;
-    }
+    PatternTerm term = PatternTerm::Of(e.variable);
+    Substitute(term, values);
+    if (!term.IsVariable()) e.kind = Expression::Kind::kTerm;
+    e.term = term.term;
+    Rename(e.variable, values);
   }
   for (const auto& argument : e.arguments) Substitute(*argument, values);
   if (e.pattern) Substitute(*e.pattern, values);
@@ -36,16 +42,10 @@ void Substitute(Algebra& node, const Values& values) {
   Substitute(node.subject, values);
   Substitute(node.object, values);
   if (node.kind == Algebra::Kind::kGraph) Substitute(node.name, values);
+  Rename(node.variable, values);
+  for (sparql::Variable& variable : node.variables) Rename(variable, values);
   if (node.expression) Substitute(*node.expression, values);
   for (const auto& child : node.children) Substitute(*child, values);
-}
-
-void Rename(Expression& e, const std::map<std::string, std::string>& names) {
-  if (e.kind == Expression::Kind::kVariable) {
-    const auto found = names.find(e.variable.name);
-    if (found != names.end()) e.variable.name = found->second;
-  }
-  for (const auto& argument : e.arguments) Rename(*argument, names);
 }
 
 // Runs of white space as one blank.
@@ -65,13 +65,19 @@ std::string OnOneLine(const std::string& text) {
 
 }  // namespace
 
-Values ValuesOf(const Clause& clause, absl::Span<const TermId> row, const Dictionary& dictionary) {
+Values ValuesOf(const Row& row, const Dictionary& dictionary, const absl::flat_hash_map<int, std::string>& names) {
   Values values;
-  for (size_t v = 0; v < clause.names.size() && v < row.size(); ++v) {
-    if (row[v].IsNone()) continue;
-    const Term term = dictionary.Decode(row[v]);
-    values.emplace(clause.names[v], term);
-    if (!clause.written[v].empty()) values.emplace(clause.written[v], term);
+  for (size_t v = 0; v < row.values.size(); ++v) {
+    PatternTerm shown;
+    if (!row.values[v].IsNone()) {
+      shown = PatternTerm::Of(dictionary.Decode(row.values[v]));
+    } else if (const auto called = names.find(row.open[v]); called != names.end()) {
+      shown = PatternTerm::Of(sparql::Variable{called->second});
+    } else {
+      continue;
+    }
+    values.emplace(row.clause->names[v], shown);
+    if (!row.clause->written[v].empty()) values.emplace(row.clause->written[v], shown);
   }
   return values;
 }
@@ -96,11 +102,9 @@ std::string Display::Fact(const sparql::TriplePattern& fact) const {
   return sparql::PrintTriple(fact, options_);
 }
 
-std::string Display::Filter(const Expression& expression, const Values& values,
-                            const std::map<std::string, std::string>& names) const {
+std::string Display::Filter(const Expression& expression, const Values& values) const {
   sparql::ExpressionPtr copy = expression.Clone();
   Substitute(*copy, values);
-  Rename(*copy, names);
   return OnOneLine(sparql::PrintExpression(*copy, options_));
 }
 

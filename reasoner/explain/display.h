@@ -7,19 +7,20 @@
 #include <utility>
 #include <vector>
 
-#include "absl/types/span.h"
+#include "absl/container/flat_hash_map.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/algebra_printer.h"
-#include "reasoner/explain/condition_form.h"
+#include "reasoner/explain/solver.h"
 
 namespace docent::explain {
 
-// By a variable's name.
-using Values = std::map<std::string, Term>;
+// What stands in the place of a variable, by its name: its value, or what it is called instead.
+using Values = std::map<std::string, sparql::PatternTerm>;
 
-// The values of a solution, under the names of the clause and those that the query has.
-Values ValuesOf(const Clause& clause, absl::Span<const TermId> row, const Dictionary& dictionary);
+// The values of a solution, under the names of the clause and those that the query has; its open variables are called
+// as `names` says.
+Values ValuesOf(const Row& row, const Dictionary& dictionary, const absl::flat_hash_map<int, std::string>& names = {});
 
 class Display {
  public:
@@ -30,9 +31,7 @@ class Display {
   std::string Fact(const TermQuad& fact) const;
   std::string Fact(const sparql::TriplePattern& fact) const;
   // "0.12 > 0.2"
-  // Variables without a value are called as `names` says.
-  std::string Filter(const sparql::Expression& expression, const Values& values,
-                     const std::map<std::string, std::string>& names = {}) const;
+  std::string Filter(const sparql::Expression& expression, const Values& values) const;
   // "{ expo:R01 docent:task ?t }"
   std::string Pattern(const sparql::Algebra& pattern, const Values& values) const;
 

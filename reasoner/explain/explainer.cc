@@ -95,10 +95,10 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
       if (*root) proof.roots.push_back(**root);
     }
     for (size_t v = 0; v < clause.names.size(); ++v) {
-      if (clause.written[v].empty() || first->row[v].IsNone()) continue;
-      proof.bindings.emplace_back(clause.written[v], dictionary_.Decode(first->row[v]));
+      if (clause.written[v].empty() || first->row.values[v].IsNone()) continue;
+      proof.bindings.emplace_back(clause.written[v], dictionary_.Decode(first->row.values[v]));
     }
-    proof.conditions = prover_->Conditions(clause, first->row);
+    proof.conditions = prover_->Conditions(first->row);
     if (absl::Status found = LookUpTellings(proof); !found.ok()) return found;
     return std::optional<Proof>(std::move(proof));
   }

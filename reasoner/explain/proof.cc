@@ -153,10 +153,10 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
   step.rule = rules_.rules()[rule.rule].label;
   step.depth = static_cast<size_t>(known.proven);
   for (size_t v = 0; v < rule.body.names.size(); ++v) {
-    if (rule.body.written[v].empty() || derivation.row[v].IsNone()) continue;
-    step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row[v]));
+    if (rule.body.written[v].empty() || derivation.row.values[v].IsNone()) continue;
+    step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row.values[v]));
   }
-  step.conditions = Conditions(rule.body, derivation.row);
+  step.conditions = Conditions(derivation.row);
   for (const Quad& premise : derivation.facts) {
     auto placed_at = Write(premise, proof, placed);
     if (!placed_at.ok()) return placed_at;
@@ -204,15 +204,15 @@ absl::StatusOr<std::vector<Quad>> Prover::ToldSupport(const Quad& fact) {
   return told;
 }
 
-std::vector<std::string> Prover::Conditions(const Clause& clause, absl::Span<const TermId> row) const {
+std::vector<std::string> Prover::Conditions(const Row& row) const {
   std::vector<std::string> texts;
   const Display display(prefixes_);
-  const Values values = ValuesOf(clause, row, dictionary_);
-  for (const Test& test : clause.tests) texts.push_back(display.Filter(*test.expression, values));
-  for (const Absence& absence : clause.absences) {
+  const Values values = ValuesOf(row, dictionary_);
+  for (const Test& test : row.clause->tests) texts.push_back(display.Filter(*test.expression, values));
+  for (const Absence& absence : row.clause->absences) {
     texts.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
   }
-  for (const Part& part : clause.parts) texts.push_back(display.Pattern(*part.pattern, values));
+  for (const Part& part : row.clause->parts) texts.push_back(display.Pattern(*part.pattern, values));
   return texts;
 }
 

@@ -64,7 +64,7 @@ class Prover {
   // The told facts at the leaves of the fact's proof, each in all graphs that tell it.
   absl::StatusOr<std::vector<Quad>> ToldSupport(const Quad& fact);
   // What holds in a solution besides facts.
-  std::vector<std::string> Conditions(const Clause& clause, absl::Span<const TermId> row) const;
+  std::vector<std::string> Conditions(const Row& row) const;
 
  private:
   // A rule that may make a fact, with the values of its variables that the fact gives.
@@ -75,7 +75,7 @@ class Prover {
   // A way to infer a fact.
   struct Derivation {
     uint32_t clause;
-    std::vector<TermId> row;
+    Row row;
     std::vector<Quad> facts;
   };
   struct Known {

@@ -419,6 +419,12 @@ bool Solver::Holds(const Test& test, const Clause& clause, absl::Span<const Term
   return holds.ok() && *holds;
 }
 
+bool Solver::Holds(const OpenTest& test, absl::Span<const TermId> values) {
+  std::vector<TermId> of_test;
+  for (int v : test.test->variables) of_test.push_back(values[v]);
+  return Holds(*test.test, *test.row.clause, of_test);
+}
+
 // What became decidable by what was bound last. False: it does not hold.
 bool Solver::Settle() {
   bool changed = true;
@@ -475,6 +481,16 @@ MissingFact Solver::FactOf(const Atom& atom, int base) const {
   return fact;
 }
 
+Row Solver::RowOf(const Frame& frame) const {
+  Row row{frame.clause, {}, {}};
+  for (size_t v = 0; v < frame.clause->names.size(); ++v) {
+    const int cell = Root(frame.base + static_cast<int>(v));
+    row.values.push_back(values_[cell]);
+    row.open.push_back(values_[cell].IsNone() ? cell : MissingFact::kBound);
+  }
+  return row;
+}
+
 // False: an absence fails in a way that the changes left do not allow for.
 bool Solver::AddBlockers(Solution& solution) {
   for (const Frame& frame : frames_) {
@@ -495,7 +511,7 @@ bool Solver::AddBlockers(Solution& solution) {
         const size_t room = static_cast<size_t>(options_.changes) - solution.missing.size();
         size_t found = 0;
         status_ = inner_->Solve(alternative, seed, SolveOptions(), [&](const Solution& match) {
-          Blocker blocker{&absence, match.facts};
+          Blocker blocker{&absence, RowOf(frame), match.facts};
           if (std::none_of(solution.blockers.begin(), solution.blockers.end(),
                            [&](const Blocker& b) { return b.facts == blocker.facts; })) {
             solution.blockers.push_back(std::move(blocker));
@@ -529,22 +545,12 @@ bool Solver::Leaf() {
   for (const Pending& pending : pending_) {
     if (pending.done || pending.kind != Pending::Kind::kTest) continue;
     const Frame& frame = frames_[pending.frame];
-    OpenTest open{&frame.clause->tests[pending.index], frame.clause, {}, {}};
-    for (int v : open.test->variables) {
-      const TermId value = Value(frame.base + v);
-      open.values.push_back(value);
-      open.open.push_back(value.IsNone() ? Root(frame.base + v) : MissingFact::kBound);
-    }
+    OpenTest open{&frame.clause->tests[pending.index], RowOf(frame)};
     // Nothing will bind these: the filter sees them unbound.
-    if (options_.changes == 0 && !Holds(*open.test, *frame.clause, open.values)) return status_.ok();
+    if (options_.changes == 0 && !Holds(open, open.row.values)) return status_.ok();
     solution.tests.push_back(std::move(open));
   }
-  const Frame& top = frames_[0];
-  for (size_t v = 0; v < top.clause->names.size(); ++v) {
-    const int cell = top.base + static_cast<int>(v);
-    solution.row.push_back(Value(cell));
-    solution.open.push_back(Value(cell).IsNone() ? Root(cell) : MissingFact::kBound);
-  }
+  solution.row = RowOf(frames_[0]);
   for (const Frame& frame : frames_) {
     for (size_t v = 0; v < frame.clause->names.size(); ++v) {
       const int cell = Root(frame.base + static_cast<int>(v));

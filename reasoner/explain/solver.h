@@ -40,17 +40,23 @@ struct MissingFact {
   friend auto operator<=>(const MissingFact&, const MissingFact&) = default;
 };
 
+// What a solution gives the variables of a clause: the question's, or that of a rule.
+struct Row {
+  const Clause* clause = nullptr;
+  std::vector<TermId> values;  // none: open
+  std::vector<int> open;       // the open variable; MissingFact::kBound
+};
+
 // A filter whose variables are not all bound.
 struct OpenTest {
   const Test* test = nullptr;
-  const Clause* clause = nullptr;   // whose it is: the question's, or a rule's
-  std::vector<TermId> values;  // for Test::variables; none: open
-  std::vector<int> open;       // likewise the open variable; kBound
+  Row row;
 };
 
 // An absence that does not hold: one match of what must not be there.
 struct Blocker {
   const Absence* absence = nullptr;
+  Row row;
   std::vector<Quad> facts;
 };
 
@@ -61,8 +67,7 @@ struct Inference {
 };
 
 struct Solution {
-  std::vector<TermId> row;  // of the clause's variables; none where open
-  std::vector<int> open;    // of those, the open variable; MissingFact::kBound
+  Row row;
   std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: where found first
   std::vector<MissingFact> missing;
   std::vector<Blocker> blockers;
@@ -107,8 +112,8 @@ class Solver {
   // A part that found no solution when everything else before it held; null: none.
   const Part* failed_part() const { return failed_part_; }
 
-  // Whether the filter lets these values through, by Test::variables.
-  bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
+  // Whether the filter lets these values of its clause's variables through.
+  bool Holds(const OpenTest& test, absl::Span<const TermId> values);
 
  private:
   struct Frame {
@@ -160,12 +165,15 @@ class Solver {
   bool TryPart(int pending);
   bool Settle();
   bool SettleOne(Pending& pending, bool& changed);
+  // By Test::variables.
+  bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
   bool Leaf();
   bool IsTellable(const Goal& goal) const;
   bool IsGivenAxiom(const Goal& goal);
   bool IsInOwnChain(int goal) const;
   int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
   MissingFact FactOf(const Atom& atom, int base) const;
+  Row RowOf(const Frame& frame) const;
   bool AddBlockers(Solution& solution);
   absl::StatusOr<std::vector<std::vector<TermId>>> RowsOf(const Part& part, int base);
   sparql::PreparedExpression* Prepared(const sparql::Expression& e, const std::vector<std::string>& names);

@@ -49,6 +49,24 @@ absl::flat_hash_map<int, std::string> DistinctNames(const Solution& solution) {
   return names;
 }
 
+// "{ expo:R01 docent:task ?t }"; variables of its own are not called as others are.
+std::string AbsenceText(const Absence& absence, const Row& row, const absl::flat_hash_map<int, std::string>& names,
+                        const Dictionary& dictionary, const Display& display) {
+  Values values = ValuesOf(row, dictionary, names);
+  std::set<std::string> used;
+  for (const auto& [open, name] : names) used.insert(name);
+  for (const Clause& alternative : absence.alternatives) {
+    for (size_t v = 0; v < alternative.names.size(); ++v) {
+      const std::string& written = alternative.written[v];
+      if (written.empty() || row.clause->Find(alternative.names[v]) >= 0 || values.contains(written)) continue;
+      std::string name = written;
+      for (int n = 2; !used.insert(name).second; ++n) name = absl::StrCat(written, n);
+      values.emplace(written, PatternTerm::Of(sparql::Variable{name}));
+    }
+  }
+  return display.Pattern(*absence.source, values);
+}
+
 // How many of its facts would change what a thing is.
 size_t KindChanges(const Repair& repair) {
   return static_cast<size_t>(std::count_if(repair.tell.begin(), repair.tell.end(), [](const ToTell& tell) {
@@ -86,11 +104,12 @@ std::vector<TermId> WhyNotFinder::CandidatesFor(int open, const std::string& nam
   std::vector<Term> terms;
   bool tested = false;
   for (const OpenTest& test : solution.tests) {
-    if (std::find(test.open.begin(), test.open.end(), open) == test.open.end()) continue;
+    const std::vector<int>& variables = test.test->variables;
+    if (std::none_of(variables.begin(), variables.end(), [&](int v) { return test.row.open[v] == open; })) continue;
     tested = true;
     CollectConstants(*test.test->expression, terms);
-    for (const TermId value : test.values) {
-      if (!value.IsNone()) terms.push_back(parts_.dictionary->Decode(value));
+    for (const int v : variables) {
+      if (!test.row.values[v].IsNone()) terms.push_back(parts_.dictionary->Decode(test.row.values[v]));
     }
   }
   std::vector<TermId> ids;
@@ -131,31 +150,35 @@ std::vector<TermId> WhyNotFinder::CandidatesFor(int open, const std::string& nam
   return ids;
 }
 
+// True also where a variable of the filter has no example yet.
+bool WhyNotFinder::LetsThrough(const OpenTest& test, const Examples& examples) {
+  std::vector<TermId> row = test.row.values;
+  for (const int v : test.test->variables) {
+    if (!row[v].IsNone()) continue;
+    const auto found = examples.find(test.row.open[v]);
+    if (found == examples.end()) return true;
+    row[v] = found->second;
+  }
+  return solver_.Holds(test, row);
+}
+
 bool WhyNotFinder::PickFrom(const std::vector<int>& open, size_t at, const Solution& solution,
-                            const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Values& values,
+                            const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Examples& examples,
                             size_t& tries) {
   if (++tries > kExampleTries) return false;
   for (const OpenTest& test : solution.tests) {
-    std::vector<TermId> row = test.values;
-    bool decidable = true;
-    for (size_t i = 0; i < row.size() && decidable; ++i) {
-      if (test.open[i] == MissingFact::kBound) continue;
-      const auto found = values.find(test.open[i]);
-      decidable = found != values.end();
-      if (decidable) row[i] = found->second;
-    }
-    if (decidable && !solver_.Holds(*test.test, *test.clause, row)) return false;
+    if (!LetsThrough(test, examples)) return false;
   }
   if (at == open.size()) return true;
   for (const TermId id : candidates.at(open[at])) {
-    values[open[at]] = id;
-    if (PickFrom(open, at + 1, solution, candidates, values, tries)) return true;
-    values.erase(open[at]);
+    examples[open[at]] = id;
+    if (PickFrom(open, at + 1, solution, candidates, examples, tries)) return true;
+    examples.erase(open[at]);
   }
   return false;
 }
 
-bool WhyNotFinder::PickExamples(const Solution& solution, Values& values) {
+bool WhyNotFinder::PickExamples(const Solution& solution, Examples& examples) {
   std::set<int> all;
   for (const MissingFact& fact : solution.missing) {
     for (int o : fact.open) {
@@ -167,24 +190,12 @@ bool WhyNotFinder::PickExamples(const Solution& solution, Values& values) {
   for (int o : all) {
     std::vector<TermId>& ids = candidates[o] = CandidatesFor(o, names.at(o), solution);
     // filters on this variable alone
-    for (const OpenTest& test : solution.tests) {
-      std::vector<size_t> places;
-      bool alone = true;
-      for (size_t i = 0; i < test.open.size(); ++i) {
-        if (test.open[i] == o) places.push_back(i);
-        alone = alone && (test.open[i] == o || test.open[i] == MissingFact::kBound);
-      }
-      if (!alone || places.empty()) continue;
-      std::erase_if(ids, [&](TermId id) {
-        std::vector<TermId> row = test.values;
-        for (size_t i : places) row[i] = id;
-        return !solver_.Holds(*test.test, *test.clause, row);
-      });
-    }
+    for (const OpenTest& test : solution.tests)
+      std::erase_if(ids, [&](TermId id) { return !LetsThrough(test, {{o, id}}); });
     if (ids.empty()) return false;
   }
   size_t tries = 0;
-  return PickFrom({all.begin(), all.end()}, 0, solution, candidates, values, tries);
+  return PickFrom({all.begin(), all.end()}, 0, solution, candidates, examples, tries);
 }
 
 // Other objects that the graph has where the fact would stand.
@@ -204,10 +215,10 @@ std::vector<Term> WhyNotFinder::ValuesNow(const MissingFact& fact) const {
 }
 
 // False: not one that can be tried.
-absl::StatusOr<bool> WhyNotFinder::Make(const Clause& clause, const Solution& solution, Repair& repair) {
+absl::StatusOr<bool> WhyNotFinder::Make(const Solution& solution, Repair& repair) {
   Dictionary& dictionary = *parts_.dictionary;
   const Display display(parts_.prefixes);
-  Values examples;
+  Examples examples;
   if (!PickExamples(solution, examples)) return false;
   const auto names = DistinctNames(solution);
   for (const MissingFact& fact : solution.missing) {
@@ -238,7 +249,7 @@ absl::StatusOr<bool> WhyNotFinder::Make(const Clause& clause, const Solution& so
     InTheWay& way = repair.in_the_way.emplace_back();
     way.fact = {dictionary.Decode(fact->subject), dictionary.Decode(fact->predicate),
                 dictionary.Decode(fact->object), Term()};
-    way.absence = display.Pattern(*blocker.absence->source, ValuesOf(clause, solution.row, dictionary));
+    way.absence = AbsenceText(*blocker.absence, blocker.row, names, dictionary, display);
   }
   for (const Quad& quad : solution.facts) {
     TermQuad fact{dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
@@ -250,23 +261,13 @@ absl::StatusOr<bool> WhyNotFinder::Make(const Clause& clause, const Solution& so
     repair.inferred.emplace_back(parts_.rules->rules()[inference.rule].label,
                                  PatternOf(inference.fact, dictionary, names));
   }
+  const Clause& clause = *solution.row.clause;
   for (size_t v = 0; v < clause.names.size(); ++v) {
-    if (clause.written[v].empty() || solution.row[v].IsNone()) continue;
-    repair.bindings.emplace_back(clause.written[v], dictionary.Decode(solution.row[v]));
+    if (clause.written[v].empty() || solution.row.values[v].IsNone()) continue;
+    repair.bindings.emplace_back(clause.written[v], dictionary.Decode(solution.row.values[v]));
   }
-  for (const OpenTest& test : solution.tests) {
-    std::map<std::string, Term> values;
-    std::map<std::string, std::string> open_names;
-    for (size_t i = 0; i < test.values.size(); ++i) {
-      const std::string& name = test.clause->names[test.test->variables[i]];
-      if (!test.values[i].IsNone()) {
-        values.emplace(name, dictionary.Decode(test.values[i]));
-      } else if (const auto known = names.find(test.open[i]); known != names.end()) {
-        open_names.emplace(name, known->second);
-      }
-    }
-    repair.conditions.push_back(display.Filter(*test.test->expression, values, open_names));
-  }
+  for (const OpenTest& test : solution.tests)
+    repair.conditions.push_back(display.Filter(*test.test->expression, ValuesOf(test.row, dictionary, names)));
   return true;
 }
 
@@ -445,7 +446,7 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int changes, bool tell_d
   if (!status.ok()) return status;
   for (const Solution& solution : solutions) {
     Repair repair;
-    auto made = Make(clause, solution, repair);
+    auto made = Make(solution, repair);
     if (!made.ok()) return made.status();
     if (*made) found.push_back(std::move(repair));
   }

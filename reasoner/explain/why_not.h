@@ -85,15 +85,16 @@ class WhyNotFinder {
   absl::StatusOr<WhyNotAnswer> Find(const sparql::Query& ask, size_t sets);
 
  private:
-  using Values = absl::flat_hash_map<int, TermId>;  // by open variable
+  using Examples = absl::flat_hash_map<int, TermId>;  // by open variable
 
   absl::Status Gather(const Clause& clause, int changes, bool tell_derived, bool tell_schema,
                       std::vector<Repair>& found);
-  absl::StatusOr<bool> Make(const Clause& clause, const Solution& solution, Repair& repair);
-  bool PickExamples(const Solution& solution, Values& values);
+  absl::StatusOr<bool> Make(const Solution& solution, Repair& repair);
+  bool PickExamples(const Solution& solution, Examples& examples);
   bool PickFrom(const std::vector<int>& open, size_t at, const Solution& solution,
-                const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Values& values,
+                const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Examples& examples,
                 size_t& tries);
+  bool LetsThrough(const OpenTest& test, const Examples& examples);
   std::vector<TermId> CandidatesFor(int open, const std::string& name, const Solution& solution);
   std::vector<Term> ValuesNow(const MissingFact& fact) const;
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);

@@ -1,49 +1,62 @@
-// Why-not beside the rules of OWL: what a person would name comes first.
+// Why-not: what a person would name comes first, and what is named is enough.
 #include <algorithm>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "reasoner/explain/explainer.h"
-#include "reasoner/rules/rule_engine.h"
-#include "reasoner/rules/rule_sets.h"
-#include "tests/reasoner/test_world.h"
+#include "absl/strings/str_join.h"
+#include "gmock/gmock.h"
+#include "tests/reasoner/explain/explain_world.h"
 
 namespace docent {
 namespace {
 
-class WhyNotOwl : public testing::Test {
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class WhyNotTest : public ExplainWorld {};
+
+constexpr char kBig[] =
+    "RULE :big { ?x a :Big } WHERE { ?x :area ?a . FILTER(?a >= 20) FILTER NOT EXISTS { ?x :broken :yes } }";
+
+TEST_F(WhyNotTest, WhatARuleForbidsIsSaidOfTheRulesThing) {
+  // ?x of the question is :bob, ?x of the rule is :t2
+  Rules("big.rules", kBig);
+  Tell({"bob likes t2", "t2 area 30", "t2 broken yes"});
+  EXPECT_THAT(WhyNotText("ASK { ?x :likes ?y . ?y a :Big }"),
+              HasSubstr("in the way  :t2 :broken :yes   (there must be no { :t2 :broken :yes })"));
+}
+
+TEST_F(WhyNotTest, WhatARuleForbidsIsSaidWithoutItsVariablesInAQuestionWithoutAny) {
+  Rules("big.rules", kBig);
+  Tell({"t2 area 30", "t2 broken yes"});
+  EXPECT_THAT(WhyNotText("ASK { :t2 a :Big }"), HasSubstr("(there must be no { :t2 :broken :yes })"));
+}
+
+TEST_F(WhyNotTest, WhatARuleForbidsDoesNotTakeTheQuestionsNames) {
+  Rules("free.rules", "RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }");
+  Tell({"r1 a Robot", "r1 task j1"});
+  EXPECT_THAT(WhyNotText("ASK { :r1 a :Free ; :goes ?t }"),
+              AllOf(HasSubstr("missing     :r1 :goes ?t"), HasSubstr("(there must be no { :r1 :task ?t2 })")));
+}
+
+class WhyNotOwl : public ExplainWorld {
  protected:
+  WhyNotOwl() { BuiltIn("owl2rl"); }
+
   // The first set of what is missing, a fact a line, sorted.
   std::string Missing(const std::vector<std::string>& told, const std::string& ask) {
-    const auto text = std::make_shared<const std::string>(BuiltInRuleSet("owl2rl"));
-    RuleEngine rules(world_.dictionary);
-    EXPECT_TRUE(rules.PutRules("owl2rl", *text).empty());
-    EXPECT_TRUE(rules.Update(world_.writer, world_.Apply(told)).ok());
-    explain::Explainer::Settings settings;
-    settings.version = world_.writer.Freeze(Revision(1));
-    settings.dictionary = &world_.dictionary;
-    settings.rules = {{"owl2rl", text}};
-    auto explainer = explain::Explainer::Make(settings);
-    EXPECT_TRUE(explainer.ok()) << explainer.status();
-    const auto answer = (*explainer)->WhyNot(world_.Parse(ask), 3);
-    EXPECT_TRUE(answer.ok()) << answer.status();
-    if (!answer.ok() || answer->repairs.empty()) return "";
+    Tell(told);
+    const explain::WhyNotAnswer answer = WhyNot(ask);
+    if (answer.repairs.empty()) return "";
     std::vector<std::string> facts;
-    for (const explain::ToTell& tell : answer->repairs[0].tell) {
-      const auto word = [&](const Term& term) { return world_.Text(world_.dictionary.Intern(term)); };
+    for (const explain::ToTell& tell : answer.repairs[0].tell) {
+      const auto word = [&](const Term& term) { return Text(dictionary.Intern(term)); };
       facts.push_back(word(tell.example.subject) + " " + word(tell.example.predicate) + " " +
                       word(tell.example.object) + "\n");
     }
     std::sort(facts.begin(), facts.end());
-    std::string all;
-    for (const std::string& fact : facts) all += fact;
-    return all;
+    return absl::StrJoin(facts, "");
   }
-
-  TestWorld world_;
 };
 
 TEST_F(WhyNotOwl, AFactAboutTheThingComesBeforeAnAxiom) {
