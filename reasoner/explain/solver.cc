@@ -492,39 +492,48 @@ Row Solver::RowOf(const Frame& frame) const {
 }
 
 // False: an absence fails in a way that the changes left do not allow for.
-bool Solver::AddBlockers(Solution& solution) {
+bool Solver::AddAbsences(Solution& solution) {
   for (const Frame& frame : frames_) {
     for (const Absence& absence : frame.clause->absences) {
+      bool open = false;
       for (const Clause& alternative : absence.alternatives) {
-        std::vector<TermId> seed(alternative.names.size());
-        bool open = false;
-        for (size_t i = 0; i < seed.size(); ++i) {
-          const int outer = frame.clause->Find(alternative.names[i]);
-          if (outer < 0) continue;
-          seed[i] = Value(frame.base + outer);
-          open = open || seed[i].IsNone();
-        }
-        if (open && options_.changes > 0) continue;  // of something new, nothing is known
-        if (inner_ == nullptr) {
-          inner_ = std::make_unique<Solver>(version_, dictionary_, functions_, run_, step_limit_);
-        }
-        const size_t room = static_cast<size_t>(options_.changes) - solution.missing.size();
-        size_t found = 0;
-        status_ = inner_->Solve(alternative, seed, SolveOptions(), [&](const Solution& match) {
-          Blocker blocker{&absence, RowOf(frame), match.facts};
-          if (std::none_of(solution.blockers.begin(), solution.blockers.end(),
-                           [&](const Blocker& b) { return b.facts == blocker.facts; })) {
-            solution.blockers.push_back(std::move(blocker));
-            ++found;
-          }
-          return found < kBlockers && solution.blockers.size() <= room;
+        const bool known = std::none_of(alternative.names.begin(), alternative.names.end(), [&](const std::string& name) {
+          const int outer = frame.clause->Find(name);
+          return outer >= 0 && Value(frame.base + outer).IsNone();
         });
-        exhausted_ = exhausted_ || inner_->exhausted();
-        if (!status_.ok() || solution.blockers.size() > room) return false;
+        open = open || !known;
+        // without changes nothing will bind them: they are the absence's own
+        if ((known || options_.changes == 0) && !AddBlockers(frame, absence, alternative, solution)) return false;
       }
+      if (open && options_.changes > 0) solution.absences.push_back({&absence, RowOf(frame)});
     }
   }
   return true;
+}
+
+// Matches of one alternative. False: as above.
+bool Solver::AddBlockers(const Frame& frame, const Absence& absence, const Clause& alternative, Solution& solution) {
+  std::vector<TermId> seed(alternative.names.size());
+  for (size_t i = 0; i < seed.size(); ++i) {
+    const int outer = frame.clause->Find(alternative.names[i]);
+    if (outer >= 0) seed[i] = Value(frame.base + outer);
+  }
+  if (inner_ == nullptr) {
+    inner_ = std::make_unique<Solver>(version_, dictionary_, functions_, run_, step_limit_);
+  }
+  const size_t room = static_cast<size_t>(options_.changes) - solution.missing.size();
+  size_t found = 0;
+  status_ = inner_->Solve(alternative, seed, SolveOptions(), [&](const Solution& match) {
+    Blocker blocker{&absence, RowOf(frame), match.facts};
+    if (std::none_of(solution.blockers.begin(), solution.blockers.end(),
+                     [&](const Blocker& b) { return b.facts == blocker.facts; })) {
+      solution.blockers.push_back(std::move(blocker));
+      ++found;
+    }
+    return found < kBlockers && solution.blockers.size() <= room;
+  });
+  exhausted_ = exhausted_ || inner_->exhausted();
+  return status_.ok() && solution.blockers.size() <= room;
 }
 
 // Everything is matched, missing or left to a filter.
@@ -540,7 +549,7 @@ bool Solver::Leaf() {
       solution.missing.push_back(fact);
     }
   }
-  if (!AddBlockers(solution)) return status_.ok();
+  if (!AddAbsences(solution)) return status_.ok();
   if (static_cast<int>(solution.missing.size() + solution.blockers.size()) != options_.changes) return true;
   for (const Pending& pending : pending_) {
     if (pending.done || pending.kind != Pending::Kind::kTest) continue;

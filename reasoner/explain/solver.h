@@ -53,6 +53,12 @@ struct OpenTest {
   Row row;
 };
 
+// An absence of which nothing is known, as its variables are not all bound.
+struct OpenAbsence {
+  const Absence* absence = nullptr;
+  Row row;
+};
+
 // An absence that does not hold: one match of what must not be there.
 struct Blocker {
   const Absence* absence = nullptr;
@@ -72,6 +78,7 @@ struct Solution {
   std::vector<MissingFact> missing;
   std::vector<Blocker> blockers;
   std::vector<OpenTest> tests;
+  std::vector<OpenAbsence> absences;
   std::vector<Inference> inferences;
   // What an open variable is called in the query or rule; empty: it has no name.
   absl::flat_hash_map<int, std::string> names;
@@ -174,7 +181,8 @@ class Solver {
   int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
   MissingFact FactOf(const Atom& atom, int base) const;
   Row RowOf(const Frame& frame) const;
-  bool AddBlockers(Solution& solution);
+  bool AddAbsences(Solution& solution);
+  bool AddBlockers(const Frame& frame, const Absence& absence, const Clause& alternative, Solution& solution);
   absl::StatusOr<std::vector<std::vector<TermId>>> RowsOf(const Part& part, int base);
   sparql::PreparedExpression* Prepared(const sparql::Expression& e, const std::vector<std::string>& names);
 

@@ -268,6 +268,10 @@ absl::StatusOr<bool> WhyNotFinder::Make(const Solution& solution, Repair& repair
   }
   for (const OpenTest& test : solution.tests)
     repair.conditions.push_back(display.Filter(*test.test->expression, ValuesOf(test.row, dictionary, names)));
+  for (const OpenAbsence& open : solution.absences) {
+    repair.conditions.push_back(
+        absl::StrCat("there is no ", AbsenceText(*open.absence, open.row, names, dictionary, display)));
+  }
   return true;
 }
 

@@ -47,7 +47,7 @@ struct Repair {
   std::vector<TermQuad> holds;  // facts of the match that are there, without graph
   // Facts that rules would make of them: rule and fact.
   std::vector<std::pair<std::string, sparql::TriplePattern>> inferred;
-  std::vector<std::string> conditions;                 // filters on open variables
+  std::vector<std::string> conditions;                 // filters and absences of open variables
   std::vector<std::pair<std::string, Term>> bindings;  // of the query's variables
   // What was tried.
   std::vector<Quad> add;

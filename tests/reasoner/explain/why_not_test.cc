@@ -11,6 +11,7 @@ namespace docent {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class WhyNotTest : public ExplainWorld {};
@@ -37,6 +38,29 @@ TEST_F(WhyNotTest, WhatARuleForbidsDoesNotTakeTheQuestionsNames) {
   Tell({"r1 a Robot", "r1 task j1"});
   EXPECT_THAT(WhyNotText("ASK { :r1 a :Free ; :goes ?t }"),
               AllOf(HasSubstr("missing     :r1 :goes ?t"), HasSubstr("(there must be no { :r1 :task ?t2 })")));
+}
+
+TEST_F(WhyNotTest, WhatMustNotBeOfAnOpenVariableIsAConditionOnIt) {
+  // with :c1 or :c2 for ?b, following the answer would not make it true
+  Tell({"c1 edge c2", "c2 edge c1"});
+  const std::string ask = "ASK { :c3 :edge ?b FILTER NOT EXISTS { ?b :edge ?c } }";
+  const explain::WhyNotAnswer answer = WhyNot(ask, 9);
+  ASSERT_EQ(answer.repairs.size(), 1u);
+  EXPECT_THAT(answer.repairs[0].conditions, ElementsAre("there is no { ?b :edge ?c }"));
+  EXPECT_THAT(WhyNotText(ask), HasSubstr("  missing     :c3 :edge ?b\n  where       there is no { ?b :edge ?c }\n"));
+}
+
+TEST_F(WhyNotTest, WhatMustNotBeIsAskedForOnceWhateverItsAlternatives) {
+  Tell({"p1 a Place"});
+  EXPECT_THAT(WhyNot("ASK { :r1 :at ?p MINUS { { ?p :taken ?by } UNION { ?p a :Closed } } }").repairs[0].conditions,
+              ElementsAre("there is no { { ?p :taken ?by . } UNION { ?p a :Closed . } }"));
+}
+
+TEST_F(WhyNotTest, WhatARuleForbidsOfAnOpenVariableIsSaidInTheQuestionsNames) {
+  Rules("free.rules", "RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }");
+  const explain::WhyNotAnswer answer = WhyNot("ASK { ?t a :Free ; :at :Hall }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u);
+  EXPECT_THAT(answer.repairs[0].conditions, ElementsAre("there is no { ?t :task ?t2 }"));
 }
 
 class WhyNotOwl : public ExplainWorld {
