@@ -567,7 +567,9 @@ bool Solver::Leaf() {
     }
     if (frame.parent >= 0) {
       const Goal& parent = goals_[frame.parent];
-      solution.inferences.push_back({frame.rule, FactOf(*parent.atom, frames_[parent.frame].base)});
+      const Inference inference{frame.rule, FactOf(*parent.atom, frames_[parent.frame].base)};
+      std::erase(solution.inferences, inference);  // several patterns may need it: the last stands below all of them
+      solution.inferences.push_back(inference);
     }
   }
   for (const Goal& goal : goals_) {

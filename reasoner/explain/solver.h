@@ -70,6 +70,8 @@ struct Blocker {
 struct Inference {
   uint32_t rule = 0;
   MissingFact fact;
+
+  friend bool operator==(const Inference&, const Inference&) = default;
 };
 
 struct Solution {

@@ -63,6 +63,14 @@ TEST_F(WhyNotTest, WhatARuleForbidsOfAnOpenVariableIsSaidInTheQuestionsNames) {
   EXPECT_THAT(answer.repairs[0].conditions, ElementsAre("there is no { ?t :task ?t2 }"));
 }
 
+TEST_F(WhyNotTest, AFactThatTwoPatternsNeedIsInferredOnce) {
+  Rules("inverse.rules", "RULE { ?x :holds ?y } WHERE { ?y :isHeldBy ?x }");
+  Tell({"c isHeldBy d", "d marked yes"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { :a :holds :b . ?x :holds :b }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u);
+  EXPECT_EQ(answer.repairs[0].inferred.size(), 1u) << WhyNotText("ASK { :a :holds :b . ?x :holds :b }");
+}
+
 class WhyNotOwl : public ExplainWorld {
  protected:
   WhyNotOwl() { BuiltIn("owl2rl"); }
