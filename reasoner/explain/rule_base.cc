@@ -15,6 +15,16 @@ AtomTerm HeadTerm(const sparql::PatternTerm& term, const Clause& body, Dictionar
   return {TermId(), body.Find(term.variable->name)};
 }
 
+// Whether its one pattern is all that a clause asks for, with no variable twice.
+bool IsOnePattern(const Clause& clause) {
+  const size_t others = clause.absences.size() + clause.tests.size() + clause.assignments.size() +
+                        clause.tables.size() + clause.parts.size();
+  if (clause.atoms.size() != 1 || others > 0) return false;
+  const auto& terms = clause.atoms[0].terms;
+  const auto variables = std::count_if(terms.begin(), terms.end(), [](const AtomTerm& t) { return t.variable >= 0; });
+  return static_cast<size_t>(variables) == clause.names.size();
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector<RuleText>& sets,
@@ -45,6 +55,10 @@ absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number,
     RuleClause& made = clauses_.emplace_back();
     made.rule = index;
     made.body = std::move(clause);
+    if (rule.head.empty() && IsOnePattern(made.body)) {
+      const auto& terms = made.body.atoms[0].terms;
+      forbidden_.push_back({terms[0].constant, terms[1].constant, terms[2].constant, TermId()});
+    }
     for (const sparql::TriplePattern& head : rule.head) {
       Atom atom;
       atom.terms[0] = HeadTerm(head.subject, made.body, dictionary);
@@ -73,6 +87,13 @@ void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit
     if (found == by_predicate_.end()) continue;
     for (const Head& head : found->second) visit(head);
   }
+}
+
+bool RuleBase::IsForbidden(const QuadPattern& fact) const {
+  const auto covers = [](TermId forbidden, TermId term) { return forbidden.IsNone() || forbidden == term; };
+  return std::any_of(forbidden_.begin(), forbidden_.end(), [&](const QuadPattern& f) {
+    return covers(f.subject, fact.subject) && covers(f.predicate, fact.predicate) && covers(f.object, fact.object);
+  });
 }
 
 bool RuleBase::IsMadeByName(TermId predicate, TermId object) const {

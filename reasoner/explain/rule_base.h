@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/quad.h"
 #include "reasoner/explain/condition_form.h"
 #include "reasoner/explain/rule_text.h"
 #include "reasoner/rules/rule_program.h"
@@ -50,6 +51,8 @@ class RuleBase {
   void ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const;
   // Whether a rule names this predicate, of rdf:type also this class, as what it makes.
   bool IsMadeByName(TermId predicate, TermId object) const;
+  // Whether a check forbids facts of this form whatever else there is ("?x a owl:Nothing"). None: any.
+  bool IsForbidden(const QuadPattern& fact) const;
 
  private:
   absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
@@ -58,6 +61,7 @@ class RuleBase {
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
   absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable
+  std::vector<QuadPattern> forbidden_;
   TermId type_;
 };
 

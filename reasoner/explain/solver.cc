@@ -545,6 +545,8 @@ bool Solver::Leaf() {
         std::all_of(fact.open.begin(), fact.open.end(), [](int o) { return o == MissingFact::kBound; }) &&
         version_.Count({fact.terms[0], fact.terms[1], fact.terms[2], fact.terms[3]}) > 0;
     if (there) return true;  // bound later than it was given up: found with fewer changes
+    const bool of_rule = frames_[goals_[goal].frame].depth > 0;  // a question may ask for what is forbidden
+    if (of_rule && options_.rules->IsForbidden(PatternOf(goals_[goal]))) return true;
     if (std::find(solution.missing.begin(), solution.missing.end(), fact) == solution.missing.end()) {
       solution.missing.push_back(fact);
     }

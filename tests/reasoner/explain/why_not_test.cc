@@ -71,6 +71,18 @@ TEST_F(WhyNotTest, AFactThatTwoPatternsNeedIsInferredOnce) {
   EXPECT_EQ(answer.repairs[0].inferred.size(), 1u) << WhyNotText("ASK { :a :holds :b . ?x :holds :b }");
 }
 
+TEST_F(WhyNotTest, WhatACheckForbidsByItselfIsNotTold) {
+  Rules("kinds.rules",
+        "RULE { ?x a :Pizza } WHERE { ?x a :Margherita } RULE { ?x a :Pizza } WHERE { ?x a :Impossible }\n"
+        "RULE :none { } WHERE { ?x a :Impossible }\n"
+        "RULE :one { } WHERE { ?x a :Margherita . ?x a :Salad }");
+  const explain::WhyNotAnswer answer = WhyNot("ASK { :p a :Pizza }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u) << WhyNotText("ASK { :p a :Pizza }", 9);
+  EXPECT_EQ(Text(dictionary.Intern(answer.repairs[0].tell[0].example.object)), "Margherita");
+  // who asks for it is told
+  EXPECT_EQ(WhyNot("ASK { :p a :Impossible }").repairs.size(), 1u);
+}
+
 class WhyNotOwl : public ExplainWorld {
  protected:
   WhyNotOwl() { BuiltIn("owl2rl"); }
@@ -96,6 +108,13 @@ TEST_F(WhyNotOwl, AFactAboutTheThingComesBeforeAnAxiom) {
   EXPECT_EQ(Missing({"R1 servesAt B1", "R1 a Machine", "R2 a Robot"}, "ASK { :R1 a :Robot }"),
             "R1 a Robot\n");
   EXPECT_EQ(Missing({"R1 knows B1", "R2 isAt B1"}, "ASK { :R1 :isAt :B1 }"), "R1 isAt B1\n");
+}
+
+TEST_F(WhyNotOwl, NothingIsMadeAMemberOfNothing) {
+  Tell({"Pizza a owl:Class", "p knows q"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { :p a :Pizza }", 9);
+  ASSERT_EQ(answer.repairs.size(), 1u) << WhyNotText("ASK { :p a :Pizza }", 9);
+  EXPECT_EQ(answer.repairs[0].inferred.size(), 0u);
 }
 
 TEST_F(WhyNotOwl, TwoFactsAboutThingsComeBeforeOneAxiom) {
