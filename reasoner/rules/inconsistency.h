@@ -15,7 +15,7 @@
 // The IRI follows from the rule and the solution alone, so it is the same in every computation.
 // Nothing but its check makes these facts: that what a report names is the same as another thing is no second
 // report. Rules may match them, and say more about a report with words of their own.
-// Private to this folder. Writer thread only: interns.
+// For this folder and reasoner/explain. Writer thread only: interns.
 #ifndef DOCENT_REASONER_RULES_INCONSISTENCY_H_
 #define DOCENT_REASONER_RULES_INCONSISTENCY_H_
 

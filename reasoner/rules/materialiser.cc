@@ -9,6 +9,11 @@
 #include "reasoner/rules/negation_order.h"
 
 namespace docent {
+namespace {
+
+constexpr int kMostPasses = 16;  // axioms are there after one
+
+}  // namespace
 
 Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delta& told,
                            const Context& context)
@@ -177,17 +182,19 @@ absl::Status Materialiser::Maintain() {
   CompareRules();
   ReadTold();
   if (absl::Status status = SettleTold(); !status.ok()) return status;
-  PlaceNegation().IgnoreError();  // with the axioms as they are yet; below with those that stay
+  PlaceNegation().status().IgnoreError();  // by the axioms as they are yet; below by those that stay
   if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
   for (stratum_ = 0; stratum_ < program_.stratum_count; ++stratum_) {
     if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     if (stratum_ != program_.first_entangled || program_.ordered.empty()) continue;
-    // Axioms came and went: with those that are there now the facts of this stratum may be others.
-    while (program_.placed_for != context_.schema.changes()) {
-      absl::Status status = PlaceNegation();
-      if (status.ok()) status = MaintainStratum();
-      if (!status.ok()) return status;
+    // Axioms came and went: by those that are there now the facts of this stratum may be others, though no axioms.
+    absl::StatusOr<bool> moved = PlaceNegation();
+    for (int passes = 0; moved.ok() && *moved; moved = PlaceNegation()) {
+      if (++passes > kMostPasses) return absl::InternalError("rules with negation find no order; the batch was not applied");
+      TakeBackEarly();
+      if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     }
+    if (!moved.ok()) return moved.status();
   }
   return absl::OkStatus();
 }
@@ -198,13 +205,24 @@ absl::Status Materialiser::MaintainStratum() {
   return status.ok() ? Add(stratum_) : status;
 }
 
-absl::Status Materialiser::PlaceNegation() {
-  if (program_.ordered.empty() || program_.placed_for == context_.schema.changes()) return absl::OkStatus();
+absl::StatusOr<bool> Materialiser::PlaceNegation() {
+  if (program_.ordered.empty() || program_.placed_for == context_.schema.changes()) return false;
   absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema);
   if (!order.ok()) return order.status();
-  program_.Place(*std::move(order));
   program_.placed_for = context_.schema.changes();
-  return absl::OkStatus();
+  return program_.Place(*std::move(order));
+}
+
+// What was made of facts that the new order has in later strata comes again there, if it still does.
+void Materialiser::TakeBackEarly() {
+  std::vector<Quad> early;
+  std::erase_if(added_, [&](const Triple& t) {
+    if (program_.StratumOf(t) <= stratum_) return false;
+    early.push_back(InferredQuad(t));
+    rederivable_.push_back(t);
+    return true;
+  });
+  context_.writer.RemoveAll(std::move(early));
 }
 
 Delta Materialiser::InferredChange() const {

@@ -91,8 +91,9 @@ class Materialiser {
 
   void ReadTold();
   absl::Status SettleTold();
-  absl::Status PlaceNegation();
+  absl::StatusOr<bool> PlaceNegation();  // whether the order is another one
   absl::Status MaintainStratum();
+  void TakeBackEarly();
   void CompareRules();
   void ToOldState();
   void ToNewState();

@@ -193,7 +193,8 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
 
 // Components in order of dependency → as few strata as negation needs: a rule lies above those that it negates and not below
 // those that it uses.
-void RuleProgram::Place(NegationOrder order) {
+bool RuleProgram::Place(NegationOrder order) {
+  if (!rules_of_stratum.empty() && order == order_) return false;
   order_ = std::move(order);
   std::vector<int> first(static_cast<size_t>(component_count_), 0);
   std::vector<std::vector<std::pair<int, bool>>> needs(static_cast<size_t>(component_count_));
@@ -219,6 +220,7 @@ void RuleProgram::Place(NegationOrder order) {
   for (uint32_t r = 0; r < rules.size(); ++r) {
     for (int stratum = rules[r].stratum; stratum < stratum_count && Runs(r, stratum); ++stratum) rules_of_stratum[stratum].push_back(r);
   }
+  return true;
 }
 
 int RuleProgram::StratumOf(const Triple& fact) const {

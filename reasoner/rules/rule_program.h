@@ -70,6 +70,7 @@ struct CompiledRule {
 struct NegationOrder {
   std::vector<int> of_rules;                                     // of RuleProgram::ordered, from 1
   absl::flat_hash_map<std::pair<TermId, TermId>, int> of_facts;  // of predicate and object (none: any), from 1; others: 0
+  friend bool operator==(const NegationOrder&, const NegationOrder&) = default;
 };
 
 using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
@@ -86,7 +87,7 @@ class RuleProgram {
   // which (negation_order.h). They, and all other rules that are entangled with them, run in several strata, and make in each
   // the facts of its level.
   std::vector<uint32_t> ordered;
-  void Place(NegationOrder order);
+  bool Place(NegationOrder order);  // whether it is another one
   uint64_t placed_for = 0;  // SchemaIndex::changes() of the axioms that the order is for; 0: of none
   // The strata in which they run; empty (0 to -1) where there are none.
   int first_entangled = 0, last_entangled = -1;

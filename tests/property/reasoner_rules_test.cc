@@ -296,6 +296,8 @@ TEST(ReasonerRulesProperty, SchemaAndDataChangeTogether) {
 // Rules with negation and aggregates that nothing but axioms can entangle, among those rules.
 constexpr char kNegatingRules[] =
     "RULE { ?x :q0 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n0 } }\n"
+    "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n3 } }\n"
+    "RULE { ?x :p1 ?z } WHERE { ?x :p1 ?y . ?y :q0 ?z NOT { ?z a :n1 } }\n"
     "RULE { ?x :q1 ?n } WHERE { { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :q0 ?y } GROUP BY ?x } }\n"
     "RULE { ?x :q2 ?y } WHERE { ?x :p3 ?y NOT { ?x :q0 ?y } }\n"
     "RULE { ?x :p0 ?y } WHERE { ?x :q2 ?y }\n"
