@@ -299,7 +299,9 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     while (!text.empty() && std::string_view(" \t\r\n").find(text.back()) != std::string_view::npos)
       text.remove_suffix(1);
     Value read = Value::OfTerm(Term::Literal(std::string(text), std::string(datatype)));
-    return read.type() == Type::kOther ? Value::Error() : read;
+    if (read.type() == Type::kBoolean) return Value::Boolean(read.boolean());
+    if (read.IsNumeric()) return CastNumber(datatype, read);
+    return read.type() == Type::kOther ? Value::Error() : read;  // a time stays as written: its fraction may be finer than ours
   }
   if (datatype == kXsdBoolean) {
     if (v.type() == Type::kBoolean) return Value::Boolean(v.boolean());

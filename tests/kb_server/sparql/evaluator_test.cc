@@ -322,6 +322,9 @@ TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
   EXPECT_TRUE(g_.Ask("ASK { BIND(\"007\"^^xsd:integer AS ?x) VALUES ?y { \"007\"^^xsd:integer } FILTER sameTerm(?x, ?y) }"));
   EXPECT_THAT(g_.Rows("SELECT (COUNT(DISTINCT ?x) AS ?n) { { BIND(1.0 AS ?x) } UNION { BIND(1.00 AS ?x) } }"), ElementsAre("2"));
   EXPECT_THAT(g_.Rows("SELECT (1.50 + 1.50 AS ?computed) (xsd:string(1E3) AS ?cast) {}"), ElementsAre("3 1000"));
+  EXPECT_THAT(g_.Rows("SELECT (STR(xsd:integer(\"+007\")) AS ?i) (STR(xsd:boolean(\"1\")) AS ?b) (STR(xsd:double(\"1e3\")) AS ?d) "
+                      "(STR(xsd:dateTime(\"2026-01-01T00:00:00.123456789Z\")) AS ?t) {}"),
+              ElementsAre("7 true 1.0E3 2026-01-01T00:00:00.123456789Z"));
 }
 
 TEST_F(SparqlEvaluator, LanguageTagsThatAreNoneAreErrors) {
