@@ -432,17 +432,19 @@ Token Lexer::LexWordOrName() {
 
 // A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; nothing if what begins here is none.
 std::optional<Token> Lexer::LexNameWithWidePrefix() {
+  if (at_ < no_prefix_before_) return std::nullopt;
   std::string prefix;
   size_t end = at_;
   while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
     if (c->code == ':') {
-      if (!prefix.empty() && prefix.back() == '.') return std::nullopt;
+      if (!prefix.empty() && prefix.back() == '.') break;
       return LexEscapedLocalName(end + c->length, Keep(std::move(prefix)));
     }
-    if (!(prefix.empty() ? IsNameStart(c->code) : IsNameChar(c->code) || c->code == '.')) return std::nullopt;
+    if (!(prefix.empty() ? IsNameStart(c->code) : IsNameChar(c->code) || c->code == '.')) break;
     AppendUtf8(c->code, &prefix);
     end += c->length;
   }
+  no_prefix_before_ = end;  // what begins later in this run of characters comes to the same end
   return std::nullopt;
 }
 

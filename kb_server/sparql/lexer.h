@@ -75,6 +75,7 @@ class Lexer {
   std::string_view text_;
   std::list<std::string> kept_;  // texts of tokens with escapes
   size_t at_ = 0;
+  size_t no_prefix_before_ = 0;  // no prefix with more than ASCII letters begins between at_ and there
   int line_ = 1;
   int column_ = 1;
 };

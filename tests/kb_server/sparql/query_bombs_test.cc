@@ -193,5 +193,16 @@ TEST_F(QueryBombs, AHugeValuesBlockStreams) {
   EXPECT_TRUE(Run(values + " } ?a ex:p ?b }", 1).code() == absl::StatusCode::kDeadlineExceeded);
 }
 
+// Each of so many words might have been the beginning of a prefix with dots.
+TEST_F(QueryBombs, ManyWordsWithDotsAreReadOnce) {
+  for (const std::string word : {"a.", "a\\u0061.", "é.", "?a\\u0061 ", "_:a..", ":a.."}) {
+    std::string text = "SELECT * { ";
+    for (int i = 0; i < 50000; ++i) text += word;
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_FALSE(ParseQuery(text).ok()) << word;
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5)) << word;
+  }
+}
+
 }  // namespace
 }  // namespace docent::sparql
