@@ -88,6 +88,7 @@ absl::Status Materialiser::SettleTold() {
       proofs_.Forget();
       if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
+      any_proven = true;  // it may come back
       rederivable_.push_back(entry.triple);
     } else {
       unproven.push_back(entry.triple);
@@ -215,14 +216,23 @@ absl::StatusOr<bool> Materialiser::PlaceNegation() {
 
 // What was made of facts that the new order has in later strata comes again there, if it still does.
 void Materialiser::TakeBackEarly() {
-  std::vector<Quad> early;
-  std::erase_if(added_, [&](const Triple& t) {
-    if (program_.StratumOf(t) <= stratum_) return false;
-    early.push_back(InferredQuad(t));
+  absl::flat_hash_set<Triple> early;
+  for (const Triple& t : came_) {
+    if (program_.StratumOf(t) > stratum_ && IsInferred(t)) early.insert(t);
+  }
+  std::vector<Quad> quads;
+  for (const Triple& t : early) {
+    quads.push_back(InferredQuad(t));
     rederivable_.push_back(t);
+    context_.schema.Lost(t);
+    removed_.insert(t);
+  }
+  std::erase_if(added_, [&](const Triple& t) {
+    if (!early.contains(t)) return false;
+    removed_.erase(t);  // it was not there before
     return true;
   });
-  context_.writer.RemoveAll(std::move(early));
+  context_.writer.RemoveAll(std::move(quads));
 }
 
 Delta Materialiser::InferredChange() const {

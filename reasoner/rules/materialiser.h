@@ -119,10 +119,15 @@ class Materialiser {
   absl::Status DispatchRound(int stratum);
   absl::Status EndRound();
   bool InScope(uint32_t rule) const;
-  // Whether a rule may make a fact in the running stratum.
-  bool MayMake(const CompiledRule& rule, const Triple& fact) const {
-    return stratum_ < 0 || program_.ordered.empty() || !program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data())) ||
-           program_.StratumOf(fact) == stratum_;
+  // Whether a fact of an entangled rule is made, or asked about, in the running stratum. Made are also those of earlier ones:
+  // they follow from reports, since checks are not entangled with what they match. Asked about are those of this stratum
+  // alone, and in the first also those that lay in a later one by the axioms before.
+  bool MayMake(const CompiledRule& rule, const Triple& fact, Phase phase) const {
+    if (program_.ordered.empty() || stratum_ < 0) return true;
+    if (!program_.IsEntangled(static_cast<uint32_t>(&rule - program_.rules.data()))) return true;
+    const int stratum = program_.StratumOf(fact);
+    if (phase == Phase::kAdd) return stratum <= stratum_;
+    return stratum == stratum_ || of_report_ || stratum_ == program_.first_entangled;
   }
   // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
   // The first those with a schema part by its solutions, the second all others (and changes of the schema
@@ -149,6 +154,7 @@ class Materialiser {
   ProofSearch proofs_;
 
   int stratum_ = -1;                // that runs
+  bool of_report_ = false;          // what is lost is, whose consequences are asked about
   std::vector<ToldEntry> told_;     // by triple
   std::vector<uint32_t> entering_;  // rules of program_ that before_ does not have
   std::vector<bool> is_entering_;
@@ -172,6 +178,7 @@ class Materialiser {
   };
   std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
 
+  std::vector<Triple> came_;          // in all rounds
   std::vector<Triple> round_;         // new in the last round
   std::vector<Triple> candidates_;    // for the next
   absl::flat_hash_set<Triple> seen_;  // candidates of this stratum

@@ -105,6 +105,7 @@ absl::Status Materialiser::EndRound() {
     quads.push_back(InferredQuad(t));
   }
   candidates_.clear();
+  if (!program_.ordered.empty()) came_.insert(came_.end(), round_.begin(), round_.end());
   for (const Triple& t : round_) {
     if (removed_.erase(t) != 0) continue;
     added_.push_back(t);
@@ -241,7 +242,7 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   }
   for (const HeadTriple& head : rule.head) {
     Triple triple;
-    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple) || !MayMake(rule, triple)) continue;
+    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple) || !MayMake(rule, triple, phase)) continue;
     if (!Collect(rule, triple, phase)) return false;
   }
   return true;

@@ -33,7 +33,7 @@ absl::Status Materialiser::TakeAway(int stratum) {
   made_.clear();
   whole_.clear();
   check_rows_.clear();
-  if (stratum > 0) proofs_.Forget();  // facts were added
+  proofs_.Forget();  // facts were added
   if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
   whole_.clear();
   queue_ = lost_;
@@ -103,9 +103,11 @@ absl::Status Materialiser::Propagate(int stratum) {
     const Triple triple = queue_[i];
     made_.clear();
     const Quad quad = InferredQuad(triple);
+    of_report_ = context_.inconsistencies.IsOfReport(triple);
     absl::Status status = DispatchInstances(quad, stratum, Phase::kTakeAway);
     if (status.ok()) status = DispatchRules(quad, stratum, Phase::kTakeAway, /*also_negative=*/i >= ghosts_);
     if (!status.ok()) return status;
+    of_report_ = false;
     scratch_ = made_;
     for (const Triple& made : scratch_) {
       status = Consider(made);
@@ -125,7 +127,8 @@ absl::Status Materialiser::Consider(const Triple& triple) {
   if (*answer == ProofSearch::Answer::kProven) return absl::OkStatus();
   marked_.insert(triple);
   queue_.push_back(triple);
-  if (*answer == ProofSearch::Answer::kUnproven) return absl::OkStatus();
+  // What has no proof now may have one when facts that are undecided are back, which rules of higher strata would not notice.
+  if (*answer == ProofSearch::Answer::kUnproven && stratum_ + 1 == program_.stratum_count) return absl::OkStatus();
   // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
   rederivable_.push_back(triple);
   return absl::OkStatus();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
@@ -83,9 +84,19 @@ class Order {
       if (compiled.schema != 0 && of_axioms != (instance == kNone)) continue;
       QuadPattern pattern = triggers[i].match.constants;
       if (instance != kNone) pattern = compiled.body->Instantiate(triggers[i], schema_.instance(instance).row).constants;
+      if (instance != kNone && !IsOther(rule, i, pattern, schema_.instance(instance).row)) continue;
       by_predicate_[pattern.predicate].push_back(takers_.size());
       takers_.push_back({rule, i, instance, pattern, of_axioms});
     }
+  }
+
+  // Of instances that differ in subjects alone, as those of two things that are the same as others, one is enough.
+  bool IsOther(uint32_t rule, uint32_t trigger, const QuadPattern& pattern, const std::vector<TermId>& row) {
+    std::vector<TermId> key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
+    for (const HeadTriple& head : program_.rules[rule].head) {
+      for (const int i : {1, 2}) key.push_back(head.columns[i] == Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
+    }
+    return instances_.insert(std::move(key)).second;
   }
 
   // All that the conclusions of a rule lead to.
@@ -112,13 +123,15 @@ class Order {
 
   void Take(uint32_t number, const Taker& taker, size_t from) {
     const QuadPattern pattern = reached_[from].pattern;  // reached_ grows
-    if (!CanUnify(taker.pattern, pattern)) return;
+    if (!CanUnify(taker.pattern, pattern)) return;  // pattern has no subject
     if (taker.of_axioms) return RefuseAxioms(number, taker.rule);
     const Body& body = *program_.rules[taker.rule].body;
     const Trigger& trigger = body.triggers()[taker.trigger];
     if (place_[taker.rule] >= 0) {
       const bool negative = trigger.polarity != Polarity::kPositive;
-      dependencies_.push_back({static_cast<uint32_t>(place_[taker.rule]), number, negative, true});
+      if (known_.insert({static_cast<uint32_t>(place_[taker.rule]), number, negative}).second) {
+        dependencies_.push_back({static_cast<uint32_t>(place_[taker.rule]), number, negative, true});
+      }
       if (negative) ways_.try_emplace({static_cast<uint32_t>(place_[taker.rule]), number}, Way(from));
       if (trigger.polarity == Polarity::kNegative) return;
     }
@@ -181,11 +194,13 @@ class Order {
   const SchemaIndex& schema_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
   std::vector<Taker> takers_;
+  absl::flat_hash_set<std::vector<TermId>> instances_;
   absl::flat_hash_map<TermId, std::vector<size_t>> by_predicate_;  // none: a variable
   std::vector<Reached> reached_;
   absl::flat_hash_set<std::pair<TermId, TermId>> seen_;  // predicate and object of reached_
   std::vector<TermId> row_;
   std::vector<RuleDependency> dependencies_;  // among program_.ordered
+  absl::flat_hash_set<std::tuple<uint32_t, uint32_t, bool>> known_;
   std::vector<std::pair<std::pair<TermId, TermId>, uint32_t>> led_to_;  // patterns, by what (its number there)
   absl::Status status_;
   absl::flat_hash_map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> ways_;

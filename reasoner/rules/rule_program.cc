@@ -233,27 +233,39 @@ int RuleProgram::StratumOf(const Triple& fact) const {
   return first_entangled + level;
 }
 
-// Where the dependencies have a negative cycle: false, with its message, if axioms do not matter to it.
-bool RuleProgram::FindOrdered(const Stratification& components, Diagnostics& diagnostics) {
-  if (components.negative_cycle.empty()) return true;
-  const Stratification certain = Stratify(static_cast<uint32_t>(rules.size()), WithoutAxioms(dependencies_));
-  if (!certain.negative_cycle.empty()) {
-    diagnostics.push_back(CycleDiagnostic(rules, certain.negative_cycle));
-    return false;
-  }
-  entangled_ = component_[components.negative_cycle[0]];
-  std::vector<bool> negates(rules.size());
-  for (const RuleDependency& d : dependencies_) {
-    if (!d.negative || component_[d.from] != component_[d.to]) continue;
-    if (component_[d.from] != entangled_) {  // one such knot is enough
-      diagnostics.push_back(CycleDiagnostic(rules, components.negative_cycle));
+// Where the dependencies have a negative cycle: false, with its message, if axioms do not matter to it. Several such knots
+// become one, with what lies between them; so what is refused among some rules is refused among more, and never the other way
+// about.
+bool RuleProgram::FindOrdered(Diagnostics& diagnostics) {
+  const auto count = static_cast<uint32_t>(rules.size());
+  Stratification components = Stratify(count, dependencies_);
+  if (!components.negative_cycle.empty()) {
+    const Stratification certain = Stratify(count, WithoutAxioms(dependencies_));
+    if (!certain.negative_cycle.empty()) {
+      diagnostics.push_back(CycleDiagnostic(rules, certain.negative_cycle));
       return false;
     }
-    negates[d.from] = true;
+    const uint32_t first = components.negative_cycle[0];
+    std::vector<RuleDependency> together;
+    for (const RuleDependency& d : dependencies_) {
+      if (!d.negative || components.stratum[d.from] != components.stratum[d.to] || d.from == first) continue;
+      together.push_back({first, d.from, false, true});
+      together.push_back({d.from, first, false, true});
+    }
+    dependencies_.insert(dependencies_.end(), together.begin(), together.end());
+    components = Stratify(count, dependencies_);
+    entangled_ = components.stratum[first];
+    std::vector<bool> negates(count);
+    for (const RuleDependency& d : dependencies_) {
+      const bool within = components.stratum[d.from] == entangled_ && components.stratum[d.to] == entangled_;
+      negates[d.from] = negates[d.from] || (d.negative && within);
+    }
+    for (uint32_t r = 0; r < count; ++r) {
+      if (negates[r]) ordered.push_back(r);
+    }
   }
-  for (uint32_t r = 0; r < rules.size(); ++r) {
-    if (negates[r]) ordered.push_back(r);
-  }
+  component_ = std::move(components.stratum);
+  component_count_ = components.count;
   return true;
 }
 
@@ -284,10 +296,7 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   for (uint32_t a = 0; a < count; ++a) {
     for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, program->dependencies_);
   }
-  const Stratification components = Stratify(count, program->dependencies_);
-  program->component_ = components.stratum;
-  program->component_count_ = components.count;
-  if (!program->FindOrdered(components, diagnostics)) return nullptr;
+  if (!program->FindOrdered(diagnostics)) return nullptr;
   if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics)) return nullptr;
   program->Place({std::vector<int>(program->ordered.size(), 1), {}});
   program->Index();

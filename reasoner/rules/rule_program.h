@@ -1,5 +1,5 @@
 // All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. Private to this
-// folder. Writer thread only (bodies keep scratch space); otherwise unchanged after Build.
+// folder and reasoner/explain. Writer thread only (bodies keep scratch space); after Build only Place changes it.
 #ifndef DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 #define DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 
@@ -109,7 +109,7 @@ class RuleProgram {
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
                Diagnostics& diagnostics);
-  bool FindOrdered(const Stratification& components, Diagnostics& diagnostics);
+  bool FindOrdered(Diagnostics& diagnostics);
   void Index();
 
   std::vector<RuleDependency> dependencies_;

@@ -1,5 +1,5 @@
-// What rules infer from told facts, computed naively: the reference of the property tests. It shares no code
-// with the engine but the parser and the SPARQL evaluator.
+// What rules infer from told facts, computed naively: the reference of the property tests. It shares with
+// the engine the parser, the SPARQL evaluator and the strata.
 #ifndef DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 #define DOCENT_TESTS_PROPERTY_NAIVE_RULES_H_
 

@@ -138,7 +138,7 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
     if (trace != nullptr) {
       *trace = "rules:\n" + current + (delta_right ? "" : "the delta does not lead to the graph\n");
       for (size_t k = 0; k <= i; ++k) {
-        *trace += "step " + std::to_string(k) + ":" + (steps[k].new_rules.empty() ? "" : " (new rules)");
+        *trace += "step " + std::to_string(k) + ":" + (steps[k].new_rules.empty() ? "" : " with the rules\n" + steps[k].new_rules);
         for (const std::string& q : steps[k].batch.add) *trace += "  +" + q;
         for (const std::string& q : steps[k].batch.remove) *trace += "  -" + q;
         *trace += "\n";
@@ -304,13 +304,23 @@ constexpr char kNegatingRules[] =
     "RULE { ?x :q3 ?y } WHERE { ?x :p1 ?y NOT { ?x :p3 ?y } NOT { ?y :q2 ?x } }\n"
     "RULE { ?x a :n2 } WHERE { ?x :q3 ?y NOT { ?x a :n1 } }\n";
 
+// Axioms that follow from facts.
+constexpr char kLikes[] =
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?a owl:inverseOf ?b } WHERE { ?a :inv ?b }\n"
+    "RULE { ?a rdfs:subClassOf ?b } WHERE { ?a :sub ?b }\n"
+    "RULE { ?a rdfs:domain ?b } WHERE { ?a :dom ?b }\n"
+    "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
+    "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
+
 TEST(ReasonerRulesProperty, NegationBesideASchema) {
   const int count = SequenceCount();
   Tally tally;
   for (int seed = 1; seed <= count; ++seed) {
     RandomWorld random(static_cast<unsigned>(seed));
     random.schema_percent = 10 + random.Pick(30);
-    const std::vector<std::string> schema = Lines(kSchemaRules), negating = Lines(kNegatingRules);
+    const std::vector<std::string> schema = Lines(kSchemaRules), negating = Lines(kNegatingRules), likes = Lines(kLikes);
+    const auto property = [&] { return (random.Chance(60) ? "p" : "q") + std::to_string(random.Pick(4)); };
     const auto some = [&] {
       std::string rules;
       for (const std::string& rule : schema) {
@@ -318,6 +328,9 @@ TEST(ReasonerRulesProperty, NegationBesideASchema) {
       }
       for (const std::string& rule : negating) {
         if (random.Chance(50)) rules += rule + "\n";
+      }
+      for (const std::string& rule : likes) {
+        if (random.Chance(60)) rules += rule + "\n";
       }
       TestWorld world;
       return HasErrors(RuleEngine(world.dictionary).PutRules("rules", kRulesPrefix + rules)) ? std::string() : rules;
@@ -327,6 +340,17 @@ TEST(ReasonerRulesProperty, NegationBesideASchema) {
     std::set<std::string> told;
     for (int i = 0; i < 12; ++i) {
       Step step{random.Batch(told), {}};
+      std::set<std::string> used(step.batch.add.begin(), step.batch.add.end());
+      used.insert(step.batch.remove.begin(), step.batch.remove.end());
+      for (int k = random.Pick(4); k > 0; --k) {
+        const std::array<const char*, 5> words = {" like ", " like1 ", " like2 ", " inv ", " dom "};
+        const size_t word = static_cast<size_t>(random.Pick(5));
+        const std::string fact = property() + words[word] + (word == 4 ? random.Node() : property());
+        if (!used.insert(fact).second) continue;
+        const bool is_told = told.erase(fact) != 0;
+        if (!is_told) told.insert(fact);
+        (is_told ? step.batch.remove : step.batch.add).push_back(fact);
+      }
       if (i > 0 && random.Chance(8)) step.new_rules = some();
       steps.push_back(std::move(step));
     }
@@ -355,6 +379,112 @@ TEST(ReasonerRulesProperty, InverseCyclesAndTransitivity) {
     std::string trace;
     ASSERT_LT(FirstDifference(rules, steps, &trace), 0) << "seed " << seed << "\n" << Shrink(rules, steps);
   }
+}
+
+std::string Try(const std::string& rules, const std::vector<Step>& steps) {
+  std::string trace;
+  FirstDifference(rules, steps, &trace);
+  return trace;
+}
+
+constexpr char kSub[] = "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y }\n"
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n";
+
+// What is made too early by the order of the axioms before is taken back.
+TEST(ReasonerRulesKnown, WhatWasRemadeIsTakenBackToo) {
+  const std::string without = kSub;
+  const std::string with = without + "RULE { ?x :u ?y } WHERE { ?x :z ?y }\n";
+  EXPECT_EQ(Try(with, {{{{"a k b", "a z b"}, {}}, {}},
+                       {{{"h like t", "t like u", "a m b"}, {}}, without}}), "");
+}
+
+TEST(ReasonerRulesKnown, WhatALowerStratumRemadeIsTakenBackToo) {
+  const std::string rules =
+    "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?x :low :w } WHERE { ?x :z0 :w }\n"
+    "RULE { ?x :h2 :v } WHERE { ?x :hh :v NOT { ?x :low :w } }\n"
+    "RULE { ?x :u :v } WHERE { ?x :z :w }\n"
+    "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n";
+  EXPECT_EQ(Try(rules, {{{{"a k v", "a z w"}, {}}, {}},
+                        {{{"h like t", "t like u", "a m v"}, {"a z w"}}, {}}}), "");
+}
+
+TEST(ReasonerRulesKnown, ProofsOfAnEarlierPassAreForgotten) {
+  // c1 told and made by a UNION rule; f rests on c1 and on q
+  const std::string rules = std::string(kSub) +
+    "RULE { ?x :c ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+    "RULE { ?x :f ?y } WHERE { ?x :c ?y }\n"
+    "RULE { ?x :f ?y } WHERE { ?x :q ?y }\n";
+  EXPECT_EQ(Try(rules, {{{{"a k b", "a z b", "a c b", "a q b"}, {}}, {}},
+                        {{{"h like t"}, {"a c b", "a q b"}}, {}}}), "");
+}
+
+TEST(ReasonerRulesKnown, WhatIsTakenBackIsNoAxiom) {
+  const std::string rules =
+    "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n"
+    "RULE { ?x :got :w } WHERE { ?p rdfs:domain :v . ?x ?p ?y }\n";
+  EXPECT_EQ(Try(rules, {{{{"pp k v", "x pp y"}, {}}, {}},
+                        {{{"h like rdfs:domain", "pp m v"}, {}}, {}},
+                        {{{"z pp y2"}, {}}, {}}}), "");
+}
+
+constexpr char kCOld[] =
+  "RULE { ?x :q0 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n0 } }\n"
+  "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+  "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
+  "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
+constexpr char kCNew[] =
+  "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y FILTER(?p1 != ?p2) }\n"
+  "RULE { ?x :q3 ?y } WHERE { ?x :p1 ?y NOT { ?x :p3 ?y } NOT { ?y :q2 ?x } }\n"
+  "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+  "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
+
+TEST(ReasonerRulesKnown, ALevelThatFalls) {
+  EXPECT_EQ(Try(kCOld, {{{{"q3 like1 p1", "n1 p2 n2"}, {}}, {}}, {{{"p0 like q0"}, {}}, kCNew}}), "");
+}
+
+TEST(ReasonerRulesKnown, ALevelThatFallsRefusesNothing) {
+  EXPECT_EQ(Try(kCOld, {{{{"q3 like1 p1", "h p2 m"}, {}}, {}}, {{{"p0 like q0"}, {}}, std::string(kCNew) +
+     "RULE { ?x rdfs:subPropertyOf ?y } WHERE { ?x :q0 ?y }\n"
+     "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"}}), "");
+}
+
+TEST(ReasonerRulesKnown, ALevelThatFallsByAFact) {
+  EXPECT_EQ(Try(kCNew, {{{{"q3 like p1", "n1 q0 n2"}, {}}, {}}, {{{"p0 like q0"}, {"q3 like p1", "n1 q0 n2"}}, {}}}), "");
+}
+
+TEST(ReasonerRulesKnown, APremiseThatComesBackAfterItsRuleLeft) {
+  const std::string stay =
+    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+  const std::string leave = "RULE { ?x :u ?y } WHERE { ?x :l ?y }\nRULE { ?x :t ?y } WHERE { ?x :l ?y }\n";
+  EXPECT_EQ(Try(stay + leave, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{"n p n"}, {}}, stay}}), "");
+}
+
+TEST(ReasonerRulesKnown, APremiseThatComesBackAfterItWasTold) {
+  const std::string stay =
+    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+  EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a u b", "a t b"}, {}}, {}}, {{{}, {"a t b", "a u b"}}, {}}}), "");
+}
+
+TEST(ReasonerRulesKnown, APremiseThatComesBack) {
+  const std::string stay =
+    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+    "RULE { ?x :u ?y } WHERE { ?x :l ?y }\n"
+    "RULE { ?x :t ?y } WHERE { ?x :l ?y }\n"
+    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+  EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{}, {"a l b"}}, {}}}), "");
 }
 
 }  // namespace

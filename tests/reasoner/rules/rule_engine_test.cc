@@ -443,5 +443,44 @@ TEST_F(RuleEngineTest, RollbackRestoresRuleSets) {
   EXPECT_THAT(world_.Inferred(), ElementsAre("a q b", "e q f"));
 }
 
+// Two knots of rules, entangled by axioms alone; a third set makes one of them, and goes again.
+TEST_F(RuleEngineTest, FewerRulesAreNeverRefused) {
+  const std::string knots =
+      "PREFIX : <http://example.org/>\n"
+      "RULE { ?x :status ?d } WHERE { ?c rdfs:subClassOf ?d . ?x :status ?c }\n"
+      "RULE { ?x :status :Free } WHERE { ?x :status :On NOT { ?x :status :Busy } }\n"
+      "RULE { ?x :kind ?d } WHERE { ?c rdfs:subClassOf ?d . ?x :kind ?c }\n"
+      "RULE { ?x :kind :Small } WHERE { ?x :kind :On NOT { ?x :kind :Large } }\n";
+  RuleEngine engine(world_.dictionary);
+  ASSERT_FALSE(HasErrors(engine.PutRules("sub", "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }")));
+  ASSERT_FALSE(HasErrors(engine.PutRules("knots", knots)));
+  ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({"a status On", "a kind On"})).ok());
+  const std::vector<std::string> inferred = {"a kind Small", "a status Free"};
+  EXPECT_EQ(world_.Inferred(), inferred);
+  EXPECT_TRUE(engine.RemoveRules("sub"));
+  EXPECT_EQ(engine.rule_count(), 4u);
+  ASSERT_TRUE(engine.Update(world_.writer, {}).ok());
+  EXPECT_EQ(world_.Inferred(), inferred);
+}
+
+// A rule about reports sees them beside rules with negation, too.
+TEST_F(RuleEngineTest, ReportsAreSeenBesideNegation) {
+  RuleEngine engine(world_.dictionary);
+  ASSERT_FALSE(HasErrors(engine.PutRules(
+      "r", "PREFIX : <http://example.org/>\n"
+           "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }\n"
+           "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }\n"
+           "RULE { ?i :seen :it } WHERE { ?i a docent:Inconsistency }\n"
+           "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n")));
+  const auto seen = [&] {
+    const std::vector<std::string> all = world_.Inferred();
+    return std::count_if(all.begin(), all.end(), [](const std::string& t) { return t.find(" seen it") != t.npos; });
+  };
+  ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({"r a Robot", "r a Person"})).ok());
+  EXPECT_EQ(seen(), 1);
+  ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({}, {"r a Person"})).ok());
+  EXPECT_EQ(seen(), 0);
+}
+
 }  // namespace
 }  // namespace docent
