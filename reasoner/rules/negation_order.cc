@@ -8,6 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "absl/container/inlined_vector.h"
 #include "absl/strings/str_cat.h"
 #include "reasoner/rules/stratification.h"
 
@@ -75,6 +76,8 @@ class Order {
   }
 
  private:
+  using Key = absl::InlinedVector<TermId, 8>;
+
   // Of a rule with a schema part: its axioms; its facts are taken by its instances.
   void AddTakers(uint32_t rule, uint32_t instance) {
     const CompiledRule& compiled = program_.rules[rule];
@@ -83,8 +86,14 @@ class Order {
       const bool of_axioms = triggers[i].pattern >= 0 && (compiled.schema & (1u << triggers[i].pattern)) != 0;
       if (compiled.schema != 0 && of_axioms != (instance == kNone)) continue;
       QuadPattern pattern = triggers[i].match.constants;
-      if (instance != kNone) pattern = compiled.body->Instantiate(triggers[i], schema_.instance(instance).row).constants;
-      if (instance != kNone && !IsOther(rule, i, pattern, schema_.instance(instance).row)) continue;
+      if (instance != kNone) {
+        const std::vector<TermId>& row = schema_.instance(instance).row;
+        const std::array<TermId*, 3> places = {&pattern.subject, &pattern.predicate, &pattern.object};
+        for (int k = 0; k < 3; ++k) {
+          if (triggers[i].columns[k] != Trigger::kNoColumn) *places[k] = row[triggers[i].columns[k]];
+        }
+        if (!IsOther(rule, i, pattern, row)) continue;
+      }
       by_predicate_[pattern.predicate].push_back(takers_.size());
       takers_.push_back({rule, i, instance, pattern, of_axioms});
     }
@@ -92,7 +101,7 @@ class Order {
 
   // Of instances that differ in subjects alone, as those of two things that are the same as others, one is enough.
   bool IsOther(uint32_t rule, uint32_t trigger, const QuadPattern& pattern, const std::vector<TermId>& row) {
-    std::vector<TermId> key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
+    Key key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
     for (const HeadTriple& head : program_.rules[rule].head) {
       for (const int i : {1, 2}) key.push_back(head.columns[i] == Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
     }
@@ -194,7 +203,7 @@ class Order {
   const SchemaIndex& schema_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
   std::vector<Taker> takers_;
-  absl::flat_hash_set<std::vector<TermId>> instances_;
+  absl::flat_hash_set<Key> instances_;
   absl::flat_hash_map<TermId, std::vector<size_t>> by_predicate_;  // none: a variable
   std::vector<Reached> reached_;
   absl::flat_hash_set<std::pair<TermId, TermId>> seen_;  // predicate and object of reached_
