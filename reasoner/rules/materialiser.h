@@ -172,6 +172,7 @@ class Materialiser {
   size_t ghosts_ = 0;                   // the first of queue_ that were gone already
   bool ghosts_in_graph_ = false;
   std::vector<Triple> rederivable_;  // in the running stratum and all after it
+  std::vector<Triple> unproven_;     // taken away, but not for what may come back
   struct CheckRow {
     uint32_t rule;
     std::vector<TermId> row;

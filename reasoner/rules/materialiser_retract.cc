@@ -127,8 +127,10 @@ absl::Status Materialiser::Consider(const Triple& triple) {
   if (*answer == ProofSearch::Answer::kProven) return absl::OkStatus();
   marked_.insert(triple);
   queue_.push_back(triple);
-  // What has no proof now may have one when facts that are undecided are back, which rules of higher strata would not notice.
-  if (*answer == ProofSearch::Answer::kUnproven && stratum_ + 1 == program_.stratum_count) return absl::OkStatus();
+  if (*answer == ProofSearch::Answer::kUnproven) {
+    if (std::max(stratum_, 0) + 1 < program_.stratum_count) unproven_.push_back(triple);
+    return absl::OkStatus();
+  }
   // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
   rederivable_.push_back(triple);
   return absl::OkStatus();
@@ -196,6 +198,11 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
 }
 
 absl::Status Materialiser::Rederive(int stratum) {
+  // What has no proof may have one again when facts that are undecided are back, which rules of higher strata would not notice.
+  if (!rederivable_.empty()) {
+    rederivable_.insert(rederivable_.end(), unproven_.begin(), unproven_.end());
+    unproven_.clear();
+  }
   for (const Triple& triple : rederivable_) {
     if (IsPresent(triple)) continue;
     const absl::StatusOr<bool> derivable = IsDerivable(triple, stratum);
