@@ -19,11 +19,6 @@ constexpr size_t kManyPatterns = 1000;  // from here on they forget their object
 constexpr size_t kItself = ~size_t{0};
 constexpr uint32_t kNone = ~uint32_t{0};
 
-bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
-  const auto agree = [](TermId x, TermId y) { return x.IsNone() || y.IsNone() || x == y; };
-  return agree(a.subject, b.subject) && agree(a.predicate, b.predicate) && agree(a.object, b.object);
-}
-
 // A pattern of a body, with what an instance puts into it.
 struct Taker {
   uint32_t rule;
@@ -88,10 +83,7 @@ class Order {
       QuadPattern pattern = triggers[i].match.constants;
       if (instance != kNone) {
         const std::vector<TermId>& row = schema_.instance(instance).row;
-        const std::array<TermId*, 3> places = {&pattern.subject, &pattern.predicate, &pattern.object};
-        for (int k = 0; k < 3; ++k) {
-          if (triggers[i].columns[k] != Trigger::kNoColumn) *places[k] = row[triggers[i].columns[k]];
-        }
+        pattern = compiled.body->Instantiate(triggers[i], row).constants;
         if (!IsOther(rule, i, pattern, row)) continue;
       }
       by_predicate_[pattern.predicate].push_back(takers_.size());

@@ -10,11 +10,6 @@
 namespace docent {
 namespace {
 
-bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
-  const auto agree = [](TermId x, TermId y) { return x.IsNone() || y.IsNone() || x == y; };
-  return agree(a.subject, b.subject) && agree(a.predicate, b.predicate) && agree(a.object, b.object);
-}
-
 // a → b with the strongest sign that any of their patterns gives it, once where it is so whatever the axioms are and once
 // where a rule has a part about axioms, which say what it makes and of what.
 void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_t b,
@@ -122,6 +117,11 @@ bool CheckTermination(const RuleSets& sets, const std::vector<CompiledRule>& rul
 }
 
 }  // namespace
+
+bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
+  const auto agree = [](TermId x, TermId y) { return x.IsNone() || y.IsNone() || x == y; };
+  return agree(a.subject, b.subject) && agree(a.predicate, b.predicate) && agree(a.object, b.object);
+}
 
 bool HeadTriple::Make(absl::Span<const TermId> row, Triple& out) const {
   std::array<TermId, 3> terms;

@@ -45,6 +45,9 @@ struct HeadTriple {
   QuadPattern Pattern() const { return {constants[0], constants[1], constants[2], TermId()}; }
 };
 
+// Whether some triple matches both, what stands for the same variable aside. The graphs do not count.
+bool CanUnify(const QuadPattern& a, const QuadPattern& b);
+
 struct CompiledRule {
   std::string label;  // "owl2rl prp-dom (line 40)", "s01.rules rule 3 (line 12)"
   std::string name;   // the last part of its IRI: "prp-dom"; empty without one
