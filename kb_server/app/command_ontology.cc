@@ -51,6 +51,7 @@ int List(const OntologyArguments& arguments) {
                                {"size", module.size()},         {"revision", module.revision()},
                                {"ontology", module.ontology()}, {"version_iri", module.version_iri()},
                                {"version", module.version_info()}};
+      object["missing_imports"] = std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
       std::cout << object.dump() << "\n";
       continue;
     }
@@ -58,6 +59,7 @@ int List(const OntologyArguments& arguments) {
                                     rules ? "rules" : "triples", module.revision(), module.ontology(),
                                     module.ontology().empty() ? "" : "  ",
                                     VersionText(module.version_info(), module.version_iri()));
+    for (const std::string& iri : module.missing_imports()) std::cout << "    imports <" << iri << ">, which is not loaded\n";
   }
   return kExitOk;
 }

@@ -44,6 +44,20 @@ BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& p
   };
 }
 
+// The imports of a module that nothing in the graph is.
+void FillMissingImports(const GraphVersion& version, const Dictionary& dictionary, TermId graph, TermId type, TermId ontology,
+                        v1::ListOntologiesReply::Module* out) {
+  const auto imports = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "imports"));
+  if (!imports) return;
+  const auto version_iri = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "versionIRI"));
+  for (QuadCursor found = version.Scan({{}, *imports, {}, graph}); found.Valid(); found.Next()) {
+    const TermId imported = found.quad().object;
+    const bool there = version.Count({imported, type, ontology, {}}) > 0 ||
+                       (version_iri && version.Count({{}, *version_iri, imported, {}}) > 0);
+    if (!there) out->add_missing_imports(dictionary.Decode(imported).lexical);
+  }
+}
+
 // What a module says of itself, from its graph.
 void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::ListOntologiesReply::Module* out) {
   const auto graph = dictionary.FindIri(OntologyGraph(out->name()));
@@ -61,6 +75,7 @@ void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::
   out->set_ontology(dictionary.Decode(subject).lexical);
   out->set_version_iri(text_of("versionIRI"));
   out->set_version_info(text_of("versionInfo"));
+  FillMissingImports(version, dictionary, *graph, *type, *ontology, out);
 }
 
 }  // namespace

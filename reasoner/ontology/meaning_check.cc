@@ -39,6 +39,7 @@ class MeaningCheck {
         CheckRange(q, at);
       }
       CheckEdge(q, at);
+      CheckImport(q, at);
       CheckListLength(q, at);
     }
   }
@@ -61,16 +62,29 @@ class MeaningCheck {
     const std::string& iri = q.subject.lexical;
     const bool declares = vocabulary_.IsClass(iri) || vocabulary_.IsProperty(iri);
     if (declares && IsSchemaWord(q.object.lexical) && declared_.insert(iri).second) {
-      if (!vocabulary_.HasLabel(iri)) {
-        findings_.Warning("missing-label", at.subject, Concat(Show(iri), " has no label"),
-                          "add rdfs:label \"…\", the word that people see");
-      }
-      if (!vocabulary_.HasComment(iri)) {
-        findings_.Warning("missing-comment", at.subject, Concat(Show(iri), " has no comment"),
-                          "add rdfs:comment \"…\", what it means and when it holds");
-      }
+      CheckExplained(iri, at.subject);
     }
     CheckTypes(iri, vocabulary_.TypesOf(iri), at.subject, "is");
+  }
+
+  void CheckExplained(const std::string& iri, const SourceSpan& span) {
+    constexpr std::string_view kLabel = "rdfs:label \"…\", the word that people see";
+    constexpr std::string_view kComment = "rdfs:comment \"…\", what it means and when it holds";
+    const bool label = vocabulary_.HasLabel(iri), comment = vocabulary_.HasComment(iri);
+    if (!label && !comment) {
+      findings_.Warning("missing-label", span, Concat(Show(iri), " has neither label nor comment"),
+                        Concat("add ", kLabel, ", and ", kComment));
+    } else if (!label) {
+      findings_.Warning("missing-label", span, Concat(Show(iri), " has no label"), Concat("add ", kLabel));
+    } else if (!comment) {
+      findings_.Warning("missing-comment", span, Concat(Show(iri), " has no comment"), Concat("add ", kComment));
+    }
+  }
+
+  void CheckImport(const TermQuad& q, const QuadPlace& at) {
+    if (q.predicate.lexical != Concat(kOwlNs, "imports") || !q.object.IsIri() || vocabulary_.HasOntology(q.object.lexical)) return;
+    findings_.Warning("import", at.object, Concat(Show(q.object.lexical), " is imported, and is no ontology of these files"),
+                      "imports are not fetched; name the file that has it, too");
   }
 
   // Two disjoint classes among those that a resource is in, or a class is below.

@@ -19,7 +19,8 @@ namespace docent::ontology {
 //  error    disjoint-types      a resource in two disjoint classes; a class below two
 //  warning  domain-mismatch, range-mismatch   a resource with a type that is not the domain or range, nor below it: it is
 //                               taken for one, too
-//  warning  missing-label, missing-comment    of a class or property that this document declares
+//  warning  missing-label, missing-comment    of a class or property that this document declares; missing both is one finding
+//  warning  import              owl:imports of an ontology that no document of the vocabulary declares
 //  warning  cycle               classes or properties that are each below the other
 //  warning  long-list           a property chain or key of more properties than rule set owl2rl follows
 // `cycles`: those that were told already, for checking several documents; each is told once.

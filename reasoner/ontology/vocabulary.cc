@@ -98,6 +98,8 @@ void Vocabulary::AddType(const std::string& subject, const std::string& type) {
   if (name == "owl:Class" || name == "rdfs:Class") {
     classes_.insert(subject);
     covered_.insert(std::string(NamespaceOf(subject)));
+  } else if (name == "owl:Ontology") {
+    ontologies_.insert(subject);
   } else if (name == "rdfs:Datatype") {
     datatypes_.insert(subject);
   } else if (IsPropertyType(name) || type == DocentIri("StateProperty")) {
@@ -139,6 +141,8 @@ void Vocabulary::AddPropertyFact(const TermQuad& quad) {
     facts_[subject].domains.insert(object);
   } else if (name == "rdfs:range") {
     facts_[subject].ranges.insert(object);
+  } else if (name == "owl:versionIRI") {
+    ontologies_.insert(object);
   } else if (name == "owl:disjointWith" || name == "owl:complementOf") {
     disjoint_[subject].insert(object);
     disjoint_[object].insert(subject);

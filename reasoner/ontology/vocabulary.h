@@ -47,6 +47,9 @@ class Vocabulary {
   // rdfs:comment, skos:definition, dcterms:description, or rdfs:isDefinedBy (it is explained elsewhere).
   bool HasComment(std::string_view iri) const { return explained_.contains(iri); }
 
+  // The IRI or version IRI of an owl:Ontology that a document declares.
+  bool HasOntology(std::string_view iri) const { return ontologies_.contains(iri); }
+
   // The explicit types of a resource.
   const Words& TypesOf(std::string_view iri) const;
   // The class and those above it, the nearest first to be found; at most 2000 of them.
@@ -69,7 +72,7 @@ class Vocabulary {
   void AddPropertyFact(const TermQuad& quad);
   void AddAxioms(const std::vector<TermQuad>& quads);
 
-  Words classes_, properties_, datatypes_, known_, covered_, labelled_, explained_;
+  Words classes_, properties_, datatypes_, known_, covered_, labelled_, explained_, ontologies_;
   std::map<std::string, PropertyFacts, std::less<>> facts_;
   std::map<std::string, Words, std::less<>> types_, super_classes_, super_properties_, equivalent_;
   std::map<std::string, Words, std::less<>> disjoint_;

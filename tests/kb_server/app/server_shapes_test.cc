@@ -145,6 +145,18 @@ TEST_F(ServerShapesTest, ModulesAreAddedReplacedAndListedWithTheirVersions) {
   EXPECT_EQ(list.modules(0).revision(), Revision());
 }
 
+TEST_F(ServerShapesTest, ModulesAreListedWithTheImportsThatAreNotLoaded) {
+  StartServer();
+  ASSERT_TRUE(LoadModule("m.ttl", ":m a owl:Ontology ; owl:imports :n , :o , :v1 .", v1::LoadRequest::ADD).ok());
+  ASSERT_TRUE(LoadModule("n.ttl", ":n a owl:Ontology ; owl:versionIRI :v1 .", v1::LoadRequest::ADD).ok());
+  v1::ListOntologiesReply list;
+  ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::List, v1::ListOntologiesRequest(), &list).ok());
+  ASSERT_EQ(list.modules_size(), 2);
+  ASSERT_EQ(list.modules(0).missing_imports_size(), 1);
+  EXPECT_EQ(list.modules(0).missing_imports(0), "urn:w:o");
+  EXPECT_EQ(list.modules(1).missing_imports_size(), 0);
+}
+
 TEST_F(ServerShapesTest, AModuleWithoutTriplesIsThere) {
   StartServer();
   ASSERT_TRUE(LoadModule("m.ttl", ":a :b 1 .", v1::LoadRequest::ADD).ok());
