@@ -3,8 +3,10 @@
 #include <google/protobuf/util/json_util.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <thread>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
@@ -116,6 +118,11 @@ std::string MediaTypeOfFile(const std::string& file) {
       return "application/rdf+xml";
   }
   return "text/turtle";
+}
+
+void PauseToReconnect() {
+  std::cerr << "docent: the connection was lost; trying again\n";
+  std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 
 void PrintJson(const google::protobuf::Message& message) {

@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 
 #include <iostream>
+#include <memory>
+#include <optional>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -45,6 +47,13 @@ void PrintEvent(const v1::RunEvent& event) {
   std::cout << event.to();
   if (!event.detail().empty()) std::cout << "  " << OneLine(event.detail(), 200);
   std::cout << std::endl;
+}
+
+void Print(const ClientOptions& client, const v1::RunEvent& event) {
+  if (client.json)
+    PrintJson(event);
+  else
+    PrintEvent(event);
 }
 
 void PrintNode(const v1::Node& node) {
@@ -92,9 +101,73 @@ int ExitCodeOf(const v1::Run& run) {
   return run.state() == "failed" || run.state() == "cancelled" ? kExitNegative : kExitOk;
 }
 
+// Events of one run, or of all, from when it is made. A lost connection is taken up again where it broke.
+class EventReader {
+ public:
+  EventReader(std::shared_ptr<grpc::Channel> channel, const std::string& run)
+      : channel_(std::move(channel)), stub_(v1::Workflows::NewStub(channel_)) {
+    request_.set_run(run);
+    Open();
+  }
+  ~EventReader() { context_->TryCancel(); }
+
+  enum class Next { kEvent, kGap, kEnd };
+  // kGap: there may be events that were missed. kEnd: see status().
+  Next Read(v1::RunEvent* event) {
+    while (true) {
+      while (reader_->Read(event)) {
+        if (event->revision() != revision_) {
+          revision_ = event->revision();
+          seen_ = again_ = 0;
+        }
+        if (again_ > 0) {
+          --again_;
+          continue;
+        }
+        ++seen_;
+        return Next::kEvent;
+      }
+      status_ = reader_->Finish();
+      const bool forgotten = status_.error_code() == grpc::StatusCode::OUT_OF_RANGE && revision_ > 0;
+      if (forgotten) {
+        std::cerr << "docent: the server no longer has all events of the meantime; going on with new ones\n";
+        revision_ = seen_ = 0;
+      } else if (status_.error_code() == grpc::StatusCode::UNAVAILABLE && connected_) {
+        PauseToReconnect();
+      } else {
+        return Next::kEnd;
+      }
+      Open();
+      if (revision_ == 0) return Next::kGap;
+    }
+  }
+  const grpc::Status& status() const { return status_; }
+
+ private:
+  // The turn in which the connection broke is asked for again, for those of its events that did not come.
+  void Open() {
+    request_.set_after(revision_ > 0 ? revision_ - 1 : 0);
+    again_ = seen_;
+    context_ = std::make_unique<grpc::ClientContext>();
+    reader_ = stub_->Watch(context_.get(), request_);
+    reader_->WaitForInitialMetadata();  // what happens from here on is heard
+    connected_ = connected_ || channel_->GetState(false) == GRPC_CHANNEL_READY;
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<v1::Workflows::Stub> stub_;
+  v1::WatchRequest request_;
+  std::unique_ptr<grpc::ClientContext> context_;
+  std::unique_ptr<grpc::ClientReader<v1::RunEvent>> reader_;
+  bool connected_ = false;  // ever
+  uint64_t revision_ = 0;   // of the newest event
+  uint64_t seen_ = 0;       // events of that revision
+  uint64_t again_ = 0;      // of those, still to come a second time
+  grpc::Status status_;
+};
+
 // Follows events until the run ends; then shows it.
-int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, grpc::ClientReader<v1::RunEvent>* reader,
-           grpc::ClientContext* watch_context, const std::string& run_id) {
+int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* reader, const std::string& run_id) {
   v1::RunEvent event;
   v1::Run run;
   auto get = [&] {
@@ -105,15 +178,17 @@ int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, grpc::ClientR
     return stub->Get(&context, request, &run);
   };
   grpc::Status status = get();
-  while (status.ok() && run.state() == "running" && reader->Read(&event)) {
+  while (status.ok() && run.state() == "running") {
+    const EventReader::Next next = reader->Read(&event);
+    if (next == EventReader::Next::kEnd) break;
+    if (next == EventReader::Next::kGap) {
+      status = get();
+      continue;
+    }
     if (event.run() != run_id) continue;
-    if (client.json)
-      PrintJson(event);
-    else
-      PrintEvent(event);
+    Print(client, event);
     if (event.kind() == "run" && event.to() != "running") break;
   }
-  watch_context->TryCancel();
   if (status.ok()) status = get();
   if (!status.ok()) return Fail(status, client);
   if (client.json)
@@ -134,20 +209,14 @@ int StartRun(const RunArguments& arguments) {
     named->set_name(variable->first);
     ToProto(variable->second, named->mutable_value());
   }
-  auto stub = v1::Workflows::NewStub(Connect(arguments.client));
-  grpc::ClientContext watch_context;
-  std::unique_ptr<grpc::ClientReader<v1::RunEvent>> reader;
-  if (!arguments.detach) {
-    reader = stub->Watch(&watch_context, {});
-    reader->WaitForInitialMetadata();  // subscribed before the run starts
-  }
+  const std::shared_ptr<grpc::Channel> channel = Connect(arguments.client);
+  auto stub = v1::Workflows::NewStub(channel);
+  std::optional<EventReader> reader;
+  if (!arguments.detach) reader.emplace(channel, "");  // before the run starts
   grpc::ClientContext context;
   v1::StartReply reply;
   grpc::Status status = stub->Start(&context, request, &reply);
-  if (!status.ok()) {
-    watch_context.TryCancel();
-    return Fail(status, arguments.client);
-  }
+  if (!status.ok()) return Fail(status, arguments.client);
   if (arguments.detach) {
     if (arguments.client.json)
       PrintJson(reply);
@@ -155,27 +224,18 @@ int StartRun(const RunArguments& arguments) {
       std::cout << reply.run() << "\n";
     return kExitOk;
   }
-  return Follow(arguments.client, stub.get(), reader.get(), &watch_context, reply.run());
+  return Follow(arguments.client, stub.get(), &*reader, reply.run());
 }
 
-int WatchAll(const ClientOptions& client, v1::Workflows::Stub* stub, const std::string& run) {
-  grpc::ClientContext context;
-  v1::WatchRequest request;
-  request.set_run(run);
-  auto reader = stub->Watch(&context, request);
-  if (!run.empty()) {
-    reader->WaitForInitialMetadata();
-    return Follow(client, stub, reader.get(), &context, run);
-  }
+int Watch(const ClientOptions& client, const std::string& run) {
+  const std::shared_ptr<grpc::Channel> channel = Connect(client);
+  EventReader reader(channel, run);
+  if (!run.empty()) return Follow(client, v1::Workflows::NewStub(channel).get(), &reader, run);
   v1::RunEvent event;
-  while (reader->Read(&event)) {
-    if (client.json)
-      PrintJson(event);
-    else
-      PrintEvent(event);
+  for (auto next = reader.Read(&event); next != EventReader::Next::kEnd; next = reader.Read(&event)) {
+    if (next == EventReader::Next::kEvent) Print(client, event);
   }
-  grpc::Status status = reader->Finish();
-  return status.ok() ? kExitOk : Fail(status, client);
+  return reader.status().ok() ? kExitOk : Fail(reader.status(), client);
 }
 
 int ShowRuns(const RunsArguments& arguments) {
@@ -191,7 +251,7 @@ int ShowRuns(const RunsArguments& arguments) {
     PrintRun(run, true);
     return kExitOk;
   }
-  if (arguments.watch) return WatchAll(arguments.client, stub.get(), arguments.run);
+  if (arguments.watch) return Watch(arguments.client, arguments.run);
   grpc::ClientContext context;
   if (!arguments.run.empty()) {
     v1::GetRunRequest request;

@@ -1,9 +1,8 @@
 // docent watch 'SELECT …' 'ASK …': the answers of queries, and then what changes of them.
-#include <chrono>
 #include <iostream>
 #include <memory>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -25,8 +24,6 @@ struct WatchArguments {
   uint64_t count = 0;
 };
 
-constexpr auto kPause = std::chrono::seconds(1);  // before connecting again
-
 std::string RowText(const v1::CountedRow& row, const std::vector<std::string>& names) {
   std::vector<std::string> cells;
   for (int i = 0; i < row.row().values_size(); ++i) {
@@ -43,13 +40,15 @@ struct Watched {
   v1::SubscribeRequest request;
   std::vector<std::string> names;
   std::string last_id;
+  bool answered = false;
 };
 
 // `label`: which query, where there are several.
 void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* watched) {
   if (reply.reset()) {
+    const bool again = std::exchange(watched->answered, true);
     watched->names.assign(reply.variables().begin(), reply.variables().end());
-    std::cout << label << "revision " << reply.revision() << "\n";
+    std::cout << label << "revision " << reply.revision() << (again ? ", the whole answer again" : "") << "\n";
   }
   const std::string when = reply.reset() ? "" : absl::StrCat("   revision ", reply.revision());
   if (reply.is_boolean()) std::cout << label << (reply.boolean() ? "yes" : "no") << when << "\n";
@@ -132,8 +131,7 @@ int RunWatch(const WatchArguments& arguments) {
       if (!status.ok()) return Fail(status, arguments.client);
       return begun ? kExitOk : Fail(absl::InternalError("not all queries could be sent"));
     }
-    std::cerr << "docent: the connection was lost; trying again\n";
-    std::this_thread::sleep_for(kPause);
+    PauseToReconnect();
   }
 }
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Why, why not, what if and watch through the command line, in the hall of scenario s01."""
 import json
+import pathlib
 import subprocess
 import time
 import unittest
@@ -47,22 +48,39 @@ class Explain(StageTest):
         self.assertFalse(self.server.ask("?r a docent:AvailableRobot"))
         self.assertFalse(self.server.ask("?r docent:runState ?s"))
 
-    def test_watch_goes_on_after_the_server_was_away(self):
-        log = open(self.stage.folder / "watch.log", "w+b")
+    def follow(self, *arguments):
+        """A command that goes on, and a function that waits for a text among what it has said, and gives all of that."""
+        log = open(self.stage.folder / f"{arguments[0]}.log", "w+b")
         self.addCleanup(log.close)
-        watch = subprocess.Popen([str(self.stage.bin / "docent"), "watch", "--server", self.server.grpc, "--count", "3",
-                                  "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }"],
-                                 stdout=log, stderr=log)
-        self.addCleanup(lambda: watch.poll() is None and watch.kill())
+        process = subprocess.Popen([str(self.stage.bin / "docent"), arguments[0], "--server", self.server.grpc, *arguments[1:]],
+                                   stdout=log, stderr=log)
+        self.addCleanup(lambda: process.poll() is None and (process.kill(), process.wait()))
 
         def seen(text):
             for _ in range(600):
-                log.flush()
-                if text in open(log.name).read():
-                    return
+                said = pathlib.Path(log.name).read_text()
+                if text in said:
+                    return said
                 time.sleep(0.1)
-            self.fail(f"no {text!r} in {open(log.name).read()!r}")
+            self.fail(f"no {text!r} in {said!r}")
 
+        return process, seen
+
+    def test_runs_are_watched_on_after_the_server_was_away(self):
+        _, seen = self.follow("runs", "--watch")
+        time.sleep(0.5)  # until it listens: it says nothing before something happens
+        first = self.server.command("run", "BoothGuide", "--detach").strip()
+        seen(first)
+        self.server.kill()
+        seen("the connection was lost")
+        self.server.start()
+        second = self.server.command("run", "BoothGuide", "--detach").strip()
+        said = seen(second).splitlines()
+        self.assertEqual(len(said), len(set(said)), said)
+
+    def test_watch_goes_on_after_the_server_was_away(self):
+        watch, seen = self.follow("watch", "--count", "3",
+                                  "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }")
         seen("Entrance")
         self.server.tell(readings=[("expo:B01Beacon", "tag-17")])
         seen("B01")
