@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "docent/v1/ontologies.grpc.pb.h"
+#include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/line_parser.h"
 #include "kb_server/rdf/serializer.h"
 
@@ -38,6 +39,7 @@ void CutAtLines(std::string_view text, size_t part_bytes, std::vector<std::strin
 std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat format, const std::string& file,
                                            size_t part_bytes) {
   auto document = std::make_unique<DocumentParts>();
+  document->name = BlankLabelStart(text);
   ParseRdfOptions options;
   options.file = file;
   options.limits.document_bytes = std::numeric_limits<size_t>::max();
@@ -76,6 +78,7 @@ PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const Docu
       call->request = request;
       call->request.set_kind(v1::LoadRequest::DATA);
       call->request.set_media_type(document.media_type);
+      call->request.set_document(document.name);
       call->request.set_text(std::string(document.parts[next]));
       call->bytes = document.parts[next].size();
       call->reader = stub->AsyncLoad(&call->context, call->request, &queue);

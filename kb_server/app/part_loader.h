@@ -23,6 +23,7 @@ inline constexpr size_t kPartBytes = 4u << 20;
 
 // A document as N-Triples or N-Quads, cut at line ends.
 struct DocumentParts {
+  std::string name;  // of its content, by which the server knows that the parts belong together
   std::string media_type;
   std::vector<std::string_view> parts;  // into the text that was cut, or into `owned`
   std::string owned;                    // the document in another syntax, written as N-Quads

@@ -1,5 +1,7 @@
 #include "kb_server/rdf/document_name.h"
 
+#include <cstdint>
+
 #include "absl/strings/str_format.h"
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/turtle_scanner.h"
@@ -38,6 +40,12 @@ std::string NameInBlankLabel(std::string_view name) {
     const bool digit = c >= '0' && c <= '9';
     return c != kCareOf && (IsNameStart(c) || digit || (at > 0 && (IsNameChar(c) || c == '.')));
   });
+}
+
+std::string BlankLabelStart(std::string_view text) {
+  uint64_t hash = 0xCBF29CE484222325;  // FNV-1a
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
+  return absl::StrFormat("d%016x_", hash);
 }
 
 }  // namespace docent

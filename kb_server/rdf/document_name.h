@@ -15,6 +15,10 @@ std::string NameInIri(std::string_view name);
 // As the beginning of a blank node label, which knows no percent sign: "a (1).ttl" → "a℅20℅281℅29.ttl".
 std::string NameInBlankLabel(std::string_view name);
 
+// The beginning of the blank node labels of a document that has no name of its own: equal for equal texts, here and in
+// any other process, and for practical purposes different for different ones.
+std::string BlankLabelStart(std::string_view text);
+
 }  // namespace docent
 
 #endif  // DOCENT_KB_SERVER_RDF_DOCUMENT_NAME_H_

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/rdf/term_check.h"
 
@@ -122,6 +123,7 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     ParseRdfOptions options;
     options.file = "rdf";
     options.limits = limits;
+    options.blank_node_scope = BlankLabelStart(request.rdf());
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
     for (TermQuad& quad : parsed.quads)

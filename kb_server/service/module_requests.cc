@@ -22,7 +22,11 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   ParseRdfOptions options;
   options.file = request.name();
   options.limits = limits;
-  options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
+  if (request.kind() == v1::LoadRequest::ONTOLOGY) {
+    options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
+  } else {
+    options.blank_node_scope = BlankLabelStart(request.document().empty() ? request.text() : request.document());
+  }
   const auto add = [&](TermQuad quad) {
     if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
     batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});

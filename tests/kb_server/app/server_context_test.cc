@@ -66,6 +66,27 @@ TEST_F(ServerContextTest, ABadBatchSaysWhereAndChangesNothing) {
   EXPECT_EQ(Revision(), 0u);
 }
 
+// RDF 1.1 section 3.4: blank node labels mean nothing outside of their document.
+TEST_F(ServerContextTest, BlankNodesOfDifferentTextsAreDifferent) {
+  StartServer();
+  for (const char* text : {":John :saw [ :what 1 ] . _:n :what 2 .", ":Mary :saw [ :what 3 ] . _:n :what 4 ."}) {
+    ASSERT_TRUE(Assert(Turtle(text)).ok());
+    ASSERT_TRUE(Load(v1::LoadRequest::DATA, "data.ttl", absl::StrCat("@prefix : <urn:w:> . ", text)).ok());
+  }
+  EXPECT_FALSE(Ask("?n :what ?a . ?n :what ?b FILTER(?a != ?b)"));
+  // a part of a document knows the nodes of the others, and a text told again is the same
+  v1::LoadRequest part;
+  part.set_kind(v1::LoadRequest::DATA);
+  part.set_document("both");
+  v1::LoadReply reply;
+  for (const auto& [text, added] : {std::pair("_:m <urn:w:a> 1 .", 1u), {"_:m <urn:w:b> 1 .", 1u}, {"_:m <urn:w:b> 1 .", 0u}}) {
+    part.set_text(text);
+    ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Load, part, &reply).ok());
+    EXPECT_EQ(reply.added(), added);
+  }
+  EXPECT_TRUE(Ask("?m :a 1 ; :b 1"));
+}
+
 TEST_F(ServerContextTest, ARepeatedRequestIdIsAnsweredAndNotApplied) {
   StartServer();
   v1::AssertReply first, second;

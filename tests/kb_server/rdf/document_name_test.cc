@@ -32,5 +32,11 @@ TEST(DocumentNameTest, AnyNameGivesTermsThatMayBeStored) {
   }
 }
 
+TEST(DocumentNameTest, TextsHaveLabelStartsOfTheirOwn) {
+  EXPECT_EQ(BlankLabelStart(""), "dcbf29ce484222325_");  // as published for FNV-1a
+  EXPECT_EQ(BlankLabelStart("foobar"), "d85944171f73967e8_");
+  EXPECT_NE(BlankLabelStart("_:a <urn:p> 1 ."), BlankLabelStart("_:a <urn:p> 2 ."));
+}
+
 }  // namespace
 }  // namespace docent
