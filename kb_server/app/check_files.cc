@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/app/spatial_functions.h"
 #include "kb_server/sparql/parser.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
@@ -32,6 +33,8 @@ std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnos
   for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic});
   return findings;
 }
+
+FileChecker::FileChecker() { RegisterSpatialFunctions(&functions_); }
 
 void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
   ParseRdfOptions options;
@@ -75,18 +78,17 @@ std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
 
 std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, const std::string& text) {
   Dictionary dictionary;
-  const Diagnostics diagnostics = RuleEngine(dictionary).PutRules(file, text);
+  const Diagnostics diagnostics = RuleEngine(dictionary, {}, &functions_).PutRules(file, text);
   if (HasErrors(diagnostics)) return AsFindings("syntax", diagnostics);
   ontology::Findings findings(file, limits_.check_diagnostics);
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
-  ontology::CheckWords(ParseRules(text, file), vocabulary_, findings);
+  ontology::CheckWords(ParseRules(text, file, {}, &functions_), vocabulary_, findings);
   return TakeAll(file, findings);
 }
 
 std::vector<ontology::Finding> FileChecker::CheckQuery(const std::string& file, const std::string& text) {
-  sparql::ParseOptions options;
+  sparql::ParseOptions options = sparql::ParseOptionsWith({}, &functions_);
   options.file = file;
-  options.prefixes = sparql::WellKnownPrefixes();
   const sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
   if (!parsed.ok()) return AsFindings("syntax", parsed.diagnostics);
   ontology::Findings findings(file, limits_.check_diagnostics);

@@ -10,6 +10,7 @@
 
 #include "kb_server/base/check_limits.h"
 #include "kb_server/rdf/located_parser.h"
+#include "kb_server/sparql/function_registry.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 #include "reasoner/shapes/file_graph.h"
@@ -18,6 +19,8 @@ namespace docent {
 
 class FileChecker {
  public:
+  FileChecker();
+
   // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
   // first is checked.
   void AddRdf(const std::string& file, const std::string& text, bool only_words);
@@ -33,6 +36,7 @@ class FileChecker {
   void CheckShapes();
 
   const CheckLimits limits_;
+  sparql::FunctionRegistry functions_;  // that a server has
   ontology::Vocabulary vocabulary_;
   std::map<std::string, LocatedRdf> documents_;
   std::set<std::string> cycles_;

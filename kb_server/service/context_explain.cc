@@ -93,16 +93,14 @@ explain::Prefixes PrefixesOf(const v1::ExplainRequest& request, const sparql::Qu
 }
 
 absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::ExplainRequest& request,
-                                            const Limits& limits) {
+                                            const Limits& limits, const sparql::FunctionRegistry* functions) {
   if (text.size() > limits.query_text_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("the question has ", text.size(),
                                                      " bytes; the limit query_text_bytes is ",
                                                      limits.query_text_bytes));
   }
-  sparql::ParseOptions options;
-  options.prefixes = sparql::WellKnownPrefixes();
+  sparql::ParseOptions options = sparql::ParseOptionsWith(limits, functions);
   for (const auto& [name, iri] : request.prefixes()) options.prefixes.emplace_back(name, iri);
-  options.limits = limits;
   sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
   if (parsed.query.form != sparql::Query::Form::kAsk && parsed.query.form != sparql::Query::Form::kSelect)
@@ -122,7 +120,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     return absl::InvalidArgumentError("no question; give why_fact, why_ask or why_not");
   } else {
     const bool why = request.question_case() == v1::ExplainRequest::kWhyAsk;
-    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports.limits);
+    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports.limits, ports.functions);
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }

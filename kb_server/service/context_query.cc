@@ -117,9 +117,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
                                                      " bytes; the limit query_text_bytes is ",
                                                      ports.limits.query_text_bytes));
   }
-  sparql::ParseOptions options;
-  options.prefixes = sparql::WellKnownPrefixes();
-  options.limits = ports.limits;
+  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
   auto graph =

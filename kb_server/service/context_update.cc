@@ -14,9 +14,7 @@ namespace docent {
 grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* context,
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
   return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    sparql::ParseOptions options;
-    options.prefixes = sparql::WellKnownPrefixes();
-    options.limits = ports_.limits;
+    sparql::ParseOptions options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
     sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
     if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->update())));
     int timeout_ms = ports_.limits.query_timeout_ms;

@@ -46,9 +46,7 @@ class QueryAnswer {
 
  private:
   absl::Status Evaluate() {
-    sparql::ParseOptions parse_options;
-    parse_options.prefixes = sparql::WellKnownPrefixes();
-    parse_options.limits = ports_.limits;
+    sparql::ParseOptions parse_options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
     parse_options.base_iri = request_.base_iri;
     sparql::ParsedQuery parsed = sparql::ParseQuery(request_.text, parse_options);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, request_.text);

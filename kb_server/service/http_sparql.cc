@@ -76,9 +76,7 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
 // On a worker: parsing may take long.
 void Update(const ServicePorts& ports, const Measured& measured, const SparqlRequest& request,
             std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation) {
-  sparql::ParseOptions options;
-  options.prefixes = sparql::WellKnownPrefixes();
-  options.limits = ports.limits;
+  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = request.base_iri;
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
   absl::Status status =

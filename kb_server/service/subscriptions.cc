@@ -101,9 +101,7 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
 }
 
 void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done) {
-  sparql::ParseOptions options;
-  options.prefixes = sparql::WellKnownPrefixes();
-  options.limits = settings_.limits;
+  sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
   sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
   if (!parsed.ok()) {
     done(ToStatus(parsed.diagnostics, query.text));

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,13 @@ class FunctionRegistry {
  private:
   absl::flat_hash_map<std::string, std::unique_ptr<FunctionEntry>> functions_;
 };
+
+// What is wrong with a call: nothing of that IRI is in the registry (which may be null) or a cast, or it takes another
+// number of arguments.
+struct CallMistake {
+  std::string message, hint;
+};
+std::optional<CallMistake> FindCallMistake(const FunctionRegistry* functions, const std::string& iri, size_t arguments);
 
 }  // namespace docent::sparql
 

@@ -266,6 +266,7 @@ class Grammar {
   std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
   std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
   bool in_aggregate_ = false;
+  bool in_service_ = false;                 // whose functions are those of the other endpoint
   int operation_ = 0;                       // number of the current update operation
   std::map<std::string, int> data_labels_;  // blank node label → INSERT DATA that used it
 };

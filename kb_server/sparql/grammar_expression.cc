@@ -2,6 +2,7 @@
 
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/builtins.h"
+#include "kb_server/sparql/function_registry.h"
 #include "kb_server/sparql/grammar.h"
 #include "kb_server/sparql/text.h"
 
@@ -246,6 +247,10 @@ ExpressionPtr Grammar::IriOrFunction() {
   if (distinct) {
     Error(span, "DISTINCT in a call of <" + e->term.lexical + ">: no function with that IRI is an aggregate");
     return nullptr;
+  }
+  if (options_.functions == nullptr || in_service_) return e;
+  if (const auto mistake = FindCallMistake(options_.functions, e->term.lexical, e->arguments.size())) {
+    Error(span, mistake->message, mistake->hint);
   }
   return e;
 }

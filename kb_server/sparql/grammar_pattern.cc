@@ -194,7 +194,9 @@ bool Grammar::ServiceElement(OpenGroup* group) {
   const bool silent = AcceptWord("SILENT");
   std::optional<PatternTerm> name = VarOrIri();
   if (!name) return false;
+  const bool outer = std::exchange(in_service_, true);
   AlgebraPtr inner = GroupGraphPattern();
+  in_service_ = outer;
   if (!inner) return false;
   auto service = std::make_unique<Algebra>(Kind::kService, span);
   service->name = *std::move(name);

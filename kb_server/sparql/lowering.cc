@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kb_server/sparql/function_registry.h"
 #include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
@@ -416,19 +417,9 @@ SlotSet Lowering::Reads(const Expression& e, Scope& scope, const GraphRef& graph
 }
 
 void Lowering::CheckFunction(const Expression& e) {
-  const FunctionEntry* entry = functions_ ? functions_->Find(e.term.lexical) : nullptr;
-  const int count = static_cast<int>(e.arguments.size());
-  if (entry == nullptr && !IsCast(e.term.lexical)) {
-    std::vector<std::string> names;
-    if (functions_) names = functions_->Names();
-    const std::string near = Nearest(e.term.lexical, names);
-    Fail(absl::StatusCode::kInvalidArgument, e.span,
-         "no function <" + e.term.lexical + "> is known" +
-             (near.empty() ? "" : "; did you mean <" + near + ">?"));
-  } else if (entry == nullptr ? count != 1 : count < entry->min_arguments || count > entry->max_arguments) {
-    Fail(absl::StatusCode::kInvalidArgument, e.span,
-         "<" + e.term.lexical + "> does not take " + std::to_string(count) + " arguments");
-  }
+  const std::optional<CallMistake> mistake = FindCallMistake(functions_, e.term.lexical, e.arguments.size());
+  if (!mistake) return;
+  Fail(absl::StatusCode::kInvalidArgument, e.span, mistake->message + (mistake->hint.empty() ? "" : "; " + mistake->hint));
 }
 
 PlanExpressionPtr Lowering::Lower(const Expression& e, Scope& scope, const GraphRef& graph) {

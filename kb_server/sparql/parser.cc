@@ -34,6 +34,14 @@ std::vector<std::pair<std::string, std::string>> WellKnownPrefixes() {
   return out;
 }
 
+ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* functions) {
+  ParseOptions options;
+  options.prefixes = WellKnownPrefixes();
+  options.limits = limits;
+  options.functions = functions;
+  return options;
+}
+
 ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
   ParsedQuery parsed;
   if (std::optional<Diagnostic> refused = Refuse(text, options)) {
@@ -126,11 +134,16 @@ bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
 bool ProductionParser::AtPunctuation(std::string_view punctuation) const {
   return impl_->grammar.At(punctuation);
 }
+bool ProductionParser::AtWord() const { return impl_->grammar.Peek().kind == TokenKind::kWord; }
 bool ProductionParser::AtEnd() const {
   return impl_->grammar.Peek().kind == TokenKind::kEnd;
 }
 SourceSpan ProductionParser::Here() const {
   return impl_->grammar.Peek().span;
+}
+
+void ProductionParser::Error(const SourceSpan& at, std::string message, std::string hint) {
+  impl_->grammar.Error(at, std::move(message), std::move(hint));
 }
 
 void ProductionParser::Error(std::string message, std::string hint) {

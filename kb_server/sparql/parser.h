@@ -20,6 +20,8 @@
 
 namespace docent::sparql {
 
+class FunctionRegistry;
+
 struct ParseOptions {
   std::string file;      // for diagnostics; may be empty
   std::string base_iri;  // BASE before the text's own; empty: a relative IRI is an error
@@ -29,10 +31,15 @@ struct ParseOptions {
   // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
   // expression).
   bool rule_elements = false;
+  // Calls are held to these and the casts; null: they are left to whoever prepares the query. Read while parsing.
+  const FunctionRegistry* functions = nullptr;
 };
 
 // kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.
 std::vector<std::pair<std::string, std::string>> WellKnownPrefixes();
+
+// For a text that someone has sent to a server: with these, what the limits allow and the functions that there are.
+ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* functions);
 
 struct ParsedQuery {
   Query query;  // usable only if ok()
@@ -93,11 +100,13 @@ class ProductionParser {
   bool AtKeyword(std::string_view keyword) const;
   bool AcceptPunctuation(std::string_view punctuation);
   bool AtPunctuation(std::string_view punctuation) const;
+  bool AtWord() const;  // a keyword, or letters that are none
   bool AtEnd() const;
   // The place of the next token, for errors and AST nodes.
   SourceSpan Here() const;
 
   void Error(std::string message, std::string hint = "");
+  void Error(const SourceSpan& at, std::string message, std::string hint);
   // Goes past the next '}' that closes what is open here (or to the end): recovery between rules.
   void SkipPastBrace();
 

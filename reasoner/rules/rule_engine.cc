@@ -60,7 +60,7 @@ RuleEngine::RuleEngine(Dictionary& dictionary, const Limits& limits,
 RuleEngine::~RuleEngine() = default;
 
 Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text) {
-  ParsedRules parsed = ParseRules(text, name, impl_->limits);
+  ParsedRules parsed = ParseRules(text, name, impl_->limits, impl_->functions);
   Diagnostics diagnostics = std::move(parsed.diagnostics);
   if (HasErrors(diagnostics)) return diagnostics;
   RuleSets sets = impl_->state.sets;

@@ -28,6 +28,10 @@
 #include "kb_server/base/limits.h"
 #include "kb_server/sparql/algebra.h"
 
+namespace docent::sparql {
+class FunctionRegistry;
+}
+
 namespace docent {
 
 // RULE { head } WHERE { body }. DATA is a rule with an empty body.
@@ -59,8 +63,9 @@ std::string RuleLabel(std::string_view set, const Rule& rule, int number);
 // or BIND uses is bound; no blank node or impossible triple in a head; nothing in the body that cannot be
 // kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate), no
 // NOW() or RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes
-// need no declaration.
-ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {});
+// need no declaration. `functions`: what calls are held to (parser.h).
+ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {},
+                       const sparql::FunctionRegistry* functions = nullptr);
 
 }  // namespace docent
 

@@ -131,6 +131,14 @@ class Modules(StageTest):
         self.assertEqual(server.run("ontology", "diff", words).returncode, 1)
         server.command("ontology", "replace", words)
 
+    def test_functions_that_a_server_has(self):
+        good = self.file("good.rules", "PREFIX : <http://e/> RULE { ?a :d ?x } WHERE { ?a :x ?p ; :y ?q BIND(docent:distance(?p, ?q, 0, 0) AS ?x) }\n")
+        self.assertEqual(self.docent("check", good).returncode, 0)
+        bad = self.file("bad.rq", "SELECT * { BIND(docent:distanse(1, 2, 3, 4) AS ?d) }\n")
+        done = self.docent("check", bad)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("bad.rq:1:17: error: no function", done.stderr + done.stdout)
+
     def test_a_module_whose_name_has_characters_that_terms_do_not(self):
         server = self.stage.server()
         words = self.file("my words (1)+é–100%@home.ttl", WORDS)
