@@ -46,6 +46,7 @@ absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
   if (!imported.ok()) return ToStatus(imported.diagnostics, "");
   if (imported.rules == 0)
     return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
+  std::cerr << Render(imported.diagnostics, "");
   return RuleText{std::move(name), std::move(imported.text)};
 }
 

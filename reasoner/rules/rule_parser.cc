@@ -327,6 +327,10 @@ class RulesReader {
   void ReadRule(const SourceSpan& start, ParsedRules& out) {
     std::string name;
     if (!parser_.AtPunctuation("{")) {
+      if (parser_.AtWord()) {
+        parser_.Error("the name of a rule is an IRI", "write RULE prefix:name { … }, or leave the name away");
+        return Recover();
+      }
       std::optional<Term> iri = parser_.Iri();
       if (!iri) return Recover();
       name = iri->lexical;
@@ -358,6 +362,17 @@ class RulesReader {
     auto facts = parser_.TriplesTemplateInBraces();
     if (!facts) return Recover();
     if (facts->empty()) return;
+    for (const sparql::TriplePattern& fact : *facts) {
+      for (const PatternTerm* term : {&fact.subject, &fact.predicate, &fact.object}) {
+        const bool blank = term->IsVariable() ? term->variable->IsHidden() : term->term.IsBlank();
+        if (!term->IsVariable() && !blank) continue;
+        // one of several: a list is many triples at one place
+        parser_.Error(term->span,
+                      blank ? "DATA of rules takes no blank nodes, nor lists, which are made of them" : "a variable stands in DATA",
+                      blank ? "name the thing by an IRI, or tell it as a fact" : "DATA holds facts; a rule has variables");
+        return;
+      }
+    }
     Add(start, "", *std::move(facts), std::make_unique<Algebra>(Algebra::Kind::kBgp), out);
   }
 
@@ -398,11 +413,10 @@ std::string RuleLabel(std::string_view set, const Rule& rule, int number) {
                       rule.span.line, ")");
 }
 
-ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits) {
-  sparql::ParseOptions options;
+ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits,
+                       const sparql::FunctionRegistry* functions) {
+  sparql::ParseOptions options = sparql::ParseOptionsWith(limits, functions);
   options.file = std::string(file);
-  options.prefixes = sparql::WellKnownPrefixes();
-  options.limits = limits;
   options.rule_elements = true;
   options.limits.query_text_bytes = limits.document_bytes;
   ParsedRules result;

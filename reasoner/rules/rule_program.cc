@@ -89,7 +89,8 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
   }
   absl::StrAppend(&message, cycle.size() == 1 ? "itself" : first.label);
   return {first.set, first.span, std::move(message),
-          "take the negation out of the cycle: a rule may negate only what does not depend on it"};
+          Aggregates(first) ? "take the aggregate out of the cycle: a rule may count or sum only what does not depend on it"
+                            : "take the negation out of the cycle: a rule may negate only what does not depend on it"};
 }
 
 // Rules that compute new values from values of their own make, without end: each an error with its cycle.

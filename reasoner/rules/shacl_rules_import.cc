@@ -27,6 +27,10 @@ class Importer {
       if (IsTrue(Values(shape_, Sh("deactivated")))) continue;
       for (const Term& rule : rules) Import(Key(rule));
     }
+    if (by_class_) {
+      result_.diagnostics.push_back({file_, {}, "a target class means its explicit instances here, those of its subclasses only where inferred",
+                                     "put rdfs or owl2rl in use, too, if there are subclasses", Diagnostic::Severity::kWarning});
+    }
     return std::move(result_);
   }
 
@@ -113,6 +117,7 @@ class Importer {
     // The target stands in the same group as the pattern, so that its filters see ?this.
     std::string where = sparql::PrintPattern(*parsed.query.algebra, print);
     where = where.substr(1, where.rfind('}') - 1);
+    by_class_ = by_class_ || !Values(shape_, Sh("targetClass")).empty();
     for (const std::string& target : targets) {
       absl::StrAppend(&result_.text, rule.starts_with("_:") ? "RULE" : absl::StrCat("RULE <", rule, ">"),
                       " { ", head, "}\nWHERE { ", target, " ", where, "}\n");
@@ -123,6 +128,7 @@ class Importer {
   const std::string file_;
   std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
   std::string shape_;
+  bool by_class_ = false;  // a rule whose target is a class
   ImportedRules result_;
 };
 

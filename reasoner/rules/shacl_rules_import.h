@@ -25,7 +25,8 @@ struct ImportedRules {
 };
 
 // The rules of all shapes of `shapes`. Targets: sh:targetClass, sh:targetNode, sh:targetSubjectsOf,
-// sh:targetObjectsOf, and a shape that is a class itself. Deactivated shapes and rules are left out; sh:order
+// sh:targetObjectsOf, and a shape that is a class itself; a class means its instances
+// as the graph has them, which a warning says. Deactivated shapes and rules are left out; sh:order
 // is not needed, as rules go to a fixpoint. Errors: sh:condition and other kinds of rules (sh:TripleRule), a
 // query that is no CONSTRUCT, its mistakes. `file` names the document in diagnostics.
 ImportedRules ImportShaclRules(const std::vector<TermQuad>& shapes, std::string_view file);

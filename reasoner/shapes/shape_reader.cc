@@ -450,7 +450,8 @@ class ShapeReader {
       const std::string word(iri.substr(kShaclNs.size()));
       if (IsKnown(word)) return true;
       if (std::find(kBeyondCore.begin(), kBeyondCore.end(), word) != kBeyondCore.end()) {
-        Report(node, word, Concat("sh:", word, " is not SHACL Core and is not checked"), "say it with SHACL Core, or as a rule",
+        Report(node, word, Concat("sh:", word, " is not SHACL Core and is not checked"),
+               word == "rule" ? "a sh:SPARQLRule is put in use by docent rules use FILE" : "say it with SHACL Core, or as a rule",
                Diagnostic::Severity::kWarning);
         return true;
       }

@@ -340,6 +340,14 @@ TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
   EXPECT_EQ(engine_.rule_count(), 0u) << "nothing changed";
 }
 
+TEST_F(RuleEngineTest, CountingWhatTheCountMakesIsRefusedAsSuch) {
+  const Diagnostics diagnostics = engine_.PutRules(
+      "bad.rules", "PREFIX : <http://example.org/>\nRULE { ?x :n ?c } WHERE { { SELECT ?x (COUNT(?y) AS ?c) { ?x :n ?y } GROUP BY ?x } }");
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_THAT(diagnostics[0].message, ::testing::HasSubstr("aggregates what is derived by itself"));
+  EXPECT_THAT(diagnostics[0].hint, ::testing::HasSubstr("take the aggregate out of the cycle"));
+}
+
 TEST_F(RuleEngineTest, ARuleThatNeverEndsIsRefusedWithItsCycle) {
   const std::string text =
       "PREFIX : <http://example.org/>\n"

@@ -108,7 +108,18 @@ TEST(RuleParser, HeadsMustBeTriples) {
 }
 
 TEST(RuleParser, DataHoldsNoVariables) {
-  EXPECT_THAT(Errors("DATA { ?a :p :b }"), HasSubstr("?a of the head does not occur"));
+  EXPECT_THAT(Errors("DATA { ?a :p :b }"), HasSubstr("a variable stands in DATA"));
+  const ParsedRules list = ParseRules(std::string(kPrefix) + "DATA { :a :p (1 2 3) }", "t.rules");
+  ASSERT_EQ(list.diagnostics.size(), 1u) << "a list is six triples, and one mistake";
+  EXPECT_THAT(list.diagnostics[0].message, HasSubstr("no blank nodes, nor lists"));
+}
+
+TEST(RuleParser, ARulesNameIsAnIri) {
+  EXPECT_EQ(Errors("RULE :near { ?a :p ?b } WHERE { ?a :q ?b }"), "");
+  const ParsedRules parsed = ParseRules(std::string(kPrefix) + "RULE near { ?a :p ?b } WHERE { ?a :q ?b }", "t.rules");
+  ASSERT_EQ(parsed.diagnostics.size(), 1u);
+  EXPECT_EQ(parsed.diagnostics[0].message, "the name of a rule is an IRI");
+  EXPECT_EQ(parsed.diagnostics[0].span.column, 6);
 }
 
 TEST(RuleParser, ReportsEveryMistakeOfADocument) {
