@@ -202,25 +202,36 @@ struct Change {
   UpdateRequest request;
   Address address;
   bool existed = false;
+  bool condition_failed = false;      // of If-Match or If-None-Match
   std::unique_ptr<MemoryUse> memory;  // of what it loads
 };
+
+// RFC 9110 section 13.1, of a graph that is there or not. Graphs have no entity tags, so that none that is named can match.
+bool ConditionHolds(const HttpRequest& http, bool exists) {
+  const std::string match = http.Header("if-match");
+  if (!match.empty() && (match != "*" || !exists)) return false;
+  return http.Header("if-none-match") != "*" || !exists;
+}
 
 void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
   change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
   change->request.cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
   const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
-  change->request.precondition = [&ports, must_exist,
+  change->request.precondition = [&ports, must_exist, exchange,
                                   weak = std::weak_ptr(change)](const GraphVersion& version) {
     const std::shared_ptr<Change> c = weak.lock();
     if (c == nullptr) return absl::OkStatus();
     const std::optional<TermId> graph = ports.dictionary->Find(c->address.graph);
     c->existed = c->address.is_default || (graph && version.Count({{}, {}, {}, *graph}) > 0);
+    c->condition_failed = !ConditionHolds(exchange->request(), c->existed);
+    if (c->condition_failed) return absl::FailedPreconditionError("the graph is not as If-Match or If-None-Match want it");
     if (c->existed || !must_exist) return absl::OkStatus();
     return absl::NotFoundError("there is no graph " + ToDisplay(c->address.graph));
   };
   UpdateRequest request = std::move(change->request);
   ports.updates->Submit(std::move(request), [change, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (change->condition_failed) return exchange->Respond(TextResponse(412, std::string(outcome.status().message())));
     if (!outcome.ok()) return exchange->Respond(ErrorResponse(outcome.status()));
     HttpResponse response =
         OutcomeResponse(change->existed || exchange->request().method == "DELETE" ? 200 : 201, *outcome);
@@ -281,9 +292,7 @@ void Patch(const ServicePorts& ports, Address address, const Exchange& exchange)
   if (MediaTypeOnly(http.Header("content-type")) != "application/sparql-update") {
     return exchange->Respond(TextResponse(415, "PATCH a graph with application/sparql-update"));
   }
-  sparql::ParseOptions options;
-  options.prefixes = sparql::WellKnownPrefixes();
-  options.limits = ports.limits;
+  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = address.graph.lexical;
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(http.body, options);
   if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, http.body)));

@@ -8,6 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/iri.h"
 
 namespace docent {
 namespace {
@@ -34,7 +35,7 @@ std::optional<HttpResponse> ReadOption(const std::string& name, const std::strin
   if (for_query || for_update) {
     if (for_query != query)
       return TextResponse(400, name + " does not go with " + (query ? "a query" : "an update"));
-    if (!absl::StrContains(value, ":")) {
+    if (!IsValidTermIri(value)) {
       return TextResponse(400, name + " must be an absolute IRI, not \"" + value + "\"");
     }
     const bool named = absl::StrContains(name, "named");

@@ -69,6 +69,26 @@ TEST_F(GraphStoreTest, AGraphsLife) {
   EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
 }
 
+// RFC 9110 section 13.1
+TEST_F(GraphStoreTest, ConditionalChanges) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g", is_there = "If-Match: *\r\n", is_not = "If-None-Match: *\r\n";
+  const auto put = [&](const std::string& condition) {
+    return Ask("PUT", graph, kTurtle + condition, "<urn:w:a> <urn:w:p> \"" + condition.substr(0, 7) + "\" .").status;
+  };
+  EXPECT_EQ(put(is_there), 412);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(put(is_not), 201);
+  EXPECT_EQ(put(is_not), 412);
+  EXPECT_EQ(put("If-Match: \"v1\"\r\n"), 412);
+  EXPECT_THAT(Ask("GET", graph).body, HasSubstr("If-None"));
+  EXPECT_EQ(put(is_there), 200);
+  EXPECT_EQ(put("If-None-Match: \"v1\"\r\n"), 200);
+  EXPECT_EQ(Ask("DELETE", graph, is_not).status, 412);
+  EXPECT_EQ(Ask("DELETE", graph, is_there).status, 200);
+  EXPECT_EQ(Ask("DELETE", graph, is_there).status, 412);
+}
+
 TEST_F(GraphStoreTest, EveryFormatInAndOut) {
   StartServer();
   const std::string graph = "/rdf-graphs/people/1";
