@@ -8,6 +8,7 @@
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/turtle_scanner.h"
 #include "kb_server/rdf/utf8.h"
+#include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
 namespace {
@@ -87,6 +88,7 @@ absl::Status CheckTerm(const Term& term, size_t term_bytes) {
     }
   }
   if (term.datatype.empty()) return absl::OkStatus();
+  if (term.datatype == kRdfLangString) return Wrong("a literal of datatype rdf:langString has a language instead: \"text\"@en");
   if (absl::Status text = CheckText(term.datatype, "datatype", term_bytes); !text.ok()) return text;
   return InPosition("datatype", CheckIri(term.datatype));
 }

@@ -27,25 +27,39 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   } else {
     options.blank_node_scope = BlankLabelStart(request.document().empty() ? request.text() : request.document());
   }
+  absl::Status other_graph;
   const auto add = [&](TermQuad quad) {
-    if (quad.graph.lexical.empty() && !graph.empty()) quad.graph = Term::Iri(graph);
+    if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
+      other_graph = absl::InvalidArgumentError(absl::StrCat(request.name(), ": the text names the graph ", ToDisplay(quad.graph),
+                                                            request.kind() == v1::LoadRequest::ONTOLOGY
+                                                                ? ", and a module is one graph; load it as data"
+                                                                : "; what is loaded into one graph cannot name others; leave graph (--graph) away"));
+      return false;
+    }
+    if (!graph.empty()) quad.graph = Term::Iri(graph);
     batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
     return true;
   };
   if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
-    return ToStatus(ParseLines(request.text(), *format, options, add), request.text());
+    const absl::Status status = ToStatus(ParseLines(request.text(), *format, options, add), request.text());
+    return status.ok() ? other_graph : status;
   }
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
   batch->operations.reserve(parsed.quads.size());
-  for (TermQuad& quad : parsed.quads) add(std::move(quad));
-  return absl::OkStatus();
+  for (TermQuad& quad : parsed.quads) {
+    if (!add(std::move(quad))) break;
+  }
+  return other_graph;
 }
 
 }  // namespace
 
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
+  if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
+    return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
+  }
   if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
     return absl::InvalidArgumentError(
         "name is empty; an ontology or rule set is replaced and removed by its name");

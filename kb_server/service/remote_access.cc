@@ -1,6 +1,7 @@
 #include "kb_server/service/remote_access.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -40,6 +41,7 @@ bool IsTricky(std::string_view path) {
 absl::StatusOr<std::string> ReadFile(std::string_view url, size_t max_bytes) {
   const std::optional<std::string> path = PercentDecode(url.substr(kFile.size()), false);
   if (!path) return absl::InvalidArgumentError("a broken %-escape");
+  if (std::error_code ignored; std::filesystem::is_directory(*path, ignored)) return absl::InvalidArgumentError("it is a folder; name a file");
   std::ifstream file(*path, std::ios::binary | std::ios::ate);
   if (!file) return absl::NotFoundError("it cannot be read");
   const std::streamoff size = file.tellg();

@@ -1,5 +1,11 @@
 // Workflows: check, deploy, start, look at and end runs.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "kb_server/service/condition_cost.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/graph_environment.h"
@@ -16,6 +22,36 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
   cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
   for (Diagnostic& warning : CostWarnings(report, name, ports)) report.diagnostics.push_back(std::move(warning));
   return report;
+}
+
+// Whether the flow that `target` names ("name" or "name/flow") declares each of the variables. What names none is left to
+// the engine to say.
+absl::Status CheckVariables(const Catalog& catalog, const std::string& target, const RunRequest& start) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(target, absl::MaxSplits('/', 1));
+  for (const auto& [document, revision] : catalog.workflows) {
+    if (document->name.value != parts.first || document->flows.empty()) continue;
+    const auto& activator = document->activator;
+    const std::string wanted = parts.second.empty() && activator ? activator->flow.value : parts.second;
+    const cawl::Flow* flow = wanted.empty() ? &document->flows.front() : document->FindFlow(wanted);
+    if (flow == nullptr) return absl::OkStatus();
+    std::vector<std::string> names;
+    const auto add = [&names](const std::vector<cawl::Variable>& variables) {
+      for (const cawl::Variable& variable : variables) names.push_back(variable.name.value);
+    };
+    add(flow->variables);
+    add(document->variables);
+    if (activator && activator->flow.value == flow->name.value) add(activator->variables);
+    for (const auto& [name, value] : start.arguments) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      const std::string near = Nearest(name, names);
+      return absl::InvalidArgumentError(absl::StrCat(
+          "flow ", flow->name.value, " has no variable ", name,
+          !near.empty()   ? absl::StrCat("; did you mean ", near, "?")
+          : names.empty() ? "; it has none"
+                          : absl::StrCat("; it has ", absl::StrJoin(names, ", "))));
+    }
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -82,6 +118,9 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
   auto arguments = FromProto(request->variables(), "variables", ports_.limits);
   if (!arguments.ok()) return FinishNow(context, ToGrpc(arguments.status()));
   start.arguments = *std::move(arguments);
+  if (absl::Status known = CheckVariables(*ports_.catalog->Get(), start.target, start); !known.ok()) {
+    return FinishNow(context, ToGrpc(known));
+  }
   batch.run_requests.push_back(std::move(start));
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {

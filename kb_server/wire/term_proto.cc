@@ -1,5 +1,7 @@
 #include "kb_server/wire/term_proto.h"
 
+#include "kb_server/rdf/vocabulary.h"
+
 namespace docent {
 
 void ToProto(const Term& term, v1::Term* out) {
@@ -33,7 +35,9 @@ std::optional<Term> FromProto(const v1::Term& term) {
       return Term::Blank(term.blank());
     case v1::Term::kLiteral:
       if (!term.literal().language().empty()) {
-        return Term::LangString(term.literal().lexical(), term.literal().language());
+        Term literal = Term::LangString(term.literal().lexical(), term.literal().language());
+        if (term.literal().datatype() != kRdfLangString) literal.datatype = term.literal().datatype();
+        return literal;
       }
       return Term::Literal(term.literal().lexical(), term.literal().datatype());
     case v1::Term::KIND_NOT_SET:

@@ -66,6 +66,9 @@ class Explain(StageTest):
 
         return process, seen
 
+    def test_a_run_knows_its_variables(self):
+        self.assert_refused(self.server.run("run", "BoothGuide", "--var", "usr=expo:John"), 2, "no variable usr", "did you mean user?")
+
     def test_runs_are_watched_on_after_the_server_was_away(self):
         _, seen = self.follow("runs", "--watch")
         time.sleep(0.5)  # until it listens: it says nothing before something happens

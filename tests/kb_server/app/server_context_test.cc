@@ -63,6 +63,22 @@ TEST_F(ServerContextTest, ABadBatchSaysWhereAndChangesNothing) {
   request = Words(1);
   request.set_request_id(std::string(257, 'x'));
   EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  // what would not be obeyed is not taken in silence
+  request = Turtle(":a :b :c .");
+  request.set_mode(v1::AssertRequest::LOAD);
+  request.set_lifetime_ms(100);
+  EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_lifetime_ms(0);
+  request.set_mode(static_cast<v1::AssertRequest::Mode>(9));
+  EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request = Words(1);
+  v1::Literal* literal = request.mutable_add(0)->mutable_object()->mutable_literal();
+  literal->set_language("en");
+  literal->set_datatype("http://www.w3.org/2001/XMLSchema#string");
+  EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  literal->set_language("");
+  literal->set_datatype("http://www.w3.org/1999/02/22-rdf-syntax-ns#langString");
+  EXPECT_EQ(Assert(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Revision(), 0u);
 }
 
@@ -225,6 +241,15 @@ TEST_F(ServerContextTest, AMistakeInAQueryIsShownWithItsPlace) {
 
 constexpr char kBomb[] =
     "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?o ?p . ?q ?r ?s }";
+
+TEST_F(ServerContextTest, ACallOfNoFunctionIsShownWithItsPlaceAndWhatItTakes) {
+  StartServer();
+  EXPECT_THAT(Query("SELECT * { BIND(docent:distanse(1, 2, 3, 4) AS ?d) }").status.error_message(),
+              AllOf(HasSubstr("1:17: error: no function"), HasSubstr("^"), HasSubstr("did you mean <https://w3id.org/docent#distance>?")));
+  EXPECT_THAT(Query("SELECT * { BIND(docent:distance(1, 2, 3) AS ?d) }").status.error_message(),
+              AllOf(HasSubstr("does not take 3 arguments"), HasSubstr("it takes 4")));
+  EXPECT_TRUE(Query("SELECT * { SERVICE SILENT <http://127.0.0.1:1/> { BIND(<urn:theirs>(1) AS ?d) } }").status.ok()) << "theirs, not ours";
+}
 
 TEST_F(ServerContextTest, AQueryBombIsStoppedAndOthersGoOn) {
   StartServer();

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kb_server/rdf/vocabulary.h"
+
 namespace docent {
 namespace {
 
@@ -33,6 +35,7 @@ TEST(TermCheckTest, BadTermsSayWhatIsWrong) {
   Term both = Term::LangString("x", "en");
   both.datatype = "urn:t";
   EXPECT_THAT(Message(CheckTerm(both, 100)), HasSubstr("not both"));
+  EXPECT_THAT(Message(CheckTerm(Term::Literal("x", std::string(kRdfLangString)), 100)), HasSubstr("has a language instead"));
 }
 
 TEST(TermCheckTest, LengthAtTheLimitAndOnePast) {
