@@ -13,6 +13,7 @@
 #include "kb_server/rdf/raptor_world.h"
 #include "kb_server/rdf/term_check.h"
 #include "kb_server/rdf/utf8.h"
+#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/rdf/xml_entities.h"
 
 namespace docent {
@@ -79,6 +80,38 @@ std::optional<size_t> FindTooDeep(std::string_view text, int limit) {
     }
     at = text.find(end, at);
     if (at == std::string_view::npos) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// Where and what the text is, if it is in one of the syntaxes that are kept under the same endings (.owl, .xml).
+std::optional<Diagnostic> FindOtherSyntax(std::string_view text, const std::string& file) {
+  const auto found = [&](size_t at, std::string message, std::string hint) {
+    return Diagnostic{file, SpanAt(text, at, 1), std::move(message), std::move(hint)};
+  };
+  constexpr char kSaveAs[] = "save it as RDF/XML or Turtle; Protégé does so by File, Save as";
+  size_t at = text.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  at = std::min(text.find_first_not_of(" \t\r\n", at), text.size());
+  const std::string_view rest = text.substr(at);
+  for (const std::string_view start : {"Prefix(", "Ontology("}) {
+    if (rest.starts_with(start)) return found(at, "this is OWL functional syntax, which is not read", kSaveAs);
+  }
+  for (const std::string_view start : {"Prefix:", "Ontology:"}) {
+    if (rest.starts_with(start)) return found(at, "this is OWL Manchester syntax, which is not read", kSaveAs);
+  }
+  const bool iri = rest.starts_with("<") && rest.substr(0, rest.find_first_of(" \t\r\n>")).find("://") != std::string_view::npos;
+  if (iri || (!rest.empty() && !rest.starts_with("<"))) {
+    return found(at, "this is not XML", "if it is Turtle, give the file a name that ends with .ttl");
+  }
+  size_t root = at;
+  while (root != std::string_view::npos && (text.substr(root, 2) == "<?" || text.substr(root, 2) == "<!")) {
+    if (text.substr(root, 4) == "<!--") root = text.find("-->", root);
+    if (root != std::string_view::npos) root = text.find('<', root + 1);
+  }
+  if (root == std::string_view::npos) return std::nullopt;
+  const std::string_view tag = text.substr(root, EndOfTag(text, root) - root);
+  if (tag.starts_with("<Ontology") && tag.find(kOwlNs) != std::string_view::npos) {
+    return found(root, "this is OWL/XML, which is not RDF/XML and is not read", kSaveAs);
   }
   return std::nullopt;
 }
@@ -297,6 +330,10 @@ ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options, Pla
   if (std::optional<size_t> at = FindForeignEncoding(text)) {
     refused.diagnostics.push_back({options.file, SpanAt(text, *at, 1), "only the encoding UTF-8 is read",
                                    "save the document as UTF-8 and declare that"});
+    return refused;
+  }
+  if (std::optional<Diagnostic> other = FindOtherSyntax(text, options.file)) {
+    refused.diagnostics.push_back(*std::move(other));
     return refused;
   }
   const std::optional<std::string> expanded = ExpandEntities(text, options, &refused.diagnostics);

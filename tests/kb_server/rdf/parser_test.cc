@@ -217,6 +217,17 @@ std::string RdfXml(const std::string& body) {
          body + "\n</rdf:RDF>";
 }
 
+TEST(ParserTest, OtherSyntaxesUnderTheEndingsOfRdfXml) {
+  const auto mistake = [](const std::string& text) { return Mistakes(text, RdfFormat::kRdfXml); };
+  EXPECT_THAT(mistake("\n@prefix : <urn:e:> . :a :b :c ."), HasSubstr("2:1: error: this is not XML"));
+  EXPECT_THAT(mistake("<http://e/a> <http://e/b> 1 ."), HasSubstr("ends with .ttl"));
+  EXPECT_THAT(mistake("Prefix(:=<urn:e:>)\nOntology(<urn:e>)"), HasSubstr("OWL functional syntax"));
+  EXPECT_THAT(mistake("Prefix: : <urn:e:>\nOntology: <urn:e>"), HasSubstr("OWL Manchester syntax"));
+  const std::string owl_xml = "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" ontologyIRI=\"urn:e\"></Ontology>";
+  EXPECT_THAT(mistake("<?xml version=\"1.0\"?>\n<!-- x -->\n" + owl_xml), HasSubstr("3:1: error: this is OWL/XML"));
+  EXPECT_TRUE(ParseRdf("<?xml version=\"1.0\"?>\n<!-- " + owl_xml + " -->\n" + RdfXml(""), RdfFormat::kRdfXml).ok());
+}
+
 TEST(ParserTest, RdfXml) {
   ParsedRdf parsed = ParseRdf(RdfXml("<e:T rdf:about=\"http://e/s\"><e:p>x</e:p><e:q "
                                      "rdf:nodeID=\"n\"/><e:r><rdf:Description/></e:r></e:T>"),
