@@ -91,6 +91,7 @@ class Evaluation {
   absl::Status status_;
   size_t memory_ = 0;
   ValidationReport report_;
+  absl::flat_hash_set<TermId> nodes_;  // that a shape was held against
   absl::flat_hash_map<std::pair<ShapeIndex, TermId>, bool> conforms_;
   std::map<TermId, absl::flat_hash_set<TermId>> classes_;
   absl::flat_hash_map<const Constraint*, std::unique_ptr<RegexTest>> regexes_;

@@ -25,12 +25,13 @@ absl::StatusOr<ValidationReport> Evaluation::Run() {
     if (shape.deactivated || !shape.HasTargets()) continue;
     for (const TermId focus : FocusNodes(shape)) {
       if (!Poll()) return status_;
-      ++report_.focus_nodes;
+      nodes_.insert(focus);
       Sink sink{&report_.results};
       Check(shape, focus, sink);
     }
   }
   if (!status_.ok()) return status_;
+  report_.focus_nodes = nodes_.size();
   return std::move(report_);
 }
 

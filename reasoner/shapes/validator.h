@@ -33,7 +33,7 @@ struct ValidationResult {
 struct ValidationReport {
   std::vector<ValidationResult> results;  // by shape, then by focus node
   uint64_t total = 0;                     // results found; more than `results` has where that is full
-  uint64_t focus_nodes = 0;
+  uint64_t focus_nodes = 0;               // nodes that a shape was held against, each counted once
   bool conforms() const { return total == 0; }
 };
 

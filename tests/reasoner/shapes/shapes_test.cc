@@ -151,6 +151,7 @@ TEST_F(ShapesTest, ANestedShapeTellsWhy) {
 
 TEST_F(ShapesTest, AnOwlClassThatIsAShapeTargetsItsInstances) {
   Add("shapes.ttl", ":Robot a owl:Class , sh:NodeShape ; sh:property [ sh:path :name ; sh:minCount 1 ] .");
+  Add("shapes2.ttl", ":Another a sh:NodeShape ; sh:targetClass :Robot .");  // a node is counted once
   Add("data.ttl", ":GuideRobot rdfs:subClassOf :Robot . :R1 a :GuideRobot . :R2 a :Robot ; :name \"x\" .");
   auto report = Run();
   ASSERT_TRUE(report.ok());
