@@ -63,6 +63,13 @@ int AnswerPrinter::End(uint64_t revision) {
   return kExitOk;
 }
 
+void AnswerPrinter::BreakOff() {
+  if (rows_ == 0) return;
+  if (!writer_) PrintTable();
+  std::cout.flush();  // before what went wrong is said
+  std::cerr << "the answer is not whole: " << rows_ << (rows_ == 1 ? " row" : " rows") << " of it came\n";
+}
+
 void AnswerPrinter::PrintTable() const {
   std::vector<size_t> widths(table_[0].size(), 0);
   for (const auto& row : table_) {

@@ -26,6 +26,8 @@ class AnswerPrinter {
   void Triple(TermQuad triple) { triples_.push_back(std::move(triple)); }
   // Prints the rest, and how many rows of which revision to standard error. The exit code (client.h).
   int End(uint64_t revision);
+  // Instead of End, where the answer did not come whole: what is printed cannot be taken for all of it.
+  void BreakOff();
 
  private:
   void PrintTable() const;

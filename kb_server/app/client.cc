@@ -42,6 +42,10 @@ void AddClientOptions(CLI::App* command, ClientOptions* options) {
 std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(static_cast<int>(Limits().grpc_message_bytes));
+  // a server that comes back is found within a second or two, not after minutes of waiting ever longer
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 500);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
   return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
 }
 
@@ -120,8 +124,8 @@ std::string MediaTypeOfFile(const std::string& file) {
   return "text/turtle";
 }
 
-void PauseToReconnect() {
-  std::cerr << "docent: the connection was lost; trying again\n";
+void PauseToReconnect(bool first) {
+  if (first) std::cerr << "docent: the connection was lost; trying again every second\n";
   std::this_thread::sleep_for(std::chrono::seconds(1));
 }
 

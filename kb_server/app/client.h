@@ -37,8 +37,8 @@ std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 int Fail(const grpc::Status& status, const ClientOptions& options);
 int Fail(const absl::Status& status);
 
-// Says that the connection was lost, and waits a second before it is tried again.
-void PauseToReconnect();
+// Says that the connection was lost, if this is the `first` time in a row, and waits a second before it is tried again.
+void PauseToReconnect(bool first);
 
 // A message of the API as one line of JSON, to standard output: fields as the .proto files call them, all of them.
 void PrintJson(const google::protobuf::Message& message);

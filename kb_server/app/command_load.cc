@@ -15,6 +15,7 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
+#include "kb_server/app/fact_arguments.h"
 #include "kb_server/app/part_loader.h"
 #include "kb_server/app/text_input.h"
 #include "kb_server/rdf/parser.h"
@@ -28,10 +29,12 @@ struct LoadArguments {
   std::string as;      // data, ontology, rules, cawl, rsel; empty: by the file's ending
   std::string graph;   // data only
   std::string source;  // facts only
+  std::string format;  // of RDF, as an ending; empty: that of the file
 };
 
-// Empty: its ending does not tell. Standard input has none and is Turtle.
-std::string LoadKindOf(const std::string& file) {
+// Empty: its ending does not tell. Standard input has none, and is Turtle where no format is given.
+std::string LoadKindOf(const std::string& file, const std::string& format) {
+  if (!format.empty()) return "data";
   if (absl::EndsWith(file, ".rules")) return "rules";
   if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return "cawl";
   if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return "rsel";
@@ -44,13 +47,19 @@ class Loader {
       : arguments_(arguments), channel_(Connect(arguments.client)) {}
 
   int Load(const std::string& file) {
-    std::string kind = arguments_.as.empty() ? LoadKindOf(file) : arguments_.as;
+    std::string kind = arguments_.as.empty() ? LoadKindOf(file, arguments_.format) : arguments_.as;
     auto text = ReadText(file);
     if (!text.ok()) return Fail(text.status());
     if (kind.empty()) {
       return Fail(absl::InvalidArgumentError(
           absl::StrCat(file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .xml .rules .cawl.xml or .rsel.xml, or say "
                              "with --as what it is (data is read as Turtle)")));
+    }
+    if (kind == "facts" && !arguments_.graph.empty()) {
+      return Fail(absl::InvalidArgumentError("facts lie in the graph of who says them; name that with --source, not with --graph"));
+    }
+    if (kind != "facts" && !arguments_.source.empty()) {
+      return Fail(absl::InvalidArgumentError("--source says who tells facts; give --as facts, too, or --graph for data"));
     }
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
@@ -93,8 +102,8 @@ class Loader {
   int Assert(const std::string& file, const std::string& text) {
     v1::AssertRequest request;
     request.set_rdf(text);
-    request.set_rdf_media_type(MediaTypeOfFile(file));
-    request.set_source(arguments_.source);
+    request.set_rdf_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_source(ReadIri({}, arguments_.source));
     v1::AssertReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
@@ -107,7 +116,7 @@ class Loader {
   // A large file: checked whole before anything of it is sent.
   int LoadInParts(const std::string& file, const std::string& text) {
     const auto start = std::chrono::steady_clock::now();
-    const auto document = CutDocument(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), file);
+    const auto document = CutDocument(text, FormatOfFile(FormatName(file)).value_or(RdfFormat::kTurtle), file);
     if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, text));
     const auto rate = [&](size_t bytes) {
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -116,7 +125,7 @@ class Loader {
     };
     v1::LoadRequest request;
     request.set_name(NameOf(file));
-    request.set_graph(arguments_.graph);
+    request.set_graph(ReadIri({}, arguments_.graph));
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
       if (terminal) std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
@@ -133,6 +142,10 @@ class Loader {
     return kExitOk;
   }
 
+  // By the ending of this the format is known.
+  std::string FormatName(const std::string& file) const {
+    return arguments_.format.empty() ? file : absl::StrCat(".", arguments_.format);
+  }
   static std::string NameOf(const std::string& file) {
     return file == "-" ? "stdin" : std::filesystem::path(file).filename().string();
   }
@@ -151,8 +164,8 @@ class Loader {
                      : kind == "ontology" ? v1::LoadRequest::ONTOLOGY
                                           : v1::LoadRequest::DATA);
     request.set_text(text);
-    request.set_media_type(MediaTypeOfFile(file));
-    request.set_graph(arguments_.graph);
+    request.set_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_graph(ReadIri({}, arguments_.graph));
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
@@ -182,8 +195,12 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
           "What the files are, where the ending does not tell. facts: as a robot or sensor would tell them, "
           "a new value of a state property replaces the old one")
       ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
-  command->add_option("--graph", arguments->graph, "Data: the named graph to load into");
-  command->add_option("--source", arguments->source, "Facts: IRI of who says it");
+  command
+      ->add_option("--format", arguments->format,
+                   "The syntax of RDF, where the ending does not tell, as for standard input (else read as Turtle)")
+      ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
+  command->add_option("--graph", arguments->graph, "Data: IRI of the named graph to load into, whole or with a well-known prefix");
+  command->add_option("--source", arguments->source, "Facts: IRI of who says it, likewise");
   command->callback([arguments, exit_code] {
     Loader loader(*arguments);
     for (const std::string& file : arguments->files) {

@@ -11,6 +11,7 @@
 #include "kb_server/app/text_input.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/sparql/parser.h"
+#include "nlohmann/json.hpp"
 
 namespace docent {
 namespace {
@@ -26,7 +27,7 @@ struct QueryArguments {
   std::string engine = "docent";
 };
 
-// Reads the stream and prints it in the asked form. The exit code, if the stream ends well.
+// Reads the stream and prints it in the asked form. The exit code.
 int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments& arguments) {
   AnswerPrinter printer(arguments.format);
   v1::QueryReply reply;
@@ -36,6 +37,10 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
       const v1::QueryHeader& header = reply.header();
       revision = header.revision();
       if (arguments.explain) {
+        if (arguments.format == "json") {
+          std::cout << nlohmann::json{{"revision", revision}, {"plan", header.plan()}}.dump() << "\n";
+          continue;
+        }
         std::cout << header.plan();
         std::cerr << "revision " << revision << "\n";
       } else if (header.is_boolean()) {
@@ -51,7 +56,10 @@ int PrintAnswer(grpc::ClientReader<v1::QueryReply>* reader, const QueryArguments
       if (auto quad = FromProto(reply.quad(), "triple"); quad.ok()) printer.Triple(*std::move(quad));
     }
   }
-  return printer.End(revision);
+  const grpc::Status status = reader->Finish();
+  if (status.ok()) return printer.End(revision);
+  printer.BreakOff();
+  return Fail(status, arguments.client);
 }
 
 // The formats hold rows and truth values. What does not parse is left to the server to say.
@@ -70,6 +78,8 @@ int RunQuery(const QueryArguments& arguments) {
   const auto query = GivenText("query", arguments.query, arguments.file);
   if (!query.ok()) return Fail(query.status());
   if (absl::Status status = CheckFormat(*query, arguments); !status.ok()) return Fail(status);
+  if (arguments.explain && !arguments.format.empty() && arguments.format != "json")
+    return Fail(absl::InvalidArgumentError(absl::StrCat("a plan is text, or json; leave --format ", arguments.format, " away")));
   if (arguments.engine == "rasqal") {
     if (arguments.explain)
       return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
@@ -84,10 +94,7 @@ int RunQuery(const QueryArguments& arguments) {
   request.set_timeout_ms(arguments.timeout_ms);
   request.set_explain(arguments.explain);
   request.set_as_of(arguments.as_of);
-  auto reader = stub->Query(&context, request);
-  int code = PrintAnswer(reader.get(), arguments);
-  grpc::Status status = reader->Finish();
-  return status.ok() ? code : Fail(status, arguments.client);
+  return PrintAnswer(stub->Query(&context, request).get(), arguments);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -133,7 +134,7 @@ class EventReader {
         std::cerr << "docent: the server no longer has all events of the meantime; going on with new ones\n";
         revision_ = seen_ = 0;
       } else if (status_.error_code() == grpc::StatusCode::UNAVAILABLE && connected_) {
-        PauseToReconnect();
+        PauseToReconnect(!std::exchange(lost_, true));
       } else {
         return Next::kEnd;
       }
@@ -151,7 +152,9 @@ class EventReader {
     context_ = std::make_unique<grpc::ClientContext>();
     reader_ = stub_->Watch(context_.get(), request_);
     reader_->WaitForInitialMetadata();  // what happens from here on is heard
-    connected_ = connected_ || channel_->GetState(false) == GRPC_CHANNEL_READY;
+    if (channel_->GetState(false) != GRPC_CHANNEL_READY) return;
+    connected_ = true;
+    lost_ = false;
   }
 
   const std::shared_ptr<grpc::Channel> channel_;
@@ -160,6 +163,7 @@ class EventReader {
   std::unique_ptr<grpc::ClientContext> context_;
   std::unique_ptr<grpc::ClientReader<v1::RunEvent>> reader_;
   bool connected_ = false;  // ever
+  bool lost_ = false;       // and not there again
   uint64_t revision_ = 0;   // of the newest event
   uint64_t seen_ = 0;       // events of that revision
   uint64_t again_ = 0;      // of those, still to come a second time

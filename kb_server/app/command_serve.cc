@@ -5,6 +5,8 @@
 
 #include <iostream>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/server.h"
@@ -46,6 +48,15 @@ int Serve(const ServerSettings& settings) {
   }
   server->reset();
   return kExitOk;
+}
+
+CLI::Validator AtLeast(uint64_t least) {
+  const auto check = [least](const std::string& text) {
+    uint64_t number = 0;
+    if (absl::SimpleAtoi(text, &number) && number >= least) return std::string();
+    return absl::StrCat("give a whole number, ", least, " or more, not ", text);
+  };
+  return CLI::Validator(check, "");
 }
 
 }  // namespace
@@ -91,13 +102,15 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
                       "file:///…; none by default");
   command->add_option("--snapshot-records", settings->limits.snapshot_records,
                       "Turns after which the state is written as a snapshot, so that a start replays fewer")
-      ->check(CLI::PositiveNumber)
+      ->check(AtLeast(1))
       ->capture_default_str();
   command->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
                       "About how much of the log is kept; what is older than that and than a snapshot goes")
+      ->check(AtLeast(0))
       ->capture_default_str();
   command->add_option("--history-bytes", settings->limits.history_bytes,
                       "Memory of past graph versions for as-of queries; older ones are made again from the log")
+      ->check(AtLeast(0))
       ->capture_default_str();
   command->add_option("--http-name", settings->http_names,
                       "NAME or NAME:PORT under which HTTP is reached, beside localhost and addresses; may be given again")

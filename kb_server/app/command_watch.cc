@@ -99,7 +99,7 @@ int RunWatch(const WatchArguments& arguments) {
   const bool several = all->size() > 1;
   auto stub = v1::Context::NewStub(Connect(arguments.client));
   uint64_t changes = 0;
-  bool answered = false;
+  bool answered = false, lost = false;
   while (true) {
     grpc::ClientContext context;
     auto stream = stub->SubscribeStream(&context);
@@ -121,6 +121,7 @@ int RunWatch(const WatchArguments& arguments) {
           Print(part.reply(), several ? absl::StrCat(part.tag(), "  ") : "", &watched);
         }
         answered = true;
+        lost = false;
         if (!part.reply().resume().empty()) watched.request.set_resume(part.reply().resume());
         if (!part.reply().more() && arguments.count > 0 && ++changes >= arguments.count) return kExitOk;
       }
@@ -131,7 +132,7 @@ int RunWatch(const WatchArguments& arguments) {
       if (!status.ok()) return Fail(status, arguments.client);
       return begun ? kExitOk : Fail(absl::InternalError("not all queries could be sent"));
     }
-    PauseToReconnect();
+    PauseToReconnect(!std::exchange(lost, true));
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "kb_server/app/spatial_functions.h"
 #include "kb_server/app/text_input.h"
@@ -398,7 +399,10 @@ absl::Status Server::LoadRules() {
     std::string text = BuiltInRuleSet(given);
     if (text.empty()) {
       auto file = ReadText(given);
-      if (!file.ok()) return file.status();
+      if (!file.ok()) {
+        return absl::Status(file.status().code(), absl::StrCat(file.status().message(), "; --rules takes .rules files, none, and the sets ",
+                                                               absl::StrJoin(built_in, ", ")));
+      }
       text = *std::move(file);
       name = std::filesystem::path(given).filename().string();
     }

@@ -124,6 +124,35 @@ class Documents(StageTest):
             self.server.command("tell", "--prefix", "ex=http://example.org/s#", "--source", source, f"ex:a ex:b {i}")
             self.assertTrue(self.server.ask(f"GRAPH <{iri}> {{ <http://example.org/s#a> <http://example.org/s#b> {i} }}"), source)
 
+    def test_standard_input_in_a_format_and_into_a_graph(self):
+        for arguments, text in ((["--format", "nq"], "_:x <urn:p> \"1\" <urn:g1> .\n"), (["--format", "trig"], "<urn:g1> { _:x <urn:p> 2 }"),
+                                (["--graph", "docent:g2"], "_:x <urn:p> 3 .")):
+            self.assertEqual(self.docent("load", "--server", self.server.grpc, *arguments, "-", text=text).returncode, 0)
+        self.assertTrue(self.server.ask('GRAPH <urn:g1> { ?a <urn:p> "1" . ?b <urn:p> 2 FILTER(?a != ?b) }'))
+        self.assertTrue(self.server.ask("GRAPH <https://w3id.org/docent#g2> { ?a <urn:p> 3 }"))
+
+    def test_a_graph_that_would_not_be_obeyed(self):
+        quads = self.file("named.nq", '<urn:a> <urn:p> "1" <urn:other> .\n')
+        facts = self.file("facts.ttl", "<urn:a> <urn:p> 1 .")
+        self.assert_refused(self.server.run("load", "--graph", "urn:want", quads), 2, "named.nq", "<urn:other>", "leave graph (--graph) away")
+        self.assert_refused(self.server.run("load", "--as", "ontology", quads), 2, "named.nq", "<urn:other>")
+        self.assert_refused(self.server.run("load", "--as", "facts", "--graph", "urn:want", facts), 2, "--source")
+        self.assert_refused(self.server.run("load", "--source", "urn:me", facts), 2, "--as facts")
+        self.server.command("load", "--graph", "urn:other", quads)
+        self.assertTrue(self.server.ask('GRAPH <urn:other> { <urn:a> <urn:p> "1" }'))
+
+    def test_an_answer_that_breaks_off_is_not_made_to_look_whole(self):
+        self.server.command("load", self.file("many.nt", "".join(f"<urn:s{i}> <urn:p> \"{i}\" .\n" for i in range(300))))
+        bomb = "SELECT ?a ?b ?c WHERE { ?a <urn:p> ?x . ?b <urn:p> ?y . ?c <urn:p> ?z }"
+        for arguments in ([], ["--format", "json"], ["--format", "xml"], ["--format", "csv"]):
+            with self.subTest(arguments):
+                done = self.server.run("query", "--timeout-ms", 1500, *arguments, bomb)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn("the answer is not whole", done.stderr)
+                self.assertRegex(done.stderr, "query_timeout_ms|time limit")
+                self.assertFalse(done.stdout.rstrip().endswith(("]}}", "</sparql>")))
+                self.assertNotIn("revision", done.stderr)
+
     def test_a_directory_is_no_file(self):
         folder = self.stage.folder / "folder.ttl"
         folder.mkdir()
