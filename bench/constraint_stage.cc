@@ -36,7 +36,7 @@ class Rerun {
     for (size_t i = 0; i < constraints; ++i) {
       sparql::Query query = AskOf(i);
       for (const sparql::PatternOccurrence& occurrence : sparql::AllTriplePatterns(*query.algebra)) {
-        std::optional<TermId> id = dictionary.Find(occurrence.pattern->predicate.term);
+        std::optional<TermId> id = dictionary.Find(occurrence.pattern->predicate.term());
         if (id) by_predicate_[*id].insert(i);
       }
       asks_.push_back(*sparql::PreparedQuery::Prepare(query, dictionary));

@@ -252,8 +252,8 @@ class ConstraintsBench {
       const sparql::Query query = Parse(StandingConstraintNumber(i).ask);
       Prepared p;
       for (const sparql::PatternOccurrence& o : sparql::AllTriplePatterns(*query.algebra)) {
-        p.predicates.insert(world.dictionary().Intern(o.pattern->predicate.term));
-        if (!o.pattern->object.IsVariable()) world.dictionary().Intern(o.pattern->object.term);
+        p.predicates.insert(world.dictionary().Intern(o.pattern->predicate.term()));
+        if (!o.pattern->object.IsVariable()) world.dictionary().Intern(o.pattern->object.term());
       }
       auto made = sparql::PreparedQuery::Prepare(query, world.dictionary());
       if (!made.ok()) std::exit(1);

@@ -146,10 +146,10 @@ struct Prolog {
 
   std::string Of(const sparql::PatternTerm& t) {
     if (t.IsVariable()) {
-      variables.insert("V" + t.variable->name);
-      return "V" + t.variable->name;
+      variables.insert("V" + t.variable().name);
+      return "V" + t.variable().name;
     }
-    return t.term.IsIri() ? "'" + t.term.lexical + "'" : "";
+    return t.term().IsIri() ? "'" + t.term().lexical + "'" : "";
   }
   std::string Of(const sparql::Algebra& a) {
     if (a.kind != sparql::Algebra::Kind::kBgp) return "";

@@ -12,8 +12,8 @@ namespace {
 
 // The value of a position of a pattern; null where `binding` has none.
 const Term* ValueOf(const sparql::PatternTerm& term, const TermBinding& binding) {
-  if (!term.variable) return &term.term;
-  const auto value = binding.find(term.variable->name);
+  if (!term.IsVariable()) return &term.term();
+  const auto value = binding.find(term.variable().name);
   return value == binding.end() ? nullptr : &value->second;
 }
 

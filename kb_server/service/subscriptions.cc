@@ -22,8 +22,8 @@ constexpr size_t kTurnsTogether = 16;
 constexpr absl::Duration kUnheard = absl::Milliseconds(5);
 
 void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
-  const bool empty = term.term.IsIri() && term.term.lexical.empty();
-  if (!term.IsVariable() && !empty) constants.push_back(term.term);
+  const bool empty = term.term().IsIri() && term.term().lexical.empty();
+  if (!term.IsVariable() && !empty) constants.push_back(term.term());
 }
 
 void AddConstants(const sparql::Path& path, std::vector<Term>& constants) {
@@ -292,7 +292,7 @@ std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) 
        {&source.graph, &match.constants.graph}}};
   for (const auto& [term, id] : places) {
     if (term->IsVariable()) continue;
-    const auto known = settings_.dictionary->Find(term->term);
+    const auto known = settings_.dictionary->Find(term->term());
     if (!known) return std::nullopt;
     *id = *known;
   }

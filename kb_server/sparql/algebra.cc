@@ -9,17 +9,24 @@ namespace {
 class VariableList {
  public:
   void Add(const Variable& v) {
-    if (seen_.Add(v.name, 0).second) list_.push_back(v);
+    if (seen_.Add(v.name, 0).second) list_.push_back(&v);
   }
   void Add(const PatternTerm& t) {
-    if (t.variable) Add(*t.variable);
+    if (t.IsVariable()) Add(t.variable());
   }
-  std::vector<Variable> Take() { return std::move(list_); }
+  std::vector<const Variable*> Take() { return std::move(list_); }
 
  private:
-  std::vector<Variable> list_;
+  std::vector<const Variable*> list_;
   NameNumbers seen_;
 };
+
+std::vector<Variable> Copies(const std::vector<const Variable*>& variables) {
+  std::vector<Variable> out;
+  out.reserve(variables.size());
+  for (const Variable* v : variables) out.push_back(*v);
+  return out;
+}
 
 void AddTriples(const Algebra& a, VariableList* out) {
   for (const TriplePattern& t : a.triples) {
@@ -131,6 +138,11 @@ void AddPatterns(const Algebra& a, bool monotone, std::vector<PatternOccurrence>
 
 }  // namespace
 
+const Term& PatternTerm::NoTerm() {
+  static const Term none;
+  return none;
+}
+
 Expression::Expression() = default;
 Expression::Expression(Kind kind, SourceSpan span) : kind(kind), span(span) {}
 Expression::~Expression() = default;
@@ -188,16 +200,24 @@ Query Query::Clone() const {
   return copy;
 }
 
-std::vector<Variable> InScopeVariables(const Algebra& algebra) {
+std::vector<const Variable*> VariablesInScope(const Algebra& algebra) {
   VariableList list;
   AddInScope(algebra, &list);
   return list.Take();
 }
 
-std::vector<Variable> MentionedVariables(const Expression& expression) {
+std::vector<const Variable*> VariablesMentioned(const Expression& expression) {
   VariableList list;
   AddMentioned(expression, &list);
   return list.Take();
+}
+
+std::vector<Variable> InScopeVariables(const Algebra& algebra) {
+  return Copies(VariablesInScope(algebra));
+}
+
+std::vector<Variable> MentionedVariables(const Expression& expression) {
+  return Copies(VariablesMentioned(expression));
 }
 
 std::vector<PatternOccurrence> AllTriplePatterns(const Algebra& algebra) {

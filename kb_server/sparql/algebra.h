@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "kb_server/base/diagnostic.h"
@@ -31,21 +32,38 @@ struct Variable {
   friend auto operator<=>(const Variable& a, const Variable& b) { return a.name <=> b.name; }
 };
 
-// One position of a pattern: a term or a variable, with its place in the text.
-struct PatternTerm {
-  std::optional<Variable> variable;  // set: a variable, and `term` has no meaning
-  Term term;
+// One position of a pattern: a variable or a term, with its place in the text. At first neither.
+class PatternTerm {
+ public:
   SourceSpan span;
 
-  static PatternTerm Of(Term term, SourceSpan span = {}) { return {std::nullopt, std::move(term), span}; }
-  static PatternTerm Of(Variable variable, SourceSpan span = {}) {
-    return {std::move(variable), Term{}, span};
+  static PatternTerm Of(Term term, SourceSpan span = {}) { return PatternTerm(std::move(term), span); }
+  static PatternTerm Of(Variable variable, SourceSpan span = {}) { return PatternTerm(std::move(variable), span); }
+  PatternTerm() = default;
+
+  bool IsVariable() const { return std::holds_alternative<Variable>(what_); }
+  // Requires IsVariable().
+  const Variable& variable() const { return *std::get_if<Variable>(&what_); }
+  // The IRI without text if it is none.
+  const Term& term() const {
+    const Term* term = std::get_if<Term>(&what_);
+    return term != nullptr ? *term : NoTerm();
   }
-  bool IsVariable() const { return variable.has_value(); }
+  // Makes it a variable or a term, for the caller to fill.
+  Variable& SetVariable() { return what_.emplace<Variable>(); }
+  Term& SetTerm() { return what_.emplace<Term>(); }
+
   // Spans do not count.
   friend bool operator==(const PatternTerm& a, const PatternTerm& b) {
-    return a.variable == b.variable && (a.variable || a.term == b.term);
+    return a.IsVariable() ? b.IsVariable() && a.variable() == b.variable() : !b.IsVariable() && a.term() == b.term();
   }
+
+ private:
+  template <typename What>
+  PatternTerm(What what, const SourceSpan& span) : span(span), what_(std::move(what)) {}
+  static const Term& NoTerm();
+
+  std::variant<std::monostate, Variable, Term> what_;
 };
 
 // ?robot docent:isAt ?booth
@@ -271,6 +289,9 @@ struct Query {
 std::vector<Variable> InScopeVariables(const Algebra& algebra);
 // Every variable that `expression` mentions, those inside EXISTS included.
 std::vector<Variable> MentionedVariables(const Expression& expression);
+// Both without copies: they stand in the tree.
+std::vector<const Variable*> VariablesInScope(const Algebra& algebra);
+std::vector<const Variable*> VariablesMentioned(const Expression& expression);
 // Every triple pattern in `algebra`, wherever it stands (OPTIONAL, EXISTS, sub-SELECT, …), with whether the
 // answer can change for an added triple in the other direction too (below MINUS, NOT EXISTS, OPTIONAL, FILTER
 // EXISTS, …).

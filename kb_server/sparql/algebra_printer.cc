@@ -68,9 +68,9 @@ class Printer {
   // To be called before printing: finds the hidden variables that stand in more than one basic graph pattern.
   void Scan(const Algebra& a) {
     const auto note = [&](const PatternTerm& t) {
-      if (!t.IsVariable() || !t.variable->IsHidden()) return;
-      const auto [it, added] = home_.emplace(t.variable->name, &a);
-      if (!added && it->second != &a) spread_.insert(t.variable->name);
+      if (!t.IsVariable() || !t.variable().IsHidden()) return;
+      const auto [it, added] = home_.emplace(t.variable().name, &a);
+      if (!added && it->second != &a) spread_.insert(t.variable().name);
     };
     for (const TriplePattern& t : a.triples) {
       for (const PatternTerm* term : {&t.subject, &t.predicate, &t.object}) note(*term);
@@ -86,11 +86,11 @@ class Printer {
   }
 
   std::string Text(const PatternTerm& t) {
-    return t.IsVariable() ? VariableText(*t.variable) : TermText(t.term);
+    return t.IsVariable() ? VariableText(t.variable()) : TermText(t.term());
   }
 
   std::string Triple(const TriplePattern& t) {
-    const bool type = !t.predicate.IsVariable() && t.predicate.term.lexical == kRdfType;
+    const bool type = !t.predicate.IsVariable() && t.predicate.term().lexical == kRdfType;
     return Concat({Text(t.subject), " ", type ? "a" : Text(t.predicate), " ", Text(t.object)});
   }
 

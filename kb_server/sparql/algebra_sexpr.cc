@@ -62,7 +62,7 @@ std::string PrintAlgebra(const Algebra& a) {
     case Kind::kMinus:
       return "(minus" + Children(a) + ")";
     case Kind::kGraph:
-      return "(graph " + (a.name.IsVariable() ? NameOf(*a.name.variable) : ToNTriples(a.name.term)) +
+      return "(graph " + (a.name.IsVariable() ? NameOf(a.name.variable()) : ToNTriples(a.name.term())) +
              Children(a) + ")";
     case Kind::kService:
       return std::string("(service") + (a.silent ? " silent" : "") + Children(a) + ")";

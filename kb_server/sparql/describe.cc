@@ -54,7 +54,7 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   for (const PatternTerm& target : query.describe) {
     if (!target.IsVariable()) continue;
     const auto& names = prepared.variables();
-    const auto it = std::find(names.begin(), names.end(), target.variable->name);
+    const auto it = std::find(names.begin(), names.end(), target.variable().name);
     if (it != names.end()) columns.push_back(static_cast<size_t>(it - names.begin()));
   }
   bool any = false;
@@ -67,7 +67,7 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   if (!status.ok()) return status;
   for (const PatternTerm& target : query.describe) {
     if (target.IsVariable() || !any) continue;
-    if (const std::optional<TermId> id = dictionary.Find(target.term)) resources.Add(*id, prepared);
+    if (const std::optional<TermId> id = dictionary.Find(target.term())) resources.Add(*id, prepared);
   }
 
   bool all = false;

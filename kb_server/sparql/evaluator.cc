@@ -35,14 +35,21 @@ class Program {
   // The constants that the dictionary did not have at first are looked for again when it has grown.
   // True if one was found.
   bool ResolveConstants(const std::vector<const Term*>& terms) {
-    if (context.constants.size() == terms.size() && unresolved_.empty()) return false;
+    const bool first = context.constants.size() != terms.size();
+    if (!first && unresolved_.empty()) return false;
     const size_t size = dictionary_.size();
-    if (context.constants.size() == terms.size() && size == resolved_at_) return false;
+    if (!first && size == resolved_at_) return false;
     resolved_at_ = size;
-    if (context.constants.size() != terms.size()) {
-      context.constants.assign(terms.size(), kUnknownTerm);
+    if (first) {
+      context.constants.clear();
+      context.constants.reserve(terms.size());
       unresolved_.clear();
-      for (size_t i = 0; i < terms.size(); ++i) unresolved_.push_back(i);
+      for (size_t i = 0; i < terms.size(); ++i) {
+        const std::optional<TermId> id = dictionary_.Find(*terms[i]);
+        context.constants.push_back(id.value_or(kUnknownTerm));
+        if (!id) unresolved_.push_back(i);
+      }
+      return unresolved_.size() != terms.size();
     }
     const size_t before = unresolved_.size();
     std::erase_if(unresolved_, [&](size_t i) {
@@ -133,6 +140,7 @@ absl::Status PreparedQuery::Impl::Lower() {
   bound = SlotSet();
   from.clear();
   from_named.clear();
+  columns.reserve(names.size());
   for (const std::string& name : names) columns.push_back(lowering.SlotOf(name));
   for (const std::string& name : options.bound) {
     bound_slots.push_back(lowering.SlotOf(name));
@@ -205,10 +213,11 @@ absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(Query&& qu
   if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
   auto impl = std::make_unique<Impl>(std::move(query), dictionary, options);
   if (impl->query.form == Query::Form::kSelect) {
+    impl->names.reserve(impl->query.projection.size());
     for (const Variable& v : impl->query.projection) impl->names.push_back(v.name);
   } else {
-    for (const Variable& v : InScopeVariables(*impl->query.algebra)) {
-      if (!v.IsHidden()) impl->names.push_back(v.name);
+    for (const Variable* v : VariablesInScope(*impl->query.algebra)) {
+      if (!v->IsHidden()) impl->names.push_back(v->name);
     }
   }
   impl->program.context.base_iri = impl->query.base_iri;
@@ -314,8 +323,8 @@ absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions&
   for (uint64_t solution = 0; Next(); ++solution) {
     const auto instantiate = [&](const PatternTerm& t) -> std::optional<Term> {
       if (!t.IsVariable())
-        return t.term.IsBlank() ? Term::Blank(TemplateLabel(t.term.lexical, solution)) : t.term;
-      const auto it = std::find(p.names.begin(), p.names.end(), t.variable->name);
+        return t.term().IsBlank() ? Term::Blank(TemplateLabel(t.term().lexical, solution)) : t.term();
+      const auto it = std::find(p.names.begin(), p.names.end(), t.variable().name);
       if (it == p.names.end()) return std::nullopt;
       const TermId id = p.row[static_cast<size_t>(it - p.names.begin())];
       if (id.IsNone()) return std::nullopt;

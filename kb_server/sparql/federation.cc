@@ -55,18 +55,18 @@ class Resolver {
     auto values = std::make_unique<Algebra>(Kind::kValues, service.span);
     const bool open = service.name.IsVariable();
     for (const Variable& v : InScopeVariables(*service.children[0])) {
-      if (!v.IsHidden() && (!open || v != *service.name.variable)) values->variables.push_back(v);
+      if (!v.IsHidden() && (!open || v != service.name.variable())) values->variables.push_back(v);
     }
     std::vector<std::string> endpoints;
     if (!open) {
-      endpoints.push_back(service.name.term.lexical);
+      endpoints.push_back(service.name.term().lexical);
     } else {
-      absl::StatusOr<std::vector<std::string>> found = EndpointsOf(*service.name.variable, beside);
+      absl::StatusOr<std::vector<std::string>> found = EndpointsOf(service.name.variable(), beside);
       if (!found.ok()) return At(service, found.status());
       endpoints = *std::move(found);
     }
     const std::string text = TextOf(service, values->variables);
-    if (open) values->variables.push_back(*service.name.variable);
+    if (open) values->variables.push_back(service.name.variable());
     for (const std::string& endpoint : endpoints) {
       absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text);
       if (answer.ok()) {

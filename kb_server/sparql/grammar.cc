@@ -1,6 +1,7 @@
 #include "kb_server/sparql/grammar.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "kb_server/rdf/iri.h"
@@ -19,8 +20,7 @@ Grammar::Grammar(std::string_view text, const ParseOptions& options)
 
 const Token& Grammar::ReadAhead(size_t ahead) {
   while (ahead_count_ <= ahead) {
-    Token& token = ahead_[(first_ahead_ + ahead_count_) % 2];
-    token = lexer_.Next();
+    Token& token = *::new (&ahead_[(first_ahead_ + ahead_count_) % 2]) Token(lexer_.Next());  // made in its place
     if (token.kind == TokenKind::kError) {
       Error(token.span, std::string(token.text), std::string(token.prefix));
     } else {
@@ -133,20 +133,21 @@ bool Grammar::Resolve(const Token& iri, std::string* out) {
 }
 
 bool Grammar::Expand(const Token& name, std::string* out) {
-  const auto it = declared_.find(name.prefix);
-  if (it != declared_.end()) {
-    *out = Concat({prefixes_[it->second].second, name.text});
+  const auto expand = [&](const std::string& iri) {
+    out->reserve(iri.size() + name.text.size());
+    *out = iri;
+    out->append(name.text);
     return true;
-  }
+  };
+  if (const int* declared = declared_.Find(name.prefix)) return expand(prefixes_[static_cast<size_t>(*declared)].second);
   std::vector<std::string> names;
   for (const auto& [prefix, iri] : options_.prefixes) {
-    if (prefix == name.prefix) {
-      *out = Concat({iri, name.text});
-      return true;
-    }
+    if (prefix == name.prefix) return expand(iri);
     names.push_back(prefix);
   }
-  for (const auto& [prefix, number] : declared_) names.emplace_back(prefix);
+  std::set<std::string_view> declared;
+  for (const auto& [prefix, iri] : prefixes_) declared.insert(prefix);
+  names.insert(names.end(), declared.begin(), declared.end());
   std::string hint;
   if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
     hint = "did you mean " + near + ":?";
@@ -161,12 +162,12 @@ bool Grammar::Expand(const Token& name, std::string* out) {
 }
 
 bool Grammar::IriText(std::string* out) {
-  const Token token = Peek();
+  const Token& token = Peek();
   if (token.kind != TokenKind::kIri && token.kind != TokenKind::kPrefixedName) {
     Expected("an IRI");
     return false;
   }
-  Drop();
+  Drop();  // it stays until another is peeked at
   return token.kind == TokenKind::kIri ? Resolve(token, out) : Expand(token, out);
 }
 

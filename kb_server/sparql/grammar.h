@@ -19,6 +19,7 @@
 
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/lexer.h"
+#include "kb_server/sparql/name_numbers.h"
 #include "kb_server/sparql/parser.h"
 #include "kb_server/sparql/text.h"
 #include "kb_server/sparql/update_algebra.h"
@@ -31,7 +32,7 @@ class Grammar {
   Grammar(std::string_view text, const ParseOptions& options);
 
   // grammar_query.cc
-  std::optional<Query> QueryUnit();  // [1]
+  bool QueryUnit(Query* query);  // [1]
   bool Prologue();                   // [4]
 
   // grammar_update.cc
@@ -129,16 +130,16 @@ class Grammar {
   bool ConstructQuery(Query* query);                // [10]
   bool DescribeQuery(Query* query);                 // [11]
   bool AskQuery(Query* query);                      // [12]
-  std::optional<SelectClause> ParseSelectClause();  // [9]
+  bool ParseSelectClause(SelectClause* out);        // [9]
   bool DatasetClauses(Query* query);                // [13]
   AlgebraPtr WhereClause();                         // [17]
-  std::optional<Modifiers> SolutionModifier();      // [18]
+  bool SolutionModifier(Modifiers* out);            // [18]
   bool GroupClause(Modifiers* out);                 // [19]
   bool HavingClause(Modifiers* out);                // [21]
   bool OrderClause(Modifiers* out);                 // [23]
   bool LimitOffsetClauses(Modifiers* out);          // [25]
   bool ValuesClause(Modifiers* out);                // [28]
-  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers,
+  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                             std::vector<Aggregate> aggregates, std::vector<Variable>* projection);
   AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                         std::vector<Aggregate> aggregates);
@@ -155,7 +156,7 @@ class Grammar {
     Algebra* bgp = nullptr;  // the BGP that further triples go to; null: the next triples begin one
     std::vector<ExpressionPtr> filters;
   };
-  std::optional<Group> GroupWithFilter();
+  bool GroupWithFilter(Group* group);
   bool GroupElement(OpenGroup* group);
   bool TriplesBlock(OpenGroup* group);     // [55]
   bool OptionalElement(OpenGroup* group);  // [57]
@@ -181,9 +182,10 @@ class Grammar {
   };
   bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
   bool AtPlainVerb();
-  bool PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink);  // [77] [83]
-  // `path` null: the predicate is `verb`.
-  bool ObjectList(const PatternTerm& subject, const Path* path, PatternTerm verb, TriplesSink* sink);
+  // The last triple takes *subject; so with *verb below.
+  bool PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink);  // [77] [83]
+  // `path` null: the predicate is *verb.
+  bool ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink);
   // These fill *out, an empty term; false: an error was reported.
   bool GraphNode(TriplesSink* sink, PatternTerm* out);              // [104] [105]
   bool Collection(TriplesSink* sink, PatternTerm* out);             // [102]
@@ -254,7 +256,7 @@ class Grammar {
   size_t first_ahead_ = 0, ahead_count_ = 0;
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
-  std::map<std::string_view, size_t> declared_;                // the number there of the last of each name
+  NameNumbers declared_;                                       // the number there of the last of each name
   Diagnostics diagnostics_;
   int depth_ = 0;
   size_t elements_ = 0;

@@ -9,20 +9,20 @@ namespace docent::sparql {
 using Kind = Algebra::Kind;
 
 AlgebraPtr Grammar::GroupGraphPattern() {
-  std::optional<Group> group = GroupWithFilter();
-  if (!group) return nullptr;
-  if (!group->filter) return std::move(group->pattern);
-  auto filter = std::make_unique<Algebra>(Kind::kFilter, group->pattern->span);
-  filter->children.push_back(std::move(group->pattern));
-  filter->expression = std::move(group->filter);
+  Group group;
+  if (!GroupWithFilter(&group)) return nullptr;
+  if (!group.filter) return std::move(group.pattern);
+  auto filter = std::make_unique<Algebra>(Kind::kFilter, group.pattern->span);
+  filter->children.push_back(std::move(group.pattern));
+  filter->expression = std::move(group.filter);
   return filter;
 }
 
 // GroupGraphPattern ::= '{' ( SubSelect | GroupGraphPatternSub ) '}'. Translated as in section 18.2.2.6.
-std::optional<Grammar::Group> Grammar::GroupWithFilter() {
+bool Grammar::GroupWithFilter(Group* group) {
   Nested nested(this);
   const SourceSpan span = Peek().span;
-  if (!nested.ok() || !Expect("{", "to open a group")) return std::nullopt;
+  if (!nested.ok() || !Expect("{", "to open a group")) return false;
   ++bgp_;
   std::vector<Aggregate>* outer_aggregates = std::exchange(aggregates_, nullptr);
   const bool outer_in_aggregate = std::exchange(in_aggregate_, false);
@@ -41,17 +41,16 @@ std::optional<Grammar::Group> Grammar::GroupWithFilter() {
   if (!Accept("}")) {
     Error(Peek().span, "expected '}' to close the group opened in line " + std::to_string(span.line) +
                            ", column " + std::to_string(span.column) + ", not " + Describe(Peek()));
-    return std::nullopt;
+    return false;
   }
-  Group group;
-  group.pattern = open.pattern ? std::move(open.pattern) : std::make_unique<Algebra>(Kind::kBgp, span);
+  group->pattern = open.pattern ? std::move(open.pattern) : std::make_unique<Algebra>(Kind::kBgp, span);
   if (open.filters.size() == 1) {
-    group.filter = std::move(open.filters[0]);
+    group->filter = std::move(open.filters[0]);
   } else if (open.filters.size() > 1) {
-    group.filter = std::make_unique<Expression>(Expression::Kind::kAnd, open.filters[0]->span);
-    group.filter->arguments = std::move(open.filters);
+    group->filter = std::make_unique<Expression>(Expression::Kind::kAnd, open.filters[0]->span);
+    group->filter->arguments = std::move(open.filters);
   }
-  return group;
+  return true;
 }
 
 // Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken
@@ -146,13 +145,13 @@ bool Grammar::OptionalElement(OpenGroup* group) {
   const SourceSpan span = Take().span;
   CloseBgp(group);
   if (!CountElement(span)) return false;
-  std::optional<Group> right = GroupWithFilter();
-  if (!right) return false;
+  Group right;
+  if (!GroupWithFilter(&right)) return false;
   auto join = std::make_unique<Algebra>(Kind::kLeftJoin, span);
   if (!group->pattern) group->pattern = std::make_unique<Algebra>(Kind::kBgp, span);
   join->children.push_back(std::move(group->pattern));
-  join->children.push_back(std::move(right->pattern));
-  join->expression = std::move(right->filter);
+  join->children.push_back(std::move(right.pattern));
+  join->expression = std::move(right.filter);
   group->pattern = std::move(join);
   Accept(".");
   return true;

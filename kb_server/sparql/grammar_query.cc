@@ -53,7 +53,7 @@ bool Grammar::Prologue() {
       std::string resolved;
       if (!Resolve(iri, &resolved)) return false;
       if (prefixes_.empty()) prefixes_.reserve(8);
-      declared_[name.prefix] = prefixes_.size();  // tokens live as long as the lexer
+      declared_.Set(name.prefix, static_cast<int>(prefixes_.size()));  // tokens live as long as the lexer
       prefixes_.emplace_back(name.prefix, std::move(resolved));
     } else {
       return true;
@@ -61,44 +61,44 @@ bool Grammar::Prologue() {
   }
 }
 
-std::optional<Query> Grammar::QueryUnit() {
-  Query query;
-  if (!Prologue()) return std::nullopt;
+bool Grammar::QueryUnit(Query* query) {
+  if (!Prologue()) return false;
   bool ok = false;
   if (AtWord("SELECT")) {
-    ok = SelectQuery(&query);
+    ok = SelectQuery(query);
   } else if (AtWord("ASK")) {
-    ok = AskQuery(&query);
+    ok = AskQuery(query);
   } else if (AtWord("CONSTRUCT")) {
-    ok = ConstructQuery(&query);
+    ok = ConstructQuery(query);
   } else if (AtWord("DESCRIBE")) {
-    ok = DescribeQuery(&query);
+    ok = DescribeQuery(query);
   } else {
     Expected("SELECT, ASK, CONSTRUCT or DESCRIBE",
              AtWord("INSERT") || AtWord("DELETE") ? "this is an update, not a query" : "");
   }
-  if (!ok || failed()) return std::nullopt;
+  if (!ok || failed()) return false;
   if (Peek().kind != TokenKind::kEnd) {
     Expected("the end of the query");
-    return std::nullopt;
+    return false;
   }
-  query.base_iri = std::move(base_iri_);  // all is read: nothing is resolved any more
-  query.prefixes = std::move(prefixes_);
-  return query;
+  query->base_iri = std::move(base_iri_);  // all is read: nothing is resolved any more
+  query->prefixes = std::move(prefixes_);
+  return true;
 }
 
 bool Grammar::SelectQuery(Query* query) {
   query->form = Query::Form::kSelect;
   std::vector<Aggregate> aggregates;
   aggregates_ = &aggregates;
-  std::optional<SelectClause> select = ParseSelectClause();
-  if (!select || !DatasetClauses(query)) return false;
+  SelectClause select;
+  if (!ParseSelectClause(&select) || !DatasetClauses(query)) return false;
   AlgebraPtr where = WhereClause();
   if (!where) return false;
-  std::optional<Modifiers> modifiers = SolutionModifier();
+  Modifiers modifiers;
+  const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
-  if (!modifiers) return false;
-  query->algebra = ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates),
+  if (!modified) return false;
+  query->algebra = ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates),
                                   &query->projection);
   return true;
 }
@@ -107,21 +107,22 @@ AlgebraPtr Grammar::SubSelect() {
   std::vector<Aggregate> aggregates;
   aggregates_ = &aggregates;
   const bool outer = std::exchange(in_aggregate_, false);
-  std::optional<SelectClause> select = ParseSelectClause();
-  if (!select) return nullptr;
+  SelectClause select;
+  if (!ParseSelectClause(&select)) return nullptr;
   AlgebraPtr where = WhereClause();
   if (!where) return nullptr;
-  std::optional<Modifiers> modifiers = SolutionModifier();
+  Modifiers modifiers;
+  const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
   in_aggregate_ = outer;
-  if (!modifiers) return nullptr;
+  if (!modified) return nullptr;
   std::vector<Variable> projection;
-  return ApplyModifiers(std::move(where), &*select, *std::move(modifiers), std::move(aggregates),
+  return ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates),
                         &projection);
 }
 
-std::optional<Grammar::SelectClause> Grammar::ParseSelectClause() {
-  SelectClause select;
+bool Grammar::ParseSelectClause(SelectClause* out) {
+  SelectClause& select = *out;
   select.span = Take().span;
   if (AcceptWord("DISTINCT")) {
     select.distinct = true;
@@ -130,31 +131,32 @@ std::optional<Grammar::SelectClause> Grammar::ParseSelectClause() {
   }
   if (Accept("*")) {
     select.all = true;
-    return select;
+    return true;
   }
+  select.items.reserve(4);
   while (Peek().kind == TokenKind::kVariable || At("(")) {
-    SelectItem item;
+    SelectItem& item = select.items.emplace_back();
     item.span = Peek().span;
     if (Accept("(")) {
       item.expression = ParseExpression();
-      if (!item.expression || !ExpectWord("AS", "and a variable: (expression AS ?name)")) return std::nullopt;
+      if (!item.expression || !ExpectWord("AS", "and a variable: (expression AS ?name)")) return false;
       if (Peek().kind != TokenKind::kVariable) {
         Expected("a variable after AS");
-        return std::nullopt;
+        return false;
       }
       item.span = Peek().span;
-      item.variable = Variable{std::string(Take().text)};
-      if (!Expect(")", "after the variable")) return std::nullopt;
+      item.variable.name = Take().text;
+      if (!Expect(")", "after the variable")) return false;
     } else {
-      item.variable = Variable{std::string(Take().text)};
+      item.variable.name = Peek().text;
+      Drop();
     }
-    select.items.push_back(std::move(item));
   }
   if (select.items.empty()) {
     Expected("'*', a variable or (expression AS ?name) after SELECT");
-    return std::nullopt;
+    return false;
   }
-  return select;
+  return true;
 }
 
 bool Grammar::AskQuery(Query* query) {
@@ -165,11 +167,12 @@ bool Grammar::AskQuery(Query* query) {
   if (!where) return false;
   std::vector<Aggregate> aggregates;
   aggregates_ = &aggregates;
-  std::optional<Modifiers> modifiers = SolutionModifier();
+  Modifiers modifiers;
+  const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
-  if (!modifiers) return false;
+  if (!modified) return false;
   query->algebra =
-      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -194,7 +197,7 @@ bool Grammar::ConstructQuery(Query* query) {
     where->triples = *std::move(triples);
     for (TriplePattern& t : where->triples) {
       for (PatternTerm* term : {&t.subject, &t.predicate, &t.object}) {
-        if (!term->IsVariable() && term->term.IsBlank()) term->variable = Variable{".b" + term->term.lexical};
+        if (!term->IsVariable() && term->term().IsBlank()) *term = PatternTerm::Of(Variable{".b" + term->term().lexical}, term->span);
       }
     }
   } else {
@@ -203,11 +206,12 @@ bool Grammar::ConstructQuery(Query* query) {
   }
   std::vector<Aggregate> aggregates;
   aggregates_ = &aggregates;
-  std::optional<Modifiers> modifiers = SolutionModifier();
+  Modifiers modifiers;
+  const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
-  if (!modifiers) return false;
+  if (!modified) return false;
   query->algebra =
-      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -240,11 +244,12 @@ bool Grammar::DescribeQuery(Query* query) {
   }
   std::vector<Aggregate> aggregates;
   aggregates_ = &aggregates;
-  std::optional<Modifiers> modifiers = SolutionModifier();
+  Modifiers modifiers;
+  const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
-  if (!modifiers) return false;
+  if (!modified) return false;
   query->algebra =
-      ApplyModifiers(std::move(where), nullptr, *std::move(modifiers), std::move(aggregates), nullptr);
+      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -263,13 +268,8 @@ AlgebraPtr Grammar::WhereClause() {
   return GroupGraphPattern();
 }
 
-std::optional<Grammar::Modifiers> Grammar::SolutionModifier() {
-  Modifiers out;
-  if (!GroupClause(&out) || !HavingClause(&out) || !OrderClause(&out) || !LimitOffsetClauses(&out) ||
-      !ValuesClause(&out)) {
-    return std::nullopt;
-  }
-  return out;
+bool Grammar::SolutionModifier(Modifiers* out) {
+  return GroupClause(out) && HavingClause(out) && OrderClause(out) && LimitOffsetClauses(out) && ValuesClause(out);
 }
 
 bool Grammar::GroupClause(Modifiers* out) {
@@ -428,7 +428,7 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
 }
 
 // Section 18.2.4 and 18.2.5, in its order.
-AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers modifiers,
+AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                                    std::vector<Aggregate> aggregates, std::vector<Variable>* projection) {
   std::set<std::string> in_scope;  // that (expression AS ?name) may not name
   if (select != nullptr && std::any_of(select->items.begin(), select->items.end(),
@@ -436,16 +436,16 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     for (Variable& v : InScopeVariables(*where)) in_scope.insert(std::move(v.name));
   }
   AlgebraPtr a = std::move(where);
-  const bool grouped = modifiers.grouped || !aggregates.empty() || !modifiers.having.empty();
-  if (grouped) a = ApplyGroup(std::move(a), select, &modifiers, std::move(aggregates));
-  for (ExpressionPtr& having : modifiers.having) {
+  const bool grouped = modifiers->grouped || !aggregates.empty() || !modifiers->having.empty();
+  if (grouped) a = ApplyGroup(std::move(a), select, modifiers, std::move(aggregates));
+  for (ExpressionPtr& having : modifiers->having) {
     a = Wrap(Kind::kFilter, std::move(a));
     a->expression = std::move(having);
   }
-  if (modifiers.values) {
+  if (modifiers->values) {
     AlgebraPtr join = Wrap(Kind::kJoin, std::move(a));
-    for (const Variable& v : modifiers.values->variables) in_scope.insert(v.name);
-    join->children.push_back(std::move(modifiers.values));
+    for (const Variable& v : modifiers->values->variables) in_scope.insert(v.name);
+    join->children.push_back(std::move(modifiers->values));
     a = std::move(join);
   }
   if (select != nullptr) {
@@ -468,9 +468,9 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
       }
     }
   }
-  if (!modifiers.order.empty()) {
+  if (!modifiers->order.empty()) {
     a = Wrap(Kind::kOrderBy, std::move(a));
-    a->order = std::move(modifiers.order);
+    a->order = std::move(modifiers->order);
   }
   if (select != nullptr) {
     a = Wrap(Kind::kProject, std::move(a));
@@ -478,10 +478,10 @@ AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modif
     if (select->distinct) a = Wrap(Kind::kDistinct, std::move(a));
     if (select->reduced) a = Wrap(Kind::kReduced, std::move(a));
   }
-  if (modifiers.offset > 0 || modifiers.limit) {
+  if (modifiers->offset > 0 || modifiers->limit) {
     a = Wrap(Kind::kSlice, std::move(a));
-    a->offset = modifiers.offset;
-    a->limit = modifiers.limit;
+    a->offset = modifiers->offset;
+    a->limit = modifiers->limit;
   }
   return a;
 }

@@ -58,9 +58,8 @@ PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
 }
 
 bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm* out) {
-  out->span = token.span;
   if (template_mode) {
-    out->term = Term::Blank(std::string(token.text));
+    out->SetTerm() = Term::Blank(std::string(token.text));
     return true;
   }
   const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
@@ -69,7 +68,7 @@ bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm*
           "a blank node means something within one block of triples only; use a variable");
     return false;
   }
-  out->variable = Variable{Concat({".b", token.text})};
+  out->SetVariable().name = Concat({".b", token.text});
   return true;
 }
 
@@ -78,7 +77,7 @@ bool Grammar::TriplesSameSubject(TriplesSink* sink) {
   PatternTerm subject;
   if (!GraphNode(sink, &subject)) return false;
   if (complete && (At(".") || At("}"))) return true;
-  return PropertyListNotEmpty(subject, sink);
+  return PropertyListNotEmpty(&subject, sink);
 }
 
 // An IRI, or "a", that no path operator follows.
@@ -90,29 +89,30 @@ bool Grammar::AtPlainVerb() {
   return next.kind != TokenKind::kPunctuation || std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
 }
 
-bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink) {
+bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
   while (true) {
     std::optional<Path> path;
     PatternTerm verb;
     verb.span = Peek().span;
     if (Peek().kind == TokenKind::kVariable) {
-      verb.variable = Variable{std::string(Take().text)};
+      verb.SetVariable().name = Peek().text;
+      Drop();
     } else if (sink->template_mode || AtPlainVerb()) {
       if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
         Drop();
-        verb.term.lexical = kRdfType;
-      } else if (!IriText(&verb.term.lexical)) {
+        verb.SetTerm().lexical = kRdfType;
+      } else if (!IriText(&verb.SetTerm().lexical)) {
         return false;
       }
     } else {
       path = ParsePath();
       if (!path) return false;
       if (path->kind == Path::Kind::kIri) {  // one in parentheses
-        verb.term = std::move(path->iri);
+        verb.SetTerm() = std::move(path->iri);
         path.reset();
       }
     }
-    if (!ObjectList(subject, path ? &*path : nullptr, std::move(verb), sink)) return false;
+    if (!ObjectList(subject, path ? &*path : nullptr, &verb, sink)) return false;
     if (!Accept(";")) return true;
     while (Accept(";")) {
     }
@@ -125,31 +125,28 @@ bool Grammar::PropertyListNotEmpty(const PatternTerm& subject, TriplesSink* sink
   }
 }
 
-bool Grammar::ObjectList(const PatternTerm& subject, const Path* path, PatternTerm verb, TriplesSink* sink) {
+bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink) {
   do {
     if (!CountTriple()) return false;
     if (path != nullptr || At("(") || At("[")) {  // what stands in brackets gives triples of its own, before this one
       PatternTerm object;
       if (!GraphNode(sink, &object)) return false;
       if (path != nullptr) {
-        TranslatePath(subject, *path, object, sink);
+        TranslatePath(*subject, *path, object, sink);
       } else {
-        sink->triples.emplace_back(subject, verb, std::move(object));
+        sink->triples.emplace_back(*subject, *verb, std::move(object));
       }
       continue;
     }
     if (sink->triples.empty()) sink->triples.reserve(8);
     TriplePattern& triple = sink->triples.emplace_back();
-    triple.subject = subject;
     if (!VarOrTerm(sink, &triple.object)) {
       sink->triples.pop_back();
       return false;
     }
-    if (At(",")) {
-      triple.predicate = verb;
-    } else {
-      triple.predicate = std::move(verb);
-    }
+    const bool more_objects = At(","), more = more_objects || At(";");
+    triple.subject = more ? *subject : std::move(*subject);
+    triple.predicate = more_objects ? *verb : std::move(*verb);
   } while (Accept(","));
   return true;
 }
@@ -183,33 +180,35 @@ bool Grammar::BlankNodePropertyList(TriplesSink* sink, PatternTerm* out) {
   Nested nested(this);
   if (!nested.ok()) return false;
   *out = NewBlank(Take().span, sink->template_mode);
-  return PropertyListNotEmpty(*out, sink) && Expect("]", "to close the blank node");
+  PatternTerm subject = *out;
+  return PropertyListNotEmpty(&subject, sink) && Expect("]", "to close the blank node");
 }
 
 bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
-  const Token token = Peek();
+  const Token& token = Peek();
   out->span = token.span;
   switch (token.kind) {
     case TokenKind::kVariable:
-      out->variable.emplace().name = token.text;
+      out->SetVariable().name = token.text;
       Drop();
       return true;
     case TokenKind::kIri:
     case TokenKind::kPrefixedName:
-      return IriText(&out->term.lexical);
-    case TokenKind::kBlankLabel:
-      Drop();
-      return LabelledBlank(token, sink->template_mode, out);
+      return IriText(&out->SetTerm().lexical);
+    case TokenKind::kBlankLabel: {
+      const Token label = Take();
+      return LabelledBlank(label, sink->template_mode, out);
+    }
     case TokenKind::kPunctuation:
       if (token.Is("[")) {
         Drop();
         if (!Expect("]", "after '['")) return false;
-        *out = NewBlank(token.span, sink->template_mode);
+        *out = NewBlank(out->span, sink->template_mode);
         return true;
       }
       if (token.Is("(")) {
         Drop();
-        out->term.lexical = kRdfNil;
+        out->SetTerm().lexical = kRdfNil;
         return Expect(")", "after '('");
       }
       if (!token.Is("+") && !token.Is("-")) {
@@ -232,7 +231,7 @@ bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
   }
   std::optional<Term> term = GroundTerm();
   if (!term) return false;
-  out->term = *std::move(term);
+  out->SetTerm() = *std::move(term);
   return true;
 }
 

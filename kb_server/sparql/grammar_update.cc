@@ -235,20 +235,20 @@ bool Grammar::QuadTerm(const PatternTerm& term, QuadsUse use) {
   const bool inserts = use == QuadsUse::kInsertData || use == QuadsUse::kInsertTemplate;
   if (term.IsVariable()) {
     if (!data) return true;
-    Error(term.span, "?" + term.variable->name + " is a variable, which DATA cannot hold",
+    Error(term.span, "?" + term.variable().name + " is a variable, which DATA cannot hold",
           inserts ? "write INSERT { … } WHERE { … }" : "write DELETE WHERE { … }");
     return false;
   }
-  if (!term.term.IsBlank()) return true;
+  if (!term.term().IsBlank()) return true;
   if (!inserts) {
     Error(term.span, "a blank node cannot be deleted by its label: it would be a new one",
           "use a variable: DELETE { ?x … } WHERE { ?x … }");
     return false;
   }
   if (use != QuadsUse::kInsertData) return true;
-  const auto [it, added] = data_labels_.emplace(term.term.lexical, operation_);
+  const auto [it, added] = data_labels_.emplace(term.term().lexical, operation_);
   if (added || it->second == operation_) return true;
-  Error(term.span, "_:" + term.term.lexical + " was used in another INSERT DATA of this request",
+  Error(term.span, "_:" + term.term().lexical + " was used in another INSERT DATA of this request",
         "a label means something within one operation only; join the two, or use another label");
   return false;
 }

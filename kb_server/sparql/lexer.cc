@@ -24,7 +24,7 @@ uint32_t HexValue(char c) {
 }
 
 // What an ASCII character may be part of; others are of no class.
-enum : uint8_t { kInName = 1, kInIri = 2, kLetter = 4, kPunctuationMark = 8 };
+enum : uint8_t { kInName = 1, kInIri = 2, kLetter = 4, kPunctuationMark = 8, kBetweenTokens = 16 };
 constexpr std::array<uint8_t, 256> kClasses = [] {
   std::array<uint8_t, 256> classes{};
   for (int c = 0; c < 128; ++c) {
@@ -33,6 +33,7 @@ constexpr std::array<uint8_t, 256> kClasses = [] {
     if (letter) classes[c] |= kLetter;
     if (letter || (c >= '0' && c <= '9') || c == '_' || c == '-') classes[c] |= kInName;
     if (c > 0x20 && !is_one_of("<>\"{}|^`\\")) classes[c] |= kInIri;
+    if (c > 0 && is_one_of(" \t\r\n#")) classes[c] |= kBetweenTokens;
     if (c > 0 && is_one_of("{}()[].,;=<>!*/+-|^?")) classes[c] |= kPunctuationMark;
   }
   return classes;
@@ -231,7 +232,11 @@ void Lexer::SkipSpaceAndComments() {
 }
 
 Token Lexer::Next() {
-  SkipSpaceAndComments();
+  if (at_ < text_.size() && text_[at_] == ' ') {  // what stands before most tokens
+    ++at_;
+    ++column_;
+  }
+  if (at_ < text_.size() && Is(text_[at_], kBetweenTokens)) SkipSpaceAndComments();
   if (at_ >= text_.size()) return MakeAscii(TokenKind::kEnd, 0, "");
   const char c = text_[at_];
   const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';

@@ -70,7 +70,10 @@ int Lowering::ConstantOf(const Term& term) {
   if (constants_.size() <= kFew) {
     size_t place = 0;
     while (place < constants_.size() && *constants_[place] != term) ++place;
-    if (place == constants_.size()) constants_.push_back(&term);
+    if (place == constants_.size()) {
+      if (place == 0) constants_.reserve(kFew / 2);
+      constants_.push_back(&term);
+    }
     return static_cast<int>(place);
   }
   if (constant_numbers_.empty()) {
@@ -82,8 +85,8 @@ int Lowering::ConstantOf(const Term& term) {
 }
 
 PlanTerm Lowering::TermOf(const PatternTerm& term, Scope& scope) {
-  if (term.IsVariable()) return {SlotOf(term.variable->name, scope), -1};
-  return {-1, ConstantOf(term.term)};
+  if (term.IsVariable()) return {SlotOf(term.variable().name, scope), -1};
+  return {-1, ConstantOf(term.term())};
 }
 
 PlanNodePtr Lowering::LowerQuery(const Algebra& algebra) {
@@ -203,8 +206,8 @@ PlanNodePtr Lowering::LowerPath(const Algebra& a, Scope& scope, const GraphRef& 
   PlanNodePtr node = Node(Plan::kPath);
   node->subject = TermOf(a.subject, scope);
   node->object = TermOf(a.object, scope);
-  node->subject_term = a.subject.term;
-  node->object_term = a.object.term;
+  node->subject_term = a.subject.term();
+  node->object_term = a.object.term();
   node->path = &a.path;
   node->graph = graph;
   const auto collect = [&](const Path& path, const auto& self) -> void {
@@ -399,7 +402,7 @@ PlanNodePtr Lowering::LowerProject(const Algebra& a, Scope& scope, const GraphRe
   SlotSet columns;
   for (const Variable& v : a.variables) {
     const int slot = SlotOf(v.name, scope);
-    inner.Add(v.name, slot);
+    if (!top) inner.Add(v.name, slot);
     columns.Add(slot);
   }
   PlanNodePtr node = Over(Plan::kProject, Lower(*a.children[0], top ? scope : inner, graph, false));
@@ -411,7 +414,8 @@ PlanNodePtr Lowering::LowerProject(const Algebra& a, Scope& scope, const GraphRe
 
 SlotSet Lowering::Reads(const Expression& e, Scope& scope, const GraphRef& graph) {
   SlotSet out;
-  for (const Variable& v : MentionedVariables(e)) out.Add(SlotOf(v.name, scope));
+  if (e.arguments.empty() && e.kind != Expression::Kind::kVariable && !e.pattern) return out;
+  for (const Variable* v : VariablesMentioned(e)) out.Add(SlotOf(v->name, scope));
   if (graph.name.slot >= 0 && HasExists(e)) out.Add(graph.name.slot);
   return out;
 }

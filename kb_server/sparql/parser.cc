@@ -49,9 +49,9 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
     return parsed;
   }
   Grammar grammar(text, options);
-  std::optional<Query> query = grammar.QueryUnit();
+  const bool whole = grammar.QueryUnit(&parsed.query);
   parsed.diagnostics = grammar.diagnostics();
-  if (query) parsed.query = *std::move(query);
+  if (!whole) parsed.query = Query();
   return parsed;
 }
 

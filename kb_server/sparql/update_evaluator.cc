@@ -158,7 +158,7 @@ class Evaluation {
   }
 
   static Term GraphOf(const QuadTemplate& quad, const UpdateOperation& operation) {
-    if (quad.graph) return quad.graph->term;
+    if (quad.graph) return quad.graph->term();
     return operation.with ? *operation.with : Term::Iri(std::string(kDefaultGraph));
   }
 
@@ -172,7 +172,7 @@ class Evaluation {
   absl::Status Data(const UpdateOperation& operation) {
     const bool adds = operation.kind == Kind::kInsertData;
     for (const QuadTemplate& quad : adds ? operation.insert : operation.remove) {
-      TermQuad out{quad.triple.subject.term, quad.triple.predicate.term, quad.triple.object.term,
+      TermQuad out{quad.triple.subject.term(), quad.triple.predicate.term(), quad.triple.object.term(),
                    GraphOf(quad, operation)};
       if (out.subject.IsLiteral()) {
         return absl::InvalidArgumentError(ToNTriples(out.subject) + " is a literal and cannot be a subject");
@@ -206,10 +206,10 @@ class Evaluation {
                                     &graph};
       for (int i = 0; i < 4; ++i) {
         if (!terms[i]->IsVariable()) {
-          resolved.slots[i].term = terms[i]->term;
+          resolved.slots[i].term = terms[i]->term();
           continue;
         }
-        const auto it = std::find(columns.begin(), columns.end(), terms[i]->variable->name);
+        const auto it = std::find(columns.begin(), columns.end(), terms[i]->variable().name);
         if (it != columns.end()) resolved.slots[i].column = static_cast<int>(it - columns.begin());
       }
       out.push_back(std::move(resolved));

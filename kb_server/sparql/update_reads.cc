@@ -8,7 +8,7 @@ namespace docent::sparql {
 namespace {
 
 std::optional<Term> Constant(const PatternTerm& term) {
-  return term.IsVariable() ? std::nullopt : std::optional<Term>(term.term);
+  return term.IsVariable() ? std::nullopt : std::optional<Term>(term.term());
 }
 
 // A path; GRAPH over something that is more than triples: { }, a sub-SELECT, …

@@ -19,10 +19,10 @@ constexpr size_t kSpareSolutions = 64;
 // The same constant is the same variable.
 void OpenTerm(PatternTerm& term, ShapeForm& form) {
   if (term.IsVariable()) return;
-  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term);
+  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
   const auto place = static_cast<size_t>(known - form.constants.begin());
   if (known == form.constants.end()) {
-    form.constants.push_back(term.term);
+    form.constants.push_back(term.term());
     // no query has a variable with a space in its name
     form.parameters.push_back(absl::StrCat("constant ", place));
   }
@@ -32,7 +32,7 @@ void OpenTerm(PatternTerm& term, ShapeForm& form) {
 // Inside EXISTS, what stands outside, too, is the variable that it is there.
 void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
   if (term.IsVariable()) return;
-  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term);
+  const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
   if (known == form.constants.end()) return;
   const std::string& name = form.parameters[static_cast<size_t>(known - form.constants.begin())];
   if (scope.contains(name)) term = PatternTerm::Of(sparql::Variable{name});
@@ -43,7 +43,7 @@ void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, con
   if (!plain) return;
   for (sparql::TriplePattern& triple : node.triples) {
     OpenKnown(triple.subject, scope, form);
-    const bool type = !triple.predicate.IsVariable() && triple.predicate.term.lexical == kRdfType;
+    const bool type = !triple.predicate.IsVariable() && triple.predicate.term().lexical == kRdfType;
     if (!type) OpenKnown(triple.object, scope, form);
   }
   for (const auto& child : node.children) OpenKnown(*child, scope, form);
@@ -70,7 +70,7 @@ void OpenConstants(Algebra& node, ShapeForm& form) {
     case Algebra::Kind::kBgp:
       for (sparql::TriplePattern& triple : node.triples) {
         OpenTerm(triple.subject, form);
-        const bool type = !triple.predicate.IsVariable() && triple.predicate.term.lexical == kRdfType;
+        const bool type = !triple.predicate.IsVariable() && triple.predicate.term().lexical == kRdfType;
         if (!type) OpenTerm(triple.object, form);
       }
       return;

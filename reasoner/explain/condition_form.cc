@@ -83,7 +83,7 @@ Clause Merge(const Clause& to, const Clause& from) {
 void MentionedBeside(const Algebra& node, const Algebra* except, std::set<std::string>& names) {
   if (&node == except) return;
   const auto add = [&names](const PatternTerm& term) {
-    if (term.IsVariable() && !term.variable->name.empty()) names.insert(term.variable->name);
+    if (term.IsVariable() && !term.variable().name.empty()) names.insert(term.variable().name);
   };
   for (const sparql::TriplePattern& triple : node.triples) {
     add(triple.subject);
@@ -145,8 +145,8 @@ class Builder {
 
  private:
   AtomTerm Make(Clause& clause, const PatternTerm& term, const Scope& scope) {
-    if (!term.IsVariable()) return {dictionary_.Intern(term.term), AtomTerm::kConstant};
-    const std::string& name = term.variable->name;
+    if (!term.IsVariable()) return {dictionary_.Intern(term.term()), AtomTerm::kConstant};
+    const std::string& name = term.variable().name;
     return {TermId(), Variable(clause, scope.NameOf(name), name)};
   }
 
@@ -350,11 +350,11 @@ class Builder {
     const AtomTerm graph = graph_;
     const std::string name = graph_name_, written = graph_written_;
     if (node.name.IsVariable()) {
-      graph_name_ = scope.NameOf(node.name.variable->name);
-      graph_written_ = node.name.variable->name;
+      graph_name_ = scope.NameOf(node.name.variable().name);
+      graph_written_ = node.name.variable().name;
     } else {
       graph_name_.clear();
-      graph_ = {dictionary_.Intern(node.name.term), AtomTerm::kConstant};
+      graph_ = {dictionary_.Intern(node.name.term()), AtomTerm::kConstant};
     }
     auto all = Expand(*node.children[0], scope);
     graph_ = graph;

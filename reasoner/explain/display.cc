@@ -9,14 +9,14 @@ using sparql::PatternTerm;
 
 void Substitute(PatternTerm& term, const Values& values) {
   if (!term.IsVariable()) return;
-  const auto found = values.find(term.variable->name);
+  const auto found = values.find(term.variable().name);
   if (found != values.end()) term = found->second;
 }
 
 void Rename(sparql::Variable& variable, const Values& values) {
   PatternTerm term = PatternTerm::Of(variable);
   Substitute(term, values);
-  if (term.IsVariable()) variable = *term.variable;
+  if (term.IsVariable()) variable = term.variable();
 }
 
 void Substitute(Algebra& node, const Values& values);
@@ -26,7 +26,7 @@ void Substitute(Expression& e, const Values& values) {
     PatternTerm term = PatternTerm::Of(e.variable);
     Substitute(term, values);
     if (!term.IsVariable()) e.kind = Expression::Kind::kTerm;
-    e.term = term.term;
+    e.term = term.term();
     Rename(e.variable, values);
   }
   for (const auto& argument : e.arguments) Substitute(*argument, values);

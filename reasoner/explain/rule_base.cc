@@ -11,8 +11,8 @@ namespace docent::explain {
 namespace {
 
 AtomTerm HeadTerm(const sparql::PatternTerm& term, const Clause& body, Dictionary& dictionary) {
-  if (!term.IsVariable()) return {dictionary.Intern(term.term), AtomTerm::kConstant};
-  return {TermId(), body.Find(term.variable->name)};
+  if (!term.IsVariable()) return {dictionary.Intern(term.term()), AtomTerm::kConstant};
+  return {TermId(), body.Find(term.variable().name)};
 }
 
 // Whether its one pattern is all that a clause asks for, with no variable twice.

@@ -70,7 +70,7 @@ std::string AbsenceText(const Absence& absence, const Row& row, const absl::flat
 // How many of its facts would change what a thing is.
 size_t KindChanges(const Repair& repair) {
   return static_cast<size_t>(std::count_if(repair.tell.begin(), repair.tell.end(), [](const ToTell& tell) {
-    return !tell.fact.predicate.IsVariable() && tell.fact.predicate.term.lexical == kRdfType;
+    return !tell.fact.predicate.IsVariable() && tell.fact.predicate.term().lexical == kRdfType;
   }));
 }
 
@@ -388,7 +388,7 @@ absl::StatusOr<bool> WhyNotFinder::IsMinimal(const Repair& repair) {
 
 bool WhyNotFinder::IsState(const sparql::TriplePattern& fact) const {
   if (fact.predicate.IsVariable()) return false;
-  const auto property = parts_.dictionary->Find(fact.predicate.term);
+  const auto property = parts_.dictionary->Find(fact.predicate.term());
   const auto type = parts_.dictionary->FindIri(kRdfType);
   const auto state = parts_.dictionary->FindIri(DocentIri("StateProperty"));
   return property && type && state && parts_.version->Count({*property, *type, *state, TermId()}) > 0;

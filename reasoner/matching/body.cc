@@ -21,7 +21,7 @@ void InternConstants(const Expression& expression, Dictionary& dictionary) {
 }
 
 void InternConstant(const PatternTerm& term, Dictionary& dictionary) {
-  if (!term.IsVariable() && !(term.term.IsIri() && term.term.lexical.empty())) dictionary.Intern(term.term);
+  if (!term.IsVariable() && !(term.term().IsIri() && term.term().lexical.empty())) dictionary.Intern(term.term());
 }
 
 void InternConstants(const sparql::Path& path, Dictionary& dictionary) {
@@ -162,8 +162,8 @@ class BodyBuilder {
     const std::array<const PatternTerm*, 3> terms = {&triple.subject, &triple.predicate, &triple.object};
     for (int i = 0; i < 3; ++i) {
       const bool variable = terms[i]->IsVariable();
-      pattern.columns[i] = variable ? AddColumn(*terms[i]->variable) : int16_t{Trigger::kNoColumn};
-      pattern.constants[i] = variable ? TermId() : dictionary_.Intern(terms[i]->term);
+      pattern.columns[i] = variable ? AddColumn(terms[i]->variable()) : int16_t{Trigger::kNoColumn};
+      pattern.constants[i] = variable ? TermId() : dictionary_.Intern(terms[i]->term());
     }
     patterns_.push_back(pattern);
   }
@@ -230,10 +230,10 @@ class BodyBuilder {
     for (int i = 0; i < 3; ++i) {
       test.pattern.columns[i] = Trigger::kNoColumn;
       if (!terms[i]->IsVariable()) {
-        test.pattern.constants[i] = dictionary_.Intern(terms[i]->term);
+        test.pattern.constants[i] = dictionary_.Intern(terms[i]->term());
         continue;
       }
-      const std::string& name = terms[i]->variable->name;
+      const std::string& name = terms[i]->variable().name;
       test.pattern.columns[i] = static_cast<int16_t>(body_.ColumnOf(name));
       if (test.pattern.columns[i] >= 0) continue;
       test.pattern.columns[i] = Trigger::kNoColumn;
@@ -266,10 +266,10 @@ class BodyBuilder {
                                           &constants.graph};
       for (int i = 0; i < 4; ++i) {
         if (!terms[i]->IsVariable()) {
-          *ids[i] = dictionary_.Intern(terms[i]->term);
-        } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable->name) !=
+          *ids[i] = dictionary_.Intern(terms[i]->term());
+        } else if (std::find(source.seeds.begin(), source.seeds.end(), terms[i]->variable().name) !=
                    source.seeds.end()) {
-          trigger.columns[i] = static_cast<int16_t>(body_.ColumnOf(terms[i]->variable->name));
+          trigger.columns[i] = static_cast<int16_t>(body_.ColumnOf(terms[i]->variable().name));
         }
       }
       trigger.match.equal = EqualPositions(terms);
@@ -302,7 +302,7 @@ class BodyBuilder {
                                                                   {2, 3, MatchPattern::kObjectGraph}}};
     uint8_t equal = 0;
     for (const auto& [a, b, flag] : kPairs) {
-      if (terms[a]->IsVariable() && terms[a]->variable == terms[b]->variable)
+      if (terms[a]->IsVariable() && *terms[a] == *terms[b])
         equal |= static_cast<uint8_t>(flag);
     }
     return equal;

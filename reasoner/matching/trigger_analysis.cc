@@ -20,7 +20,7 @@ Polarity Flip(Polarity polarity) {
 }
 
 void AddVariable(const PatternTerm& term, Names& names) {
-  if (term.IsVariable()) names.insert(term.variable->name);
+  if (term.IsVariable()) names.insert(term.variable().name);
 }
 
 void AddVariables(const TriplePattern& triple, Names& names) {
@@ -61,7 +61,7 @@ class Analyser {
     if (place.seeds != Place::Seeds::kNone) {
       Names names;
       AddVariables(trigger.pattern, names);
-      if (!place.graph.variable || !place.graph.variable->name.empty()) AddVariable(place.graph, names);
+      if (!place.graph.IsVariable() || !place.graph.variable().name.empty()) AddVariable(place.graph, names);
       for (const std::string& name : names) {
         if (place.seeds == Place::Seeds::kOwn || place.outer->contains(name)) trigger.seeds.push_back(name);
       }

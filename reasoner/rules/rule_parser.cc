@@ -116,10 +116,10 @@ class Checker {
       CheckHeadTerm(triple.subject, rule, bound, in_scope);
       CheckHeadTerm(triple.predicate, rule, bound, in_scope);
       CheckHeadTerm(triple.object, rule, bound, in_scope);
-      if (!triple.subject.IsVariable() && triple.subject.term.IsLiteral()) {
+      if (!triple.subject.IsVariable() && triple.subject.term().IsLiteral()) {
         Report(triple.subject.span, rule, "a literal cannot be the subject of a triple", "");
       }
-      if (!triple.predicate.IsVariable() && !triple.predicate.term.IsIri()) {
+      if (!triple.predicate.IsVariable() && !triple.predicate.term().IsIri()) {
         Report(triple.predicate.span, rule, "the predicate of a triple is an IRI", "");
       }
     }
@@ -135,15 +135,15 @@ class Checker {
 
   void CheckHeadTerm(const PatternTerm& term, const Rule& rule, const Names& bound, const Names& in_scope) {
     if (!term.IsVariable()) {
-      if (term.term.IsBlank()) {
+      if (term.term().IsBlank()) {
         Report(term.span, rule, "a blank node in a rule head would be made anew without end",
                "name the thing by an IRI, or bind one: BIND(IRI(CONCAT(…)) AS ?new)");
       }
       return;
     }
-    const std::string& name = term.variable->name;
+    const std::string& name = term.variable().name;
     if (bound.contains(name)) return;
-    if (term.variable->IsHidden()) {
+    if (term.variable().IsHidden()) {
       Report(term.span, rule, "a blank node in a rule head would be made anew without end",
              "name the thing by an IRI");
     } else if (in_scope.contains(name)) {
@@ -291,8 +291,8 @@ void NoteGrowth(Rule& rule) {
   if (bounded) return;
   for (const sparql::TriplePattern& triple : rule.head) {
     for (const PatternTerm* term : {&triple.subject, &triple.predicate, &triple.object}) {
-      if (term->IsVariable() && grown.contains(term->variable->name))
-        rule.growing.push_back(term->variable->name);
+      if (term->IsVariable() && grown.contains(term->variable().name))
+        rule.growing.push_back(term->variable().name);
     }
   }
 }

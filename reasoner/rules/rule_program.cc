@@ -44,9 +44,9 @@ HeadTriple CompileHead(const sparql::TriplePattern& triple, const Body& body, Di
                                                            &triple.object};
   for (int i = 0; i < 3; ++i) {
     if (terms[i]->IsVariable()) {
-      head.columns[i] = static_cast<int16_t>(body.ColumnOf(terms[i]->variable->name));
+      head.columns[i] = static_cast<int16_t>(body.ColumnOf(terms[i]->variable().name));
     } else {
-      head.constants[i] = dictionary.Intern(terms[i]->term);
+      head.constants[i] = dictionary.Intern(terms[i]->term());
     }
   }
   return head;

@@ -126,8 +126,8 @@ class Naive {
         if (copy) return true;
         Solution s;
         const auto fits = [&](const PatternTerm& p, TermId id) {
-          if (!p.IsVariable()) return Id(p.term) == id;
-          const auto [it, added] = s.emplace(p.variable->name, id);
+          if (!p.IsVariable()) return Id(p.term()) == id;
+          const auto [it, added] = s.emplace(p.variable().name, id);
           return added || it->second == id;
         };
         if (fits(t.subject, q.subject) && fits(t.predicate, q.predicate) && fits(t.object, q.object))

@@ -242,7 +242,7 @@ TEST(SparqlParser, ProductionsForOtherLanguages) {
     const AlgebraPtr body = p.GroupGraphPattern();
     if (head && body && p.diagnostics().empty()) {
       EXPECT_EQ(head->size(), 2u);
-      EXPECT_TRUE((*head)[1].subject.term.IsBlank());
+      EXPECT_TRUE((*head)[1].subject.term().IsBlank());
       EXPECT_EQ(body->kind, Algebra::Kind::kFilter);
     }
     (head && body ? good : bad) += 1;

@@ -38,7 +38,7 @@ TEST(UpdateParser, EachOperationIsRead) {
   EXPECT_EQ(o[0].kind, Kind::kInsertData);
   ASSERT_EQ(o[0].insert.size(), 7u);  // of the collection in the blank node, four
   EXPECT_FALSE(o[0].insert[0].graph);
-  EXPECT_EQ(o[0].insert[2].graph->term.lexical, "http://x/g");
+  EXPECT_EQ(o[0].insert[2].graph->term().lexical, "http://x/g");
   EXPECT_FALSE(o[0].insert[6].graph);
   EXPECT_EQ(o[1].kind, Kind::kDeleteData);
   EXPECT_EQ(o[2].remove.size(), 2u);

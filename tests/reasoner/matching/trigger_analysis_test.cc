@@ -26,7 +26,7 @@ std::vector<std::string> Describe(const std::string& ask) {
                        : t.polarity == Polarity::kNegative ? "-"
                                                            : "*";
     text +=
-        t.pattern.predicate.IsVariable() ? "?" : t.pattern.predicate.term.lexical.substr(kExampleNs.size());
+        t.pattern.predicate.IsVariable() ? "?" : t.pattern.predicate.term().lexical.substr(kExampleNs.size());
     std::vector<std::string> seeds = t.seeds;
     std::sort(seeds.begin(), seeds.end());
     text += "{";

@@ -30,7 +30,7 @@ TEST(RuleParser, ReadsRulesDataAndLaterPrefixes) {
   EXPECT_EQ(parsed.rules[0].head.size(), 1u);
   EXPECT_EQ(parsed.rules[1].head.size(), 2u);
   EXPECT_EQ(parsed.rules[1].span.line, 5);
-  EXPECT_EQ(parsed.rules[2].head[0].predicate.term.lexical, "http://example.org/more#free");
+  EXPECT_EQ(parsed.rules[2].head[0].predicate.term().lexical, "http://example.org/more#free");
 }
 
 TEST(RuleParser, AnEmptyDocumentHasNoRules) {
@@ -94,7 +94,7 @@ TEST(RuleParser, ReadsTheOtherFormsOfTheDraft) {
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   ASSERT_EQ(parsed.rules.size(), 3u);
   EXPECT_EQ(parsed.rules[0].name, "http://example.org/named");
-  EXPECT_EQ(parsed.rules[1].head[0].object.variable->name, "c");
+  EXPECT_EQ(parsed.rules[1].head[0].object.variable().name, "c");
   EXPECT_TRUE(parsed.rules[2].head.empty());
   EXPECT_THAT(Errors("IF { ?a :q ?b } { ?a :p ?b }"), HasSubstr("expected THEN"));
   EXPECT_THAT(Errors("RULE { ?a :p ?c } WHERE { ?a :q ?b SET(?c = 1) }"),
