@@ -13,7 +13,7 @@ namespace {
 // dynamic programme, and one pattern's sample.
 constexpr double kLookup = 0.15, kHashed = 0.08, kHashLookup = 0.03, kRow = 0.015;
 constexpr double kComparison = 0.05, kCall = 0.25;
-constexpr double kStep = 0.06, kSample = 3;
+constexpr double kStep = 0.01, kSample = 3;
 
 // The number of values of a variable among n matches, as a power of n: a subject has few values of one
 // property, an object is shared by more subjects, predicates and graphs are few.
@@ -44,6 +44,13 @@ bool HasCall(const PlanExpression& e) {
                      [](const PlanExpressionPtr& a) { return HasCall(*a); });
 }
 
+// Each value of its variable makes one triple, or few where several graphs have it.
+bool HasOneOpen(const PlanPattern& pattern) {
+  const auto open = std::count_if(std::begin(pattern.terms), std::end(pattern.terms),
+                                  [](const PlanTerm& term) { return term.slot >= 0; });
+  return open == 1 && pattern.graph.name.slot < 0;
+}
+
 }  // namespace
 
 JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context)
@@ -51,6 +58,16 @@ JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContex
   for (size_t i = 0; i < patterns_.size(); ++i) Count(bgp.patterns[i], &patterns_[i]);
   for (size_t v = 0; v < slots_.size() && v < kMaxVariables; ++v) {
     if (bound.Contains(slots_[v])) initial_ |= uint64_t{1} << v;
+  }
+  shared_ |= initial_;
+  for (size_t p = 0; p < patterns_.size(); ++p) {
+    Pattern& pattern = patterns_[p];
+    const double n = std::max(pattern.matches, 1.0);
+    const bool distinct = n <= 2 || HasOneOpen(bgp.patterns[p]);
+    for (int i = 0; i < pattern.used; ++i) {
+      Use& use = pattern.uses[i];
+      if ((shared_ >> use.variable & 1) != 0) use.values = distinct ? n : std::pow(n, kValuePowers[use.position]);
+    }
   }
   for (size_t f = 0; f < bgp.filters.size(); ++f) {
     Filter filter{0, Selectivity(*bgp.filters[f]), HasCall(*bgp.filters[f]) ? kCall : kComparison};
@@ -74,25 +91,26 @@ QuadPattern JoinOrder::Constants(const PlanPattern& pattern) const {
   return {id(pattern.terms[0]), id(pattern.terms[1]), id(pattern.terms[2]), id(pattern.graph.name)};
 }
 
-void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
-  PlanPattern& counted = bgp_.patterns[static_cast<size_t>(out - patterns_.data())];
-  if (counted.matches < 0) {
+void JoinOrder::Count(PlanPattern& pattern, Pattern* out) {
+  if (pattern.matches < 0) {
     const QuadPattern quad = Constants(pattern);
-    counted.matches = 0;
+    pattern.matches = 0;
     const bool known = quad.subject.tag() != TermId::Tag::kLocal &&
                        quad.predicate.tag() != TermId::Tag::kLocal &&
                        quad.object.tag() != TermId::Tag::kLocal && quad.graph.tag() != TermId::Tag::kLocal;
-    if (known) counted.matches = static_cast<double>(context_.version->Count(quad));
+    if (known) pattern.matches = static_cast<double>(context_.version->Count(quad));
   }
-  out->matches = counted.matches;
+  out->matches = pattern.matches;
   const PlanTerm* terms[] = {&pattern.terms[0], &pattern.terms[1], &pattern.terms[2], &pattern.graph.name};
   for (int i = 0; i < 4; ++i) {
     if (terms[i]->slot < 0) continue;
     const int variable = VariableOf(terms[i]->slot);
     if (variable >= static_cast<int>(kMaxVariables)) continue;  // a huge pattern: ordered by matches alone
-    const double n = std::max(out->matches, 1.0);
-    out->uses.push_back({variable, n <= 2 ? n : std::pow(n, kValuePowers[i])});
-    out->variables |= uint64_t{1} << variable;
+    const uint64_t bit = uint64_t{1} << variable;
+    out->uses[static_cast<size_t>(out->used++)] = {variable, i, 1};
+    out->variables |= bit;
+    shared_ |= variables_ & bit;
+    variables_ |= bit;
   }
 }
 
@@ -100,13 +118,16 @@ void JoinOrder::Count(const PlanPattern& pattern, Pattern* out) {
 // value each.
 void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
   const QuadPattern quad = Constants(pattern);
-  if (out->matches < 8 || quad.predicate.IsNone()) return;
-  const std::vector<Quad> sample = context_.version->Sample(quad, kSampled);
-  if (sample.empty()) return;
-  for (Use& use : out->uses) {
+  if (out->matches < 8 || quad.predicate.IsNone() || HasOneOpen(pattern)) return;
+  std::vector<Quad> sample;
+  for (int i = 0; i < out->used; ++i) {
+    Use& use = out->uses[i];
+    if ((shared_ >> use.variable & 1) == 0) continue;
     const bool subject = pattern.terms[0].slot == slots_[use.variable];
     const bool object = pattern.terms[2].slot == slots_[use.variable];
     if (subject == object) continue;
+    if (sample.empty()) sample = context_.version->Sample(quad, kSampled);
+    if (sample.empty()) return;
     double inverse = 0, sum = 0;
     for (const Quad& q : sample) {
       QuadPattern one = quad;
@@ -122,24 +143,24 @@ void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
   }
 }
 
-JoinOrder::State JoinOrder::Begin() const {
-  State state;
-  state.bound = initial_;
-  state.values.fill(1);
-  return state;
+void JoinOrder::Begin(State* state) const {
+  state->cost = 0;
+  state->rows = 1;
+  state->bound = initial_;
+  std::fill_n(state->values.begin(), std::min(slots_.size(), kMaxVariables), 1.0F);
 }
 
 JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) const {
   double rows = state.rows * pattern.matches;
   uint64_t bound = state.bound;
-  for (const Use* use = pattern.uses.begin(); use != pattern.uses.end(); ++use) {
+  for (const Use* use = pattern.begin(); use != pattern.end(); ++use) {
     const uint64_t bit = uint64_t{1} << use->variable;
     if ((bound & bit) != 0) {  // before, or by this very pattern
       double values = (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use->variable)] : state.rows;
-      for (const Use* other = pattern.uses.begin(); other != use; ++other) {
+      for (const Use* other = pattern.begin(); other != use; ++other) {
         if (other->variable == use->variable) values = std::min(values, other->values);
       }
-      rows /= std::max({std::min(values, state.rows), use->values, 1.0});
+      rows /= std::max(std::max(std::min(values, state.rows), use->values), 1.0);
     }
     bound |= bit;
   }
@@ -155,7 +176,7 @@ JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) 
 }
 
 void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) const {
-  for (const Use& use : pattern.uses) {
+  for (const Use& use : pattern) {
     float& values = state->values[static_cast<size_t>(use.variable)];
     const uint64_t bit = uint64_t{1} << use.variable;
     const auto own = static_cast<float>(use.values);
@@ -166,36 +187,36 @@ void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) c
   state->rows = step.rows;
 }
 
-std::vector<size_t> JoinOrder::Greedy(State* end) const {
-  std::vector<size_t> order;
-  order.reserve(patterns_.size());
-  std::vector<bool> used(patterns_.size());
-  *end = Begin();
-  while (order.size() < patterns_.size()) {
-    size_t best = 0;
-    std::optional<Step> best_step;
-    for (size_t i = 0; i < patterns_.size(); ++i) {
-      if (used[i]) continue;
-      const Step step = Estimate(*end, patterns_[i]);
-      if (best_step && (step.rows > best_step->rows || (step.rows == best_step->rows && step.cost >= best_step->cost)))
-        continue;
+JoinOrder::Order JoinOrder::Greedy(State* end) const {
+  const size_t n = patterns_.size();
+  absl::InlinedVector<size_t, 16> rest(n);
+  for (size_t i = 0; i < n; ++i) rest[i] = i;
+  Order order;
+  order.reserve(n);
+  Begin(end);
+  while (!rest.empty()) {
+    auto best = rest.begin();
+    Step best_step = Estimate(*end, patterns_[*best]);
+    for (auto i = best + 1; i != rest.end(); ++i) {
+      const Step step = Estimate(*end, patterns_[*i]);
+      if (step.rows > best_step.rows || (step.rows == best_step.rows && step.cost >= best_step.cost)) continue;
       best = i;
       best_step = step;
     }
-    used[best] = true;
-    order.push_back(best);
-    Extend(patterns_[best], *best_step, end);
+    order.push_back({*best, best_step.rows});
+    Extend(patterns_[*best], best_step, end);
+    rest.erase(best);
   }
   return order;
 }
 
 // The cheapest way to each set of patterns, from the cheapest ways to its subsets.
-std::vector<size_t> JoinOrder::Programmed(State* end) const {
+JoinOrder::Order JoinOrder::Programmed() const {
   const size_t n = patterns_.size();
   std::vector<State> states(size_t{1} << n);
   std::vector<uint8_t> last(states.size(), 0);
   std::vector<bool> reached(states.size());
-  states[0] = Begin();
+  Begin(&states[0]);
   reached[0] = true;
   for (size_t set = 0; set + 1 < states.size(); ++set) {
     if (!reached[set]) continue;
@@ -208,8 +229,9 @@ std::vector<size_t> JoinOrder::Programmed(State* end) const {
       if ((set >> i & 1) != 0) continue;
       const bool meets = (patterns_[i].variables & states[set].bound) != 0 || patterns_[i].matches <= 1;
       if (connected && !meets) continue;
-      const Step step = Estimate(states[set], patterns_[i]);
       const size_t with = set | size_t{1} << i;
+      if (reached[with] && states[with].cost <= states[set].cost) continue;  // it only grows
+      const Step step = Estimate(states[set], patterns_[i]);
       if (reached[with] && states[with].cost <= step.cost) continue;
       reached[with] = true;
       states[with] = states[set];
@@ -217,11 +239,22 @@ std::vector<size_t> JoinOrder::Programmed(State* end) const {
       last[with] = static_cast<uint8_t>(i);
     }
   }
-  std::vector<size_t> order;
-  for (size_t set = states.size() - 1; set != 0; set &= ~(size_t{1} << last[set])) order.push_back(last[set]);
+  Order order;
+  for (size_t set = states.size() - 1; set != 0; set &= ~(size_t{1} << last[set])) order.push_back({last[set], 0});
   std::reverse(order.begin(), order.end());
-  *end = states.back();
+  Follow(&order);
   return order;
+}
+
+void JoinOrder::Follow(Order* order) const {
+  State state;
+  Begin(&state);
+  for (Place& place : *order) {
+    const Pattern& pattern = patterns_[place.pattern];
+    const Step step = Estimate(state, pattern);
+    Extend(pattern, step, &state);
+    place.rows = step.rows;
+  }
 }
 
 double JoinOrder::Rows() {
@@ -232,28 +265,30 @@ double JoinOrder::Rows() {
 
 double JoinOrder::Arrange(bool reorder) {
   const size_t n = patterns_.size();
-  std::vector<size_t> order(n);
-  for (size_t i = 0; i < n; ++i) order[i] = i;
-  State end;
+  Order order;
   if (reorder && n > 1) {
+    State end;
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
-    if (end.cost > 4 * (kSample * static_cast<double>(n) + steps)) {
+    const auto unsure = std::count_if(bgp_.patterns.begin(), bgp_.patterns.end(), [](const PlanPattern& p) { return !HasOneOpen(p); });
+    if (end.cost > 4 * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
-      order = n <= kMaxProgrammed ? Programmed(&end) : Greedy(&end);
+      order = n <= kMaxProgrammed ? Programmed() : Greedy(&end);
     }
+  } else {
+    for (size_t i = 0; i < n; ++i) order.push_back({i, 0});
+    Follow(&order);
   }
   std::vector<PlanPattern> arranged;
   arranged.reserve(n);
-  State state = Begin();
-  for (const size_t i : order) {
-    const Step step = Estimate(state, patterns_[i]);
-    arranged.push_back(std::move(bgp_.patterns[i]));
-    arranged.back().estimate = step.rows / state.rows;
-    Extend(patterns_[i], step, &state);
+  double rows = 1;
+  for (const Place& place : order) {
+    arranged.push_back(bgp_.patterns[place.pattern]);
+    arranged.back().estimate = place.rows / rows;
+    rows = place.rows;
   }
   bgp_.patterns = std::move(arranged);
-  return state.rows;
+  return rows;
 }
 
 }  // namespace docent::sparql

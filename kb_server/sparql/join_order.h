@@ -35,12 +35,16 @@ class JoinOrder {
   static constexpr size_t kMaxProgrammed = 10;  // patterns that dynamic programming orders
 
   struct Use {
-    int variable;  // number within this BGP
-    double values;
+    int variable;    // number within this BGP
+    int position;    // 0 to 3: subject, predicate, object, graph
+    double values;   // known where the variable is `shared_`; nobody asks elsewhere
   };
   struct Pattern {
     double matches = 0;
-    absl::InlinedVector<Use, 4> uses;
+    const Use* begin() const { return uses.data(); }
+    const Use* end() const { return uses.data() + used; }
+    std::array<Use, 4> uses;
+    int used = 0;            // so many of them
     uint64_t variables = 0;  // as bits
   };
   struct Filter {
@@ -57,25 +61,34 @@ class JoinOrder {
     uint64_t bound = 0;
     std::array<float, kMaxVariables> values;  // of each bound variable
   };
+  // Patterns by number, with the rows after each.
+  struct Place {
+    size_t pattern;
+    double rows;
+  };
+  using Order = absl::InlinedVector<Place, 8>;
 
   int VariableOf(int slot);
-  void Count(const PlanPattern& pattern, Pattern* out);
+  void Count(PlanPattern& pattern, Pattern* out);
   void Refine(const PlanPattern& pattern, Pattern* out) const;
   QuadPattern Constants(const PlanPattern& pattern) const;
-  State Begin() const;
+  void Begin(State* state) const;
   // What comes to with `pattern` after `state`.
   Step Estimate(const State& state, const Pattern& pattern) const;
   // Takes that step.
   void Extend(const Pattern& pattern, const Step& step, State* state) const;
-  std::vector<size_t> Greedy(State* end) const;
-  std::vector<size_t> Programmed(State* end) const;
+  Order Greedy(State* end) const;
+  Order Programmed() const;
+  // Sets the rows of an order.
+  void Follow(Order* order) const;
 
   PlanNode& bgp_;
   const EvaluationContext& context_;
   uint64_t initial_ = 0;
+  uint64_t variables_ = 0, shared_ = 0;  // those used, and those whose number of values matters: used twice, or initial
   absl::InlinedVector<int, 8> slots_;  // of the variables
-  std::vector<Pattern> patterns_;
-  std::vector<Filter> filters_;
+  absl::InlinedVector<Pattern, 8> patterns_;
+  absl::InlinedVector<Filter, 4> filters_;
 };
 
 }  // namespace docent::sparql

@@ -6,6 +6,7 @@
 // join does. And GRAPH over anything that is not a basic graph pattern.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "kb_server/sparql/expression_evaluator.h"
@@ -55,7 +56,7 @@ class BgpOperator final : public Operator {
     for (const PlanExpressionPtr& filter : node_.filters) ForgetExpression(*filter);
     for (Level& level : levels_) {
       level.scan.Forget();
-      if (level.tried) level.table.Forget();
+      if (level.tried) level.table->Forget();
       level.tried = false;
       level.lookups = 0;
     }
@@ -92,7 +93,7 @@ class BgpOperator final : public Operator {
   struct Level {
     PlanPattern* pattern = nullptr;
     PatternScan scan;
-    PatternTable table;
+    std::unique_ptr<PatternTable> table;   // null: there was none yet
     std::vector<PlanExpression*> filters;  // once it has a match
     double expected = 0;                   // lookups of one start
     uint64_t lookups = 0;                  // of the index in this run
@@ -106,7 +107,7 @@ class BgpOperator final : public Operator {
     Level* now = fresh ? first : last;
     if (fresh) Open(*now);
     while (true) {
-      if (!(now->hashed ? now->table.Next(row_.data(), context_) : now->scan.Next(row_.data()))) {
+      if (!(now->hashed ? now->table->Next(row_.data(), context_) : now->scan.Next(row_.data()))) {
         if (now == first) return false;
         --now;
         continue;
@@ -122,7 +123,7 @@ class BgpOperator final : public Operator {
     Open(level);
     uint64_t count = 0;
     if (level.hashed) {
-      while (level.table.Next(row_.data(), context_)) ++count;
+      while (level.table->Next(row_.data(), context_)) ++count;
     } else {
       count = level.scan.Count(row_.data());
     }
@@ -132,15 +133,16 @@ class BgpOperator final : public Operator {
 
   void Open(Level& level) {
     PlanPattern& pattern = *level.pattern;
-    level.hashed = level.tried && level.table.Fits(row_.data());
+    level.hashed = level.tried && level.table->Fits(row_.data());
     if (!level.hashed && ++level.lookups > kFewLookups && TablePays(level)) {
       level.tried = true;
+      if (!level.table) level.table = std::make_unique<PatternTable>();
       level.lookups = 0;  // where there can be no table, it is tried again much later
-      level.hashed = level.table.Build(pattern, row_.data(), row_.size(), context_);
+      level.hashed = level.table->Build(pattern, row_.data(), row_.size(), context_);
       pattern.hashed = level.hashed;
     }
     if (level.hashed) {
-      level.table.Open(row_.data());
+      level.table->Open(row_.data());
     } else {
       level.scan.Open(pattern, row_.data(), context_);
     }
