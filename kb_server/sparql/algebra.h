@@ -38,7 +38,9 @@ class PatternTerm {
   SourceSpan span;
 
   static PatternTerm Of(Term term, SourceSpan span = {}) { return PatternTerm(std::move(term), span); }
-  static PatternTerm Of(Variable variable, SourceSpan span = {}) { return PatternTerm(std::move(variable), span); }
+  static PatternTerm Of(Variable variable, SourceSpan span = {}) {
+    return PatternTerm(std::move(variable), span);
+  }
   PatternTerm() = default;
 
   bool IsVariable() const { return std::holds_alternative<Variable>(what_); }
@@ -49,13 +51,15 @@ class PatternTerm {
     const Term* term = std::get_if<Term>(&what_);
     return term != nullptr ? *term : NoTerm();
   }
-  // Makes it a variable or a term, for the caller to fill.
-  Variable& SetVariable() { return what_.emplace<Variable>(); }
-  Term& SetTerm() { return what_.emplace<Term>(); }
+  void Set(Variable variable) { what_.emplace<Variable>(std::move(variable)); }
+  void Set(Term term) { what_.emplace<Term>(std::move(term)); }
+  // Makes it the IRI that the caller writes into what is returned.
+  std::string* SetIri() { return &what_.emplace<Term>().lexical; }
 
   // Spans do not count.
   friend bool operator==(const PatternTerm& a, const PatternTerm& b) {
-    return a.IsVariable() ? b.IsVariable() && a.variable() == b.variable() : !b.IsVariable() && a.term() == b.term();
+    return a.IsVariable() ? b.IsVariable() && a.variable() == b.variable()
+                          : !b.IsVariable() && a.term() == b.term();
   }
 
  private:

@@ -19,15 +19,13 @@ Grammar::Grammar(std::string_view text, const ParseOptions& options)
     : options_(options), lexer_(text), base_iri_(options.base_iri) {}
 
 const Token& Grammar::ReadAhead(size_t ahead) {
-  while (ahead_count_ <= ahead) {
-    Token& token = *::new (&ahead_[(first_ahead_ + ahead_count_) % 2]) Token(lexer_.Next());  // made in its place
-    if (token.kind == TokenKind::kError) {
-      Error(token.span, std::string(token.text), std::string(token.prefix));
-    } else {
-      ++ahead_count_;
-    }
+  if (ahead == 1 && now_ == nullptr) ReadAhead(0);
+  Token* const place = now_ == &ahead_[0] ? &ahead_[1] : &ahead_[0];
+  while ((::new (place) Token(lexer_.Next()))->kind == TokenKind::kError) {  // made in its place
+    Error(place->span, std::string(place->text), std::string(place->prefix));
   }
-  return ahead_[(first_ahead_ + ahead) % 2];
+  (ahead == 0 ? now_ : next_) = place;
+  return *place;
 }
 
 bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
@@ -118,7 +116,7 @@ void Grammar::SkipPastBrace() {
 
 bool Grammar::Resolve(const Token& iri, std::string* out) {
   if (IsAbsoluteIri(iri.text)) {
-    *out = iri.text;
+    *out = std::string(iri.text);
     return true;
   }
   if (base_iri_.empty()) {
@@ -135,11 +133,11 @@ bool Grammar::Resolve(const Token& iri, std::string* out) {
 bool Grammar::Expand(const Token& name, std::string* out) {
   const auto expand = [&](const std::string& iri) {
     out->reserve(iri.size() + name.text.size());
-    *out = iri;
-    out->append(name.text);
+    out->append(iri).append(name.text);
     return true;
   };
-  if (const int* declared = declared_.Find(name.prefix)) return expand(prefixes_[static_cast<size_t>(*declared)].second);
+  if (const int* declared = declared_.Find(name.prefix))
+    return expand(prefixes_[static_cast<size_t>(*declared)].second);
   std::vector<std::string> names;
   for (const auto& [prefix, iri] : options_.prefixes) {
     if (prefix == name.prefix) return expand(iri);

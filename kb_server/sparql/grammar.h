@@ -30,9 +30,11 @@ class Grammar {
  public:
   // Both must outlive it.
   Grammar(std::string_view text, const ParseOptions& options);
+  Grammar(const Grammar&) = delete;
+  Grammar& operator=(const Grammar&) = delete;
 
   // grammar_query.cc
-  bool QueryUnit(Query* query);  // [1]
+  bool QueryUnit(Query* query);      // [1]
   bool Prologue();                   // [4]
 
   // grammar_update.cc
@@ -52,7 +54,8 @@ class Grammar {
 
   // tokens
   const Token& Peek(size_t ahead = 0) {  // ahead: 0 or 1
-    return ahead < ahead_count_ ? ahead_[(first_ahead_ + ahead) % 2] : ReadAhead(ahead);
+    const Token* token = ahead == 0 ? now_ : next_;
+    return token != nullptr ? *token : ReadAhead(ahead);
   }
   Token Take() {
     const Token token = Peek();
@@ -222,10 +225,10 @@ class Grammar {
   friend class ProductionParser;
 
   const Token& ReadAhead(size_t ahead);
-  // Takes the token that was peeked at.
+  // Takes the token that was peeked at. Its place is used again for the next one that is read.
   void Drop() {
-    first_ahead_ ^= 1;
-    --ahead_count_;
+    now_ = next_;
+    next_ = nullptr;
   }
   // grammar_update.cc
   enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
@@ -252,8 +255,9 @@ class Grammar {
 
   const ParseOptions& options_;
   Lexer lexer_;
-  std::array<Token, 2> ahead_;  // a ring: tokens read but not taken
-  size_t first_ahead_ = 0, ahead_count_ = 0;
+  std::array<Token, 2> ahead_;   // tokens read but not taken
+  const Token* now_ = nullptr;   // the first of them; null: not read yet
+  const Token* next_ = nullptr;  // the second
   std::string base_iri_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
   NameNumbers declared_;                                       // the number there of the last of each name

@@ -116,17 +116,21 @@ void Grammar::AddToGroup(OpenGroup* group, AlgebraPtr element) {
 
 bool Grammar::TriplesBlock(OpenGroup* group) {
   const SourceSpan span = Peek().span;
+  TriplesSink sink;
+  if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);  // these go on
+  const auto end = [&](bool ok) {  // a broken triple takes those before it along
+    if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);
+    return ok;
+  };
   while (true) {
-    TriplesSink sink;
-    if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);  // these go on
     if (!TriplesSameSubject(&sink)) return false;
     if (!sink.triples.empty() && group->bgp == nullptr) {
       auto bgp = std::make_unique<Algebra>(Kind::kBgp, span);
       group->bgp = bgp.get();
       AddToGroup(group, std::move(bgp));
     }
-    if (group->bgp != nullptr) sink.triples.swap(group->bgp->triples);
     for (AlgebraPtr& path : sink.paths) AddToGroup(group, std::move(path));
+    sink.paths.clear();
     const bool dot = Accept(".");
     const Token& next = Peek();
     const bool triple_may_follow =
@@ -134,10 +138,10 @@ bool Grammar::TriplesBlock(OpenGroup* group) {
     if (!dot && triple_may_follow) {
       Expected("'.' or ';' after a triple",
                "triples are separated by '.'; ';' repeats the subject, ',' the predicate");
-      return false;
+      return end(false);
     }
-    if (!dot) return true;
-    if (!triple_may_follow && !AtWord("true") && !AtWord("false")) return true;
+    if (!dot) return end(true);
+    if (!triple_may_follow && !AtWord("true") && !AtWord("false")) return end(true);
   }
 }
 

@@ -98,8 +98,8 @@ bool Grammar::SelectQuery(Query* query) {
   const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
   if (!modified) return false;
-  query->algebra = ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates),
-                                  &query->projection);
+  query->algebra =
+      ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates), &query->projection);
   return true;
 }
 
@@ -117,8 +117,7 @@ AlgebraPtr Grammar::SubSelect() {
   in_aggregate_ = outer;
   if (!modified) return nullptr;
   std::vector<Variable> projection;
-  return ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates),
-                        &projection);
+  return ApplyModifiers(std::move(where), &select, &modifiers, std::move(aggregates), &projection);
 }
 
 bool Grammar::ParseSelectClause(SelectClause* out) {
@@ -171,8 +170,7 @@ bool Grammar::AskQuery(Query* query) {
   const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
   if (!modified) return false;
-  query->algebra =
-      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
+  query->algebra = ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -197,7 +195,8 @@ bool Grammar::ConstructQuery(Query* query) {
     where->triples = *std::move(triples);
     for (TriplePattern& t : where->triples) {
       for (PatternTerm* term : {&t.subject, &t.predicate, &t.object}) {
-        if (!term->IsVariable() && term->term().IsBlank()) *term = PatternTerm::Of(Variable{".b" + term->term().lexical}, term->span);
+        if (!term->IsVariable() && term->term().IsBlank())
+          *term = PatternTerm::Of(Variable{".b" + term->term().lexical}, term->span);
       }
     }
   } else {
@@ -210,8 +209,7 @@ bool Grammar::ConstructQuery(Query* query) {
   const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
   if (!modified) return false;
-  query->algebra =
-      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
+  query->algebra = ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -248,8 +246,7 @@ bool Grammar::DescribeQuery(Query* query) {
   const bool modified = SolutionModifier(&modifiers);
   aggregates_ = nullptr;
   if (!modified) return false;
-  query->algebra =
-      ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
+  query->algebra = ApplyModifiers(std::move(where), nullptr, &modifiers, std::move(aggregates), nullptr);
   return true;
 }
 
@@ -269,7 +266,8 @@ AlgebraPtr Grammar::WhereClause() {
 }
 
 bool Grammar::SolutionModifier(Modifiers* out) {
-  return GroupClause(out) && HavingClause(out) && OrderClause(out) && LimitOffsetClauses(out) && ValuesClause(out);
+  return GroupClause(out) && HavingClause(out) && OrderClause(out) && LimitOffsetClauses(out) &&
+         ValuesClause(out);
 }
 
 bool Grammar::GroupClause(Modifiers* out) {

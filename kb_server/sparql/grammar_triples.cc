@@ -28,6 +28,15 @@ Path PathOf(Path::Kind kind, Path child) {
   return path;
 }
 
+// *from, which stays what it is only if there is a need for it.
+void Give(PatternTerm* from, bool keep, PatternTerm* to) {
+  if (keep) {
+    *to = *from;
+  } else {
+    *to = std::move(*from);
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<TriplePattern>> Grammar::TemplateInBraces() {
@@ -59,7 +68,7 @@ PatternTerm Grammar::NewBlank(const SourceSpan& span, bool template_mode) {
 
 bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm* out) {
   if (template_mode) {
-    out->SetTerm() = Term::Blank(std::string(token.text));
+    out->Set(Term::Blank(std::string(token.text)));
     return true;
   }
   const auto [it, added] = blank_bgp_.emplace(std::string(token.text), bgp_);
@@ -68,7 +77,7 @@ bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm*
           "a blank node means something within one block of triples only; use a variable");
     return false;
   }
-  out->SetVariable().name = Concat({".b", token.text});
+  out->Set(Variable{Concat({".b", token.text})});
   return true;
 }
 
@@ -95,20 +104,20 @@ bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
     PatternTerm verb;
     verb.span = Peek().span;
     if (Peek().kind == TokenKind::kVariable) {
-      verb.SetVariable().name = Peek().text;
+      verb.Set(Variable{std::string(Peek().text)});
       Drop();
     } else if (sink->template_mode || AtPlainVerb()) {
       if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
         Drop();
-        verb.SetTerm().lexical = kRdfType;
-      } else if (!IriText(&verb.SetTerm().lexical)) {
+        *verb.SetIri() = std::string(kRdfType);
+      } else if (!IriText(verb.SetIri())) {
         return false;
       }
     } else {
       path = ParsePath();
       if (!path) return false;
       if (path->kind == Path::Kind::kIri) {  // one in parentheses
-        verb.SetTerm() = std::move(path->iri);
+        verb.Set(std::move(path->iri));
         path.reset();
       }
     }
@@ -144,9 +153,9 @@ bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* ve
       sink->triples.pop_back();
       return false;
     }
-    const bool more_objects = At(","), more = more_objects || At(";");
-    triple.subject = more ? *subject : std::move(*subject);
-    triple.predicate = more_objects ? *verb : std::move(*verb);
+    const bool more_objects = At(",");
+    Give(subject, more_objects || At(";"), &triple.subject);
+    Give(verb, more_objects, &triple.predicate);
   } while (Accept(","));
   return true;
 }
@@ -189,12 +198,12 @@ bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
   out->span = token.span;
   switch (token.kind) {
     case TokenKind::kVariable:
-      out->SetVariable().name = token.text;
+      out->Set(Variable{std::string(token.text)});
       Drop();
       return true;
     case TokenKind::kIri:
     case TokenKind::kPrefixedName:
-      return IriText(&out->SetTerm().lexical);
+      return IriText(out->SetIri());
     case TokenKind::kBlankLabel: {
       const Token label = Take();
       return LabelledBlank(label, sink->template_mode, out);
@@ -208,7 +217,7 @@ bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
       }
       if (token.Is("(")) {
         Drop();
-        out->SetTerm().lexical = kRdfNil;
+        *out->SetIri() = std::string(kRdfNil);
         return Expect(")", "after '('");
       }
       if (!token.Is("+") && !token.Is("-")) {
@@ -231,7 +240,7 @@ bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
   }
   std::optional<Term> term = GroundTerm();
   if (!term) return false;
-  out->SetTerm() = *std::move(term);
+  out->Set(*std::move(term));
   return true;
 }
 

@@ -193,15 +193,21 @@ SourceSpan Lexer::SpanOf(size_t length) const {
 }
 
 Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
-  const Token token{kind, SpanOf(length), text, prefix};
+  const Token token{kind, 0, SpanOf(length), text, prefix};
   Advance(length);
   return token;
 }
 
 Token Lexer::MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
-  const Token token{kind, SpanOf(length), text, prefix};
+  const Token token{kind, 0, SpanOf(length), text, prefix};
   at_ += length;
   column_ += static_cast<int>(length);
+  return token;
+}
+
+Token Lexer::MakeMark(size_t length) {
+  Token token = MakeAscii(TokenKind::kPunctuation, length, text_.substr(at_, length));
+  token.mark = Token::MarkOf(token.text);
   return token;
 }
 
@@ -239,8 +245,8 @@ Token Lexer::Next() {
   if (at_ < text_.size() && Is(text_[at_], kBetweenTokens)) SkipSpaceAndComments();
   if (at_ >= text_.size()) return MakeAscii(TokenKind::kEnd, 0, "");
   const char c = text_[at_];
-  const char next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
   if (Is(c, kLetter)) return LexWordOrName();
+  const auto next = [this] { return at_ + 1 < text_.size() ? text_[at_ + 1] : '\0'; };
   switch (c) {
     case '?':
     case '$':
@@ -256,9 +262,9 @@ Token Lexer::Next() {
     case '@':
       return LexLanguage();
     case '_':
-      return next == ':' ? LexBlankLabel() : LexPunctuation();
+      return next() == ':' ? LexBlankLabel() : LexPunctuation();
     case '.':
-      return IsDigit(next) ? LexNumber() : LexPunctuation();
+      return IsDigit(next()) ? LexNumber() : LexPunctuation();
     default:
       break;
   }
@@ -519,9 +525,9 @@ Token Lexer::LexPunctuation() {
   const char c = text_[at_], next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
   const bool doubled = c == next && (c == '^' || c == '&' || c == '|');
   if (doubled || (next == '=' && (c == '!' || c == '<' || c == '>'))) {
-    return MakeAscii(TokenKind::kPunctuation, 2, text_.substr(at_, 2));
+    return MakeMark(2);
   }
-  if (Is(c, kPunctuationMark)) return MakeAscii(TokenKind::kPunctuation, 1, text_.substr(at_, 1));
+  if (Is(c, kPunctuationMark)) return MakeMark(1);
   const size_t length = CodePointAt(text_, at_).second;
   return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
 }

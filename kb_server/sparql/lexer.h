@@ -3,6 +3,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_LEXER_H_
 #define DOCENT_KB_SERVER_SPARQL_LEXER_H_
 
+#include <cstdint>
 #include <list>
 #include <optional>
 #include <string>
@@ -31,14 +32,17 @@ enum class TokenKind {
 // Lives as long as the lexer that made it: its texts lie in the query's text, or, where there were escapes, in the lexer.
 struct Token {
   TokenKind kind = TokenKind::kEnd;
+  uint16_t mark = 0;  // kPunctuation: MarkOf its text
   SourceSpan span;
   std::string_view text;
   std::string_view prefix;
 
-  bool Is(std::string_view punctuation) const {
-    return kind == TokenKind::kPunctuation && text.size() == punctuation.size() && text[0] == punctuation[0] &&
-           (text.size() == 1 || text[1] == punctuation[1]);
+  // Punctuation of one or two characters as a number.
+  static constexpr uint16_t MarkOf(std::string_view text) {
+    return static_cast<uint16_t>(static_cast<uint8_t>(text[0]) |
+                                 (text.size() > 1 ? static_cast<uint8_t>(text[1]) << 8 : 0));
   }
+  bool Is(std::string_view punctuation) const { return mark == MarkOf(punctuation); }
 };
 
 class Lexer {
@@ -56,6 +60,8 @@ class Lexer {
   Token Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   // The same where all of it is ASCII without a line's end.
   Token MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  // Punctuation of so many characters.
+  Token MakeMark(size_t length);
   Token Error(size_t length, std::string message, std::string_view hint = {});
   // The same text in the lexer's keeping.
   std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }

@@ -2,11 +2,11 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_NAME_NUMBERS_H_
 #define DOCENT_KB_SERVER_SPARQL_NAME_NUMBERS_H_
 
+#include <array>
 #include <string_view>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
-#include "absl/container/inlined_vector.h"
 
 namespace docent::sparql {
 
@@ -20,8 +20,8 @@ class NameNumbers {
   }
   // Null: `name` has no number.
   int* Find(std::string_view name) {
-    for (auto& [known, number] : few_) {
-      if (Same(known, name)) return &number;
+    for (size_t i = 0; i < count_; ++i) {
+      if (Same(few_[i].name, name)) return &few_[i].number;
     }
     if (rest_.empty()) return nullptr;
     const auto it = rest_.find(name);
@@ -42,15 +42,22 @@ class NameNumbers {
     return a.size() == b.size() && (a.empty() || (a[0] == b[0] && a == b));
   }
   void Put(std::string_view name, int number) {
-    if (few_.size() < kFew) {
-      few_.emplace_back(name, number);
+    if (count_ < kFew) {
+      few_[count_].name = name;
+      few_[count_++].number = number;
     } else {
       rest_.emplace(name, number);
     }
   }
 
   static constexpr size_t kFew = 16;  // so many are found soonest by looking at each
-  absl::InlinedVector<std::pair<std::string_view, int>, kFew> few_;
+  struct Entry {
+    Entry() {}  // sets nothing: what is beyond count_ is never read
+    std::string_view name;
+    int number;
+  };
+  std::array<Entry, kFew> few_;
+  size_t count_ = 0;
   absl::flat_hash_map<std::string_view, int> rest_;
 };
 

@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_SPARQL_SLOT_SET_H_
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -47,6 +48,7 @@ class SlotSet {
   // The members in ascending order.
   std::vector<int> List() const {
     std::vector<int> out;
+    out.reserve(static_cast<size_t>(std::popcount(first_)));
     AddMembers(first_, 0, &out);
     for (size_t i = 0; i < more_.size(); ++i) AddMembers(more_[i], static_cast<int>(i + 1) * 64, &out);
     return out;

@@ -21,7 +21,8 @@ void InternConstants(const Expression& expression, Dictionary& dictionary) {
 }
 
 void InternConstant(const PatternTerm& term, Dictionary& dictionary) {
-  if (!term.IsVariable() && !(term.term().IsIri() && term.term().lexical.empty())) dictionary.Intern(term.term());
+  if (!term.IsVariable() && !(term.term().IsIri() && term.term().lexical.empty()))
+    dictionary.Intern(term.term());
 }
 
 void InternConstants(const sparql::Path& path, Dictionary& dictionary) {
@@ -302,8 +303,7 @@ class BodyBuilder {
                                                                   {2, 3, MatchPattern::kObjectGraph}}};
     uint8_t equal = 0;
     for (const auto& [a, b, flag] : kPairs) {
-      if (terms[a]->IsVariable() && *terms[a] == *terms[b])
-        equal |= static_cast<uint8_t>(flag);
+      if (terms[a]->IsVariable() && *terms[a] == *terms[b]) equal |= static_cast<uint8_t>(flag);
     }
     return equal;
   }

@@ -128,7 +128,9 @@ void UseTriple(const Term& subject, const Term& predicate, const Term& object, c
 
 void UsePattern(const sparql::TriplePattern& t, WordCheck& check) {
   static const Term* none = new Term(Term::Literal(""));
-  const auto term = [](const sparql::PatternTerm& p) -> const Term& { return p.IsVariable() ? *none : p.term(); };
+  const auto term = [](const sparql::PatternTerm& p) -> const Term& {
+    return p.IsVariable() ? *none : p.term();
+  };
   UseTriple(term(t.subject), term(t.predicate), term(t.object), t.subject.span, t.predicate.span, t.object.span, false,
             check);
 }
