@@ -1,9 +1,9 @@
 #include "kb_server/sparql/join_order.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
-#include <optional>
+#include <memory>
 
 namespace docent::sparql {
 namespace {
@@ -66,7 +66,8 @@ JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContex
     const bool distinct = n <= 2 || HasOneOpen(bgp.patterns[p]);
     for (int i = 0; i < pattern.used; ++i) {
       Use& use = pattern.uses[i];
-      if ((shared_ >> use.variable & 1) != 0) use.values = distinct ? n : std::pow(n, kValuePowers[use.position]);
+      if ((shared_ >> use.variable & 1) != 0)
+        use.values = distinct ? n : std::pow(n, kValuePowers[use.position]);
     }
   }
   for (size_t f = 0; f < bgp.filters.size(); ++f) {
@@ -199,7 +200,8 @@ JoinOrder::Order JoinOrder::Greedy(State* end) const {
     Step best_step = Estimate(*end, patterns_[*best]);
     for (auto i = best + 1; i != rest.end(); ++i) {
       const Step step = Estimate(*end, patterns_[*i]);
-      if (step.rows > best_step.rows || (step.rows == best_step.rows && step.cost >= best_step.cost)) continue;
+      if (step.rows > best_step.rows || (step.rows == best_step.rows && step.cost >= best_step.cost))
+        continue;
       best = i;
       best_step = step;
     }
@@ -212,35 +214,36 @@ JoinOrder::Order JoinOrder::Greedy(State* end) const {
 
 // The cheapest way to each set of patterns, from the cheapest ways to its subsets.
 JoinOrder::Order JoinOrder::Programmed() const {
-  const size_t n = patterns_.size();
-  std::vector<State> states(size_t{1} << n);
-  std::vector<uint8_t> last(states.size(), 0);
-  std::vector<bool> reached(states.size());
+  constexpr uint8_t kNone = 0xFF;  // no way is known
+  const size_t n = patterns_.size(), all = (size_t{1} << n) - 1;
+  const std::unique_ptr<State[]> states(new State[all + 1]);
+  std::vector<uint8_t> last(all + 1, kNone);
   Begin(&states[0]);
-  reached[0] = true;
-  for (size_t set = 0; set + 1 < states.size(); ++set) {
-    if (!reached[set]) continue;
+  for (size_t set = 0; set < all; ++set) {
+    if (set != 0 && last[set] == kNone) continue;
+    const State& state = states[set];
     // A pattern that shares no variable comes only where none does: cartesian products last.
     bool connected = false;
-    for (size_t i = 0; i < n && set != 0; ++i) {
-      connected = connected || ((set >> i & 1) == 0 && (patterns_[i].variables & states[set].bound) != 0);
+    for (size_t rest = set != 0 ? all & ~set : 0; rest != 0 && !connected; rest &= rest - 1) {
+      connected = (patterns_[static_cast<size_t>(std::countr_zero(rest))].variables & state.bound) != 0;
     }
-    for (size_t i = 0; i < n; ++i) {
-      if ((set >> i & 1) != 0) continue;
-      const bool meets = (patterns_[i].variables & states[set].bound) != 0 || patterns_[i].matches <= 1;
-      if (connected && !meets) continue;
+    for (size_t rest = all & ~set; rest != 0; rest &= rest - 1) {
+      const auto i = static_cast<size_t>(std::countr_zero(rest));
+      const Pattern& pattern = patterns_[i];
+      if (connected && (pattern.variables & state.bound) == 0 && pattern.matches > 1) continue;
       const size_t with = set | size_t{1} << i;
-      if (reached[with] && states[with].cost <= states[set].cost) continue;  // it only grows
-      const Step step = Estimate(states[set], patterns_[i]);
-      if (reached[with] && states[with].cost <= step.cost) continue;
-      reached[with] = true;
-      states[with] = states[set];
-      Extend(patterns_[i], step, &states[with]);
+      const bool known = last[with] != kNone;
+      if (known && states[with].cost <= state.cost) continue;  // it only grows
+      const Step step = Estimate(state, pattern);
+      if (known && states[with].cost <= step.cost) continue;
+      states[with].bound = state.bound;
+      std::copy_n(state.values.begin(), std::min(slots_.size(), kMaxVariables), states[with].values.begin());
+      Extend(pattern, step, &states[with]);
       last[with] = static_cast<uint8_t>(i);
     }
   }
   Order order;
-  for (size_t set = states.size() - 1; set != 0; set &= ~(size_t{1} << last[set])) order.push_back({last[set], 0});
+  for (size_t set = all; set != 0; set &= ~(size_t{1} << last[set])) order.push_back({last[set], 0});
   std::reverse(order.begin(), order.end());
   Follow(&order);
   return order;
@@ -270,7 +273,8 @@ double JoinOrder::Arrange(bool reorder) {
     State end;
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
-    const auto unsure = std::count_if(bgp_.patterns.begin(), bgp_.patterns.end(), [](const PlanPattern& p) { return !HasOneOpen(p); });
+    const auto unsure = std::count_if(bgp_.patterns.begin(), bgp_.patterns.end(),
+                                      [](const PlanPattern& p) { return !HasOneOpen(p); });
     if (end.cost > 4 * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
       order = n <= kMaxProgrammed ? Programmed() : Greedy(&end);

@@ -35,9 +35,9 @@ class JoinOrder {
   static constexpr size_t kMaxProgrammed = 10;  // patterns that dynamic programming orders
 
   struct Use {
-    int variable;    // number within this BGP
-    int position;    // 0 to 3: subject, predicate, object, graph
-    double values;   // known where the variable is `shared_`; nobody asks elsewhere
+    int variable;   // number within this BGP
+    int position;   // 0 to 3: subject, predicate, object, graph
+    double values;  // known where the variable is `shared_`; nobody asks elsewhere
   };
   struct Pattern {
     double matches = 0;
@@ -85,7 +85,8 @@ class JoinOrder {
   PlanNode& bgp_;
   const EvaluationContext& context_;
   uint64_t initial_ = 0;
-  uint64_t variables_ = 0, shared_ = 0;  // those used, and those whose number of values matters: used twice, or initial
+  uint64_t variables_ = 0,
+           shared_ = 0;  // those used, and those whose number of values matters: used twice, or initial
   absl::InlinedVector<int, 8> slots_;  // of the variables
   absl::InlinedVector<Pattern, 8> patterns_;
   absl::InlinedVector<Filter, 4> filters_;
