@@ -1,4 +1,4 @@
-// docent backup TARGET and docent restore SOURCE: consistent copies of a data folder.
+// docent backup TARGET and docent restore SOURCE: consistent, checked copies of a data folder.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
@@ -13,6 +13,7 @@ namespace {
 struct CopyArguments {
   std::string data;
   std::string place;  // target of a backup, source of a restore
+  bool from_snapshot = false;
 };
 
 int Copy(const std::string& from, const std::string& to) {
@@ -21,6 +22,14 @@ int Copy(const std::string& from, const std::string& to) {
   std::cout << to << ": records " << report->first << " to " << report->last << ", "
             << report->snapshots.size() << (report->snapshots.size() == 1 ? " snapshot" : " snapshots")
             << "; all of it checked\n";
+  return kExitOk;
+}
+
+int GoOnFromSnapshot(const std::string& from, const std::string& to) {
+  const absl::StatusOr<FolderReport> report = CopyNewestSnapshot(from, to);
+  if (!report.ok()) return Fail(report.status());
+  std::cout << to << ": goes on from the snapshot at offset " << report->last << " of " << from
+            << ", without what came after it; all of it checked\n";
   return kExitOk;
 }
 
@@ -46,7 +55,13 @@ void AddRestoreCommand(CLI::App* app, int* exit_code) {
       ->add_option("--data", arguments->data,
                    "The data folder that a server is to use; not there yet, or empty: move the old one away")
       ->capture_default_str();
-  command->callback([arguments, exit_code] { *exit_code = Copy(arguments->place, arguments->data); });
+  command->add_flag("--from-snapshot", arguments->from_snapshot,
+                    "The source's log is lost or damaged: go on from its newest whole snapshot, without what "
+                    "came after it");
+  command->callback([arguments, exit_code] {
+    const auto restore = arguments->from_snapshot ? GoOnFromSnapshot : Copy;
+    *exit_code = restore(arguments->place, arguments->data);
+  });
 }
 
 }  // namespace docent

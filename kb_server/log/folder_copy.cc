@@ -5,12 +5,15 @@
 
 #include <cerrno>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "kb_server/log/data_folder.h"
+#include "kb_server/log/log_end.h"
 #include "kb_server/log/snapshot_files.h"
 #include "kb_server/log/sqlite_handles.h"
 #include "kb_server/log/sqlite_log.h"
@@ -71,35 +74,70 @@ absl::StatusOr<HeadRow> HeadOf(const std::string& database) {
   return ReadHead(db->get());
 }
 
+// Syncs what is in the folder `to`, but for the snapshots, and checks all of it.
+absl::StatusOr<FolderReport> Complete(const std::string& to, uint64_t end) {
+  absl::Status status = DataFolder::WriteMark(absl::StrCat(to, "/", DataFolder::kMarkName), end);
+  if (!status.ok()) return status;
+  absl::StatusOr<FolderReport> report = CheckFolder(to, nullptr);
+  if (!report.ok()) return report.status();
+  status = Sync(report->database, O_RDONLY);
+  if (status.ok()) status = Sync(to, O_RDONLY | O_DIRECTORY);
+  if (!status.ok()) return status;
+  return report;
+}
+
 absl::StatusOr<FolderReport> CopyOnce(const std::string& from, const std::string& to) {
-  std::error_code error;
-  fs::remove_all(to, error);
-  fs::create_directories(to, error);
-  if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", to));
   const std::string database = absl::StrCat(to, "/", SqliteLog::kFileName);
   absl::Status status = CopyDatabase(absl::StrCat(from, "/", SqliteLog::kFileName), database);
   if (!status.ok()) return status;
   const absl::StatusOr<HeadRow> head = HeadOf(database);
   if (!head.ok()) return head.status();
   status = CopySnapshots(from, to, *head);
-  if (status.ok()) status = DataFolder::WriteMark(absl::StrCat(to, "/", DataFolder::kMarkName), head->offset);
   if (!status.ok()) return status;
-  absl::StatusOr<FolderReport> report = CheckFolder(to, nullptr);
-  if (!report.ok()) return report.status();
-  status = Sync(database, O_RDONLY);
-  if (status.ok()) status = Sync(to, O_RDONLY | O_DIRECTORY);
-  if (!status.ok()) return status;
-  return report;
+  return Complete(to, head->offset);
 }
 
-}  // namespace
-
-absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::string& to) {
+absl::Status MakeFolder(const std::string& path) {
   std::error_code error;
-  if (!fs::exists(absl::StrCat(from, "/", SqliteLog::kFileName), error)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(from, " is not a data folder: it has no file ", SqliteLog::kFileName));
+  fs::remove_all(path, error);
+  fs::create_directories(path, error);
+  return error ? FileError(error.value(), absl::StrCat("cannot make the folder ", path)) : absl::OkStatus();
+}
+
+// The newest that is whole.
+absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder) {
+  const SnapshotFiles files(folder, SIZE_MAX);
+  const absl::StatusOr<std::vector<uint64_t>> offsets = files.Offsets();
+  if (!offsets.ok()) return offsets.status();
+  std::string damaged;
+  for (auto offset = offsets->rbegin(); offset != offsets->rend(); ++offset) {
+    absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> snapshot = files.Get(*offset);
+    if (snapshot.ok() && *snapshot && (*snapshot)->content.offset == *offset) return **std::move(snapshot);
+    if (!snapshot.ok()) absl::StrAppend(&damaged, "; ", std::string(snapshot.status().message()));
   }
+  return absl::DataLossError(absl::StrCat(folder, " holds no whole snapshot", damaged));
+}
+
+absl::StatusOr<FolderReport> BeginAfter(const SnapshotFiles::Snapshot& snapshot, const std::string& to) {
+  const uint64_t offset = snapshot.content.offset;
+  absl::Status status = SnapshotFiles(to, SIZE_MAX).Put(offset, snapshot.chain, snapshot.content.data);
+  if (!status.ok()) return status;
+  const std::string database = absl::StrCat(to, "/", SqliteLog::kFileName);
+  {
+    absl::StatusOr<DatabaseHandle> db = OpenConnection(database);
+    if (!db.ok()) return db.status();
+    // As a log of which all records were trimmed away.
+    status = PrepareSchema(db->get(), database, {offset, 0, snapshot.chain, offset, snapshot.chain});
+  }
+  if (!status.ok()) return status;
+  return Complete(to, offset);
+}
+
+// Has `make` fill a folder from what is in `from`; it gets the name `to` once it is whole.
+absl::StatusOr<FolderReport> MakeWhole(
+    const std::string& from, const std::string& to,
+    const std::function<absl::StatusOr<FolderReport>(const std::string& unfinished)>& make) {
+  std::error_code error;
   if (fs::exists(to, error) && !(fs::is_directory(to, error) && fs::is_empty(to, error))) {
     return absl::InvalidArgumentError(
         absl::StrCat(to, " is there already and not an empty folder; choose another place"));
@@ -109,7 +147,8 @@ absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::stri
   const std::string unfinished = absl::StrCat(place.string(), ".unfinished");
   absl::StatusOr<FolderReport> report;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    report = CopyOnce(from, unfinished);
+    const absl::Status made = MakeFolder(unfinished);
+    report = made.ok() ? make(unfinished) : absl::StatusOr<FolderReport>(made);
     if (!report.ok() || report->sound()) break;
   }
   if (report.ok() && !report->sound()) {
@@ -128,6 +167,20 @@ absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::stri
     return status;
   report->database = absl::StrCat(place.string(), "/", SqliteLog::kFileName);
   return report;
+}
+
+}  // namespace
+
+absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::string& to) {
+  if (absl::Status status = FindLog(from); !status.ok()) return status;
+  return MakeWhole(from, to, [&from](const std::string& unfinished) { return CopyOnce(from, unfinished); });
+}
+
+absl::StatusOr<FolderReport> CopyNewestSnapshot(const std::string& from, const std::string& to) {
+  const absl::StatusOr<SnapshotFiles::Snapshot> snapshot = NewestSnapshot(from);
+  if (!snapshot.ok()) return snapshot.status();
+  return MakeWhole(from, to,
+                   [&snapshot](const std::string& unfinished) { return BeginAfter(*snapshot, unfinished); });
 }
 
 }  // namespace docent

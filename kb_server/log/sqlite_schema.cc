@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
 namespace docent {
@@ -17,8 +18,12 @@ absl::StatusOr<uint64_t> OneInteger(sqlite3* db, const char* sql) {
   return statement->Integer(0);
 }
 
-absl::Status MakeTables(sqlite3* db) {
-  const HeadRow empty;
+std::string HexBlob(const ChainHash& hash) {
+  const std::string_view bytes = AsBytes(hash);
+  return absl::StrCat("x'", absl::BytesToHexString({bytes.data(), bytes.size()}), "'");
+}
+
+absl::Status MakeTables(sqlite3* db, const HeadRow& start) {
   absl::Status status =
       Execute(db,
               absl::StrCat(
@@ -27,8 +32,9 @@ absl::Status MakeTables(sqlite3* db) {
                   " prev_hash BLOB NOT NULL, data BLOB NOT NULL);"
                   "CREATE TABLE head(seq INTEGER NOT NULL, epoch INTEGER NOT NULL, hash BLOB NOT NULL,"
                   " base_seq INTEGER NOT NULL, base_hash BLOB NOT NULL, crc INTEGER NOT NULL);"
-                  "INSERT INTO head VALUES(0, 0, zeroblob(32), 0, zeroblob(32), ",
-                  empty.Crc(), "); PRAGMA application_id=", kLogApplicationId,
+                  "INSERT INTO head VALUES(",
+                  start.offset, ", ", start.epoch, ", ", HexBlob(start.hash), ", ", start.base_offset, ", ",
+                  HexBlob(start.base_hash), ", ", start.Crc(), "); PRAGMA application_id=", kLogApplicationId,
                   "; PRAGMA user_version=", kLogFormat, "; COMMIT"),
               "cannot make the log");
   return status;
@@ -93,10 +99,10 @@ absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
   return db;
 }
 
-absl::Status PrepareSchema(sqlite3* db, const std::string& path) {
+absl::Status PrepareSchema(sqlite3* db, const std::string& path, const HeadRow& start) {
   const absl::StatusOr<Marks> marks = ReadMarks(db);
   if (!marks.ok()) return marks.status();
-  if (marks->tables == 0 && marks->application == 0 && marks->format == 0) return MakeTables(db);
+  if (marks->tables == 0 && marks->application == 0 && marks->format == 0) return MakeTables(db, start);
   return CheckFormat(db, path);
 }
 

@@ -38,9 +38,10 @@ absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path);
 // A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);
 
-// Makes the tables in an empty file, or checks those of an existing one. FAILED_PRECONDITION for a newer
-// format, INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS for a damaged one.
-absl::Status PrepareSchema(sqlite3* db, const std::string& path);
+// Makes the tables in an empty file, for a log that begins after `start`, or checks those of an existing one.
+// FAILED_PRECONDITION for a newer format, INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS
+// for a damaged one.
+absl::Status PrepareSchema(sqlite3* db, const std::string& path, const HeadRow& start = {});
 
 // Whether it is a log of a format that this version reads, as PrepareSchema says.
 absl::Status CheckFormat(sqlite3* db, const std::string& path);
