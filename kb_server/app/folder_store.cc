@@ -1,11 +1,11 @@
 #include "kb_server/app/folder_store.h"
 
-#include <filesystem>
 #include <future>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/spatial_functions.h"
+#include "kb_server/log/log_end.h"
 #include "kb_server/log/sqlite_log.h"
 #include "kb_server/redland/version_store.h"
 
@@ -19,9 +19,9 @@ FolderStore::FolderStore(const Clock* clock, const Limits& limits)
 absl::StatusOr<std::unique_ptr<FolderStore>> FolderStore::Open(const std::string& folder, bool make_new,
                                                                const Clock* clock, const Limits& limits) {
   // A name that was mistyped must not leave a log somewhere.
-  std::error_code error;
-  const std::filesystem::path file = std::filesystem::path(folder) / SqliteLog::kFileName;
-  if (!make_new && !std::filesystem::exists(file, error) && !error) {
+  const absl::Status found = FindLog(folder);
+  if (!found.ok() && !make_new) {
+    if (absl::IsDataLoss(found)) return found;
     return absl::NotFoundError(
         absl::StrCat("there is no data folder ", folder, "; new='yes' makes one (rdfproc --new)"));
   }

@@ -86,17 +86,7 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
   const std::string pid = absl::StrCat(getpid(), "\n");
   if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0)
     errno = 0;
-
-  folder.mark_ = FileHandle(open(folder.File(kMarkName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
-  if (!folder.mark_.valid()) return FileError(errno, what);
   return folder;
-}
-
-std::optional<uint64_t> DataFolder::HeadMark() const {
-  Mark mark;
-  if (pread(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark)) return std::nullopt;
-  if (mark.crc != Crc32c().Add(mark.offset).value()) return std::nullopt;
-  return mark.offset;
 }
 
 absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& path) {
@@ -119,13 +109,19 @@ absl::Status DataFolder::WriteMark(const std::string& path, uint64_t offset) {
   return fsync(file.fd()) == 0 ? absl::OkStatus() : FileError(errno, what);
 }
 
+absl::Status DataFolder::OpenMark() {
+  mark_ = FileHandle(open(File(kMarkName).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640));
+  return mark_.valid() ? absl::OkStatus()
+                       : FileError(errno, absl::StrCat("cannot use the data folder ", path_));
+}
+
 void DataFolder::SetHeadMark(uint64_t offset) {
   const Mark mark = {offset, Crc32c().Add(offset).value()};
   if (pwrite(mark_.fd(), &mark, sizeof(mark), 0) != sizeof(mark) && ftruncate(mark_.fd(), 0) != 0) errno = 0;
 }
 
 void DataFolder::SyncHeadMark() {
-  fdatasync(mark_.fd());
+  if (mark_.valid()) fdatasync(mark_.fd());
 }
 
 }  // namespace docent

@@ -33,8 +33,9 @@ class FileHandle {
 
 class DataFolder {
  public:
-  // Makes `path` (with parents) if absent and takes its lock. Errors, each one line: INVALID_ARGUMENT (not a
-  // folder), PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in use, by which process).
+  // Makes `path` (with parents) if absent and takes its lock; nothing else is made. Errors, each one line:
+  // INVALID_ARGUMENT (not a folder), PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in
+  // use, by which process).
   static absl::StatusOr<DataFolder> Open(const std::string& path);
 
   const std::string& path() const { return path_; }
@@ -45,8 +46,8 @@ class DataFolder {
   static absl::StatusOr<std::optional<uint64_t>> ReadMark(const std::string& path);
   static absl::Status WriteMark(const std::string& path, uint64_t offset);
 
-  // The offset last marked; nullopt if there is no readable mark.
-  std::optional<uint64_t> HeadMark() const;
+  // Opens the mark to be set, made if absent: once the log is known to be whole.
+  absl::Status OpenMark();
   // Best effort: a mark that cannot be written only loses the check.
   void SetHeadMark(uint64_t offset);
   // A lasting mark, for an orderly end.

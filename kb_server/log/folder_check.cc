@@ -1,7 +1,6 @@
 #include "kb_server/log/folder_check.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/log/data_folder.h"
+#include "kb_server/log/log_end.h"
 #include "kb_server/log/record_codec.h"
 #include "kb_server/log/snapshot_files.h"
 #include "kb_server/log/sqlite_handles.h"
@@ -31,31 +31,27 @@ bool IsDamage(const absl::Status& status) {
   return absl::IsDataLoss(status);
 }
 
-bool InUse(const std::string& folder) {
-  FileHandle lock(open(absl::StrCat(folder, "/lock").c_str(), O_RDONLY | O_CLOEXEC));
-  return lock.valid() && flock(lock.fd(), LOCK_SH | LOCK_NB) != 0;
-}
-
 class FolderChecker {
  public:
   FolderChecker(const std::string& folder, const std::function<void(uint64_t, uint64_t)>& progress)
       : folder_(folder), progress_(progress) {}
 
   absl::StatusOr<FolderReport> Run() {
-    std::error_code error;
-    if (!std::filesystem::is_directory(folder_, error)) {
-      return absl::NotFoundError(absl::StrCat("there is no folder ", folder_));
-    }
     report_.database = absl::StrCat(folder_, "/", SqliteLog::kFileName);
-    if (!std::filesystem::exists(report_.database, error)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(folder_, " is not a data folder: it has no file ", SqliteLog::kFileName));
-    }
+    const absl::Status found = FindLog(folder_);
+    if (!found.ok() && !IsDamage(found)) return found;
+    // What is there before the log is looked at, the log must reach to, even if a server goes on meanwhile.
     const absl::StatusOr<std::vector<uint64_t>> snapshots = SnapshotFiles(folder_, SIZE_MAX).Offsets();
     if (!snapshots.ok()) return snapshots.status();
     of_interest_ = *snapshots;
-    absl::Status status = CheckLog();
-    if (status.ok()) status = CheckMark();
+    absl::Status status = ReadMark();
+    if (!status.ok()) return status;
+    if (found.ok()) {
+      status = CheckLog();
+    } else {
+      Fault(std::string(found.message()));
+    }
+    if (status.ok()) CheckMark();
     if (status.ok()) status = CheckSnapshots();
     if (!status.ok()) return status;
     return std::move(report_);
@@ -186,20 +182,23 @@ class FolderChecker {
     return RecordHash(offset, epoch, stated, row.Bytes(4));
   }
 
-  absl::Status CheckMark() {
-    const std::string path = absl::StrCat(folder_, "/", DataFolder::kMarkName);
-    const absl::StatusOr<std::optional<uint64_t>> mark = DataFolder::ReadMark(path);
-    if (!mark.ok()) {
-      if (!IsDamage(mark.status())) return mark.status();
+  absl::Status ReadMark() {
+    const absl::StatusOr<std::optional<uint64_t>> mark = DataFolder::ReadMark(MarkFile());
+    if (!mark.ok() && !IsDamage(mark.status())) return mark.status();
+    if (mark.ok()) {
+      mark_ = *mark;
+    } else {
       Fault(std::string(mark.status().message()));
-      return absl::OkStatus();
     }
-    // A server that runs moves it on while we read.
-    if (!*mark || !head_ || InUse(folder_) || **mark <= head_->offset) return absl::OkStatus();
-    Fault(absl::StrCat(report_.database, ": it ends at offset ", head_->offset, " but records up to ", **mark,
-                       " were acknowledged (", path, ")"));
     return absl::OkStatus();
   }
+
+  void CheckMark() {
+    if (!mark_ || !head_ || *mark_ <= head_->offset) return;
+    Fault(absl::StrCat(report_.database, ": it ends at offset ", head_->offset, " but records up to ", *mark_,
+                       " were acknowledged (", MarkFile(), ")"));
+  }
+  std::string MarkFile() const { return absl::StrCat(folder_, "/", DataFolder::kMarkName); }
 
   absl::Status CheckSnapshots() {
     SnapshotFiles files(folder_, SIZE_MAX);
@@ -227,7 +226,7 @@ class FolderChecker {
     const uint64_t offset = snapshot.content.offset;
     if (!head_ || offset < head_->base_offset) return true;  // of no use, but not wrong
     if (offset > head_->offset) {
-      if (InUse(folder_)) return false;  // newer than our picture of the log
+      if (!std::binary_search(of_interest_.begin(), of_interest_.end(), offset)) return false;  // taken since
       Fault(absl::StrCat(files.Path(offset), ": it is of offset ", offset, " but the log ends at ",
                          head_->offset));
       return false;
@@ -245,7 +244,8 @@ class FolderChecker {
   FolderReport report_;
   DatabaseHandle db_;
   std::optional<HeadRow> head_;
-  std::vector<uint64_t> of_interest_;     // offsets of the snapshots
+  std::optional<uint64_t> mark_;          // as it was before the log was looked at
+  std::vector<uint64_t> of_interest_;     // offsets of the snapshots that were there then
   std::map<uint64_t, ChainHash> hashes_;  // of those records
 };
 

@@ -26,8 +26,9 @@ struct FolderReport {
 };
 inline constexpr size_t kFaultsKept = 100;
 
-// NOT_FOUND, INVALID_ARGUMENT (no Docent data folder), PERMISSION_DENIED, FAILED_PRECONDITION (a newer
-// format): it could not be looked at. `progress(done, all)` counts records; may be null.
+// A log that is gone (kb_server/log/log_end.h) is a fault. NOT_FOUND, INVALID_ARGUMENT (no Docent data
+// folder), PERMISSION_DENIED, FAILED_PRECONDITION (a newer format): it could not be looked at.
+// `progress(done, all)` counts records; may be null.
 absl::StatusOr<FolderReport> CheckFolder(const std::string& folder,
                                          const std::function<void(uint64_t, uint64_t)>& progress);
 

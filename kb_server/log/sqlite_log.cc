@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "kb_server/log/log_end.h"
 
 namespace docent {
 namespace {
@@ -22,11 +23,13 @@ SqliteLog::SqliteLog(DataFolder folder, const SqliteLogOptions& options)
 
 absl::StatusOr<std::unique_ptr<SqliteLog>> SqliteLog::Open(const std::string& folder,
                                                            const SqliteLogOptions& options) {
+  if (absl::Status status = FindLog(folder); absl::IsDataLoss(status)) return status;
   absl::StatusOr<DataFolder> locked = DataFolder::Open(folder);
   if (!locked.ok()) return locked.status();
   std::unique_ptr<SqliteLog> log(new SqliteLog(*std::move(locked), options));
   absl::Status status = log->Prepare();
   if (status.ok()) status = log->CheckEnd();
+  if (status.ok()) status = log->folder_.OpenMark();
   if (!status.ok()) return status;
   log->StartCheckpoints();
   return log;
@@ -75,20 +78,13 @@ absl::Status SqliteLog::Prepare() {
   return absl::OkStatus();
 }
 
-// The head row, the last record and the mark must agree: a log that lost its end looks whole otherwise.
+// The head row and the last record must agree with each other, and with what lies beside the log.
 absl::Status SqliteLog::CheckEnd() {
   absl::MutexLock lock(&read_mutex_);
   const absl::StatusOr<HeadRow> head = ReadHead(reader_.get());
   if (!head.ok()) return head.status();
   if (head->offset < head->base_offset) return absl::DataLossError("the log's head row is damaged");
-  const std::optional<uint64_t> mark = folder_.HeadMark();
-  if (mark.has_value() && *mark > head->offset) {
-    return absl::DataLossError(
-        absl::StrCat("the log ends at offset ", head->offset, " but records up to ", *mark,
-                     " were acknowledged: it is damaged or an old copy; to go on with it all "
-                     "the same, delete the file ",
-                     folder_.File("head")));
-  }
+  if (absl::Status status = CheckReach(folder_.path(), head->offset); !status.ok()) return status;
   if (head->offset > head->base_offset) {
     const absl::StatusOr<Verified> last = At(head->offset, *head);
     if (!last.ok()) return last.status();

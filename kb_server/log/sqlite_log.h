@@ -45,7 +45,8 @@ class SqliteLog final : public ContextLog {
   // checks format, head and last record. The errors are one line each:
   //   PERMISSION_DENIED, INVALID_ARGUMENT  the folder cannot be used, or holds something else
   //   FAILED_PRECONDITION                  another server uses it, or the log has a newer format
-  //   DATA_LOSS                            the log is damaged, or ends before what was acknowledged
+  //   DATA_LOSS                            the log is damaged, is gone, or ends before what was acknowledged
+  // Nothing is made in a folder whose log is gone or ends too early.
   // The records in between are verified when they are read.
   static absl::StatusOr<std::unique_ptr<SqliteLog>> Open(const std::string& folder,
                                                          const SqliteLogOptions& options = {});

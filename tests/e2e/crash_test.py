@@ -131,6 +131,31 @@ class Crash(StageTest):
         done = server.run("query", "--as-of", "3", "ASK {}")
         self.assert_refused(done, 2, "offset 3")
 
+    def test_a_folder_that_lost_its_log_is_left_alone_and_its_newest_snapshot_can_be_gone_on_from(self):
+        server = self.stage.server()
+        for number in range(5):
+            server.tell(f"<urn:s{number}> <urn:p> {number}")
+        server.stop()
+        (server.data / "log.sqlite").unlink()
+        for name in ("head", "lock"):
+            there = sorted(path.name for path in server.data.iterdir())
+            self.assert_refused(self.docent("serve", "--data", server.data), 2, "log.sqlite is gone", "snapshots at 5",
+                                "restore --from-snapshot")
+            self.assertEqual(sorted(path.name for path in server.data.iterdir()), there)
+            self.assertEqual(self.verify(server.data, code=1)["snapshots"], [5])
+            (server.data / name).unlink()
+        done = self.docent("restore", "--from-snapshot", server.data, "--data", self.stage.folder / "saved")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("the snapshot at offset 5", done.stdout)
+        saved = self.stage.server(data="saved")
+        self.assertEqual(sorted(int(r["o"]) for r in saved.select("SELECT ?o { ?s <urn:p> ?o }")), [0, 1, 2, 3, 4])
+        saved.tell("<urn:s5> <urn:p> 5")
+        saved.kill()
+        saved.start()
+        self.assertEqual(len(saved.select("SELECT ?o { ?s <urn:p> ?o }")), 6)
+        saved.stop()
+        self.assertEqual(self.verify(saved.data)["last"], 6)
+
 
 if __name__ == "__main__":
     unittest.main()

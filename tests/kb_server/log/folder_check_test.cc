@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
@@ -84,6 +85,13 @@ void Replace(const std::string& file, const std::string& contents) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << contents;
 }
 
+std::vector<std::string> Files(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 TEST(FolderCheckTest, AWholeFolderIsSound) {
   TestFolder folder(TestFolder::Where::kMemory);
   Fill(folder.path());
@@ -98,6 +106,10 @@ TEST(FolderCheckTest, WhatIsNoDataFolderIsSaidSo) {
   TestFolder folder;
   EXPECT_EQ(CheckFolder(folder.File("nothing"), nullptr).status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(CheckFolder(folder.path(), nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+  Replace(folder.File("file"), "text");
+  const absl::Status file = CheckFolder(folder.File("file"), nullptr).status();
+  EXPECT_EQ(file.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(file.message()), HasSubstr("/file: it is not a folder"));
 }
 
 TEST(FolderCheckTest, EveryFaultIsNamedWithFileAndOffset) {
@@ -156,6 +168,38 @@ TEST(FolderCheckTest, TheLossOfTheEndIsNoticed) {
   const FolderReport report = Check(folder.path());
   ASSERT_EQ(report.faults.size(), 1u);
   EXPECT_THAT(report.faults[0], HasSubstr("ends at offset 60 but records up to 61 were acknowledged"));
+}
+
+TEST(FolderCheckTest, ALostLogIsNamedAndItsSnapshotsAreChecked) {
+  TestFolder folder(TestFolder::Where::kMemory);
+  Fill(folder.path());
+  fs::remove(folder.File("log.sqlite"));
+  const std::vector<std::string> files = Files(folder.path());
+  const FolderReport report = Check(folder.path());
+  ASSERT_EQ(report.faults.size(), 1u);
+  EXPECT_THAT(report.faults[0],
+              HasSubstr("log.sqlite is gone but records up to 60 were acknowledged and there are "
+                        "snapshots at 20, 40, 60"));
+  EXPECT_THAT(report.snapshots, ElementsAre(20, 40, 60));
+  EXPECT_EQ(CopyFolder(folder.path(), folder.File("backup")).status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(Files(folder.path()), files);
+}
+
+TEST(FolderCheckTest, ASnapshotBeyondTheEndIsNamedWhetherOrNotAServerRuns) {
+  TestFolder folder(TestFolder::Where::kMemory), longer(TestFolder::Where::kMemory);
+  Fill(longer.path());
+  const std::string data = RecordOf(1);
+  auto log = SqliteLog::Open(folder.path());
+  ASSERT_TRUE((*log)->Append(absl::MakeSpan(&data, 1), 1, 0).ok());
+  const char* name = "snapshot-00000000000000000060";
+  fs::copy_file(longer.File(name), folder.File(name));
+  for (const bool running : {true, false}) {
+    if (!running) log->reset();
+    const FolderReport report = Check(folder.path());
+    ASSERT_EQ(report.faults.size(), 1u) << running;
+    EXPECT_THAT(report.faults[0],
+                HasSubstr(absl::StrCat(name, ": it is of offset 60 but the log ends at 1")));
+  }
 }
 
 // DOCENT_FLIPS=1000 for more of them.
@@ -219,6 +263,38 @@ TEST(FolderCopyTest, ACopyIsTheSameAndGoesOn) {
   EXPECT_TRUE((*log)->Append(absl::MakeSpan(&data, 1), 1, 60).ok());
 }
 
+TEST(FolderCopyTest, WhereTheLogIsLostTheNewestWholeSnapshotIsGoneOnFrom) {
+  TestFolder folder(TestFolder::Where::kMemory);
+  Fill(folder.path());
+  fs::remove(folder.File("log.sqlite"));
+  const std::string newest = folder.File("snapshot-00000000000000000060");
+  std::string bytes = Contents(newest);
+  bytes.back() ^= 1;
+  Replace(newest, bytes);
+  const std::string target = folder.File("target");
+  const auto report = CopyNewestSnapshot(folder.path(), target);
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_EQ(report->last, 40u);
+  EXPECT_THAT(report->snapshots, ElementsAre(40));
+  {
+    auto log = SqliteLog::Open(target);
+    ASSERT_TRUE(log.ok()) << log.status();
+    EXPECT_EQ((*log)->Head()->offset, 40u);
+    EXPECT_EQ(*(*log)->First(), 41u);
+    EXPECT_EQ((*(*log)->SnapshotGet(40))->data, SnapshotOf(40));
+    const std::string data = RecordOf(41);
+    EXPECT_TRUE((*log)->Append(absl::MakeSpan(&data, 1), 1, 40).ok());
+  }
+  EXPECT_THAT(Check(target).faults, IsEmpty());
+  fs::remove_all(target);
+  for (const char* offset : {"20", "40"})
+    Replace(folder.File(absl::StrCat("snapshot-000000000000000000", offset)), "");
+  const auto none = CopyNewestSnapshot(folder.path(), target);
+  EXPECT_EQ(none.status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_THAT(std::string(none.status().message()), HasSubstr("no whole snapshot"));
+  EXPECT_FALSE(fs::exists(target));
+}
+
 TEST(FolderCopyTest, CopiesWhileTheLogGrowsAndIsTrimmed) {
   TestFolder folder;
   auto log = SqliteLog::Open(folder.path());
@@ -253,7 +329,7 @@ TEST(FolderCopyTest, NothingIsOverwrittenAndDamageIsNotCopied) {
   Fill(folder.path());
   EXPECT_EQ(CopyFolder(folder.path(), folder.path()).status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(CopyFolder(folder.File("nothing"), folder.File("x")).status().code(),
-            absl::StatusCode::kInvalidArgument);
+            absl::StatusCode::kNotFound);
   std::string log = Contents(folder.File("log.sqlite"));
   log[log.find("request-33")] ^= 1;
   Replace(folder.File("log.sqlite"), log);

@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/log/sqlite_log.h"
@@ -132,6 +133,56 @@ TEST(LogDamageTest, AnOlderCopyIsNoticed) {
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_THAT(std::string(status.message()),
               HasSubstr("ends at offset 12 but records up to 13 were acknowledged"));
+  std::filesystem::remove(folder.File("head"));
+  EXPECT_TRUE(ReadBack(folder.path()).ok());
+}
+
+// Refused with `words`, and nothing is made.
+void ExpectRefused(const TestFolder& folder, const std::string& words) {
+  const auto files = [&folder] {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+      names.insert(entry.path().filename());
+    }
+    return names;
+  };
+  const std::set<std::string> before = files();
+  const absl::Status status = SqliteLog::Open(folder.path()).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr(words));
+  EXPECT_EQ(files(), before);
+}
+
+TEST(LogDamageTest, ALostLogIsNotBegunAnew) {
+  TestFolder folder;
+  Fill(folder.path());
+  ASSERT_TRUE((*SqliteLog::Open(folder.path()))->SnapshotPut(10, "state").ok());
+  const std::string older = Contents(folder.File("log.sqlite"));
+  std::filesystem::remove(folder.File("log.sqlite"));
+  ExpectRefused(folder,
+                "log.sqlite is gone but records up to 12 were acknowledged and there are snapshots at 10");
+  Replace(folder.File("log.sqlite"), "");
+  ExpectRefused(folder, "log.sqlite is gone but records up to 12 were acknowledged");
+  std::filesystem::remove(folder.File("head"));
+  ExpectRefused(folder,
+                "log.sqlite is gone but there are snapshots at 10; restore a backup, or: `docent restore "
+                "--from-snapshot " +
+                    folder.path());
+  // An old copy of the log, on which the snapshot does not stand.
+  Replace(folder.File("log.sqlite"), older);
+  EXPECT_TRUE(ReadBack(folder.path()).ok());
+  std::filesystem::rename(folder.File("snapshot-00000000000000000010"),
+                          folder.File("snapshot-00000000000000000013"));
+  std::filesystem::remove(folder.File("head"));
+  ExpectRefused(folder,
+                "ends at offset 12 but there are snapshots beyond it at 13: it is damaged or an old copy");
+}
+
+TEST(LogDamageTest, ADamagedMarkIsNotPassedOver) {
+  TestFolder folder;
+  Fill(folder.path());
+  Replace(folder.File("head"), "damaged");
+  ExpectRefused(folder, "/head: the mark of the log's end is damaged, so nobody can tell");
   std::filesystem::remove(folder.File("head"));
   EXPECT_TRUE(ReadBack(folder.path()).ok());
 }
