@@ -89,6 +89,11 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
   return folder;
 }
 
+bool DataFolder::InUse(const std::string& path) {
+  FileHandle lock(open(absl::StrCat(path, "/lock").c_str(), O_RDONLY | O_CLOEXEC));
+  return lock.valid() && flock(lock.fd(), LOCK_SH | LOCK_NB) != 0;
+}
+
 absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& path) {
   FileHandle file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!file.valid() && errno == ENOENT) return std::optional<uint64_t>();

@@ -38,6 +38,9 @@ class DataFolder {
   // use, by which process).
   static absl::StatusOr<DataFolder> Open(const std::string& path);
 
+  // Whether a process holds the lock of the folder `path`.
+  static bool InUse(const std::string& path);
+
   const std::string& path() const { return path_; }
   std::string File(const std::string& name) const { return path_ + "/" + name; }
 

@@ -1,17 +1,31 @@
 #include "kb_server/log/sqlite_handles.h"
 
+#include <cerrno>
+
 #include "absl/strings/str_cat.h"
 
 namespace docent {
+namespace {
+
+bool HasNoRoom(sqlite3* db, int code) {
+  if ((code & 0xFF) == SQLITE_FULL || code == SQLITE_IOERR_SHMSIZE) return true;
+  if ((code & 0xFF) != SQLITE_IOERR || db == nullptr) return false;
+  const int reason = sqlite3_system_errno(db);
+  return reason == ENOSPC || reason == EDQUOT;
+}
+
+}  // namespace
 
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
+  // A full disk keeps the index of the write-ahead log from being made, which SQLite calls an I/O error.
+  if (HasNoRoom(db, code)) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(what, ": ", sqlite3_errstr(SQLITE_FULL), "; make room on the disk of the data folder"));
+  }
   std::string detail = sqlite3_errstr(code);
   if (db != nullptr && (sqlite3_errcode(db) & 0xFF) == (code & 0xFF)) detail = sqlite3_errmsg(db);
   const std::string message = absl::StrCat(what, ": ", detail);
   switch (code & 0xFF) {
-    case SQLITE_FULL:
-      return absl::ResourceExhaustedError(
-          absl::StrCat(message, "; make room on the disk of the data folder"));
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
     case SQLITE_MISMATCH:

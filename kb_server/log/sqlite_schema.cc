@@ -1,9 +1,13 @@
 #include "kb_server/log/sqlite_schema.h"
 
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "kb_server/log/data_folder.h"
 
 namespace docent {
 namespace {
@@ -57,6 +61,30 @@ absl::StatusOr<Marks> ReadMarks(sqlite3* db) {
   return Marks{*tables, *application, *format};
 }
 
+absl::StatusOr<DatabaseHandle> OpenToRead(const std::string& name, int flags) {
+  sqlite3* raw = nullptr;
+  const int code =
+      sqlite3_open_v2(name.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX | flags, nullptr);
+  DatabaseHandle db(raw);
+  if (code != SQLITE_OK) return SqliteError(raw, code, absl::StrCat("cannot open the log ", name));
+  sqlite3_extended_result_codes(raw, 1);
+  sqlite3_busy_timeout(raw, 10000);
+  return db;
+}
+
+// Whether nothing is in a write-ahead log beside the database file `path`, and no server runs.
+bool IsAllOfTheLog(const std::string& path) {
+  std::error_code absent;
+  const uint64_t bytes = std::filesystem::file_size(absl::StrCat(path, "-wal"), absent);
+  return (absent || bytes == 0) && !DataFolder::InUse(std::filesystem::path(path).parent_path().string());
+}
+
+// The name by which SQLite opens a file that nobody changes (https://www.sqlite.org/uri.html).
+std::string AsImmutable(const std::string& path) {
+  return absl::StrCat("file:", path.starts_with('/') ? "//" : "",
+                      absl::StrReplaceAll(path, {{"%", "%25"}, {"?", "%3f"}, {"#", "%23"}}), "?immutable=1");
+}
+
 bool ReadHash(const Statement& row, int column, ChainHash* hash) {
   if (!row.IsBytes(column) || row.Bytes(column).size() != hash->size()) return false;
   std::memcpy(hash->data(), row.Bytes(column).data(), hash->size());
@@ -70,13 +98,19 @@ uint32_t HeadRow::Crc() const {
 }
 
 absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path) {
-  sqlite3* raw = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
-  DatabaseHandle db(raw);
-  if (code != SQLITE_OK) return SqliteError(raw, code, absl::StrCat("cannot open the log ", path));
-  sqlite3_extended_result_codes(raw, 1);
-  sqlite3_busy_timeout(raw, 10000);
-  return db;
+  absl::StatusOr<DatabaseHandle> db = OpenToRead(path, 0);
+  if (!db.ok()) return db;
+  const std::string what = absl::StrCat("cannot read the log ", path);
+  const absl::Status read = Execute(db->get(), "PRAGMA schema_version", what);
+  const bool no_room = absl::IsResourceExhausted(read);
+  if (!no_room && !absl::IsPermissionDenied(read)) return db;  // damage is found by who reads on
+  // SQLite reads beside a write-ahead log only if it can make an index of that in a file. Where there is
+  // none, and nobody who would begin one, the database file is all.
+  if (IsAllOfTheLog(path)) return OpenToRead(AsImmutable(path), SQLITE_OPEN_URI);
+  if (no_room) return read;
+  return absl::PermissionDeniedError(absl::StrCat(
+      std::string(read.message()), ": this cannot be written, and ", path,
+      "-wal may have records that are not carried over; copy the folder to where it can be written"));
 }
 
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {

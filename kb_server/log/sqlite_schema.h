@@ -33,7 +33,8 @@ struct HeadRow {
   uint32_t Crc() const;
 };
 
-// A connection that only reads, beside another process that may write. Nothing is made or carried over.
+// A connection that only reads, beside another process that may write. Nothing is carried over. A folder on a
+// full or read-only disk can be read if its server ended in order; else the error says what to do.
 absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path);
 // A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);

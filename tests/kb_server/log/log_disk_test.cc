@@ -8,8 +8,12 @@
 #include <sys/wait.h>
 
 #include <csignal>
+#include <fstream>
 
 #include "absl/strings/match.h"
+#include "kb_server/log/folder_check.h"
+#include "kb_server/log/folder_copy.h"
+#include "kb_server/log/record_codec.h"
 #include "kb_server/log/sqlite_log.h"
 #include "tests/kb_server/log/test_records.h"
 
@@ -129,6 +133,80 @@ TEST(LogDiskTest, FullDiskRefusesAndRecovers) {
     });
   });
   EXPECT_EQ(umount(folder.path().c_str()), 0);
+}
+
+void AppendTo(SqliteLog* log) {
+  const std::string data = *EncodeTurnRecord(FullRecord());
+  REQUIRE_IN_CHILD(log->Append(absl::MakeSpan(&data, 1), 1, log->Head()->offset).ok());
+}
+
+// A log of one record whose server ended in order, or was killed: then the record is in the write-ahead log
+// alone.
+void MakeLog(const std::string& folder, bool closed) {
+  ExpectGoodChild([&] {
+    auto log = SqliteLog::Open(folder);
+    REQUIRE_IN_CHILD(log.ok());
+    AppendTo(log->get());
+    if (!closed) _exit(0);
+  });
+}
+
+TEST(LogDiskTest, AFullDiskAtStartIsSaidAndTheLogCanBeCheckedAndCopied) {
+  for (const bool closed : {true, false}) {
+    TestFolder folder, target;
+    if (mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=1m") != 0) return;  // needs root
+    MakeLog(folder.path(), closed);
+    // What a server makes anew at its start, and finds no room for.
+    std::filesystem::remove(folder.File("log.sqlite-shm"));
+    std::ofstream(folder.File("filler"), std::ios::binary) << std::string(2 << 20, 'x');
+    const auto is_full = [](const absl::Status& status) {
+      return absl::IsResourceExhausted(status) &&
+             absl::StrContains(std::string(status.message()), "log.sqlite: ") &&
+             absl::StrContains(std::string(status.message()),
+                               "disk is full; make room on the disk of the data folder");
+    };
+    EXPECT_PRED1(is_full, SqliteLog::Open(folder.path()).status());
+    const auto report = CheckFolder(folder.path(), nullptr);
+    const auto copy = CopyFolder(folder.path(), target.File("copy"));
+    if (closed) {
+      EXPECT_TRUE(report.ok() && report->sound() && report->last == 1) << report.status();
+      EXPECT_TRUE(copy.ok() && copy->last == 1) << copy.status();
+    } else {
+      EXPECT_PRED1(is_full, report.status());
+      EXPECT_PRED1(is_full, copy.status());
+    }
+    EXPECT_EQ(umount(folder.path().c_str()), 0);
+  }
+}
+
+// As on a read-only medium.
+TEST(LogDiskTest, AFolderThatCannotBeWrittenCanBeCheckedAndCopiedIfItWasClosed) {
+  for (const bool closed : {true, false}) {
+    TestFolder folder;
+    MakeLog(folder.path(), closed);
+    std::filesystem::remove(folder.File("log.sqlite-shm"));
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+      ASSERT_EQ(chmod(entry.path().c_str(), 0444), 0);
+    }
+    ASSERT_EQ(chmod(folder.path().c_str(), 0555), 0);
+    ExpectGoodChild([&] {
+      if (geteuid() == 0) REQUIRE_IN_CHILD(setuid(65534) == 0);
+      TestFolder target;
+      const auto report = CheckFolder(folder.path(), nullptr);
+      const auto copy = CopyFolder(folder.path(), target.File("copy"));
+      if (closed) {
+        REQUIRE_IN_CHILD(report.ok() && report->sound() && report->last == 1);
+        REQUIRE_IN_CHILD(copy.ok() && copy->last == 1);
+      } else {
+        for (const absl::Status& status : {report.status(), copy.status()}) {
+          REQUIRE_IN_CHILD(absl::IsPermissionDenied(status));
+          REQUIRE_IN_CHILD(absl::StrContains(std::string(status.message()), folder.File("log.sqlite-wal")));
+          REQUIRE_IN_CHILD(absl::StrContains(std::string(status.message()), "copy the folder"));
+        }
+      }
+    });
+    ASSERT_EQ(chmod(folder.path().c_str(), 0700), 0);
+  }
 }
 
 TEST(LogDiskTest, UnusableFolderIsOneClearLine) {
