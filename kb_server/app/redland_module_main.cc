@@ -21,18 +21,23 @@
 namespace docent {
 namespace {
 
+constexpr char kServer[] = "grpc://";
+
 absl::StatusOr<std::unique_ptr<redland::QuadStore>> OpenStore(const std::string& name, bool make_new) {
-  if (absl::StartsWith(name, "grpc://")) {
+  const bool is_server = absl::StartsWith(name, kServer);
+  if (name.empty() || name == kServer || (!is_server && absl::StrContains(name, "://"))) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "\"", name, "\" names no storage; give a data folder, or the gRPC address of a running server, ",
+        kServer, "HOST:PORT, which docent serve prints (HTTP's is another)"));
+  }
+  if (is_server) {
     std::random_device random;
-    auto store = redland::ClientStore::Open(std::string(absl::StripPrefix(name, "grpc://")),
+    auto store = redland::ClientStore::Open(std::string(absl::StripPrefix(name, kServer)),
                                             absl::StrCat("redland-", getpid(), "-", absl::Hex(random()),
                                                          absl::Hex(random()), absl::Hex(random())));
     if (!store.ok()) return store.status();
     if (make_new) return absl::InvalidArgumentError("new='yes' is for a data folder, not for a server");
     return *std::move(store);
-  }
-  if (name.empty()) {
-    return absl::InvalidArgumentError("the storage has no name; give a data folder or grpc://HOST:PORT");
   }
   static const SystemClock* clock = new SystemClock;
   auto store = FolderStore::Open(name, make_new, clock);

@@ -132,6 +132,8 @@ class Redland(StageTest):
         self.assertEqual([r["o"] for r in server.select("SELECT ?o { ?s ?p ?o }")], ["added"])
         server.stop()
         self.refused_in_one_line(self.rdfproc(store, "print"), "no server answers at " + server.grpc)
+        for name in ("grpc://", f"http://{server.http}/"):
+            self.refused_in_one_line(self.rdfproc(name, "print"), f'"{name}" names no storage', "grpc://HOST:PORT")
 
     def test_python_on_both(self):
         server = self.stage.server(data="served")
