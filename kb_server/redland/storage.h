@@ -7,7 +7,10 @@
 // option merged='yes' it comes once, as SPARQL wants it of a default graph.
 //
 // Every change is made whole or refused: one statement, one add_statements, one context_remove_statements,
-// one transaction. librdf's functions then give non-zero, and the reason is one line of librdf's log.
+// one transaction. librdf's functions then give non-zero, and the reason is one line of librdf's log. Parsing
+// into a model is one add_statement for each statement: librdf (1.0.17, rdf_parser_raptor.c) tells a storage
+// neither where a file begins nor where it ends, and passes over what add_statement answers, so nothing can
+// be held back to be one.
 #ifndef DOCENT_KB_SERVER_REDLAND_STORAGE_H_
 #define DOCENT_KB_SERVER_REDLAND_STORAGE_H_
 

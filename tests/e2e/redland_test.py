@@ -135,6 +135,58 @@ class Redland(StageTest):
         for name in ("grpc://", f"http://{server.http}/"):
             self.refused_in_one_line(self.rdfproc(name, "print"), f'"{name}" names no storage', "grpc://HOST:PORT")
 
+    def test_a_file_is_one_turn_where_the_readme_says_so(self):
+        def turns(folder):
+            return json.loads(self.must(self.program([self.stage.bin / "docent", "verify", "--json", folder])))["last"]
+
+        def lines(name, count):
+            return "".join(f'<{E}{name}{i}> <{E}p> "{i}" .\n' for i in range(count))
+        whole = self.file("whole.nt", lines("whole", 20))
+        streamed = self.file("streamed.nt", lines("streamed", 20))
+        broken = self.file("broken.nt", lines("before", 20) + "<urn:x> <urn:y>\n" + lines("after", 20))
+        refused = self.file("refused.nt", lines("good", 20) + f'<urn:x> <urn:y> "{"x" * (1 << 20)}x" .\n' + lines("later", 20))
+        script = """
+            import Redland
+            def parse_in_transaction(file):
+                Redland.librdf_model_transaction_start(model._model)
+                try:
+                    RDF.Parser("ntriples").parse_into_model(model, "file:" + file)
+                except RDF.RedlandError:
+                    Redland.librdf_model_transaction_rollback(model._model)
+                    raise
+                Redland.librdf_model_transaction_commit(model._model)
+            def add(file):
+                parser = RDF.Parser("ntriples")
+                model.add_statements(parser.parse_as_stream("file:" + file))
+            try:
+                {"add": add, "transaction": parse_in_transaction}[sys.argv[3]](sys.argv[4])
+                print("made", model.size())
+            except RDF.RedlandError as error:
+                print(error, model.size())
+            """
+        server = self.stage.server(data="served")
+        folder = self.stage.folder / "data"
+        self.must(self.program(["rdfproc", "-q", "-n", "-s", "docent", folder, "add", E + "a", E + "p", "one"]))
+        self.must(self.rdfproc(f"grpc://{server.grpc}", "add", E + "a", E + "p", "one"))
+        for store, data in ((folder, folder), (f"grpc://{server.grpc}", server.data)):
+            def made(expected, done):
+                nonlocal before
+                self.assertEqual(turns(data) - before, expected, f"{done.args} {done.stderr}")
+                before = turns(data)
+                return done.stdout
+            before = turns(data)
+            made(20, self.rdfproc(store, "parse", whole, "ntriples"))
+            made(20, self.rdfproc(store, "parse-stream", self.file("other.nt", lines("other", 20)), "ntriples"))
+            self.assertIn("made 61", made(1, self.python(script, store, "", "add", streamed)))
+            self.assertIn("Unexpected end of line", made(1, self.python(script, store, "", "add", broken)))
+            self.assertIn("Unexpected end of line", made(0, self.python(script, store, "", "transaction", broken)))
+            self.assertRegex(made(0, self.python(script, store, "", "transaction", refused)), "term_bytes.* 101")
+            made(1, self.program(["rdfproc", "-q", "-T", "-s", "docent", store, "parse", self.file("t.nt", lines("t", 20)), "ntriples"]))
+            done = self.program(["rdfproc", "-q", "-T", "-s", "docent", store, "parse", refused, "ntriples"])
+            made(0, done)
+            self.assertIn("term_bytes", done.stderr)
+            made(20, self.rdfproc(store, "parse", refused, "ntriples"))
+
     def test_python_on_both(self):
         server = self.stage.server(data="served")
         script = """
