@@ -100,7 +100,9 @@ absl::StatusOr<std::optional<uint64_t>> DataFolder::ReadMark(const std::string& 
   if (!file.valid()) return FileError(errno, absl::StrCat("cannot read ", path));
   Mark mark;
   const ssize_t got = pread(file.fd(), &mark, sizeof(mark), 0);
-  if (got == 0) return std::optional<uint64_t>();  // of a log that has no record yet
+  // Of a log that has no record yet; and a file system may leave zeros of what was not on the disk when the power went.
+  const bool unset = got == 0 || (got == sizeof(mark) && mark.offset == 0 && mark.crc == 0);
+  if (unset) return std::optional<uint64_t>();
   if (got == sizeof(mark) && mark.crc == Crc32c().Add(mark.offset).value()) return std::optional(mark.offset);
   return absl::DataLossError(absl::StrCat(path, ": the mark of the log's end is damaged"));
 }

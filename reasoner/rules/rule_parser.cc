@@ -364,7 +364,7 @@ class RulesReader {
     if (facts->empty()) return;
     for (const sparql::TriplePattern& fact : *facts) {
       for (const PatternTerm* term : {&fact.subject, &fact.predicate, &fact.object}) {
-        const bool blank = term->IsVariable() ? term->variable->IsHidden() : term->term.IsBlank();
+        const bool blank = term->IsVariable() ? term->variable().IsHidden() : term->term().IsBlank();
         if (!term->IsVariable() && !blank) continue;
         // one of several: a list is many triples at one place
         parser_.Error(term->span,

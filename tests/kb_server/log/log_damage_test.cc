@@ -185,6 +185,8 @@ TEST(LogDamageTest, ADamagedMarkIsNotPassedOver) {
   ExpectRefused(folder, "/head: the mark of the log's end is damaged, so nobody can tell");
   std::filesystem::remove(folder.File("head"));
   EXPECT_TRUE(ReadBack(folder.path()).ok());
+  Replace(folder.File("head"), std::string(16, '\0'));  // as some file systems leave it when the power goes
+  EXPECT_TRUE(ReadBack(folder.path()).ok());
 }
 
 TEST(LogDamageTest, FlippedByteOfTheDatabaseFileIsFoundOrHarmless) {
