@@ -44,7 +44,7 @@ bool HasCall(const PlanExpression& e) {
                      [](const PlanExpressionPtr& a) { return HasCall(*a); });
 }
 
-// Each value of its variable makes one triple, or few where several graphs have it.
+// One position is open: each of its values makes one triple, or few where several graphs have it.
 bool HasOneOpen(const PlanPattern& pattern) {
   const auto open = std::count_if(std::begin(pattern.terms), std::end(pattern.terms),
                                   [](const PlanTerm& term) { return term.slot >= 0; });
@@ -273,6 +273,7 @@ double JoinOrder::Arrange(bool reorder) {
     State end;
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
+    // Those of which samples tell more.
     const auto unsure = std::count_if(bgp_.patterns.begin(), bgp_.patterns.end(),
                                       [](const PlanPattern& p) { return !HasOneOpen(p); });
     if (end.cost > 4 * (kSample * static_cast<double>(unsure) + steps)) {
