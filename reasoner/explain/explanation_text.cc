@@ -1,6 +1,7 @@
 #include "reasoner/explain/explanation_text.h"
 
 #include <algorithm>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -81,6 +82,7 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
   for (const ToTell& tell : repair.tell) {
     absl::StrAppend(out, "  missing     ", display.Fact(tell.fact));
     if (!tell.graph.lexical.empty()) absl::StrAppend(out, " in graph ", display.Of(tell.graph));
+    if (!tell.absence.empty()) absl::StrAppend(out, "   (for there to be no ", tell.absence, ")");
     if (!tell.now.empty()) {
       absl::StrAppend(out, "   (now ", absl::StrJoin(tell.now, ", ", [&](std::string* text, const Term& term) {
                         absl::StrAppend(text, display.Of(term));
@@ -92,10 +94,11 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
   for (const std::string& condition : repair.conditions) absl::StrAppend(out, "  where       ", condition, "\n");
   for (const InTheWay& way : repair.in_the_way) {
     absl::StrAppend(out, "  in the way  ", display.Fact(way.fact), "   (there must be no ", way.absence, ")\n");
+    std::set<std::string> withdrawn = {display.Fact(way.fact)};  // a triple once, however many graphs tell it
     for (const TermQuad& quad : way.withdraw) {
-      const bool itself = quad.subject == way.fact.subject && quad.predicate == way.fact.predicate &&
-                          quad.object == way.fact.object;
-      if (!itself) absl::StrAppend(out, "  withdraw    ", display.Fact(quad), "   (it is inferred from this)\n");
+      const std::string text = display.Fact(quad);
+      if (withdrawn.insert(text).second)
+        absl::StrAppend(out, "  withdraw    ", text, "   (it is inferred from this)\n");
     }
   }
   for (auto it = repair.inferred.rbegin(); it != repair.inferred.rend(); ++it)
@@ -127,7 +130,7 @@ std::string ToText(const WhyNotAnswer& answer, const Prefixes& prefixes) {
     if (!answer.failed_part.empty()) {
       absl::StrAppend(&out, ": nothing gives a solution of\n  ", answer.failed_part, "\n");
     } else {
-      absl::StrAppend(&out, answer.whole ? "" : " within the limit explain_steps", ".\n");
+      absl::StrAppend(&out, answer.whole ? "" : " within the limits of the search", ".\n");
     }
     return out;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "reasoner/explain/display.h"
@@ -166,10 +167,8 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
   return number;
 }
 
-absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof) {
-  const Quad fact = WithoutGraph(quad);
-  if (version_.Count({fact.subject, fact.predicate, fact.object, TermId()}) == 0)
-    return std::optional<size_t>();
+// With whatever depth, where there is a proof.
+absl::Status Prover::Prove(const Quad& fact) {
   size_t before = 0;
   int idle = 0;
   for (int depth = 0; depth <= kDeepest && idle < kIdleRounds; ++depth) {
@@ -180,6 +179,14 @@ absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof
     idle = learnt == before ? idle + 1 : 0;
     before = learnt;
   }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof) {
+  const Quad fact = WithoutGraph(quad);
+  if (version_.Count({fact.subject, fact.predicate, fact.object, TermId()}) == 0)
+    return std::optional<size_t>();
+  if (absl::Status status = Prove(fact); !status.ok()) return status;
   absl::flat_hash_map<Quad, size_t> placed;
   for (size_t i = 0; i < proof.steps.size(); ++i) {
     const TermQuad& f = proof.steps[i].fact;
@@ -191,17 +198,31 @@ absl::StatusOr<std::optional<size_t>> Prover::Add(const Quad& quad, Proof& proof
   return std::optional<size_t>(*number);
 }
 
-absl::StatusOr<std::vector<Quad>> Prover::ToldSupport(const Quad& fact) {
-  Proof proof;
-  auto added = Add(fact, proof);
-  if (!added.ok()) return added.status();
-  std::vector<Quad> told;
-  for (const ProofStep& step : proof.steps) {
-    const Quad leaf{*dictionary_.Find(step.fact.subject), *dictionary_.Find(step.fact.predicate),
-                    *dictionary_.Find(step.fact.object), TermId()};
-    for (const Quad& quad : ToldQuads(leaf)) told.push_back(quad);
+absl::StatusOr<Support> Prover::SupportOf(const Quad& quad) {
+  Support support;
+  std::vector<Quad> open = {WithoutGraph(quad)};
+  if (absl::Status status = Prove(open[0]); !status.ok()) return status;
+  absl::flat_hash_set<Quad> seen = {open[0]};
+  while (!open.empty()) {
+    const Quad fact = open.back();
+    open.pop_back();
+    if (!ToldQuads(fact).empty()) {
+      support.told.push_back(fact);
+      continue;
+    }
+    const Known& known = *known_.at(fact);
+    if (known.proven < 0) {
+      support.whole = false;
+      continue;
+    }
+    const Derivation& derivation = known.derivations[known.best];
+    for (const Absence& absence : derivation.row.clause->absences)
+      support.absences.push_back({&absence, derivation.row});
+    for (auto premise = derivation.facts.rbegin(); premise != derivation.facts.rend(); ++premise) {
+      if (seen.insert(*premise).second) open.push_back(*premise);
+    }
   }
-  return told;
+  return support;
 }
 
 std::vector<std::string> Prover::Conditions(const Row& row) const {

@@ -52,6 +52,13 @@ struct Proof {
   std::vector<std::string> conditions;                 // of an ASK: its filters and absences
 };
 
+// The leaves of a proof.
+struct Support {
+  std::vector<Quad> told;            // without graph
+  std::vector<AbsenceOf> absences;   // of the rules applied
+  bool whole = true;                 // false: also on what rules made that are not known here
+};
+
 class Prover {
  public:
   Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
@@ -61,8 +68,8 @@ class Prover {
   // Adds the fact and what it rests on. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
   // explain_steps or explain_facts.
   absl::StatusOr<std::optional<size_t>> Add(const Quad& fact, Proof& proof);
-  // The told facts at the leaves of the fact's proof, each in all graphs that tell it.
-  absl::StatusOr<std::vector<Quad>> ToldSupport(const Quad& fact);
+  // What the fact's proof rests on in the end. Errors as of Add.
+  absl::StatusOr<Support> SupportOf(const Quad& fact);
   // What holds in a solution besides facts.
   std::vector<std::string> Conditions(const Row& row) const;
 
@@ -90,6 +97,7 @@ class Prover {
   absl::StatusOr<std::vector<Maker>> MakersOf(const Quad& fact);
   absl::Status Derive(const Quad& fact, Known& known);
   absl::StatusOr<bool> Prove(const Quad& fact, int depth);
+  absl::Status Prove(const Quad& fact);
   absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
 
   const GraphVersion& version_;

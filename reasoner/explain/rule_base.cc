@@ -43,6 +43,7 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
       if (absl::Status status = base->Add(name, rule, ++number, dictionary); !status.ok()) return status;
     }
   }
+  base->MarkWhatClausesRestOn();
   return std::shared_ptr<const RuleBase>(std::move(base));
 }
 
@@ -73,6 +74,29 @@ absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number,
     }
   }
   return absl::OkStatus();
+}
+
+void RuleBase::MarkWhatClausesRestOn() {
+  for (RuleClause& clause : clauses_) {
+    clause.rests_on_absence = !clause.body.absences.empty();
+    for (const Atom& atom : clause.body.atoms) clause.rests_on.insert(atom.terms[1].constant);
+  }
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (RuleClause& clause : clauses_) {
+      const bool absence = clause.rests_on_absence;
+      const size_t predicates = clause.rests_on.size();
+      for (const Atom& atom : clause.body.atoms) {
+        ForEachHead(atom.terms[1].constant, [&](Head head) {
+          const RuleClause& maker = clauses_[head.clause];
+          if (&maker == &clause) return;
+          clause.rests_on_absence = clause.rests_on_absence || maker.rests_on_absence;
+          clause.rests_on.insert(maker.rests_on.begin(), maker.rests_on.end());
+        });
+      }
+      changed = changed || absence != clause.rests_on_absence || predicates != clause.rests_on.size();
+    }
+  }
 }
 
 void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "kb_server/base/limits.h"
@@ -30,6 +31,10 @@ struct RuleClause {
   uint32_t rule = 0;  // in RuleBase::rules
   Clause body;
   std::vector<Atom> heads;  // over body's variables; the graph is left open
+  // Of the body and of those of rules that may make a fact for it: whether an absence is in it, and its predicates
+  // (none: any).
+  bool rests_on_absence = false;
+  absl::flat_hash_set<TermId> rests_on;
 };
 
 class RuleBase {
@@ -55,6 +60,7 @@ class RuleBase {
   bool IsForbidden(const QuadPattern& fact) const;
 
  private:
+  void MarkWhatClausesRestOn();
   absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
 
   RuleSets sets_;

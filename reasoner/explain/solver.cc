@@ -4,14 +4,11 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "reasoner/rules/schema_words.h"
 
 namespace docent::explain {
 namespace {
 
 constexpr size_t kPartRows = 10000;  // of one evaluation of a part
-constexpr size_t kBlockers = 16;     // matches of one absence that are looked at
 
 }  // namespace
 
@@ -19,6 +16,15 @@ Solver::Solver(const GraphVersion& version, Dictionary& dictionary,
                const sparql::FunctionRegistry* functions, const sparql::RunOptions& run, size_t steps)
     : version_(version), dictionary_(dictionary), functions_(functions), run_(run), step_limit_(steps) {}
 Solver::~Solver() = default;
+
+std::vector<TermId> SeedOf(const Clause& clause, const Row& outer) {
+  std::vector<TermId> seed(clause.names.size());
+  for (size_t i = 0; i < seed.size(); ++i) {
+    const int variable = outer.clause->Find(clause.names[i]);
+    if (variable >= 0) seed[i] = outer.values[variable];
+  }
+  return seed;
+}
 
 absl::Status Solver::Solve(const Clause& clause, absl::Span<const TermId> seed, const SolveOptions& options,
                            absl::FunctionRef<bool(const Solution&)> visit) {
@@ -32,6 +38,7 @@ absl::Status Solver::Solve(const Clause& clause, absl::Span<const TermId> seed, 
   pending_.clear();
   trail_.clear();
   missing_.clear();
+  short_of_room_ = left_out_rules_ = false;
   PushFrame(clause, -1, 0, 0);
   for (size_t i = 0; i < seed.size(); ++i) {
     if (!seed[i].IsNone()) values_[i] = seed[i];
@@ -185,9 +192,13 @@ bool Solver::StepAtom(int goal) {
   trail_.push_back({Undo::Kind::kGoal, goal});
   bool go_on = TryMatches(goal);
   if (go_on && !missing_.empty()) go_on = TryMissingAlready(goal);
-  if (go_on && ChangesSoFar() < options_.changes && !IsGivenAxiom(goals_[goal])) {
-    if (IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: the ways through rules may be endless
-    if (go_on && options_.rules != nullptr) go_on = TryRules(goal);
+  if (go_on && options_.abductive) {
+    const bool room = missing_.size() < static_cast<size_t>(options_.missing);
+    short_of_room_ = short_of_room_ || !room;
+    const bool given = IsGivenAxiom(goals_[goal]);
+    spared_schema_ = spared_schema_ || (given && room);
+    if (room && !given && IsTellable(goals_[goal])) go_on = TryMissing(goal);  // first: rules may have no end
+    if (go_on && !given && options_.rules != nullptr) go_on = TryRules(goal, room);
   }
   Rewind(mark);
   return go_on;
@@ -211,96 +222,6 @@ bool Solver::TryMatches(int goal) {
     if (!go_on) return false;
   }
   return true;
-}
-
-// Whether the goal asks again for what it is to help to infer, whatever its open variables are: through a rule it
-// would go round in circles.
-bool Solver::IsInOwnChain(int goal) const {
-  const QuadPattern self = PatternOf(goals_[goal]);
-  for (int above = goals_[goal].chain; above >= 0; above = goals_[above].chain) {
-    const QuadPattern other = PatternOf(goals_[above]);
-    if (self.subject == other.subject && self.predicate == other.predicate && self.object == other.object)
-      return true;
-  }
-  return false;
-}
-
-// Through a rule. With every fact of its body there its head would be, too, so this is for bodies that lack
-// something.
-bool Solver::TryRules(int goal) {
-  const int frame = goals_[goal].frame;
-  const int base = frames_[frame].base;
-  const int depth = frames_[frame].depth;
-  const Atom& atom = *goals_[goal].atom;
-  if (depth >= options_.rule_depth || IsInOwnChain(goal)) return true;
-  if (atom.terms[3].variable >= 0) return true;  // GRAPH ?g: nobody asks for the graph of what is inferred
-  std::vector<RuleBase::Head> heads;
-  options_.rules->ForEachHead(TermOf(atom.terms[1], base), [&](RuleBase::Head h) { heads.push_back(h); });
-  for (const RuleBase::Head& head : heads) {
-    const RuleClause& rule = options_.rules->clauses()[head.clause];
-    const size_t mark = Mark();
-    PushFrame(rule.body, goal, depth + 1, rule.rule);
-    const int own = frames_.back().base;
-    bool fits = true;
-    for (int i = 0; i < 3 && fits; ++i) fits = Unify(atom.terms[i], base, rule.heads[head.head].terms[i], own);
-    const bool go_on = !fits || Step();
-    Rewind(mark);
-    PopFrame();
-    if (!go_on) return false;
-  }
-  return true;
-}
-
-// An axiom that a rule asks for has to be there where none may be told; its closure is in the graph.
-bool Solver::IsGivenAxiom(const Goal& goal) {
-  if (options_.tell_schema || frames_[goal.frame].depth == 0) return false;
-  const QuadPattern p = PatternOf(goal);
-  const auto text = [&](TermId id) { return id.IsIri() ? dictionary_.Lexical(id) : std::string_view(); };
-  if (!IsSchemaPattern(text(p.predicate), text(p.object))) return false;
-  spared_schema_ = true;
-  return true;
-}
-
-bool Solver::IsTellable(const Goal& goal) const {
-  if (options_.tell_derived || options_.rules == nullptr) return true;
-  const QuadPattern p = PatternOf(goal);
-  if (!options_.rules->IsMadeByName(p.predicate, p.object)) return true;
-  // people tell it, too
-  QuadPattern alike{TermId(), p.predicate, TermId(), TermId()};
-  const std::optional<TermId> type = dictionary_.FindIri(kRdfType);
-  const std::optional<TermId> inferred = dictionary_.FindIri(kInferredGraph);
-  if (type && p.predicate == *type) alike.object = p.object;
-  bool told = false;
-  size_t looked = 0;
-  version_.ForEach(alike, [&](const Quad& quad) {
-    told = quad.graph != inferred.value_or(TermId());
-    return !told && ++looked < 1000;
-  });
-  return told;
-}
-
-// One missing fact may serve several patterns.
-bool Solver::TryMissingAlready(int goal) {
-  for (size_t i = 0; i < missing_.size(); ++i) {
-    const Goal& other = goals_[missing_[i]];
-    const size_t mark = Mark();
-    bool fits = true;
-    for (int t = 0; t < 4 && fits; ++t) {
-      fits = Unify(goals_[goal].atom->terms[t], frames_[goals_[goal].frame].base, other.atom->terms[t],
-                   frames_[other.frame].base);
-    }
-    const bool go_on = !fits || Step();
-    Rewind(mark);
-    if (!go_on) return false;
-  }
-  return true;
-}
-
-bool Solver::TryMissing(int goal) {
-  missing_.push_back(goal);
-  const bool go_on = Step();
-  missing_.pop_back();
-  return go_on;
 }
 
 bool Solver::TryTable(int pending) {
@@ -491,49 +412,37 @@ Row Solver::RowOf(const Frame& frame) const {
   return row;
 }
 
-// False: an absence fails in a way that the changes left do not allow for.
-bool Solver::AddAbsences(Solution& solution) {
+std::vector<AbsenceOf> Solver::Absences() const {
+  std::vector<AbsenceOf> absences;
   for (const Frame& frame : frames_) {
     for (const Absence& absence : frame.clause->absences) {
-      bool open = false;
+      AbsenceOf& of = absences.emplace_back(AbsenceOf{&absence, RowOf(frame)});
       for (const Clause& alternative : absence.alternatives) {
-        const bool known = std::none_of(alternative.names.begin(), alternative.names.end(), [&](const std::string& name) {
+        of.open = of.open || std::any_of(alternative.names.begin(), alternative.names.end(), [&](const std::string& name) {
           const int outer = frame.clause->Find(name);
-          return outer >= 0 && Value(frame.base + outer).IsNone();
+          return outer >= 0 && of.row.values[outer].IsNone();
         });
-        open = open || !known;
-        // without changes nothing will bind them: they are the absence's own
-        if ((known || options_.changes == 0) && !AddBlockers(frame, absence, alternative, solution)) return false;
       }
-      if (open && options_.changes > 0) solution.absences.push_back({&absence, RowOf(frame)});
     }
   }
-  return true;
+  return absences;
 }
 
-// Matches of one alternative. False: as above.
-bool Solver::AddBlockers(const Frame& frame, const Absence& absence, const Clause& alternative, Solution& solution) {
-  std::vector<TermId> seed(alternative.names.size());
-  for (size_t i = 0; i < seed.size(); ++i) {
-    const int outer = frame.clause->Find(alternative.names[i]);
-    if (outer >= 0) seed[i] = Value(frame.base + outer);
-  }
+// Whether something that must not be there is there.
+bool Solver::IsMatched(const AbsenceOf& of) {
   if (inner_ == nullptr) {
     inner_ = std::make_unique<Solver>(version_, dictionary_, functions_, run_, step_limit_);
   }
-  const size_t room = static_cast<size_t>(options_.changes) - solution.missing.size();
-  size_t found = 0;
-  status_ = inner_->Solve(alternative, seed, SolveOptions(), [&](const Solution& match) {
-    Blocker blocker{&absence, RowOf(frame), match.facts};
-    if (std::none_of(solution.blockers.begin(), solution.blockers.end(),
-                     [&](const Blocker& b) { return b.facts == blocker.facts; })) {
-      solution.blockers.push_back(std::move(blocker));
-      ++found;
-    }
-    return found < kBlockers && solution.blockers.size() <= room;
-  });
+  bool matched = false;
+  for (const Clause& alternative : of.absence->alternatives) {
+    status_ = inner_->Solve(alternative, SeedOf(alternative, of.row), SolveOptions(), [&](const Solution&) {
+      matched = true;
+      return false;
+    });
+    if (matched || !status_.ok()) break;
+  }
   exhausted_ = exhausted_ || inner_->exhausted();
-  return status_.ok() && solution.blockers.size() <= room;
+  return matched || !status_.ok();
 }
 
 // Everything is matched, missing or left to a filter.
@@ -551,14 +460,19 @@ bool Solver::Leaf() {
       solution.missing.push_back(fact);
     }
   }
-  if (!AddAbsences(solution)) return status_.ok();
-  if (static_cast<int>(solution.missing.size() + solution.blockers.size()) != options_.changes) return true;
+  if (solution.missing.size() != static_cast<size_t>(options_.missing)) return true;
+  std::vector<AbsenceOf> absences = Absences();
+  if (options_.abductive) {
+    solution.absences = std::move(absences);
+  } else if (std::any_of(absences.begin(), absences.end(), [this](const AbsenceOf& of) { return IsMatched(of); })) {
+    return status_.ok();
+  }
   for (const Pending& pending : pending_) {
     if (pending.done || pending.kind != Pending::Kind::kTest) continue;
     const Frame& frame = frames_[pending.frame];
     OpenTest open{&frame.clause->tests[pending.index], RowOf(frame)};
     // Nothing will bind these: the filter sees them unbound.
-    if (options_.changes == 0 && !Holds(open, open.row.values)) return status_.ok();
+    if (options_.missing == 0 && !Holds(open, open.row.values)) return status_.ok();
     solution.tests.push_back(std::move(open));
   }
   solution.row = RowOf(frames_[0]);

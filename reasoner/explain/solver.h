@@ -1,10 +1,10 @@
 // Finds how a clause holds on a graph version, or what would have to be told for it to hold.
 //
-// Without changes allowed it enumerates the solutions of the clause, each with the facts that it rests on. With
-// changes it is abductive: a pattern without a match may be taken as a fact that is missing, directly or through a
-// rule whose body would give it (Kakas, Kowalski, Toni, Abductive Logic Programming, J. Logic Comput. 1992), and
-// what stands against an absence may be taken as a fact in the way. Patterns are treated in the order of their
-// exact counts, so the search begins with what is rare.
+// Plainly it enumerates the solutions of the clause, each with the facts that it rests on. Abductively (Kakas, Kowalski,
+// Toni, Abductive Logic Programming, J. Logic Comput. 1992) a pattern without a match may be taken as a fact that is
+// missing, directly or through a rule whose body would give it, and absences are left to the caller: each is named with
+// the solution, held or not (reasoner/explain/conflict.h looks for what breaks those that are not). Patterns are treated
+// in the order of their exact counts, so the search begins with what is rare.
 //
 // One thread. Works beside the writer: it reads an immutable version and a dictionary of the caller's own.
 #ifndef DOCENT_REASONER_EXPLAIN_SOLVER_H_
@@ -53,17 +53,11 @@ struct OpenTest {
   Row row;
 };
 
-// An absence of which nothing is known, as its variables are not all bound.
-struct OpenAbsence {
+// An absence of a clause, with the values of the clause's variables.
+struct AbsenceOf {
   const Absence* absence = nullptr;
   Row row;
-};
-
-// An absence that does not hold: one match of what must not be there.
-struct Blocker {
-  const Absence* absence = nullptr;
-  Row row;
-  std::vector<Quad> facts;
+  bool open = false;  // not all of its variables that are the clause's, too, are bound
 };
 
 // A rule through which a missing fact would be inferred.
@@ -78,17 +72,21 @@ struct Solution {
   Row row;
   std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: where found first
   std::vector<MissingFact> missing;
-  std::vector<Blocker> blockers;
   std::vector<OpenTest> tests;
-  std::vector<OpenAbsence> absences;
+  std::vector<AbsenceOf> absences;  // abductively: of the clause and of the bodies of inferences, held or not
   std::vector<Inference> inferences;
   // What an open variable is called in the query or rule; empty: it has no name.
   absl::flat_hash_map<int, std::string> names;
 };
 
+// The values that `clause`, an alternative of an absence, has from the clause that the absence is of.
+std::vector<TermId> SeedOf(const Clause& clause, const Row& outer);
+
 struct SolveOptions {
-  // Facts missing and matches in the way, together exactly so many.
-  int changes = 0;
+  // Otherwise absences hold and nothing is missing.
+  bool abductive = false;
+  // Facts missing, exactly so many.
+  int missing = 0;
   // Null: only direct facts.
   const RuleBase* rules = nullptr;
   int rule_depth = 4;
@@ -111,6 +109,9 @@ class Solver {
                      absl::FunctionRef<bool(const Solution&)> visit);
   // The steps are used up: there may be more than was found.
   bool exhausted() const { return exhausted_; }
+  size_t steps() const { return steps_; }
+  // Work that was done for the same question elsewhere.
+  void Spend(size_t steps) { steps_ += steps; }
   // As many steps again.
   void Refresh() {
     steps_ = 0;
@@ -118,6 +119,10 @@ class Solver {
   }
   // A fact of the schema was not taken as missing because SolveOptions::tell_schema said no.
   bool spared_schema() const { return spared_schema_; }
+  // The last Solve came to patterns that it could not take as missing because of SolveOptions::missing.
+  bool short_of_room() const { return short_of_room_; }
+  // A rule was not followed that might have served what was missing already, or deeper than SolveOptions::rule_depth.
+  bool left_out_rules() const { return left_out_rules_; }
   // A part that found no solution when everything else before it held; null: none.
   const Part* failed_part() const { return failed_part_; }
 
@@ -167,7 +172,7 @@ class Solver {
   bool Step();
   bool StepAtom(int goal);
   bool TryMatches(int goal);
-  bool TryRules(int goal);
+  bool TryRules(int goal, bool room);
   bool TryMissing(int goal);
   bool TryMissingAlready(int goal);
   bool TryTable(int pending);
@@ -178,13 +183,13 @@ class Solver {
   bool Holds(const Test& test, const Clause& clause, absl::Span<const TermId> values);
   bool Leaf();
   bool IsTellable(const Goal& goal) const;
-  bool IsGivenAxiom(const Goal& goal);
+  bool MayServe(const RuleClause& rule);
+  bool IsGivenAxiom(const Goal& goal) const;
   bool IsInOwnChain(int goal) const;
-  int ChangesSoFar() const { return static_cast<int>(missing_.size()); }
   MissingFact FactOf(const Atom& atom, int base) const;
   Row RowOf(const Frame& frame) const;
-  bool AddAbsences(Solution& solution);
-  bool AddBlockers(const Frame& frame, const Absence& absence, const Clause& alternative, Solution& solution);
+  std::vector<AbsenceOf> Absences() const;
+  bool IsMatched(const AbsenceOf& of);
   absl::StatusOr<std::vector<std::vector<TermId>>> RowsOf(const Part& part, int base);
   sparql::PreparedExpression* Prepared(const sparql::Expression& e, const std::vector<std::string>& names);
 
@@ -212,6 +217,8 @@ class Solver {
   std::vector<Pending> pending_;
   std::vector<Undo> trail_;
   std::vector<int> missing_;  // goals
+  bool short_of_room_ = false;
+  bool left_out_rules_ = false;
 };
 
 }  // namespace docent::explain

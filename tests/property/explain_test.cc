@@ -1,12 +1,14 @@
 // Explanations on random graphs and rules. Each proof is checked against a graph that holds its told leaves alone;
 // each set of missing facts, and every proper subset of it, against a computation from scratch.
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_join.h"
 #include "kb_server/sparql/evaluator.h"
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
@@ -76,6 +78,7 @@ std::string RandomRules(RandomWorld& random) {
       "RULE { ?x :p3 ?x } WHERE { ?x :p0/:p1 ?y }\n",
       "RULE { ?x a :Thing } WHERE { ?x :p0 ?y . FILTER EXISTS { ?y :p0 ?w } }\n",
       "RULE { ?x a :Other } WHERE { ?x a :Thing . MINUS { ?x :p3 ?y } }\n",
+      "RULE { ?x a :Bad } WHERE { ?x :p0 ?y . FILTER NOT EXISTS { ?y :p1 ?z } }\n",
       "RULE :far { } WHERE { ?x :q ?y . ?y :p0 ?z . FILTER(?x != ?z) }\n",
       "RULE { } WHERE { { ?x a :Thing } UNION { ?x :p2 ?y } ?x :p1 ?y }\n",
   };
@@ -102,7 +105,13 @@ std::string RandomAsk(RandomWorld& random) {
   if (has(" ?y .") && !has("?y :") && !has("?y a") && random.Chance(60))
     where += "FILTER(?y > " + std::to_string(random.Pick(6)) + ") ";
   if (has("?x") && has("?z") && random.Chance(20)) where += "FILTER(?x != ?z) ";
-  if (random.Chance(20)) where += "FILTER NOT EXISTS { " + node() + " " + predicate() + " " + node() + " } ";
+  if (random.Chance(25)) {
+    std::string group = node() + " " + predicate() + " " + node() + " . ";
+    if (random.Chance(40)) group += node() + " " + predicate() + " " + node() + " . ";
+    if (random.Chance(20)) group += node() + " a " + (random.Chance(50) ? ":Thing" : ":Bad") + " . ";
+    if (random.Chance(15)) group += "FILTER NOT EXISTS { " + node() + " " + predicate() + " " + node() + " } ";
+    where += "FILTER NOT EXISTS { " + group + "} ";
+  }
   if (random.Chance(8)) where += "FILTER EXISTS { ?x " + predicate() + " ?w } ";
   return "ASK { " + where + "}";
 }
@@ -181,12 +190,12 @@ struct Change {
 std::vector<Change> ChangesOf(const Repair& repair) {
   std::vector<Change> changes;
   for (const explain::ToTell& tell : repair.tell) changes.push_back({{tell.example}, {}});
-  std::set<std::string> seen;
+  std::map<std::string, std::vector<TermQuad>> withdrawn;  // by triple
   for (const explain::InTheWay& way : repair.in_the_way) {
-    std::string key;
-    for (const TermQuad& q : way.withdraw) key += ToNTriples(q.subject) + ToNTriples(q.predicate) + ToNTriples(q.object);
-    if (seen.insert(key).second) changes.push_back({{}, way.withdraw});
+    for (const TermQuad& q : way.withdraw)
+      withdrawn[ToNTriples(q.subject) + ToNTriples(q.predicate) + ToNTriples(q.object)].push_back(q);
   }
+  for (const auto& [triple, quads] : withdrawn) changes.push_back({{}, quads});
   return changes;
 }
 
@@ -279,6 +288,76 @@ TEST(ExplainProperty, NoSetOfOneIsMissedWhereTwoAreNamed) {
       }
     }
   }
+}
+
+// Where it is said that the search was whole: no smaller set is there, and no other that withdraws one fact. Facts are
+// told of what no rule makes.
+TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMissed) {
+  int asked = 0, none = 0, one = 0, two = 0, not_whole = 0;
+  for (int seed = 20000; asked < Cases(150); ++seed) {
+    RandomWorld random(static_cast<unsigned>(seed));
+    random.numbers_percent = 0;
+    const std::string rules = RandomRules(random);
+    std::set<std::string> told;
+    for (int i = random.Pick(12); i >= 0; --i) told.insert(random.Node() + " p" + std::to_string(random.Pick(2)) + " " + random.Node());
+    const std::string ask = RandomAsk(random);
+    if (ask.find("NOT EXISTS") == std::string::npos) continue;
+    Closed closed(rules, told);
+    closed.Infer();
+    if (closed.Ask(closed.world.Parse(ask))) continue;
+    ++asked;
+    const auto answer = MakeExplainer(closed, rules)->WhyNot(closed.world.Parse(ask), 100);
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    const size_t size = answer->repairs.empty() ? 99 : answer->repairs[0].size();
+    const std::string where = "seed " + std::to_string(seed) + "\n" + rules + absl::StrJoin(told, "\n") + "\n" + ask + "\n" +
+                              explain::ToText(*answer, {{"", std::string(kExampleNs)}});
+    if (!answer->whole) {
+      ++not_whole;
+      continue;
+    }
+    (size == 99 ? none : size == 1 ? one : two) += 1;
+    const auto holds = [&](const std::set<std::string>& facts) {
+      Closed with(rules, facts);
+      with.Infer();
+      return with.Ask(with.world.Parse(ask));
+    };
+    std::set<std::string> listed;
+    for (const Repair& repair : answer->repairs) {
+      for (const Change& change : ChangesOf(repair)) {
+        for (const TermQuad& q : change.remove) {
+          const auto word = [&](const Term& term) { return closed.world.Text(closed.world.dictionary.Intern(term)); };
+          listed.insert(word(q.subject) + " " + word(q.predicate) + " " + word(q.object));
+        }
+      }
+    }
+    for (const std::string& first : told) {
+      std::set<std::string> less = told;
+      less.erase(first);
+      if (holds(less)) {
+        ASSERT_EQ(size, 1u) << where << "withdraw " << first;
+        ASSERT_TRUE(listed.contains(first)) << where << "withdraw " << first;
+      }
+      for (const std::string& second : told) {
+        if (size <= 2 || second <= first) continue;
+        std::set<std::string> fewer = less;
+        fewer.erase(second);
+        ASSERT_FALSE(holds(fewer)) << where << first << ", " << second;
+      }
+    }
+    for (int t = 0; size > 1 && t < 50; ++t) {
+      std::set<std::string> more = told;
+      const std::string fact = "n" + std::to_string(t % 5) + " p" + std::to_string(t / 25) + " n" + std::to_string(t / 5 % 5);
+      more.insert(fact);
+      ASSERT_FALSE(holds(more)) << where << "tell " << fact;
+    }
+  }
+  EXPECT_GT(one, asked / 4);
+  EXPECT_GT(two, asked / 20);
+  EXPECT_LT(not_whole, asked / 2);
+  RecordProperty("none", none);
+  RecordProperty("one", one);
+  RecordProperty("two", two);
+  RecordProperty("not_whole", not_whole);
 }
 
 }  // namespace

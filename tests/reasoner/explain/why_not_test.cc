@@ -1,8 +1,10 @@
 // Why-not: what a person would name comes first, and what is named is enough.
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "gmock/gmock.h"
 #include "tests/reasoner/explain/explain_world.h"
@@ -13,6 +15,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 class WhyNotTest : public ExplainWorld {};
 
@@ -81,6 +84,105 @@ TEST_F(WhyNotTest, WhatACheckForbidsByItselfIsNotTold) {
   EXPECT_EQ(Text(dictionary.Intern(answer.repairs[0].tell[0].example.object)), "Margherita");
   // who asks for it is told
   EXPECT_EQ(WhyNot("ASK { :p a :Impossible }").repairs.size(), 1u);
+}
+
+// Each set as "-Z p K" for what is withdrawn and "+F1 ack true" for what is told, sorted.
+class WhyNotSets : public ExplainWorld {
+ protected:
+  std::vector<std::string> Sets(const std::string& ask, size_t sets = 9) {
+    answer_ = WhyNot(ask, sets);
+    std::vector<std::string> all;
+    for (const explain::Repair& repair : answer_.repairs) {
+      std::set<std::string> changes;
+      for (const explain::ToTell& tell : repair.tell) changes.insert("+" + TextOf(tell.example));
+      for (const explain::InTheWay& way : repair.in_the_way) {
+        for (const TermQuad& quad : way.withdraw) changes.insert("-" + TextOf(quad));
+      }
+      all.push_back(absl::StrJoin(changes, ", "));
+    }
+    return all;
+  }
+  std::string TextOf(const TermQuad& fact) {
+    const auto word = [this](const Term& term) { return Text(dictionary.Intern(term)); };
+    return absl::StrCat(word(fact.subject), " ", word(fact.predicate), " ", word(fact.object));
+  }
+
+  explain::WhyNotAnswer answer_;
+};
+
+TEST_F(WhyNotSets, OfAGroupThatMustNotBeTheFactThatIsNotNeededIsInTheWay) {
+  Tell({"Z p K", "Z2 a Bot"});
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :Z :p :K . :Z2 a :Bot } }"), ElementsAre("-Z2 a Bot"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { :Z :p :K . :Z2 a :Bot } }"),
+              HasSubstr("in the way  :Z2 a :Bot   (there must be no { :Z :p :K . :Z2 a :Bot })"));
+}
+
+TEST_F(WhyNotSets, TheOrderOfPatternsInTheGroupDoesNotMatter) {
+  Tell({"R1 at Hall", "R1 fault F1"});
+  for (const char* group : {"?r :at ?a . ?r :fault ?f", "?r :fault ?f . ?r :at ?a"}) {
+    EXPECT_THAT(Sets(absl::StrCat("ASK { ?r :at ?a . FILTER NOT EXISTS { ", group, " } }")),
+                ElementsAre("-R1 fault F1", "+urn:docent:example:r at urn:docent:example:a"));
+  }
+}
+
+TEST_F(WhyNotSets, EachFactOfTheGroupMayGo) {
+  Tell({"X1 at2 K", "X2 at2 K", "X2 a Bot"});
+  EXPECT_THAT(Sets("ASK { :X1 :at2 ?a . FILTER NOT EXISTS { ?p :at2 ?a . ?p a :Bot } }"),
+              ElementsAre("-X2 at2 K", "-X2 a Bot", "+X1 at2 urn:docent:example:a"));
+}
+
+TEST_F(WhyNotSets, AllDerivationsOfWhatIsInTheWayHaveToGo) {
+  Rules("bad.rules", "RULE { ?r a :Bad } WHERE { ?r :fault ?f }");
+  Tell({"Z p K", "R fault F1", "R fault F2"});
+  const std::string ask = "ASK { :Z :p :K . FILTER NOT EXISTS { :R a :Bad } }";
+  EXPECT_THAT(Sets(ask), ElementsAre("-R fault F1, -R fault F2"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(WhyNotText(ask), HasSubstr("  in the way  :R a :Bad   (there must be no { :R a :Bad })\n"
+                                         "  withdraw    :R :fault :F1   (it is inferred from this)\n"
+                                         "  withdraw    :R :fault :F2   (it is inferred from this)\n"));
+}
+
+TEST_F(WhyNotSets, ADerivationGoesAlsoByWhatItsRuleForbids) {
+  Rules("bad.rules", "RULE { ?r a :Bad } WHERE { ?r :fault ?f . FILTER NOT EXISTS { ?f :ack true } }");
+  Tell({"Z p K", "R fault F1", "R fault F2"});
+  const std::string ask = "ASK { :Z :p :K . FILTER NOT EXISTS { :R a :Bad } }";
+  EXPECT_THAT(Sets(ask), UnorderedElementsAre("-R fault F1, -R fault F2", "+F1 ack true, -R fault F2",
+                                              "+F2 ack true, -R fault F1", "+F1 ack true, +F2 ack true"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(WhyNotText(ask, 9), HasSubstr("missing     :F1 :ack true   (for there to be no { :R a :Bad })"));
+}
+
+TEST_F(WhyNotSets, WhatIsMissingMayItselfClearTheWay) {
+  Rules("bad.rules", "RULE { ?r a :Bad } WHERE { ?r :fault ?f . FILTER NOT EXISTS { ?f :ack true } }");
+  Tell({"R fault F1"});
+  EXPECT_THAT(Sets("ASK { ?f :ack true . FILTER NOT EXISTS { :R a :Bad } }"), ElementsAre("+F1 ack true"));
+}
+
+TEST_F(WhyNotSets, AnAbsenceInAnAbsenceIsFilled) {
+  Tell({"R fault F1"});
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { ?r :fault ?f . FILTER NOT EXISTS { ?f :ack ?by } } }"),
+              ElementsAre("-R fault F1", "+F1 ack urn:docent:example:by"));
+}
+
+TEST_F(WhyNotSets, AnAbsenceInAnAbsenceInAnAbsenceIsClearedAgain) {
+  Rules("deep.rules",
+        "RULE { ?f a :Settled } WHERE { ?f :ack :yes . FILTER NOT EXISTS { ?f :reopened :yes } }\n"
+        "RULE { ?r a :Bad } WHERE { ?r :fault ?f . FILTER NOT EXISTS { ?f a :Settled } }");
+  Tell({"R fault F1", "F1 ack yes", "F1 reopened yes"});
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { :R a :Bad } }"),
+              UnorderedElementsAre("-R fault F1", "-F1 reopened yes"));
+}
+
+TEST_F(WhyNotSets, OneChangeForManyMatchesComesFirst) {
+  Tell({"R fault F1", "R fault F2", "R fault F3", "R a Robot"});
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { ?r a :Robot ; :fault ?f } }"), ElementsAre("-R a Robot"));
+}
+
+TEST_F(WhyNotSets, MoreInTheWayThanTheLimitIsNotSaidToBeTheWhole) {
+  for (int i = 0; i < 9; ++i) Tell({absl::StrCat("R fault F", i)});
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { ?r :fault ?f } }"), ElementsAre());
+  EXPECT_FALSE(answer_.whole);
 }
 
 class WhyNotOwl : public ExplainWorld {

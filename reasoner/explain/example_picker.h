@@ -1,0 +1,39 @@
+// Values to try missing facts with, in the place of what may be anything: such as the filters let through. One thread.
+#ifndef DOCENT_REASONER_EXPLAIN_EXAMPLE_PICKER_H_
+#define DOCENT_REASONER_EXPLAIN_EXAMPLE_PICKER_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/explain/repair.h"
+#include "reasoner/explain/solver.h"
+
+namespace docent::explain {
+
+class ExamplePicker {
+ public:
+  // All must outlive it. `solver` evaluates filters; it must not be running a Solve.
+  ExamplePicker(const GraphVersion& version, Dictionary& dictionary, Solver& solver)
+      : version_(version), dictionary_(dictionary), solver_(solver) {}
+
+  // One for each open variable of what is missing. nullopt: none found.
+  std::optional<Examples> Pick(const Solution& solution);
+
+ private:
+  bool PickFrom(const std::vector<int>& open, size_t at, const Solution& solution,
+                const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Examples& examples,
+                size_t& tries);
+  bool LetsThrough(const OpenTest& test, const Examples& examples);
+  std::vector<TermId> CandidatesFor(int open, const std::string& name, const Solution& solution);
+
+  const GraphVersion& version_;
+  Dictionary& dictionary_;
+  Solver& solver_;
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_EXAMPLE_PICKER_H_
