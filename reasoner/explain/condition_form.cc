@@ -108,6 +108,7 @@ class Builder {
   }
 
   absl::StatusOr<Clauses> Expand(const Algebra& node, const Scope& scope) {
+    if (IsOfGroup(node)) return Whole(node, scope);
     switch (node.kind) {
       case Algebra::Kind::kBgp:
         return ExpandBgp(node, scope);
@@ -144,6 +145,15 @@ class Builder {
   }
 
  private:
+  // What SELECT and HAVING compute of a group, too: without that it would not be the query that was written.
+  static bool IsOfGroup(const Algebra& node) {
+    const Algebra* at = &node;
+    while (at->kind == Algebra::Kind::kProject || at->kind == Algebra::Kind::kExtend ||
+           at->kind == Algebra::Kind::kFilter || at->kind == Algebra::Kind::kOrderBy)
+      at = at->children[0].get();
+    return at->kind == Algebra::Kind::kGroup;
+  }
+
   AtomTerm Make(Clause& clause, const PatternTerm& term, const Scope& scope) {
     if (!term.IsVariable()) return {dictionary_.Intern(term.term()), AtomTerm::kConstant};
     const std::string& name = term.variable().name;
@@ -414,10 +424,15 @@ class Builder {
   Clauses Whole(const Algebra& node, const Scope& scope) {
     Clause clause;
     Part part;
-    part.pattern = Share(node);
+    sparql::AlgebraPtr pattern = node.Clone();
     for (const sparql::Variable& v : sparql::InScopeVariables(node)) {
       part.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
     }
+    // a step between two paths is a variable that the evaluator shows
+    for (PatternTerm* end : {&pattern->subject, &pattern->object}) {
+      if (end->IsVariable() && end->variable->IsHidden()) end->variable->name[0] = '_';
+    }
+    part.pattern = std::move(pattern);
     clause.parts.push_back(std::move(part));
     return {std::move(clause)};
   }

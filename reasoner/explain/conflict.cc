@@ -66,8 +66,9 @@ absl::StatusOr<std::vector<ConflictFinder::Match>> ConflictFinder::MatchesOf(con
     for (const Clause& alternative : of.absence->alternatives) {
       if (matches.size() >= most) return matches;
       absl::Status status = solver_.Solve(alternative, SeedOf(alternative, of.row), {}, [&](const Solution& solution) {
-        const bool known = std::any_of(matches.begin(), matches.end(),
-                                       [&](const Match& match) { return match.facts == solution.facts; });
+        const bool known = std::any_of(matches.begin(), matches.end(), [&](const Match& match) {
+          return match.facts == solution.facts && (alternative.parts.empty() || match.row.values == solution.row.values);
+        });
         if (!known) matches.push_back({&of, solution.row, solution.facts});
         return matches.size() < most;
       });
@@ -108,7 +109,15 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   }
   std::vector<AbsenceOf> absences;
   for (const Absence& inner : match.row.clause->absences) absences.push_back({&inner, match.row});
-  for (const Quad& fact : match.facts) {
+  auto besides = parts_.prover->BesidesOf(match.row);
+  if (!besides.ok()) return besides.status();
+  if (!besides->whole) {
+    conflict.lasts = false;
+    conflict.left_out = 1;
+  }
+  std::vector<Quad> facts = match.facts;
+  for (const Quad& fact : besides->facts) AddNew(fact, facts);
+  for (const Quad& fact : facts) {
     auto support = parts_.prover->SupportOf(fact);
     if (absl::IsResourceExhausted(support.status())) support = Support{{}, {}, false};
     if (!support.ok()) return support.status();

@@ -1,5 +1,7 @@
 #include "reasoner/explain/explainer.h"
 
+#include <algorithm>
+
 #include "kb_server/rdf/vocabulary.h"
 #include "reasoner/matching/trigger_analysis.h"
 
@@ -89,16 +91,20 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
     if (!status.ok()) return status;
     if (!first) continue;
     Proof proof;
+    auto besides = prover_->BesidesOf(first->row);
+    if (!besides.ok()) return besides.status();
+    first->facts.insert(first->facts.end(), besides->facts.begin(), besides->facts.end());
     for (const Quad& quad : first->facts) {
       auto root = prover_->Add(quad, proof);
       if (!root.ok()) return root.status();
-      if (*root) proof.roots.push_back(**root);
+      if (*root && std::find(proof.roots.begin(), proof.roots.end(), **root) == proof.roots.end())
+        proof.roots.push_back(**root);
     }
     for (size_t v = 0; v < clause.names.size(); ++v) {
       if (clause.written[v].empty() || first->row.values[v].IsNone()) continue;
       proof.bindings.emplace_back(clause.written[v], dictionary_.Decode(first->row.values[v]));
     }
-    proof.conditions = prover_->Conditions(first->row);
+    proof.conditions = std::move(besides->conditions);
     if (absl::Status found = LookUpTellings(proof); !found.ok()) return found;
     return std::optional<Proof>(std::move(proof));
   }

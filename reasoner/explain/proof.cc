@@ -30,7 +30,8 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
       inferred_(dictionary.InternIri(kInferredGraph)),
       prefixes_(std::move(prefixes)),
       reports_(version, dictionary, rules, functions, run),
-      solver_(version, dictionary, functions, run, limits.explain_steps) {}
+      solver_(version, dictionary, functions, run, limits.explain_steps),
+      part_facts_(version, dictionary, functions, run, limits.explain_steps) {}
 
 std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
   std::vector<Quad> told;
@@ -93,6 +94,16 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
       return known.derivations.size() < kDerivationsLooked;
     });
     if (!status.ok()) return status;
+  }
+  for (Derivation& derivation : known.derivations) {
+    if (derivation.row.clause->parts.empty()) continue;
+    auto besides = BesidesOf(derivation.row);
+    if (!besides.ok()) return besides.status();
+    derivation.whole = besides->whole;
+    for (const Quad& premise : besides->facts) {
+      if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
+        derivation.facts.push_back(premise);
+    }
   }
   return absl::OkStatus();
 }
@@ -157,7 +168,9 @@ absl::StatusOr<size_t> Prover::Write(const Quad& fact, Proof& proof,
     if (rule.body.written[v].empty() || derivation.row.values[v].IsNone()) continue;
     step.bindings.emplace_back(rule.body.written[v], dictionary_.Decode(derivation.row.values[v]));
   }
-  step.conditions = Conditions(derivation.row);
+  auto besides = BesidesOf(derivation.row);
+  if (!besides.ok()) return besides.status();
+  step.conditions = std::move(besides->conditions);
   for (const Quad& premise : derivation.facts) {
     auto placed_at = Write(premise, proof, placed);
     if (!placed_at.ok()) return placed_at;
@@ -216,6 +229,7 @@ absl::StatusOr<Support> Prover::SupportOf(const Quad& quad) {
       continue;
     }
     const Derivation& derivation = known.derivations[known.best];
+    support.whole = support.whole && derivation.whole;
     for (const Absence& absence : derivation.row.clause->absences)
       support.absences.push_back({&absence, derivation.row});
     for (auto premise = derivation.facts.rbegin(); premise != derivation.facts.rend(); ++premise) {
@@ -225,16 +239,30 @@ absl::StatusOr<Support> Prover::SupportOf(const Quad& quad) {
   return support;
 }
 
-std::vector<std::string> Prover::Conditions(const Row& row) const {
-  std::vector<std::string> texts;
+absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
+  Besides besides;
   const Display display(prefixes_);
   const Values values = ValuesOf(row, dictionary_);
-  for (const Test& test : row.clause->tests) texts.push_back(display.Filter(*test.expression, values));
+  for (const Test& test : row.clause->tests) besides.conditions.push_back(display.Filter(*test.expression, values));
   for (const Absence& absence : row.clause->absences) {
-    texts.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
+    besides.conditions.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
   }
-  for (const Part& part : row.clause->parts) texts.push_back(display.Pattern(*part.pattern, values));
-  return texts;
+  for (const Part& part : row.clause->parts) {
+    auto ground = part_facts_.Of(part, row);
+    if (!ground.ok()) return ground.status();
+    Values own = values;  // a variable between two parts is named in them alone
+    const std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);
+    for (size_t i = 0; i < scope.size(); ++i) {
+      const TermId value = row.values[static_cast<size_t>(part.variables[i])];
+      if (!value.IsNone()) own.insert_or_assign(scope[i].name, sparql::PatternTerm::Of(dictionary_.Decode(value)));
+    }
+    std::string& text = besides.conditions.emplace_back(display.Pattern(*part.pattern, own));
+    if (ground->more > 0)
+      absl::StrAppend(&text, "   (by ", ground->facts.size(), " facts that are shown, and ", ground->more, " more)");
+    besides.facts.insert(besides.facts.end(), ground->facts.begin(), ground->facts.end());
+    besides.whole = besides.whole && ground->whole;
+  }
+  return besides;
 }
 
 }  // namespace docent::explain

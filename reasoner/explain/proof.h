@@ -19,6 +19,7 @@
 #include "kb_server/base/explain_limits.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/rdf/term.h"
+#include "reasoner/explain/part_facts.h"
 #include "reasoner/explain/report_origins.h"
 #include "reasoner/explain/rule_base.h"
 #include "reasoner/explain/solver.h"
@@ -56,7 +57,7 @@ struct Proof {
 struct Support {
   std::vector<Quad> told;            // without graph
   std::vector<AbsenceOf> absences;   // of the rules applied
-  bool whole = true;                 // false: also on what rules made that are not known here
+  bool whole = true;  // false: also on aggregates, or on what rules made that are not known here
 };
 
 class Prover {
@@ -70,8 +71,13 @@ class Prover {
   absl::StatusOr<std::optional<size_t>> Add(const Quad& fact, Proof& proof);
   // What the fact's proof rests on in the end. Errors as of Add.
   absl::StatusOr<Support> SupportOf(const Quad& fact);
-  // What holds in a solution besides facts.
-  std::vector<std::string> Conditions(const Row& row) const;
+  // What a solution rests on besides the matches of its patterns.
+  struct Besides {
+    std::vector<Quad> facts;              // of paths, aggregates, LIMITs
+    std::vector<std::string> conditions;  // these, filters and absences, as SPARQL
+    bool whole = true;                    // as Ground::whole, for each
+  };
+  absl::StatusOr<Besides> BesidesOf(const Row& row);
 
  private:
   // A rule that may make a fact, with the values of its variables that the fact gives.
@@ -83,7 +89,8 @@ class Prover {
   struct Derivation {
     uint32_t clause;
     Row row;
-    std::vector<Quad> facts;
+    std::vector<Quad> facts;  // those of the parts of its body, too
+    bool whole = true;        // as Besides::whole
   };
   struct Known {
     int proven = -1;         // the smallest depth of a proof
@@ -108,6 +115,7 @@ class Prover {
   const std::vector<std::pair<std::string, std::string>> prefixes_;
   ReportOrigins reports_;
   Solver solver_;
+  PartFacts part_facts_;
   size_t calls_ = 0;
   size_t proven_ = 0;
   absl::flat_hash_map<Quad, std::unique_ptr<Known>> known_;  // without graph

@@ -14,6 +14,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 constexpr char kTwoNames[] = "RULE :twoNames { } WHERE { ?x :name ?a . ?x :name ?b . FILTER(?a < ?b) }";
@@ -124,6 +125,70 @@ TEST_F(WhyInconsistency, ItsLeavesAreWhatToWithdraw) {
   ASSERT_EQ(answer.repairs[0].in_the_way.size(), 1u);
   ASSERT_EQ(answer.repairs[0].in_the_way[0].withdraw.size(), 1u);
   EXPECT_EQ(TextOf(answer.repairs[0].in_the_way[0].withdraw[0]), "i name 1");
+}
+
+class WhyParts : public ExplainWorld {};
+
+TEST_F(WhyParts, AnAggregateRestsOnTheFactsOfItsGroup) {
+  Rules("load.rules",
+        "RULE { ?r :load ?n } WHERE { { SELECT ?r (COUNT(?t) AS ?n) WHERE { ?r :task ?t } GROUP BY ?r } }");
+  Tell({"R1 task t1", "R1 task t2", "R2 task t3"});
+  const std::string text = Why("ASK { :R1 :load ?n }");
+  EXPECT_THAT(text, HasSubstr(":R1 :load 2\n"
+                              "  by load.rules rule 1 (line 2), ?r = :R1, ?n = 2\n"
+                              "  and { SELECT ?r (COUNT(?t) AS ?n) WHERE { ?r :task ?t . } GROUP BY ?r }\n"
+                              "  :R1 :task :t1\n"
+                              "    told by docent:default\n"
+                              "  :R1 :task :t2\n"
+                              "    told by docent:default\n"));
+  EXPECT_THAT(text, Not(HasSubstr("t3")));
+}
+
+TEST_F(WhyParts, OfManyFactsOfAGroupSomeAreShown) {
+  for (int i = 0; i < 30; ++i) Tell({absl::StrCat("R1 task t", i)});
+  EXPECT_THAT(Why("ASK { { SELECT ?r (COUNT(?t) AS ?n) WHERE { ?r :task ?t } GROUP BY ?r HAVING (COUNT(?t) > 3) } }"),
+              AllOf(HasSubstr("?r = :R1, ?n = 30\n"), HasSubstr("GROUP BY ?r HAVING ((COUNT(?t) > 3))"),
+                    HasSubstr("(by 10 facts that are shown, and 20 more)")));
+}
+
+TEST_F(WhyParts, APathRestsOnAChainOfFacts) {
+  Tell({"R1 in Hall", "Hall in Fair", "Fair in City", "R1 in Lobby", "Lobby in Annex", "Annex in Fair"});
+  EXPECT_EQ(Why("ASK { :R1 :in+ :City }"),
+            "and { :R1 (:in)+ :City }\n"
+            ":R1 :in :Hall\n  told by docent:default\n"
+            ":Hall :in :Fair\n  told by docent:default\n"
+            ":Fair :in :City\n  told by docent:default\n");
+}
+
+TEST_F(WhyParts, PathsOfAllKindsHaveTheirFacts) {
+  Tell({"a p b", "c q b", "c p d", "d r e"});
+  EXPECT_THAT(Why("ASK { :a (:p/^:q)+/:p?/!(:p|:q)* :e }"),
+              HasSubstr("and { :a ((:p/^:q))+ :c }\nand { :c (:p)? :d }\nand { :d (!(:p|:q))* :e }\n"));
+  for (const char* fact : {":a :p :b\n", ":c :q :b\n", ":c :p :d\n", ":d :r :e\n"})
+    EXPECT_THAT(Why("ASK { :a (:p/^:q)+/:p?/!(:p|:q)* :e }"), HasSubstr(fact));
+  EXPECT_THAT(Why("ASK { :e ^(:p+/:r) :c }"), AllOf(HasSubstr(":c :p :d\n"), HasSubstr(":d :r :e\n")));
+}
+
+TEST_F(WhyParts, AChainIsOfToldFactsWhereThereIsOne) {
+  Rules("in.rules", "RULE { ?x :in ?z } WHERE { ?x :in ?y . ?y :in ?z }");
+  Tell({"R1 in Hall", "Hall in Fair", "Fair in City"});
+  EXPECT_EQ(Why("ASK { :R1 :in+ :City }"),
+            "and { :R1 (:in)+ :City }\n"
+            ":R1 :in :Hall\n  told by docent:default\n"
+            ":Hall :in :Fair\n  told by docent:default\n"
+            ":Fair :in :City\n  told by docent:default\n");
+}
+
+TEST_F(WhyParts, PathsOneAfterTheOtherMeet) {
+  Tell({"x p y", "y q e", "a p b", "b q c"});
+  EXPECT_THAT(Why("ASK { ?v :p+/:q+ :c }"), HasSubstr("?v = :a\nand { :a (:p)+ :b }\nand { :b (:q)+ :c }\n:a :p :b\n"));
+}
+
+TEST_F(WhyParts, WhatIsInTheWayByAPathIsEachFactOfTheChain) {
+  Tell({"R1 in Hall", "Hall in City"});
+  const explain::WhyNotAnswer answer = WhyNot("ASK { FILTER NOT EXISTS { :R1 :in+ :City } }");
+  ASSERT_EQ(answer.repairs.size(), 2u);
+  EXPECT_TRUE(answer.whole);
 }
 
 }  // namespace

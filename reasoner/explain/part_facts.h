@@ -1,0 +1,55 @@
+// The facts behind what the solver leaves to the evaluator: recursive paths, aggregates, sub-SELECTs with a LIMIT.
+//
+// Of a path: a chain of facts from one end to the other, told ones preferred, else the shortest. Of an aggregate: the
+// facts of its group. Of others: those of one solution. One thread.
+#ifndef DOCENT_REASONER_EXPLAIN_PART_FACTS_H_
+#define DOCENT_REASONER_EXPLAIN_PART_FACTS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/statusor.h"
+#include "kb_server/rdf/dictionary.h"
+#include "kb_server/store/graph_version.h"
+#include "reasoner/explain/solver.h"
+
+namespace docent::explain {
+
+struct Ground {
+  std::vector<Quad> facts;  // without graph; the first ones
+  size_t more = 0;          // that are not among them
+  // Without one of `facts` there would be no such solution by these facts, and nothing told besides can change that.
+  bool whole = false;
+};
+
+class PartFacts {
+ public:
+  // All must outlive it.
+  PartFacts(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+            const sparql::RunOptions& run, size_t steps)
+      : version_(version), dictionary_(dictionary), functions_(functions), run_(run), steps_(steps) {}
+
+  // What the part rests on in a solution of its clause. CANCELLED, DEADLINE_EXCEEDED.
+  absl::StatusOr<Ground> Of(const Part& part, const Row& row);
+
+ private:
+  using ByName = absl::flat_hash_map<std::string, TermId>;
+
+  std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId from, TermId to) const;
+  Ground OfPath(const sparql::Algebra& node, const ByName& values) const;
+  // Facts of `solutions` solutions, at most.
+  absl::Status AddSolutions(const sparql::Algebra& node, const ByName& values, size_t solutions, Ground& ground);
+
+  const GraphVersion& version_;
+  Dictionary& dictionary_;
+  const sparql::FunctionRegistry* functions_;
+  const sparql::RunOptions run_;
+  const size_t steps_;
+  int depth_ = 0;  // parts in parts
+};
+
+}  // namespace docent::explain
+
+#endif  // DOCENT_REASONER_EXPLAIN_PART_FACTS_H_
