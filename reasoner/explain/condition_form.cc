@@ -102,8 +102,8 @@ void MentionedBeside(const Algebra& node, const Algebra* except, std::set<std::s
 
 class Builder {
  public:
-  Builder(const Algebra& whole, Dictionary& dictionary, TermId default_graph)
-      : whole_(whole), dictionary_(dictionary) {
+  Builder(const Algebra& whole, Dictionary& dictionary, TermId default_graph, PathForm paths)
+      : whole_(whole), dictionary_(dictionary), paths_(paths) {
     graph_.constant = default_graph;
   }
 
@@ -181,7 +181,7 @@ class Builder {
 
   // Sequences, alternatives and inverses are triple patterns with variables between them.
   absl::StatusOr<Clauses> ExpandPath(const Algebra& node, const Scope& scope) {
-    if (!IsPlain(node.path)) return Whole(node, scope);
+    if (!IsPlain(node.path) && paths_ == PathForm::kWhole) return Whole(node, scope);
     return PathClauses(node.path, node.subject, node.object, scope);
   }
 
@@ -211,6 +211,7 @@ class Builder {
       }
       return Checked(std::move(all));
     }
+    if (path.kind != Kind::kSequence) return WithGap(path, from, to, scope);
     Clauses all = {Clause()};
     PatternTerm at = from;
     for (size_t i = 0; i < path.children.size(); ++i) {
@@ -224,6 +225,37 @@ class Builder {
       at = next;
     }
     return all;
+  }
+
+  // path* and path+ as PathForm::kWithGap says, path? as nothing or one step.
+  absl::StatusOr<Clauses> WithGap(const sparql::Path& path, const PatternTerm& from, const PatternTerm& to,
+                                  const Scope& scope) {
+    using Kind = sparql::Path::Kind;
+    const auto part = [&](const sparql::Path& of, const PatternTerm& start, const PatternTerm& end) {
+      Algebra node(Algebra::Kind::kPath);
+      node.path = of;
+      node.subject = start;
+      node.object = end;
+      Clauses whole = Whole(node, scope);
+      whole[0].parts[0].beside_gap = path.kind != Kind::kNegatedSet;
+      return whole;
+    };
+    if (path.kind == Kind::kNegatedSet) return part(path, from, to);
+    auto all = PathClauses(path.children[0], from, to, scope);
+    if (!all.ok()) return all;
+    if (path.kind != Kind::kOneOrMore) Append(*all, part(path, from, to));
+    if (path.kind == Kind::kZeroOrOne) return Checked(*std::move(all));
+    sparql::Path any = path;
+    any.kind = Kind::kZeroOrMore;
+    const auto place = [&] { return PatternTerm::Of(sparql::Variable{absl::StrCat(".way", ++fresh_)}); };
+    const PatternTerm before = place(), after = place();
+    auto step = PathClauses(path.children[0], before, after, scope);
+    if (!step.ok()) return step;
+    auto joined = Cross(part(any, from, before), *step);
+    if (joined.ok()) joined = Cross(*joined, part(any, after, to));
+    if (!joined.ok()) return joined;
+    Append(*all, *std::move(joined));
+    return Checked(*std::move(all));
   }
 
   absl::StatusOr<Clauses> ExpandJoin(const Algebra& node, const Scope& scope) {
@@ -299,9 +331,10 @@ class Builder {
     const Expression& inner = negated ? *e.arguments[0] : e;
     if (inner.kind == Expression::Kind::kExists || inner.kind == Expression::Kind::kNotExists) {
       const Scope local{absl::StrCat(".e", ++fresh_, "."), visible, &scope};
-      auto pattern = Expand(*inner.pattern, local);
+      const bool present = (inner.kind == Expression::Kind::kExists) != negated;
+      auto pattern = present ? Expand(*inner.pattern, local) : ExpandAbsent(*inner.pattern, local);
       if (!pattern.ok()) return pattern;
-      if ((inner.kind == Expression::Kind::kExists) != negated) return Cross(all, *pattern);
+      if (present) return Cross(all, *pattern);
       for (Clause& clause : all) clause.absences.push_back({*pattern, Share(*inner.pattern)});
       return all;
     }
@@ -313,6 +346,14 @@ class Builder {
       clause.tests.push_back(std::move(test));
     }
     return all;
+  }
+
+  // Each match of what must not be there is to come once.
+  absl::StatusOr<Clauses> ExpandAbsent(const Algebra& node, const Scope& scope) {
+    const PathForm paths = std::exchange(paths_, PathForm::kWhole);
+    auto clauses = Expand(node, scope);
+    paths_ = paths;
+    return clauses;
   }
 
   absl::StatusOr<Clauses> ExpandLeftJoin(const Algebra& node, const Scope& scope) {
@@ -350,7 +391,7 @@ class Builder {
                                     [&](const sparql::Variable& v) { return left.contains(v.name); });
     if (!shares) return all;  // section 8.3.2: nothing is taken away
     const Scope local{absl::StrCat(".m", ++fresh_, "."), left, &scope};
-    auto pattern = Expand(*node.children[1], local);
+    auto pattern = ExpandAbsent(*node.children[1], local);
     if (!pattern.ok()) return pattern;
     for (Clause& clause : *all) clause.absences.push_back({*pattern, Share(*node.children[1])});
     return all;
@@ -467,6 +508,7 @@ class Builder {
 
   const Algebra& whole_;
   Dictionary& dictionary_;
+  PathForm paths_;
   AtomTerm graph_;
   std::string graph_name_, graph_written_;  // GRAPH ?g
   int fresh_ = 0;
@@ -480,8 +522,8 @@ int Clause::Find(const std::string& name) const {
 }
 
 absl::StatusOr<std::vector<Clause>> ToClauses(const sparql::Algebra& where, Dictionary& dictionary,
-                                              TermId default_graph) {
-  return Builder(where, dictionary, default_graph).Expand(where, Scope());
+                                              TermId default_graph, PathForm paths) {
+  return Builder(where, dictionary, default_graph, paths).Expand(where, Scope());
 }
 
 }  // namespace docent::explain

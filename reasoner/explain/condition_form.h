@@ -12,6 +12,7 @@
 #define DOCENT_REASONER_EXPLAIN_CONDITION_FORM_H_
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,6 +67,7 @@ struct Table {
 struct Part {
   std::shared_ptr<const sparql::Algebra> pattern;
   std::vector<int> variables;  // in scope of it
+  bool beside_gap = false;     // PathForm::kWithGap: what it lacks is an atom beside it, or of another alternative
 };
 
 struct Clause {
@@ -82,12 +84,18 @@ struct Clause {
   int Find(const std::string& name) const;
 };
 
+// What a recursive path outside absences becomes.
+enum class PathForm : uint8_t {
+  kWhole,    // ?x :in+ ?y   a part
+  kWithGap,  // ?x :in ?y, or else  ?x :in* ?u . ?u :in ?v . ?v :in* ?y, so that one step of it may be taken as missing
+};
+
 // The alternatives of `where`, constants interned in `dictionary` (the caller's own, over the server's).
 // `default_graph`: where patterns outside GRAPH are looked for; none: all graphs. RESOURCE_EXHAUSTED for more than
 // kMaxClauses alternatives.
 inline constexpr size_t kMaxClauses = 64;
 absl::StatusOr<std::vector<Clause>> ToClauses(const sparql::Algebra& where, Dictionary& dictionary,
-                                              TermId default_graph = TermId());
+                                              TermId default_graph = TermId(), PathForm paths = PathForm::kWhole);
 
 }  // namespace docent::explain
 

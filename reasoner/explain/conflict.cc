@@ -187,6 +187,7 @@ absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absenc
       if (!status.ok()) return status;
       more = more || solver_.short_of_room();
       if (solutions.size() == kFills || solver_.left_out_rules()) conflict.left_out = std::min(conflict.left_out, std::max(1, options.missing));
+      if (solver_.missing_in_parts() > 0) conflict.left_out = 1;
       for (const Solution& solution : solutions) {
         if (options.missing == 0) {
           auto matches = MatchesOf(solution.absences, 1);

@@ -39,6 +39,7 @@ absl::Status Solver::Solve(const Clause& clause, absl::Span<const TermId> seed, 
   trail_.clear();
   missing_.clear();
   short_of_room_ = left_out_rules_ = false;
+  missing_in_parts_ = 0;
   PushFrame(clause, -1, 0, 0);
   for (size_t i = 0; i < seed.size(); ++i) {
     if (!seed[i].IsNone()) values_[i] = seed[i];
@@ -166,14 +167,17 @@ bool Solver::Step() {
         best = static_cast<int>(i);
       }
     }
-    int table = -1, part = -1;
+    int table = -1, part = -1, reached = -1;
     for (size_t i = 0; i < pending_.size(); ++i) {
       if (pending_[i].done) continue;
       if (pending_[i].kind == Pending::Kind::kTable && table < 0) table = static_cast<int>(i);
       if (pending_[i].kind == Pending::Kind::kPart && part < 0) part = static_cast<int>(i);
+      if (pending_[i].kind == Pending::Kind::kPart && reached < 0 && IsReached(pending_[i])) reached = static_cast<int>(i);
     }
     if (table >= 0 && (best < 0 || fewest > 1)) {
       go_on = TryTable(table);
+    } else if (reached >= 0 && fewest > 1) {
+      go_on = TryPart(reached);
     } else if (best >= 0) {
       go_on = StepAtom(best);
     } else if (part >= 0) {
@@ -285,12 +289,30 @@ absl::StatusOr<std::vector<std::vector<TermId>>> Solver::RowsOf(const Part& part
   return rows;
 }
 
+// A path beside a gap with an end that is bound: the gap is looked for from there.
+bool Solver::IsReached(const Pending& pending) const {
+  const Frame& frame = frames_[pending.frame];
+  const Part& part = frame.clause->parts[pending.index];
+  if (!options_.abductive || !part.beside_gap) return false;
+  return !part.pattern->subject.IsVariable() || !part.pattern->object.IsVariable() ||
+         std::any_of(part.variables.begin(), part.variables.end(), [&](int v) { return !Value(frame.base + v).IsNone(); });
+}
+
 bool Solver::TryPart(int pending) {
   const size_t mark = Mark();
   pending_[pending].done = true;
   trail_.push_back({Undo::Kind::kPending, pending});
   const Frame frame = frames_[pending_[pending].frame];
   const Part& part = frame.clause->parts[pending_[pending].index];
+  if (options_.abductive) {
+    const bool one_gap = part.beside_gap && (missing_in_parts_ == 0 || missing_in_parts_ == 2);
+    missing_in_parts_ = one_gap ? 2 : 1;
+    if (part.beside_gap && !IsReached(pending_[pending])) {  // a gap anywhere
+      missing_in_parts_ = 1;
+      Rewind(mark);
+      return true;
+    }
+  }
   auto rows = RowsOf(part, frame.base);
   bool go_on = true;
   if (!rows.ok()) {

@@ -123,6 +123,9 @@ class Solver {
   bool short_of_room() const { return short_of_room_; }
   // A rule was not followed that might have served what was missing already, or deeper than SolveOptions::rule_depth.
   bool left_out_rules() const { return left_out_rules_; }
+  // The last Solve, being abductive, came to a part: facts that it lacks were not taken as missing (0: none, 1), or not
+  // more than one of them (2: a path with a gap).
+  int missing_in_parts() const { return missing_in_parts_; }
   // A part that found no solution when everything else before it held; null: none.
   const Part* failed_part() const { return failed_part_; }
 
@@ -177,6 +180,7 @@ class Solver {
   bool TryMissingAlready(int goal);
   bool TryTable(int pending);
   bool TryPart(int pending);
+  bool IsReached(const Pending& pending) const;
   bool Settle();
   bool SettleOne(Pending& pending, bool& changed);
   // By Test::variables.
@@ -219,6 +223,7 @@ class Solver {
   std::vector<int> missing_;  // goals
   bool short_of_room_ = false;
   bool left_out_rules_ = false;
+  int missing_in_parts_ = 0;
 };
 
 }  // namespace docent::explain

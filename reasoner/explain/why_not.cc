@@ -191,9 +191,9 @@ bool WhyNotFinder::IsState(const Term& predicate) const {
 }
 
 // Fewest changes; then what can change (state) before what things are; then what differs from a value that is there;
-// then by text.
+// then in the order of the alternatives; then by text.
 void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
-  using Key = std::tuple<size_t, size_t, size_t, size_t, size_t, size_t, std::string>;
+  using Key = std::tuple<size_t, size_t, size_t, size_t, size_t, size_t, size_t, std::string>;
   std::vector<std::pair<Key, Node>> keyed;
   for (Node& node : nodes) {
     const Repair& repair = node.repair;
@@ -212,7 +212,8 @@ void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
       }
     }
     for (const auto& [name, value] : repair.bindings) absl::StrAppend(&text, name, display_.Of(value), "\n");
-    Key key{repair.size(), KindChanges(repair), fixed, open, repair.inferred.size(), withdrawn, std::move(text)};
+    Key key{repair.size(), KindChanges(repair), fixed, open, repair.inferred.size(), withdrawn,
+            roots_[node.root].alternative, std::move(text)};
     keyed.emplace_back(std::move(key), std::move(node));
   }
   std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -235,6 +236,7 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int missing) {
   if (!status.ok()) return status;
   if (solutions.size() == kCandidates || solver_.left_out_rules()) LeaveOut(std::max(1, missing));
   if (missing == parts_.limits.explain_changes && solver_.short_of_room()) LeaveOut(missing + 1);
+  if (solver_.missing_in_parts() > 0) LeaveOut(solver_.missing_in_parts());
   for (const Solution& solution : solutions) {
     if (status = Plant(solution); !status.ok()) return status;
   }
@@ -251,7 +253,8 @@ absl::Status WhyNotFinder::Plant(const Solution& solution) {
   }
   Node node{roots_.size(), {}};
   Repair& repair = node.repair;
-  Root root{solution.absences, *examples, DistinctNames(solution), {}};
+  const auto alternative = static_cast<size_t>(solution.row.clause - clauses_.data());
+  Root root{alternative, solution.absences, *examples, DistinctNames(solution), {}};
   if (!AddMissing(solution, root.examples, root.names, *parts_.version, dictionary, display_, repair))
     return absl::OkStatus();
   for (const Quad& quad : solution.facts) {
@@ -405,7 +408,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   auto prepared = sparql::PreparedQuery::Prepare(ask, *parts_.dictionary, prepare);
   if (!prepared.ok()) return prepared.status();
   ask_ = *std::move(prepared);
-  auto clauses = ToClauses(WithoutModifiers(*ask.algebra), *parts_.dictionary, parts_.default_graph);
+  auto clauses = ToClauses(WithoutModifiers(*ask.algebra), *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);
   if (!clauses.ok()) return clauses.status();
   clauses_ = *std::move(clauses);
 

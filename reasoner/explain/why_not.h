@@ -67,6 +67,7 @@ class WhyNotFinder {
   };
   // A partial match, which a search for hitting sets begins with.
   struct Root {
+    size_t alternative = 0;  // of the condition
     std::vector<AbsenceOf> absences;
     Examples examples;
     OpenNames names;

@@ -112,6 +112,7 @@ std::string RandomAsk(RandomWorld& random) {
     if (random.Chance(15)) group += "FILTER NOT EXISTS { " + node() + " " + predicate() + " " + node() + " } ";
     where += "FILTER NOT EXISTS { " + group + "} ";
   }
+  if (random.Chance(15)) where += node() + (random.Chance(70) ? " :p0+ " : " (:p0/:p1)* ") + node() + " . ";
   if (random.Chance(8)) where += "FILTER EXISTS { ?x " + predicate() + " ?w } ";
   return "ASK { " + where + "}";
 }

@@ -185,6 +185,30 @@ TEST_F(WhyNotSets, MoreInTheWayThanTheLimitIsNotSaidToBeTheWhole) {
   EXPECT_FALSE(answer_.whole);
 }
 
+TEST_F(WhyNotSets, OfARecursivePathAStepIsMissing) {
+  EXPECT_THAT(Sets("ASK { :Hall :in+ :City }"), ElementsAre("+Hall in City"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(Sets("ASK { :Hall (:in|:partOf)+ :City }"), ElementsAre("+Hall in City", "+Hall partOf City"));
+  EXPECT_THAT(Sets("ASK { :Hall :in? :City }"), ElementsAre("+Hall in City"));
+  EXPECT_THAT(Sets("ASK { :Hall :in*/:name ?n }"),
+              UnorderedElementsAre("+Hall name urn:docent:example:n"));
+}
+
+TEST_F(WhyNotSets, OfARecursivePathTheStepBetweenTwoChainsIsMissing) {
+  Tell({"R1 in Hall", "Hall in Fair", "City in Land", "Other in Place"});
+  EXPECT_THAT(Sets("ASK { :R1 :in+ :Land }"),
+              ElementsAre("+R1 in Land", "+Fair in City", "+Fair in Land", "+Hall in City", "+Hall in Land", "+R1 in City"));
+  EXPECT_TRUE(answer_.whole);
+}
+
+TEST_F(WhyNotSets, WhatAnAggregateLacksIsNotSaidToBeKnown) {
+  Tell({"a in b"});
+  const std::string ask = "ASK { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) > 4) } }";
+  EXPECT_THAT(Sets(ask), ElementsAre());
+  EXPECT_FALSE(answer_.whole);
+  EXPECT_THAT(answer_.failed_part, HasSubstr("HAVING"));
+}
+
 class WhyNotOwl : public ExplainWorld {
  protected:
   WhyNotOwl() { BuiltIn("owl2rl"); }
