@@ -162,8 +162,8 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
 
 Ground PartFacts::OfPath(const Algebra& node, const ByName& values) const {
   const auto end = [&](const sparql::PatternTerm& term) {
-    if (!term.IsVariable()) return dictionary_.Find(term.term).value_or(TermId());
-    const auto value = values.find(term.variable->name);
+    if (!term.IsVariable()) return dictionary_.Find(term.term()).value_or(TermId());
+    const auto value = values.find(term.variable().name);
     return value == values.end() ? TermId() : value->second;
   };
   const TermId from = end(node.subject), to = end(node.object);

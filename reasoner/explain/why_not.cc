@@ -49,7 +49,7 @@ std::string KeyOf(const Repair& repair) {
 size_t KindChanges(const Repair& repair) {
   size_t changes = 0;
   for (const ToTell& tell : repair.tell)
-    changes += !tell.fact.predicate.IsVariable() && tell.fact.predicate.term.lexical == kRdfType ? 1 : 0;
+    changes += !tell.fact.predicate.IsVariable() && tell.fact.predicate.term().lexical == kRdfType ? 1 : 0;
   for (const InTheWay& way : repair.in_the_way) {
     for (const TermQuad& quad : way.withdraw) {
       const bool itself = quad.subject == way.fact.subject && quad.object == way.fact.object;
@@ -200,7 +200,7 @@ void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
     size_t fixed = 0, open = 0, withdrawn = 0;
     std::string text;
     for (const ToTell& tell : repair.tell) {
-      fixed += !tell.fact.predicate.IsVariable() && IsState(tell.fact.predicate.term) ? 0 : 1;
+      fixed += !tell.fact.predicate.IsVariable() && IsState(tell.fact.predicate.term()) ? 0 : 1;
       open += (tell.fact.subject.IsVariable() ? 2 : 0) + (tell.fact.object.IsVariable() ? 1 : 0);
       absl::StrAppend(&text, display_.Fact(tell.fact), "\n");
     }
