@@ -471,7 +471,7 @@ class Builder {
     }
     // a step between two paths is a variable that the evaluator shows
     for (PatternTerm* end : {&pattern->subject, &pattern->object}) {
-      if (end->IsVariable() && end->variable()->IsHidden()) end->variable()->name[0] = '_';
+      if (end->IsVariable() && end->variable().IsHidden()) end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1))});
     }
     part.pattern = std::move(pattern);
     clause.parts.push_back(std::move(part));
