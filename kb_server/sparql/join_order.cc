@@ -10,7 +10,7 @@ namespace {
 
 // Microseconds, measured by docent_sparql_bench: one index lookup, one triple put into a hash table, one
 // lookup in that, one row handed on; a filter that compares, a filter that calls a function; one step of the
-// dynamic programme, and one pattern's sample.
+// dynamic programme (by its instructions), and one pattern's sample.
 constexpr double kLookup = 0.15, kHashed = 0.08, kHashLookup = 0.03, kRow = 0.015;
 constexpr double kComparison = 0.05, kCall = 0.25;
 constexpr double kStep = 0.01, kSample = 3;
