@@ -1,6 +1,7 @@
 // A plan as text for people: `docent query --explain`.
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "kb_server/sparql/algebra_printer.h"
 #include "kb_server/sparql/parser.h"
@@ -8,6 +9,23 @@
 
 namespace docent::sparql {
 namespace {
+
+constexpr size_t kShown = 160;  // bytes of an expression
+
+// In one line.
+std::string OneLine(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n';
+    if (!space) out += c;
+    if (space && !out.empty() && out.back() != ' ') out += ' ';
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  if (out.size() <= kShown) return out;
+  size_t end = kShown;
+  while ((static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;  // whole code points
+  return out.substr(0, end) + "…";
+}
 
 std::string Rounded(double value) {
   char buffer[32];
@@ -37,6 +55,9 @@ class Explainer {
         out_ += " | " + std::to_string(p.rows) + " rows" + (p.hashed ? ", by hash" : ", by index");
       out_ += '\n';
     }
+    for (const PlanExpressionPtr& filter : node.filters) {
+      out_ += std::string(static_cast<size_t>(depth + 1) * 2, ' ') + "if " + Text(*filter->source) + '\n';
+    }
     for (const PlanNodePtr& child : node.children) Node(*child, depth + 1);
     for (const PlanExpressionPtr& filter : node.filters) Exists(*filter, depth + 1);
     if (node.expression) Exists(*node.expression, depth + 1);
@@ -44,8 +65,15 @@ class Explainer {
   std::string Take() { return std::move(out_); }
 
  private:
-  static std::string Details(const PlanNode& node) {
+  std::string Text(const Expression& e) const { return OneLine(PrintExpression(e, display_)); }
+  std::string Details(const PlanNode& node) const {
     std::string text;
+    if (node.kind == PlanNode::Kind::kExtend) {
+      text = " ?" + node.source->variable.name + " := " + Text(*node.source->expression);
+    } else if (node.kind == PlanNode::Kind::kPath) {
+      const std::string group = PrintPattern(*node.source, display_);
+      text = " " + OneLine(group.substr(1, group.rfind('}') - 1));
+    }
     if (!node.filters.empty()) {
       const size_t n = node.filters.size();
       text += ", " + std::to_string(n) + (n == 1 ? " condition" : " conditions");

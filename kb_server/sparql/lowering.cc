@@ -139,6 +139,7 @@ PlanNodePtr Lowering::Lower(const Algebra& a, Scope& scope, const GraphRef& grap
     }
     case Kind::kExtend: {
       PlanNodePtr node = Over(Plan::kExtend, Lower(*a.children[0], scope, graph, false));
+      node->source = &a;
       node->expression = Lower(*a.expression, scope, graph);
       node->slot = SlotOf(a.variable.name, scope);
       SlotSet reads = Reads(*a.expression, scope, graph);
@@ -204,6 +205,7 @@ PlanNodePtr Lowering::LowerBgp(const Algebra& a, Scope& scope, const GraphRef& g
 
 PlanNodePtr Lowering::LowerPath(const Algebra& a, Scope& scope, const GraphRef& graph) {
   PlanNodePtr node = Node(Plan::kPath);
+  node->source = &a;
   node->subject = TermOf(a.subject, scope);
   node->object = TermOf(a.object, scope);
   node->subject_term = a.subject.term();
@@ -428,6 +430,7 @@ void Lowering::CheckFunction(const Expression& e) {
 
 PlanExpressionPtr Lowering::Lower(const Expression& e, Scope& scope, const GraphRef& graph) {
   auto out = std::make_unique<PlanExpression>();
+  out->source = &e;
   out->kind = e.kind;
   out->builtin = e.builtin;
   if (e.kind == Expression::Kind::kVariable) {

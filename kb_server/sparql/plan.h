@@ -47,6 +47,7 @@ struct PlanPattern {
 
 // An expression with its variables resolved. EXISTS holds its own plan and, once built, its operator.
 struct PlanExpression {
+  const Expression* source = nullptr;  // as written, for Explain; lives as long as the query
   Expression::Kind kind = Expression::Kind::kTerm;
   Builtin builtin = Builtin::kStr;
   int slot = -1;
@@ -100,6 +101,7 @@ struct PlanNode {
   explicit PlanNode(Kind kind) : kind(kind) {}
 
   Kind kind;
+  const Algebra* source = nullptr;  // kPath, kExtend: as written, for Explain; lives as long as the query
   std::vector<std::unique_ptr<PlanNode>> children;
   SlotSet certain;       // bound in every solution
   SlotSet possible;      // bound in some; both without what comes from outside

@@ -187,6 +187,16 @@ TEST(SparqlOperators, RowsAreCountedWithoutMakingThem) {
   EXPECT_EQ(g.Rows(count + "FROM NAMED ex:g { GRAPH ?g { ?p ex:at ?b } }"), Rows{"2"});
 }
 
+TEST(SparqlOperators, ExplainSaysWhichPathsConditionsAndValues) {
+  TestGraph g;
+  const std::string plan = g.Prepare("SELECT ?c { ?a ex:knows/ex:likes* ?b . ?b ex:age ?n FILTER(?n > 1 && EXISTS { ?b ex:at ?x }) BIND(?n + 1 AS ?c) }")
+                               ->Explain(*g.version);
+  EXPECT_THAT(plan, ::testing::HasSubstr("path ?_p0 (<http://example.org/likes>)* ?b"));
+  EXPECT_THAT(plan, ::testing::HasSubstr("if (?n > 1)"));
+  EXPECT_THAT(plan, ::testing::HasSubstr("if EXISTS {"));
+  EXPECT_THAT(plan, ::testing::HasSubstr("extend ?c := (?n + 1)"));
+}
+
 TEST(SparqlOperators, ExplainSaysWhatWasEstimatedAndWhatCame) {
   TestGraph g(People(50));
   const auto query =
