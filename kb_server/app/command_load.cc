@@ -58,6 +58,12 @@ class Loader {
     if (kind == "facts" && !arguments_.graph.empty()) {
       return Fail(absl::InvalidArgumentError("facts lie in the graph of who says them; name that with --source, not with --graph"));
     }
+    if (kind != "data" && kind != "facts" && !arguments_.graph.empty()) {
+      return Fail(absl::InvalidArgumentError(absl::StrCat("--graph goes with data, and ", file, " is read as ", kind)));
+    }
+    if (kind != "data" && kind != "facts" && kind != "ontology" && !arguments_.format.empty()) {
+      return Fail(absl::InvalidArgumentError(absl::StrCat("--format goes with RDF, and ", file, " is read as ", kind)));
+    }
     if (kind != "facts" && !arguments_.source.empty()) {
       return Fail(absl::InvalidArgumentError("--source says who tells facts; give --as facts, too, or --graph for data"));
     }

@@ -139,7 +139,7 @@ class EventReader {
         return Next::kEnd;
       }
       Open();
-      if (revision_ == 0) return Next::kGap;
+      if (revision_ == 0 && !lost_) return Next::kGap;
     }
   }
   const grpc::Status& status() const { return status_; }

@@ -36,6 +36,10 @@ class Cancellation {
     expired_ = true;
     return Expired();
   }
+  // Whether half of the time is over: who can give a part of the answer stops then.
+  bool HalfIsOver() const {
+    return timeout_.count() != 0 && std::chrono::steady_clock::now() + timeout_ / 2 > deadline_;
+  }
 
  private:
   absl::Status Expired() const {

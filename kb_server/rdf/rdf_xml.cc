@@ -110,7 +110,7 @@ std::optional<Diagnostic> FindOtherSyntax(std::string_view text, const std::stri
   }
   if (root == std::string_view::npos) return std::nullopt;
   const std::string_view tag = text.substr(root, EndOfTag(text, root) - root);
-  if (tag.starts_with("<Ontology") && tag.find(kOwlNs) != std::string_view::npos) {
+  if (tag.starts_with("<Ontology") && tag.find("ontologyIRI") != std::string_view::npos) {
     return found(root, "this is OWL/XML, which is not RDF/XML and is not read", kSaveAs);
   }
   return std::nullopt;

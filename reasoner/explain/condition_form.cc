@@ -469,9 +469,10 @@ class Builder {
     for (const sparql::Variable& v : sparql::InScopeVariables(node)) {
       part.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
     }
-    // a step between two paths is a variable that the evaluator shows
+    // a step between two paths is a variable that the evaluator shows, under a name that nobody has
     for (PatternTerm* end : {&pattern->subject, &pattern->object}) {
-      if (end->IsVariable() && end->variable().IsHidden()) end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1))});
+      if (!end->IsVariable() || !end->variable().IsHidden()) continue;
+      end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1), "_between_paths")});
     }
     part.pattern = std::move(pattern);
     clause.parts.push_back(std::move(part));

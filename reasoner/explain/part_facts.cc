@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent::explain {
@@ -17,6 +18,7 @@ using sparql::Path;
 constexpr size_t kFactsShown = 10;        // of one part
 constexpr size_t kSolutions = 1000;       // of a group that are looked at
 constexpr size_t kPlaces = 100000;        // of a path that are looked at
+constexpr size_t kPlacesOfStep = 16;      // take about as long as one match
 constexpr uint64_t kInferredCost = 1000;  // of a step by an inferred fact; a told one costs 1
 constexpr int kDeepest = 3;               // parts in parts
 
@@ -105,7 +107,7 @@ Quad WithoutGraph(const Quad& quad) {
 }  // namespace
 
 // Dijkstra over (state, term). `to` none: any end.
-std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from, TermId to) const {
+std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from, TermId to) {
   const Automaton automaton(path, dictionary_);
   const TermId inferred = dictionary_.FindIri(kInferredGraph).value_or(TermId());
   using Place = std::pair<int, TermId>;
@@ -125,7 +127,9 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
   };
   const Place start{Automaton::kStart, from};
   reach(start, 0, start, Quad());
-  while (!open.empty() && reached.size() <= kPlaces) {
+  for (size_t places = 1; !open.empty() && reached.size() <= kPlaces && steps_ < step_limit_; ++places) {
+    if (places % kPlacesOfStep == 0) ++steps_;
+    if (places % 256 == 0 && run_.cancellation != nullptr && !run_.cancellation->Check().ok()) break;
     const auto [cost, state, term] = open.top();
     open.pop();
     const Place place{state, term};
@@ -160,7 +164,7 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
   return std::nullopt;
 }
 
-Ground PartFacts::OfPath(const Algebra& node, const ByName& values) const {
+Ground PartFacts::OfPath(const Algebra& node, const ByName& values) {
   const auto end = [&](const sparql::PatternTerm& term) {
     if (!term.IsVariable()) return dictionary_.Find(term.term()).value_or(TermId());
     const auto value = values.find(term.variable().name);
@@ -183,7 +187,8 @@ Ground PartFacts::OfPath(const Algebra& node, const ByName& values) const {
 absl::Status PartFacts::AddSolutions(const Algebra& node, const ByName& values, size_t solutions, Ground& ground) {
   auto clauses = ToClauses(node, dictionary_);
   if (!clauses.ok()) return clauses.status();
-  Solver solver(version_, dictionary_, functions_, run_, steps_);
+  Solver solver(version_, dictionary_, functions_, run_, step_limit_ - std::min(step_limit_, steps_));
+  size_t charged = 0;
   absl::flat_hash_set<Quad> known(ground.facts.begin(), ground.facts.end());
   const auto add = [&](const Quad& quad) {
     const Quad fact = WithoutGraph(quad);
@@ -206,6 +211,7 @@ absl::Status PartFacts::AddSolutions(const Algebra& node, const ByName& values, 
       if (!clause.parts.empty() && with_parts.size() < kFactsShown) with_parts.push_back(solution.row);
       return --solutions > 0;
     });
+    steps_ += solver.steps() - std::exchange(charged, solver.steps());
     if (!status.ok()) return status;
     for (const Row& row : with_parts) {
       for (const Part& part : clause.parts) {

@@ -26,19 +26,20 @@ struct Ground {
 
 class PartFacts {
  public:
-  // All must outlive it.
+  // All must outlive it. Beyond `steps` (matches, and places of paths) nothing more is found.
   PartFacts(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
             const sparql::RunOptions& run, size_t steps)
-      : version_(version), dictionary_(dictionary), functions_(functions), run_(run), steps_(steps) {}
+      : version_(version), dictionary_(dictionary), functions_(functions), run_(run), step_limit_(steps) {}
 
   // What the part rests on in a solution of its clause. CANCELLED, DEADLINE_EXCEEDED.
   absl::StatusOr<Ground> Of(const Part& part, const Row& row);
+  size_t steps() const { return steps_; }
 
  private:
   using ByName = absl::flat_hash_map<std::string, TermId>;
 
-  std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId from, TermId to) const;
-  Ground OfPath(const sparql::Algebra& node, const ByName& values) const;
+  std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId from, TermId to);
+  Ground OfPath(const sparql::Algebra& node, const ByName& values);
   // Facts of `solutions` solutions, at most.
   absl::Status AddSolutions(const sparql::Algebra& node, const ByName& values, size_t solutions, Ground& ground);
 
@@ -46,7 +47,8 @@ class PartFacts {
   Dictionary& dictionary_;
   const sparql::FunctionRegistry* functions_;
   const sparql::RunOptions run_;
-  const size_t steps_;
+  const size_t step_limit_;
+  size_t steps_ = 0;
   int depth_ = 0;  // parts in parts
 };
 

@@ -78,6 +78,8 @@ class Prover {
     bool whole = true;                    // as Ground::whole, for each
   };
   absl::StatusOr<Besides> BesidesOf(const Row& row);
+  // What it did so far: matches, and places of paths.
+  size_t steps() const { return solver_.steps() + part_facts_.steps(); }
 
  private:
   // A rule that may make a fact, with the values of its variables that the fact gives.

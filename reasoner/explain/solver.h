@@ -111,7 +111,10 @@ class Solver {
   bool exhausted() const { return exhausted_; }
   size_t steps() const { return steps_; }
   // Work that was done for the same question elsewhere.
-  void Spend(size_t steps) { steps_ += steps; }
+  void Spend(size_t steps) {
+    steps_ += steps;
+    exhausted_ = exhausted_ || steps_ > step_limit_;
+  }
   // As many steps again.
   void Refresh() {
     steps_ = 0;

@@ -16,7 +16,7 @@ constexpr size_t kCandidates = 500;      // partial matches of one size that are
 constexpr size_t kTried = 100;           // sets of one size that are tried
 constexpr size_t kNodes = 5000;          // sets of one size that are kept
 constexpr size_t kConflicts = 16;        // of one set of changes that are looked for at once
-constexpr size_t kSubsetsUpTo = 5;       // changes; of larger sets only those without one change are tried
+constexpr size_t kSubsetsUpTo = 6;       // changes; of larger sets only those without one change are tried
 
 std::string KeyOf(const Solution& solution) {
   std::vector<std::string> parts;
@@ -109,8 +109,10 @@ absl::StatusOr<std::vector<Conflict>> WhyNotFinder::ConflictsOn(const GraphVersi
   parts.room = parts_.limits.explain_changes - static_cast<int>(node.repair.size());
   parts.steps = parts_.limits.explain_steps - std::min(parts_.limits.explain_steps, solver_.steps());
   ConflictFinder finder(parts);
+  const size_t proving = prover.steps();
   auto conflicts = finder.Find(root.absences, root.examples, root.names, kConflicts);
-  solver_.Spend(finder.steps());
+  solver_.Spend(finder.steps() + prover.steps() - proving);
+  if (solver_.exhausted()) LeaveOut(0);
   return conflicts;
 }
 
@@ -136,7 +138,7 @@ absl::StatusOr<WhyNotFinder::Trial> WhyNotFinder::Try(const Node& node) {
 
 // Leaves what is enough: of the proper subsets that do it, too, a smallest one. Tellings of one triple in several graphs
 // are one change.
-absl::Status WhyNotFinder::Minimise(Repair& repair) {
+absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
   const std::vector<std::vector<Quad>> removals = repair.Withdrawals();
   const size_t told = repair.add.size();
   const size_t count = told + removals.size();
@@ -157,6 +159,7 @@ absl::Status WhyNotFinder::Minimise(Repair& repair) {
         remove.insert(remove.end(), removals[i - told].begin(), removals[i - told].end());
       }
     }
+    if (OutOfTime()) return false;
     auto holds = MakesTrue(add, remove);
     if (!holds.ok()) return holds.status();
     if (!*holds) continue;
@@ -174,13 +177,17 @@ absl::Status WhyNotFinder::Minimise(Repair& repair) {
       });
       if (!way.withdraw.empty()) less.in_the_way.push_back(std::move(way));
     }
-    less.conditions = repair.conditions;
+    // conditions are about the variables of what is to be told
+    const bool open = std::any_of(less.tell.begin(), less.tell.end(), [](const ToTell& tell) {
+      return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() || tell.fact.object.IsVariable();
+    });
+    if (open) less.conditions = repair.conditions;
     less.add = std::move(add);
     less.remove = std::move(remove);
     repair = std::move(less);  // by another match: what holds for this one need not matter
-    return absl::OkStatus();
+    return Minimise(repair);
   }
-  return absl::OkStatus();
+  return true;
 }
 
 bool WhyNotFinder::IsState(const Term& predicate) const {
@@ -238,6 +245,10 @@ absl::Status WhyNotFinder::Gather(const Clause& clause, int missing) {
   if (missing == parts_.limits.explain_changes && solver_.short_of_room()) LeaveOut(missing + 1);
   if (solver_.missing_in_parts() > 0) LeaveOut(solver_.missing_in_parts());
   for (const Solution& solution : solutions) {
+    if (solver_.exhausted() || OutOfTime()) {
+      LeaveOut(0);
+      break;
+    }
     if (status = Plant(solution); !status.ok()) return status;
   }
   return absl::OkStatus();
@@ -352,7 +363,12 @@ absl::Status WhyNotFinder::Visit(const Node& node, bool expand, std::vector<Repa
     return absl::OkStatus();
   }
   Repair repair = node.repair;
-  if (absl::Status status = Minimise(repair); !status.ok()) return status;
+  const absl::StatusOr<bool> minimal = Minimise(repair);
+  if (!minimal.ok()) return minimal.status();
+  if (!*minimal) {
+    LeaveOut(0);
+    return absl::OkStatus();
+  }
   if (IsNew(repair)) found.push_back(std::move(repair));
   return absl::OkStatus();
 }
@@ -376,6 +392,10 @@ absl::Status WhyNotFinder::SearchSize(int size, size_t sets, WhyNotAnswer& answe
       break;
     }
     if (absl::Status status = Visit(node, found.empty(), found); !status.ok()) return status;
+    if (solver_.exhausted() || OutOfTime()) {
+      LeaveOut(0);
+      break;
+    }
   }
   // a set found less one of its changes is smaller than those looked for
   size_t smallest = static_cast<size_t>(size);
@@ -393,7 +413,7 @@ absl::Status WhyNotFinder::Search(const Pass& pass, size_t sets, WhyNotAnswer& a
   roots_.clear();
   pushed_.clear();
   nodes_.assign(static_cast<size_t>(most) + 1, {});
-  for (int size = 0; size <= most && answer.repairs.empty() && !solver_.exhausted(); ++size) {
+  for (int size = 0; size <= most && answer.repairs.empty() && !solver_.exhausted() && !OutOfTime(); ++size) {
     if (absl::Status status = SearchSize(size, sets, answer); !status.ok()) return status;
   }
   spared_schema_ = spared_schema_ || solver_.spared_schema();
@@ -416,6 +436,10 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   // Facts about things before axioms, whatever the number: one axiom makes everything true.
   for (const Pass pass : {Pass{false, false}, Pass{true, false}, Pass{false, true}, Pass{true, true}}) {
     if (!answer.repairs.empty() || (pass.tell_schema && !spared_schema_)) break;
+    if (OutOfTime()) {
+      LeaveOut(0);
+      break;
+    }
     if (solver_.exhausted()) solver_.Refresh();
     if (absl::Status status = Search(pass, sets, answer); !status.ok()) return status;
     if (solver_.exhausted()) LeaveOut(0);

@@ -96,7 +96,10 @@ class WhyNotFinder {
   absl::StatusOr<Trial> Try(const Node& node);
   absl::StatusOr<std::vector<Conflict>> ConflictsOn(const GraphVersion& graph, Prover& prover, const Node& node);
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);
-  absl::Status Minimise(Repair& repair);
+  // False: there was no time to make sure.
+  absl::StatusOr<bool> Minimise(Repair& repair);
+  // Half of the question's time is over: what was found is given.
+  bool OutOfTime() const { return parts_.run.cancellation != nullptr && parts_.run.cancellation->HalfIsOver(); }
   bool IsNew(const Repair& repair);
   void Rank(std::vector<Node>& nodes) const;
   bool IsState(const Term& predicate) const;

@@ -138,6 +138,8 @@ class Documents(StageTest):
         self.assert_refused(self.server.run("load", "--as", "ontology", quads), 2, "named.nq", "<urn:other>")
         self.assert_refused(self.server.run("load", "--as", "facts", "--graph", "urn:want", facts), 2, "--source")
         self.assert_refused(self.server.run("load", "--source", "urn:me", facts), 2, "--as facts")
+        self.assert_refused(self.server.run("load", "--as", "ontology", "--graph", "urn:g", facts), 2, "--graph goes with data")
+        self.assert_refused(self.server.run("load", "--as", "rules", "--format", "ttl", facts), 2, "--format goes with RDF")
         self.server.command("load", "--graph", "urn:other", quads)
         self.assertTrue(self.server.ask('GRAPH <urn:other> { <urn:a> <urn:p> "1" }'))
 

@@ -225,6 +225,9 @@ TEST(ParserTest, OtherSyntaxesUnderTheEndingsOfRdfXml) {
   EXPECT_THAT(mistake("Prefix: : <urn:e:>\nOntology: <urn:e>"), HasSubstr("OWL Manchester syntax"));
   const std::string owl_xml = "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" ontologyIRI=\"urn:e\"></Ontology>";
   EXPECT_THAT(mistake("<?xml version=\"1.0\"?>\n<!-- x -->\n" + owl_xml), HasSubstr("3:1: error: this is OWL/XML"));
+  const std::string lone = "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" "
+                           "rdf:about=\"urn:o\"><versionInfo>1</versionInfo></Ontology>";
+  EXPECT_EQ(ParseRdf(lone, RdfFormat::kRdfXml).quads.size(), 2u) << "rdf:RDF may be left out around one node";
   EXPECT_TRUE(ParseRdf("<?xml version=\"1.0\"?>\n<!-- " + owl_xml + " -->\n" + RdfXml(""), RdfFormat::kRdfXml).ok());
 }
 

@@ -201,6 +201,24 @@ TEST_F(WhyNotSets, OfARecursivePathTheStepBetweenTwoChainsIsMissing) {
   EXPECT_TRUE(answer_.whole);
 }
 
+// A set of six of which five are enough by another match, and of these four.
+TEST_F(WhyNotSets, ALargeSetIsMadeAsSmallAsItCanBe) {
+  Rules("rules",
+        "RULE { ?x :q ?z } WHERE { ?x :q ?y . ?y :q ?z }\n"
+        "RULE { ?y :q ?x } WHERE { ?x :q ?y . ?x :p1 ?z }\n"
+        "RULE { ?x :p2 ?y } WHERE { ?x :p1 ?y . FILTER(?y > 2) }\n"
+        "RULE { ?x :p2 ?y } WHERE { { ?x :p0 ?y } UNION { ?y :p1 ?x } }\n"
+        "RULE { ?x a :Thing } WHERE { ?x :p0 ?y . FILTER EXISTS { ?y :p0 ?w } }\n"
+        "RULE { ?x a :Other } WHERE { ?x a :Thing . MINUS { ?x :p3 ?y } }\n"
+        "RULE { ?x a :Bad } WHERE { ?x :p0 ?y . FILTER NOT EXISTS { ?y :p1 ?z } }\n");
+  Tell({"n0 p2 n2 @g1", "n1 p0 n3", "n1 p1 0.1", "n1 p2 4", "n1 p3 n1", "n2 p0 n0 @g0", "n2 p2 n0 @g1", "n2 p3 0.1f @g0", "n3 p0 3",
+        "n3 p0 n2", "n3 p0 n2 @g0", "n3 p1 n3", "n3 p2 n2", "n4 p0 n0", "n4 p0 n3", "n4 p1 n0 @g0", "n4 p2 1 @g0", "n4 p3 '2"});
+  const explain::WhyNotAnswer answer = WhyNot(
+      "ASK { :n3 :p3 :n4 . ?z :p1 ?y . ?y :p3 :n1 . ?y a :Other . FILTER NOT EXISTS { :n1 :p0 ?x . ?z :p1 ?z . } ?z (:p0/:p1)* ?x . }", 4);
+  ASSERT_FALSE(answer.repairs.empty());
+  EXPECT_EQ(answer.repairs[0].size(), 4u);
+}
+
 TEST_F(WhyNotSets, WhatAnAggregateLacksIsNotSaidToBeKnown) {
   Tell({"a in b"});
   const std::string ask = "ASK { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) > 4) } }";
