@@ -81,6 +81,19 @@ class Explain(StageTest):
         said = seen(second).splitlines()
         self.assertEqual(len(said), len(set(said)), said)
 
+    def test_a_run_is_watched_on_although_nothing_had_happened_yet(self):
+        run = self.server.command("run", "BoothGuide", "--detach").strip()
+        watch, seen = self.follow("runs", run, "--watch")
+        time.sleep(0.5)
+        self.server.kill()
+        seen("the connection was lost")
+        time.sleep(2)
+        self.server.start()
+        time.sleep(2)
+        self.server.command("runs", "--cancel", run)
+        watch.wait(60)
+        self.assertIn("cancelled on request", seen("cancelled"))
+
     def test_watch_goes_on_after_the_server_was_away(self):
         watch, seen = self.follow("watch", "--count", "3",
                                   "SELECT ?where { <https://w3id.org/docent/expo#John> docent:isAt ?where }")
