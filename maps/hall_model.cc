@@ -12,6 +12,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_format.h"
+#include "kb_server/base/fingerprint.h"
 #include "maps/octree_slice.h"
 #include "maps/voxelizer.h"
 
@@ -31,12 +32,6 @@ absl::Status Validate(const HallModelSettings& s) {
     return absl::InvalidArgumentError("hall model: max_distance_m is not in 0..20 or margin_m not in 0..20");
   }
   return absl::OkStatus();
-}
-
-// FNV-1a, 64 bits (Fowler, Noll, Vo): a fingerprint, not a defence.
-uint64_t Fingerprint(std::string_view bytes, uint64_t hash = 14695981039346656037ull) {
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return hash;
 }
 
 std::string SystemError(const std::string& what) { return what + ": " + std::strerror(errno); }

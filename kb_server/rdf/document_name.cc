@@ -1,8 +1,7 @@
 #include "kb_server/rdf/document_name.h"
 
-#include <cstdint>
-
 #include "absl/strings/str_format.h"
+#include "kb_server/base/fingerprint.h"
 #include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/turtle_scanner.h"
 #include "kb_server/rdf/utf8.h"
@@ -43,9 +42,7 @@ std::string NameInBlankLabel(std::string_view name) {
 }
 
 std::string BlankLabelStart(std::string_view text) {
-  uint64_t hash = 0xCBF29CE484222325;  // FNV-1a
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
-  return absl::StrFormat("d%016x_", hash);
+  return absl::StrFormat("d%016x_", Fingerprint(text));
 }
 
 }  // namespace docent

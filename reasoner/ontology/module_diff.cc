@@ -7,17 +7,12 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_format.h"
+#include "kb_server/base/fingerprint.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent::ontology {
 namespace {
-
-// FNV-1a, 64 bits: the same colours in every process.
-uint64_t HashOf(std::string_view text, uint64_t hash = 0xcbf29ce484222325ull) {
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash;
-}
 
 // splitmix64's finaliser (Steele et al. 2014): sums of mixed values do not cancel each other out.
 uint64_t Mix(uint64_t x) {
@@ -52,7 +47,7 @@ class Colours {
   static constexpr int kRounds = 16;
 
   uint64_t ColourOf(const Term& term) const {
-    return term.IsBlank() ? colours_.at(term.lexical) : HashOf(ToNTriples(term));
+    return term.IsBlank() ? colours_.at(term.lexical) : Fingerprint(ToNTriples(term));
   }
 
   void Refine(const std::vector<TermQuad>& quads) {
@@ -60,7 +55,7 @@ class Colours {
     for (const auto& [label, colour] : colours_) next[label] = Mix(colour);
     for (const TermQuad& q : quads) {
       if (!q.subject.IsBlank() && !q.object.IsBlank()) continue;
-      const uint64_t predicate = HashOf(q.predicate.lexical);
+      const uint64_t predicate = Fingerprint(q.predicate.lexical);
       if (q.subject.IsBlank()) next[q.subject.lexical] += Mix(ColourOf(q.object) ^ Mix(predicate));
       if (q.object.IsBlank()) next[q.object.lexical] += Mix(ColourOf(q.subject) ^ Mix(predicate + 1));
     }

@@ -7,19 +7,13 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/base/fingerprint.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
 namespace {
-
-// FNV-1a, 64 bits.
-uint64_t Hash(std::string_view text) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return hash;
-}
 
 // The triples that a solution must have matched, as far as its row alone tells them: what else the graph holds must not
 // count, or the same solution would be told otherwise later.
@@ -62,7 +56,7 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   }
   const std::string name = rule.name.empty() ? NameInIri(rule.set) : rule.name;
   const std::string iri =
-      absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Hash(text), absl::kZeroPad16));
+      absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Fingerprint(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
   if (inconsistency_.IsNone()) InternWords();
   reports_.insert(id);
