@@ -29,10 +29,8 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
 absl::Status CheckVariables(const Catalog& catalog, const std::string& target, const RunRequest& start) {
   const std::pair<std::string, std::string> parts = absl::StrSplit(target, absl::MaxSplits('/', 1));
   for (const auto& [document, revision] : catalog.workflows) {
-    if (document->name.value != parts.first || document->flows.empty()) continue;
-    const auto& activator = document->activator;
-    const std::string wanted = parts.second.empty() && activator ? activator->flow.value : parts.second;
-    const cawl::Flow* flow = wanted.empty() ? &document->flows.front() : document->FindFlow(wanted);
+    if (document->name.value != parts.first) continue;
+    const cawl::Flow* flow = document->FlowToStart(parts.second);
     if (flow == nullptr) return absl::OkStatus();
     std::vector<std::string> names;
     const auto add = [&names](const std::vector<cawl::Variable>& variables) {
@@ -40,6 +38,7 @@ absl::Status CheckVariables(const Catalog& catalog, const std::string& target, c
     };
     add(flow->variables);
     add(document->variables);
+    const auto& activator = document->activator;
     if (activator && activator->flow.value == flow->name.value) add(activator->variables);
     for (const auto& [name, value] : start.arguments) {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;

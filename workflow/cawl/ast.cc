@@ -16,4 +16,10 @@ const Flow* Document::FindFlow(std::string_view flow_name) const {
   return nullptr;
 }
 
+const Flow* Document::FlowToStart(std::string_view flow_name) const {
+  if (flow_name.empty() && activator) flow_name = activator->flow.value;
+  if (!flow_name.empty()) return FindFlow(flow_name);
+  return flows.empty() ? nullptr : &flows.front();
+}
+
 }  // namespace docent::cawl

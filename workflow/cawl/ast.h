@@ -266,6 +266,8 @@ struct Document {
   SourceSpan span;
 
   const Flow* FindFlow(std::string_view flow_name) const;
+  // The flow that a start of this document means: `flow_name`, or where that is empty the activator's flow, or the first.
+  const Flow* FlowToStart(std::string_view flow_name) const;
 };
 
 using DocumentPtr = std::shared_ptr<const Document>;

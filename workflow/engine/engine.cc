@@ -151,20 +151,18 @@ void Engine::Core::Reblock(const Run& run) {
 
 std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const cawl::DocumentPtr& from,
                                                                            const std::string& name) const {
-  for (size_t i = 0; from != nullptr && i < from->flows.size(); ++i) {
-    if (from->flows[i].name.value == name) return std::make_pair(from, i);
+  const auto found = [](const cawl::DocumentPtr& document, const cawl::Flow* flow) {
+    return std::make_pair(document, static_cast<size_t>(flow - document->flows.data()));
+  };
+  if (from != nullptr) {
+    if (const cawl::Flow* flow = from->FindFlow(name)) return found(from, flow);
   }
-  std::pair<std::string, std::string> parts = absl::StrSplit(name, absl::MaxSplits('/', 1));
+  const std::pair<std::string, std::string> parts = absl::StrSplit(name, absl::MaxSplits('/', 1));
   auto it = deployments.find(parts.first);
   if (it == deployments.end()) return std::nullopt;
-  const cawl::DocumentPtr& document = it->second.document;
-  std::string flow = !parts.second.empty() ? parts.second
-                     : document->activator ? document->activator->flow.value
-                                           : "";
-  for (size_t i = 0; i < document->flows.size(); ++i) {
-    if (flow.empty() || document->flows[i].name.value == flow) return std::make_pair(document, i);
-  }
-  return std::nullopt;
+  const cawl::Flow* flow = it->second.document->FlowToStart(parts.second);
+  if (flow == nullptr) return std::nullopt;
+  return found(it->second.document, flow);
 }
 
 RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
