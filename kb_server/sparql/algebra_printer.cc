@@ -474,4 +474,18 @@ std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options
   return Printer(options).Triple(triple);
 }
 
+std::string OnOneLine(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    const bool space = c == ' ' || c == '\n' || c == '\t';
+    if (!space) {
+      out += c;
+    } else if (!out.empty() && out.back() != ' ') {
+      out += ' ';
+    }
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
 }  // namespace docent::sparql

@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_SPARQL_ALGEBRA_PRINTER_H_
 
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,8 @@ std::string PrintQuery(const Query& query, const PrintOptions& options = {});
 std::string PrintPattern(const Algebra& algebra, const PrintOptions& options = {});
 std::string PrintExpression(const Expression& expression, const PrintOptions& options = {});
 std::string PrintTriple(const TriplePattern& triple, const PrintOptions& options = {});
+// A printed text with each run of white space as one blank.
+std::string OnOneLine(std::string_view text);
 
 // The algebra as an S-expression, in the notation of the SPARQL 1.1 examples: (join (bgp …) (filter …)). For
 // tests and for people who want to see what a query means.

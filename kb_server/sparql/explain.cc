@@ -12,15 +12,9 @@ namespace {
 
 constexpr size_t kShown = 160;  // bytes of an expression
 
-// In one line.
-std::string OneLine(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const bool space = c == ' ' || c == '\n';
-    if (!space) out += c;
-    if (space && !out.empty() && out.back() != ' ') out += ' ';
-  }
-  while (!out.empty() && out.back() == ' ') out.pop_back();
+// On one line, cut where it is long.
+std::string Short(std::string_view text) {
+  std::string out = OnOneLine(text);
   if (out.size() <= kShown) return out;
   size_t end = kShown;
   while ((static_cast<unsigned char>(out[end]) & 0xC0) == 0x80) --end;  // whole code points
@@ -65,14 +59,14 @@ class Explainer {
   std::string Take() { return std::move(out_); }
 
  private:
-  std::string Text(const Expression& e) const { return OneLine(PrintExpression(e, display_)); }
+  std::string Text(const Expression& e) const { return Short(PrintExpression(e, display_)); }
   std::string Details(const PlanNode& node) const {
     std::string text;
     if (node.kind == PlanNode::Kind::kExtend) {
       text = " ?" + node.source->variable.name + " := " + Text(*node.source->expression);
     } else if (node.kind == PlanNode::Kind::kPath) {
       const std::string group = PrintPattern(*node.source, display_);
-      text = " " + OneLine(group.substr(1, group.rfind('}') - 1));
+      text = " " + Short(group.substr(1, group.rfind('}') - 1));
     }
     if (!node.filters.empty()) {
       const size_t n = node.filters.size();

@@ -3,9 +3,9 @@
 //
 // The number of matches of a pattern's constants is exact (subtree counts of the index). How many values a variable has in
 // them is that number where nothing else is open, else a power of it, or, where the query looks expensive enough to afford
-// it, estimated from a few sampled matches and their exact counts. Rows of a join: the product over the larger number of values of each shared variable
-// (Selinger et al., SIGMOD 1979). Orders are tried greedily, and by dynamic programming over sets of patterns (left-deep)
-// where that pays. One thread.
+// it, estimated from a few sampled matches and their exact counts. Rows of a join: the product over the larger number of
+// values of each shared variable (Selinger et al., SIGMOD 1979). Orders are tried greedily, and by dynamic programming over
+// sets of patterns (left-deep) where that pays. One thread.
 #ifndef DOCENT_KB_SERVER_SPARQL_JOIN_ORDER_H_
 #define DOCENT_KB_SERVER_SPARQL_JOIN_ORDER_H_
 

@@ -50,21 +50,6 @@ void Substitute(Algebra& node, const Values& values) {
   for (const auto& child : node.children) Substitute(*child, values);
 }
 
-// Runs of white space as one blank.
-std::string OnOneLine(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    const bool space = c == ' ' || c == '\n' || c == '\t';
-    if (!space) {
-      out += c;
-    } else if (!out.empty() && out.back() != ' ') {
-      out += ' ';
-    }
-  }
-  while (!out.empty() && out.back() == ' ') out.pop_back();
-  return out;
-}
-
 }  // namespace
 
 Values ValuesOf(const Row& row, const Dictionary& dictionary, const absl::flat_hash_map<int, std::string>& names) {
@@ -107,13 +92,13 @@ std::string Display::Fact(const sparql::TriplePattern& fact) const {
 std::string Display::Filter(const Expression& expression, const Values& values) const {
   sparql::ExpressionPtr copy = expression.Clone();
   Substitute(*copy, values);
-  return OnOneLine(sparql::PrintExpression(*copy, options_));
+  return sparql::OnOneLine(sparql::PrintExpression(*copy, options_));
 }
 
 std::string Display::Pattern(const Algebra& pattern, const Values& values) const {
   sparql::AlgebraPtr copy = pattern.Clone();
   Substitute(*copy, values);
-  std::string text = OnOneLine(sparql::PrintPattern(*copy, options_));
+  std::string text = sparql::OnOneLine(sparql::PrintPattern(*copy, options_));
   if (text.empty() || text[0] != '{') text = "{ " + text + " }";
   if (text.size() > 4 && text.ends_with(" . }")) text = text.substr(0, text.size() - 4) + " }";
   return text;
