@@ -13,6 +13,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "bench/command_line.h"
 #include "bench/kb_data.h"
 #include "bench/kb_queries.h"
@@ -176,7 +177,28 @@ void PrintTable(const Round& round) {
   std::printf("\n%s\n", ToTable(figures).c_str());
 }
 
-int Measure(const Arguments& arguments, size_t triples, Round* round) {
+// Docent and the peers that are wanted; none where a name is no peer's.
+std::vector<KbSystem> Wanted(const Arguments& arguments) {
+  const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::vector<KbSystem> all = KbSystems(programs, arguments.scripts, arguments.npm);
+  if (arguments.only.empty()) return all;
+  std::vector<KbSystem> wanted = {all[0]};
+  for (const std::string& name : arguments.only) {
+    const auto named = std::find_if(all.begin() + 1, all.end(), [&](const KbSystem& system) {
+      return absl::StartsWithIgnoreCase(system.name, name);
+    });
+    if (named == all.end()) {
+      const auto say = [](std::string* out, const KbSystem& system) { out->append(system.name); };
+      std::fprintf(stderr, "docent-bench: --only %s begins the name of no peer; they are %s\n", name.c_str(),
+                   absl::StrJoin(all.begin() + 1, all.end(), ", ", say).c_str());
+      return {};
+    }
+    wanted.push_back(*named);
+  }
+  return wanted;
+}
+
+int Measure(const Arguments& arguments, const std::vector<KbSystem>& systems, size_t triples, Round* round) {
   const std::string folder = std::filesystem::temp_directory_path() / absl::StrCat("docent-kb-", getpid());
   std::filesystem::create_directories(folder);
   const absl::StatusOr<KbCounts> counts = WriteKbData(folder + "/data.nt", triples, arguments.seed);
@@ -187,16 +209,10 @@ int Measure(const Arguments& arguments, size_t triples, Round* round) {
   round->triples = counts->triples;
   round->cases = MakeKbCases(*counts, arguments.instances, arguments.seed);
   std::ofstream(folder + "/job.json") << ToJobJson(folder + "/data.nt", round->cases, arguments.budget_ms);
-  const std::string programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  round->systems = systems;
   std::vector<std::unique_ptr<KbProcess>> processes;
-  for (const KbSystem& system : KbSystems(programs, arguments.scripts, arguments.npm)) {
-    const bool wanted =
-        system.name == "docent" || arguments.only.empty() ||
-        std::any_of(arguments.only.begin(), arguments.only.end(),
-                    [&](const std::string& name) { return absl::StartsWithIgnoreCase(system.name, name); });
-    if (!wanted) continue;
+  for (const KbSystem& system : systems) {
     std::fprintf(stderr, "%s: loading %zu triples ...\n", system.name.c_str(), round->triples);
-    round->systems.push_back(system);
     processes.push_back(std::make_unique<KbProcess>(system, folder + "/job.json", arguments.timeout_s));
   }
   for (size_t number = 0; number < round->cases.size(); ++number) {
@@ -232,10 +248,12 @@ int RunKbBench(const std::vector<std::string>& args) {
   app.add_option("--scripts", arguments.scripts, "Folder of the peers' scripts")->capture_default_str();
   app.add_option("--npm", arguments.npm, "Folder with node_modules/oxigraph")->capture_default_str();
   if (std::optional<int> code = Parse(&app, args)) return *code;
+  const std::vector<KbSystem> systems = Wanted(arguments);
+  if (systems.empty()) return 2;
   int code = 0;
   for (const size_t triples : arguments.triples) {
     Round round;
-    if (const int failed = Measure(arguments, triples, &round); failed != 0) return failed;
+    if (const int failed = Measure(arguments, systems, triples, &round); failed != 0) return failed;
     if (CheckAnswers(round) > 0) code = 1;
     if (!arguments.json) {
       PrintTable(round);
