@@ -117,7 +117,12 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   }
   std::vector<Quad> facts = match.facts;
   for (const Quad& fact : besides->facts) AddNew(fact, facts);
+  const auto inferred = parts_.dictionary->FindIri(kInferredGraph);
   for (const Quad& fact : facts) {
+    if (!fact.graph.IsNone() && fact.graph != inferred) {
+      Withdraw(fact, fact, absence, conflict);
+      continue;
+    }
     auto support = parts_.prover->SupportOf(fact);
     if (absl::IsResourceExhausted(support.status())) support = Support{{}, {}, false};
     if (!support.ok()) return support.status();
@@ -134,7 +139,7 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   return absl::OkStatus();
 }
 
-// Takes as a way that `told` is withdrawn, `fact` being it or inferred from it. What the changes so far tell stays.
+// Takes as a way that `told` is withdrawn, from all graphs or from that which it names, `fact` being it or inferred from it. What the changes so far tell stays.
 void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::string& absence, Conflict& conflict) {
   const Dictionary& dictionary = *parts_.dictionary;
   const auto decode = [&](const Quad& quad, const Term& graph) {
@@ -150,10 +155,12 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
     return;
   }
   Repair way;
-  InTheWay& shown = way.in_the_way.emplace_back(InTheWay{decode(fact, Term()), absence, {}});
+  const bool everywhere = told.graph.IsNone() || told.graph == dictionary.FindIri(kDefaultGraph);
+  const Term in_graph = everywhere ? Term() : dictionary.Decode(told.graph);
+  InTheWay& shown = way.in_the_way.emplace_back(InTheWay{decode(fact, in_graph), absence, {}});
   const auto inferred = dictionary.FindIri(kInferredGraph);
   bool stays = false;
-  parts_.graph->ForEach({told.subject, told.predicate, told.object, TermId()}, [&](const Quad& quad) {
+  parts_.graph->ForEach({told.subject, told.predicate, told.object, told.graph}, [&](const Quad& quad) {
     if (quad.graph == inferred) return true;
     stays = stays || !parts_.base->Contains(quad);
     way.remove.push_back(quad);

@@ -93,7 +93,9 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
   }
   for (const std::string& condition : repair.conditions) absl::StrAppend(out, "  where       ", condition, "\n");
   for (const InTheWay& way : repair.in_the_way) {
-    absl::StrAppend(out, "  in the way  ", display.Fact(way.fact), "   (there must be no ", way.absence, ")\n");
+    absl::StrAppend(out, "  in the way  ", display.Fact(way.fact));
+    if (!way.fact.graph.lexical.empty()) absl::StrAppend(out, " in graph ", display.Of(way.fact.graph));
+    absl::StrAppend(out, "   (there must be no ", way.absence, ")\n");
     std::set<std::string> withdrawn = {display.Fact(way.fact)};  // a triple once, however many graphs tell it
     for (const TermQuad& quad : way.withdraw) {
       const std::string text = display.Fact(quad);

@@ -218,6 +218,7 @@ bool Solver::TryMatches(int goal) {
     bool go_on = true;
     if (BindQuad(atom, base, quad)) {
       goals_[goal].match = quad;
+      if (any_graph) goals_[goal].match.graph = TermId();
       goals_[goal].matched = true;
       go_on = Step();
       goals_[goal].matched = false;

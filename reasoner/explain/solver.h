@@ -70,7 +70,7 @@ struct Inference {
 
 struct Solution {
   Row row;
-  std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: where found first
+  std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: none where any will do
   std::vector<MissingFact> missing;
   std::vector<OpenTest> tests;
   std::vector<AbsenceOf> absences;  // abductively: of the clause and of the bodies of inferences, held or not

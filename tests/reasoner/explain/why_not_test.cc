@@ -132,6 +132,20 @@ TEST_F(WhyNotSets, EachFactOfTheGroupMayGo) {
               ElementsAre("-X2 at2 K", "-X2 a Bot", "+X1 at2 urn:docent:example:a"));
 }
 
+TEST_F(WhyNotSets, WhatMustNotBeInOneGraphIsWithdrawnFromThatOneOnly) {
+  Tell({"Z p K", "R fault F1 @g", "R fault F1 @h"});
+  const auto graphs = [this] {
+    std::vector<std::string> all;
+    for (const TermQuad& quad : answer_.repairs.at(0).in_the_way.at(0).withdraw) all.push_back(Text(dictionary.Intern(quad.graph)));
+    return all;
+  };
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), ElementsAre("-R fault F1"));
+  EXPECT_THAT(graphs(), ElementsAre("g"));
+  EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), HasSubstr("graph :g"));
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :R :fault ?f } }"), ElementsAre("-R fault F1"));
+  EXPECT_THAT(graphs(), UnorderedElementsAre("g", "h"));
+}
+
 TEST_F(WhyNotSets, AllDerivationsOfWhatIsInTheWayHaveToGo) {
   Rules("bad.rules", "RULE { ?r a :Bad } WHERE { ?r :fault ?f }");
   Tell({"Z p K", "R fault F1", "R fault F2"});
