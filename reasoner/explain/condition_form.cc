@@ -465,18 +465,29 @@ class Builder {
   Clauses Whole(const Algebra& node, const Scope& scope) {
     Clause clause;
     Part part;
-    sparql::AlgebraPtr pattern = node.Clone();
     for (const sparql::Variable& v : sparql::InScopeVariables(node)) {
       part.variables.push_back(Variable(clause, scope.NameOf(v.name), v.name));
     }
+    sparql::AlgebraPtr pattern = node.Clone();
     // a step between two paths is a variable that the evaluator shows, under a name that nobody has
     for (PatternTerm* end : {&pattern->subject, &pattern->object}) {
       if (!end->IsVariable() || !end->variable().IsHidden()) continue;
       end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1), "_between_paths")});
     }
+    if (!graph_name_.empty() || !graph_.constant.IsNone()) pattern = InGraph(std::move(pattern));
+    if (sparql::InScopeVariables(*pattern).size() > part.variables.size())
+      part.variables.push_back(Variable(clause, graph_name_, graph_written_));
     part.pattern = std::move(pattern);
     clause.parts.push_back(std::move(part));
     return {std::move(clause)};
+  }
+
+  sparql::AlgebraPtr InGraph(sparql::AlgebraPtr pattern) const {
+    auto all = std::make_unique<Algebra>(Algebra::Kind::kGraph);
+    all->name = graph_name_.empty() ? PatternTerm::Of(dictionary_.Decode(graph_.constant))
+                                    : PatternTerm::Of(sparql::Variable{graph_written_});
+    all->children.push_back(std::move(pattern));
+    return all;
   }
 
   static std::shared_ptr<const Algebra> Share(const Algebra& node) { return node.Clone(); }

@@ -100,14 +100,10 @@ class Automaton {
   std::vector<std::vector<Edge>> edges_;
 };
 
-Quad WithoutGraph(const Quad& quad) {
-  return {quad.subject, quad.predicate, quad.object, TermId()};
-}
-
 }  // namespace
 
 // Dijkstra over (state, term). `to` none: any end.
-std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from, TermId to) {
+std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId graph, TermId from, TermId to) {
   const Automaton automaton(path, dictionary_);
   const TermId inferred = dictionary_.FindIri(kInferredGraph).value_or(TermId());
   using Place = std::pair<int, TermId>;
@@ -148,6 +144,7 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
         continue;
       }
       QuadPattern pattern;
+      pattern.graph = graph;
       (edge.inverse ? pattern.object : pattern.subject) = term;
       if (!edge.negated) pattern.predicate = edge.predicates[0];
       if (!edge.negated && pattern.predicate.IsNone()) continue;  // nothing has this predicate
@@ -156,7 +153,7 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
         if (edge.negated && std::find(not_these.begin(), not_these.end(), quad.predicate) != not_these.end())
           return true;
         reach({edge.to, edge.inverse ? quad.subject : quad.object}, cost + (quad.graph == inferred ? kInferredCost : 1),
-              place, WithoutGraph(quad));
+              place, {quad.subject, quad.predicate, quad.object, graph});
         return true;
       });
     }
@@ -164,34 +161,35 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId from,
   return std::nullopt;
 }
 
-Ground PartFacts::OfPath(const Algebra& node, const ByName& values) {
-  const auto end = [&](const sparql::PatternTerm& term) {
-    if (!term.IsVariable()) return dictionary_.Find(term.term()).value_or(TermId());
-    const auto value = values.find(term.variable().name);
-    return value == values.end() ? TermId() : value->second;
-  };
-  const TermId from = end(node.subject), to = end(node.object);
+TermId PartFacts::IdOf(const sparql::PatternTerm& term, const ByName& values) const {
+  if (!term.IsVariable()) return dictionary_.Find(term.term()).value_or(TermId());
+  const auto value = values.find(term.variable().name);
+  return value == values.end() ? TermId() : value->second;
+}
+
+Ground PartFacts::OfPath(const Algebra& node, TermId graph, const ByName& values) {
+  const TermId from = IdOf(node.subject, values), to = IdOf(node.object, values);
   std::optional<std::vector<Quad>> chain;
   if (!from.IsNone()) {
-    chain = Chain(node.path, from, to);
+    chain = Chain(node.path, graph, from, to);
   } else if (!to.IsNone()) {
     Path back;
     back.kind = Path::Kind::kInverse;
     back.children.push_back(node.path);
-    chain = Chain(back, to, from);
+    chain = Chain(back, graph, to, from);
   }
   if (!chain) return {};
   return {*std::move(chain), 0, !from.IsNone() && !to.IsNone()};
 }
 
-absl::Status PartFacts::AddSolutions(const Algebra& node, const ByName& values, size_t solutions, Ground& ground) {
-  auto clauses = ToClauses(node, dictionary_);
+absl::Status PartFacts::AddSolutions(const Algebra& node, TermId graph, const ByName& values, size_t solutions,
+                                     Ground& ground) {
+  auto clauses = ToClauses(node, dictionary_, graph);
   if (!clauses.ok()) return clauses.status();
   Solver solver(version_, dictionary_, functions_, run_, step_limit_ - std::min(step_limit_, steps_));
   size_t charged = 0;
   absl::flat_hash_set<Quad> known(ground.facts.begin(), ground.facts.end());
-  const auto add = [&](const Quad& quad) {
-    const Quad fact = WithoutGraph(quad);
+  const auto add = [&](const Quad& fact) {
     if (!known.insert(fact).second) return;
     if (ground.facts.size() < kFactsShown) {
       ground.facts.push_back(fact);
@@ -235,7 +233,13 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
     if (!value.IsNone()) values.emplace(scope[i].name, value);
   }
   const Algebra* node = part.pattern.get();
-  if (node->kind == Algebra::Kind::kPath) return OfPath(*node, values);
+  TermId graph;
+  if (node->kind == Algebra::Kind::kGraph) {
+    graph = IdOf(node->name, values);
+    if (graph.IsNone()) return Ground();
+    node = node->children[0].get();
+  }
+  if (node->kind == Algebra::Kind::kPath) return OfPath(*node, graph, values);
   while (node->kind == Algebra::Kind::kSlice || node->kind == Algebra::Kind::kProject ||
          node->kind == Algebra::Kind::kExtend || node->kind == Algebra::Kind::kFilter ||
          node->kind == Algebra::Kind::kOrderBy || node->kind == Algebra::Kind::kDistinct ||
@@ -251,11 +255,11 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
       plain = plain && key.expression->kind == sparql::Expression::Kind::kVariable;
       if (const auto value = values.find(key.variable.name); value != values.end()) keys.insert(*value);
     }
-    if (plain) status = AddSolutions(*node->children[0], keys, kSolutions, ground);
+    if (plain) status = AddSolutions(*node->children[0], graph, keys, kSolutions, ground);
   } else if (node->kind == Algebra::Kind::kLeftJoin) {
-    for (size_t i = 0; i < 2 && status.ok(); ++i) status = AddSolutions(*node->children[i], values, 1, ground);
+    for (size_t i = 0; i < 2 && status.ok(); ++i) status = AddSolutions(*node->children[i], graph, values, 1, ground);
   } else if (node->kind != Algebra::Kind::kService) {
-    status = AddSolutions(*node, values, 1, ground);
+    status = AddSolutions(*node, graph, values, 1, ground);
   }
   --depth_;
   if (!status.ok()) return status;

@@ -18,7 +18,7 @@
 namespace docent::explain {
 
 struct Ground {
-  std::vector<Quad> facts;  // without graph; the first ones
+  std::vector<Quad> facts;  // graph: none where any will do; the first ones
   size_t more = 0;          // that are not among them
   // Without one of `facts` there would be no such solution by these facts, and nothing told besides can change that.
   bool whole = false;
@@ -38,10 +38,14 @@ class PartFacts {
  private:
   using ByName = absl::flat_hash_map<std::string, TermId>;
 
-  std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId from, TermId to);
-  Ground OfPath(const sparql::Algebra& node, const ByName& values);
+  // None: nothing known.
+  TermId IdOf(const sparql::PatternTerm& term, const ByName& values) const;
+  // `graph`: where facts are looked for; none: anywhere.
+  std::optional<std::vector<Quad>> Chain(const sparql::Path& path, TermId graph, TermId from, TermId to);
+  Ground OfPath(const sparql::Algebra& node, TermId graph, const ByName& values);
   // Facts of `solutions` solutions, at most.
-  absl::Status AddSolutions(const sparql::Algebra& node, const ByName& values, size_t solutions, Ground& ground);
+  absl::Status AddSolutions(const sparql::Algebra& node, TermId graph, const ByName& values, size_t solutions,
+                            Ground& ground);
 
   const GraphVersion& version_;
   Dictionary& dictionary_;

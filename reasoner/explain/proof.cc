@@ -100,7 +100,8 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
     auto besides = BesidesOf(derivation.row);
     if (!besides.ok()) return besides.status();
     derivation.whole = besides->whole;
-    for (const Quad& premise : besides->facts) {
+    for (const Quad& quad : besides->facts) {
+      const Quad premise = WithoutGraph(quad);
       if (std::find(derivation.facts.begin(), derivation.facts.end(), premise) == derivation.facts.end())
         derivation.facts.push_back(premise);
     }

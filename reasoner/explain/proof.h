@@ -73,7 +73,7 @@ class Prover {
   absl::StatusOr<Support> SupportOf(const Quad& fact);
   // What a solution rests on besides the matches of its patterns.
   struct Besides {
-    std::vector<Quad> facts;              // of paths, aggregates, LIMITs
+    std::vector<Quad> facts;              // of paths, aggregates, LIMITs; graph: none where any will do
     std::vector<std::string> conditions;  // these, filters and absences, as SPARQL
     bool whole = true;                    // as Ground::whole, for each
   };

@@ -13,6 +13,7 @@ namespace docent {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -144,6 +145,15 @@ TEST_F(WhyNotSets, WhatMustNotBeInOneGraphIsWithdrawnFromThatOneOnly) {
   EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), HasSubstr("graph :g"));
   EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :R :fault ?f } }"), ElementsAre("-R fault F1"));
   EXPECT_THAT(graphs(), UnorderedElementsAre("g", "h"));
+}
+
+TEST_F(WhyNotSets, APathInAGraphIsBrokenAndClosedInThatGraph) {
+  Tell({"Z p K", "R1 in City @other", "R1 in Hall @map", "Hall in City @map"});
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :map { :R1 :in+ :City } } }"),
+              UnorderedElementsAre("-R1 in Hall", "-Hall in City"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(Sets("ASK { GRAPH :map { :City :in+ :Fair } }"), Contains("+City in Fair"));
+  EXPECT_THAT(Sets("ASK { GRAPH :other { :R1 :in+ :Fair } }"), UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
 }
 
 TEST_F(WhyNotSets, AllDerivationsOfWhatIsInTheWayHaveToGo) {

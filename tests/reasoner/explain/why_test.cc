@@ -160,6 +160,20 @@ TEST_F(WhyParts, APathRestsOnAChainOfFacts) {
             ":Fair :in :City\n  told by docent:default\n");
 }
 
+TEST_F(WhyParts, APathInAGraphRestsOnFactsOfThatGraph) {
+  Tell({"R1 in City @other", "R1 in Hall @map", "Hall in City @map"});
+  EXPECT_EQ(Why("ASK { GRAPH :map { :R1 :in+ :City } }"),
+            "and { GRAPH :map { :R1 (:in)+ :City . } }\n"
+            ":R1 :in :Hall\n  told by :map\n"
+            ":Hall :in :City\n  told by :map\n");
+  EXPECT_THAT(Why("ASK { GRAPH ?g { ?g :is ?x } GRAPH ?g { :R1 :in+ :City } }"), "");
+  Tell({"map is plan @map"});
+  EXPECT_THAT(Why("ASK { GRAPH ?g { ?g :is ?x } GRAPH ?g { :R1 :in+ :City } }"),
+              AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr("GRAPH :map { :R1 (:in)+ :City . }")));
+  EXPECT_THAT(Why("ASK { GRAPH :map { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) = 2) } } }"),
+              AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr(":Hall :in :City\n"), Not(HasSubstr(":R1 :in :City\n"))));
+}
+
 TEST_F(WhyParts, PathsOfAllKindsHaveTheirFacts) {
   Tell({"a p b", "c q b", "c p d", "d r e"});
   EXPECT_THAT(Why("ASK { :a (:p/^:q)+/:p?/!(:p|:q)* :e }"),
