@@ -278,7 +278,12 @@ double JoinOrder::Arrange(bool reorder) {
                                       [](const PlanPattern& p) { return !HasOneOpen(p); });
     if (end.cost > 4 * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
-      order = n <= kMaxProgrammed ? Programmed() : Greedy(&end);
+      const bool programmed = n <= kMaxProgrammed && (n > 2 || !filters_.empty());  // of two: the rarer first
+      if (programmed) {
+        order = Programmed();
+      } else if (unsure > 0) {
+        order = Greedy(&end);
+      }
     }
   } else {
     for (size_t i = 0; i < n; ++i) order.push_back({i, 0});
