@@ -4,6 +4,7 @@ Each writer sends batches that belong together: a batch's facts are all there or
 acknowledged are there. A batch whose answer was lost is sent again under the same request id, as a careful client does,
 and must not be applied twice.
 """
+import contextlib
 import http.client
 import json
 import threading
@@ -15,9 +16,9 @@ BATCH = 4  # facts of a batch
 class Writer(threading.Thread):
     """SPARQL updates over HTTP: sometimes plain insertions, sometimes a counter that each update raises by one."""
 
-    def __init__(self, server, name):
+    def __init__(self, load, name):
         super().__init__(daemon=True)
-        self.server, self.name = server, name
+        self.load, self.server, self.name = load, load.server, name
         self.acknowledged, self.attempted, self.raised = [], 0, 0
         self.refusals = []  # answers that say why nothing was done
         self.stopped = threading.Event()
@@ -49,11 +50,12 @@ class Writer(threading.Thread):
         number = 0
         while not self.stopped.is_set():
             self.attempted = number
+            cuts = self.load.cuts
             try:
                 answer = self.send(number)
             except (OSError, http.client.HTTPException, ValueError):
                 answer = None  # the server is down; the same batch again under the same request id
-            if answer is None:
+            if answer is None or cuts % 2 == 1 or cuts != self.load.cuts:
                 self.stopped.wait(0.02)
                 continue
             if number % 5 == 4:
@@ -66,7 +68,8 @@ class Writer(threading.Thread):
 class Load:
     def __init__(self, server, writers=4):
         self.server = server
-        self.writers = [Writer(server, f"w{i}") for i in range(writers)]
+        self.cuts = 0  # odd: within a cut
+        self.writers = [Writer(self, f"w{i}") for i in range(writers)]
 
     def __enter__(self):
         for writer in self.writers:
@@ -78,6 +81,15 @@ class Load:
             writer.stopped.set()
         for writer in self.writers:
             writer.join(60)
+
+    @contextlib.contextmanager
+    def cut(self):
+        """Answers are lost: none counts that came after this began, nor any to a request that was sent before it ended."""
+        self.cuts += 1
+        try:
+            yield
+        finally:
+            self.cuts += 1
 
     def acknowledged(self):
         return sum(len(w.acknowledged) + w.raised for w in self.writers)

@@ -1,6 +1,11 @@
 #!/usr/bin/env python3
 """Power cuts: the data folder lies on an ext4 of its own (a loop device), which is shut down under the running server so
 that nothing reaches the disk any more that was not synced; after the next mount no acknowledged batch may be missing.
+
+Only what was acknowledged before the shutdown began counts. ext4 asks for one at the beginning of an fdatasync alone: that of a
+growing file returns 0 if the shutdown has its journal drop the transaction meanwhile (Linux 6.18; a plain program that appends
+and syncs sees it in one of ten cuts).
+
 Needs root. DOCENT_E2E_CRASHES sets how often (scripts/soak powercut: 20)."""
 import fcntl
 import os
@@ -24,6 +29,14 @@ def must(*command):
         raise stage.StageError(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
 
 
+def shut_down(file_system):
+    folder = os.open(file_system, os.O_RDONLY)
+    try:
+        fcntl.ioctl(folder, SHUTDOWN, struct.pack("I", NO_LOG_FLUSH))
+    finally:
+        os.close(folder)
+
+
 class PowerCut(StageTest):
     def test_power_cuts_during_a_mixed_load(self):
         image, disk = self.stage.folder / "disk.img", self.stage.folder / "disk"
@@ -41,12 +54,9 @@ class PowerCut(StageTest):
                 before = load.acknowledged()
                 time.sleep(moments.uniform(0.2, 2))
                 stage.wait_until(lambda: load.acknowledged() > before, PATIENCE_S, "acknowledgements")
-                folder = os.open(disk, os.O_RDONLY)
-                try:
-                    fcntl.ioctl(folder, SHUTDOWN, struct.pack("I", NO_LOG_FLUSH))
-                finally:
-                    os.close(folder)
-                server.kill()
+                with load.cut():
+                    shut_down(disk)
+                    server.kill()
                 must("umount", disk)
                 must("mount", "-o", "loop", image, disk)
                 done = self.docent("verify", server.data)
