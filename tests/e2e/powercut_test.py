@@ -63,6 +63,9 @@ class PowerCut(StageTest):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 server.start()
                 self.assertEqual(load.faults(), [], f"cut {cut}")
+                if cut % 2 == 0:  # an orderly end takes the write-ahead log away: the next cut meets a new one that grows
+                    server.stop()
+                    server.start()
         self.assertEqual(load.faults(), [])
         print(f"{CUTS} power cuts, {load.acknowledged()} acknowledged batches, none lost", flush=True)
         server.kill()
