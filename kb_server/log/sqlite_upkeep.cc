@@ -151,12 +151,15 @@ void SqliteLog::CheckpointLoop() {
     // beginning instead of growing: where appends go on and on, they wait for that when it is long. An error (a
     // full disk) leaves the records where they are, as durable as before.
     CarryOver();
+    // The append that is under way counts its pages first. So the next checkpoint begins while
+    // some are not carried over, and no append starts the write-ahead log again beside its beginning: there
+    // SQLite before 3.51.3 may lose records (https://www.sqlite.org/wal.html#walresetbug).
+    absl::MutexLock append_lock(&append_mutex_);
     {
       absl::MutexLock lock(&head_mutex_);
       next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
       if (wal_pages_ < next_restart_pages_) continue;
     }
-    absl::MutexLock append_lock(&append_mutex_);
     CarryOver();
     absl::MutexLock lock(&head_mutex_);
     next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
