@@ -28,6 +28,7 @@ int Copy(const std::string& from, const std::string& to) {
 int GoOnFromSnapshot(const std::string& from, const std::string& to) {
   const absl::StatusOr<FolderReport> report = CopyNewestSnapshot(from, to);
   if (!report.ok()) return Fail(report.status());
+  for (const std::string& damaged : report->passed_over) std::cerr << "passed over: " << damaged << "\n";
   std::cout << to << ": goes on from the snapshot at offset " << report->last << " of " << from
             << ", without what came after it; all of it checked\n";
   return kExitOk;

@@ -66,7 +66,8 @@ class ContextLog {
   // the offsets expected_head+1, expected_head+2, …. A higher `epoch` than the head's claims the log for this
   // writer; an empty `records` with a higher epoch only claims. Refusals are outcomes. Errors:
   // RESOURCE_EXHAUSTED (disk full), UNAVAILABLE (I/O error), DATA_LOSS; after an error nothing of the batch
-  // is in the log, and a later append may succeed.
+  // is in the log, and a later append may succeed. (But for an error of the sync itself, after which a crash may bring the
+  // batch back: a client that repeats it does so under its request id.)
   virtual absl::StatusOr<AppendResult> Append(absl::Span<const std::string> records, uint64_t epoch,
                                               uint64_t expected_head) = 0;
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
@@ -52,6 +53,26 @@ absl::Status FileError(int error, const std::string& what) {
   }
 }
 
+absl::Status SyncPath(const std::string& path) {
+  FileHandle file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid() || fsync(file.fd()) != 0) return FileError(errno, absl::StrCat("cannot write ", path));
+  return absl::OkStatus();
+}
+
+absl::Status MakeFolders(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<fs::path> above;  // of each that is made
+  for (fs::path at = fs::absolute(path, error); !fs::exists(at, error) && at.has_relative_path(); at = at.parent_path())
+    above.push_back(at.parent_path());
+  fs::create_directories(path, error);
+  if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", path));
+  for (const fs::path& folder : above) {
+    if (absl::Status synced = SyncPath(folder); !synced.ok()) return synced;
+  }
+  return absl::OkStatus();
+}
+
 FileHandle& FileHandle::operator=(FileHandle&& other) noexcept {
   std::swap(fd_, other.fd_);
   return *this;
@@ -68,8 +89,8 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
     if (std::filesystem::exists(path, error)) {
       return absl::InvalidArgumentError(absl::StrCat(what, ": it is not a folder"));
     }
-    std::filesystem::create_directories(path, error);
-    if (error) return FileError(error.value(), what);
+    if (absl::Status made = MakeFolders(path); !made.ok())
+      return absl::Status(made.code(), absl::StrCat("cannot use the data folder: ", std::string(made.message())));
   }
   if (access(path.c_str(), R_OK | W_OK | X_OK) != 0) return FileError(errno, what);
 

@@ -65,6 +65,12 @@ class DataFolder {
 // The status of errno value `error` while doing `what`: as SqliteError.
 absl::Status FileError(int error, const std::string& what);
 
+// Waits until what was written to a file, or the names in a folder, would outlast a power cut.
+absl::Status SyncPath(const std::string& path);
+
+// Makes a folder and those above it that are not there, to outlast a power cut.
+absl::Status MakeFolders(const std::string& path);
+
 }  // namespace docent
 
 #endif  // DOCENT_KB_SERVER_LOG_DATA_FOLDER_H_

@@ -21,6 +21,7 @@ struct FolderReport {
   std::vector<uint64_t> snapshots;  // offsets of the good ones, ascending
   // Everything that is wrong, each with its file and offset; no more than kFaultsKept.
   std::vector<std::string> faults;
+  std::vector<std::string> passed_over;  // CopyNewestSnapshot: what is wrong with newer snapshots
   // The state cannot be made: a fault lies where it is needed.
   bool sound() const { return faults.empty(); }
 };

@@ -27,12 +27,6 @@ namespace fs = std::filesystem;
 // A snapshot that the server drops between the copy of the log and its own makes another attempt needed.
 constexpr int kAttempts = 3;
 
-absl::Status Sync(const std::string& path, int flags) {
-  FileHandle file(open(path.c_str(), flags | O_CLOEXEC));
-  if (!file.valid() || fsync(file.fd()) != 0) return FileError(errno, absl::StrCat("cannot write ", path));
-  return absl::OkStatus();
-}
-
 // SQLite's online backup in one step: all pages of one moment, the write-ahead log's among them.
 absl::Status CopyDatabase(const std::string& from, const std::string& to) {
   absl::StatusOr<DatabaseHandle> source = OpenReadOnly(from);
@@ -62,7 +56,7 @@ absl::Status CopySnapshots(const std::string& from, const std::string& to, const
     fs::copy_file(source.Path(offset), target.Path(offset), error);
     if (error == std::errc::no_such_file_or_directory) continue;  // dropped meanwhile
     if (error) return FileError(error.value(), absl::StrCat("cannot copy ", source.Path(offset)));
-    if (absl::Status status = Sync(target.Path(offset), O_RDONLY); !status.ok()) return status;
+    if (absl::Status status = SyncPath(target.Path(offset)); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -80,8 +74,8 @@ absl::StatusOr<FolderReport> Complete(const std::string& to, uint64_t end) {
   if (!status.ok()) return status;
   absl::StatusOr<FolderReport> report = CheckFolder(to, nullptr);
   if (!report.ok()) return report.status();
-  status = Sync(report->database, O_RDONLY);
-  if (status.ok()) status = Sync(to, O_RDONLY | O_DIRECTORY);
+  status = SyncPath(report->database);
+  if (status.ok()) status = SyncPath(to);
   if (!status.ok()) return status;
   return report;
 }
@@ -97,25 +91,25 @@ absl::StatusOr<FolderReport> CopyOnce(const std::string& from, const std::string
   return Complete(to, head->offset);
 }
 
-absl::Status MakeFolder(const std::string& path) {
+absl::Status MakeAnew(const std::string& path) {
   std::error_code error;
   fs::remove_all(path, error);
-  fs::create_directories(path, error);
-  return error ? FileError(error.value(), absl::StrCat("cannot make the folder ", path)) : absl::OkStatus();
+  return MakeFolders(path);
 }
 
 // The newest that is whole.
-absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder) {
+absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder, std::vector<std::string>* passed_over) {
   const SnapshotFiles files(folder, SIZE_MAX);
   const absl::StatusOr<std::vector<uint64_t>> offsets = files.Offsets();
   if (!offsets.ok()) return offsets.status();
-  std::string damaged;
   for (auto offset = offsets->rbegin(); offset != offsets->rend(); ++offset) {
     absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> snapshot = files.Get(*offset);
     if (snapshot.ok() && *snapshot && (*snapshot)->content.offset == *offset) return **std::move(snapshot);
-    if (!snapshot.ok()) absl::StrAppend(&damaged, "; ", std::string(snapshot.status().message()));
+    if (!snapshot.ok()) passed_over->push_back(std::string(snapshot.status().message()));
   }
-  return absl::DataLossError(absl::StrCat(folder, " holds no whole snapshot", damaged));
+  std::string message = absl::StrCat(folder, " holds no whole snapshot");
+  for (const std::string& damaged : *passed_over) absl::StrAppend(&message, "; ", damaged);
+  return absl::DataLossError(message);
 }
 
 absl::StatusOr<FolderReport> BeginAfter(const SnapshotFiles::Snapshot& snapshot, const std::string& to) {
@@ -147,7 +141,7 @@ absl::StatusOr<FolderReport> MakeWhole(
   const std::string unfinished = absl::StrCat(place.string(), ".unfinished");
   absl::StatusOr<FolderReport> report;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const absl::Status made = MakeFolder(unfinished);
+    const absl::Status made = MakeAnew(unfinished);
     report = made.ok() ? make(unfinished) : absl::StatusOr<FolderReport>(made);
     if (!report.ok() || report->sound()) break;
   }
@@ -163,7 +157,7 @@ absl::StatusOr<FolderReport> MakeWhole(
   fs::rename(unfinished, place, error);
   if (error)
     return FileError(error.value(), absl::StrCat("cannot rename ", unfinished, " to ", place.string()));
-  if (absl::Status status = Sync(place.parent_path().string(), O_RDONLY | O_DIRECTORY); !status.ok())
+  if (absl::Status status = SyncPath(place.parent_path().string()); !status.ok())
     return status;
   report->database = absl::StrCat(place.string(), "/", SqliteLog::kFileName);
   return report;
@@ -177,10 +171,13 @@ absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::stri
 }
 
 absl::StatusOr<FolderReport> CopyNewestSnapshot(const std::string& from, const std::string& to) {
-  const absl::StatusOr<SnapshotFiles::Snapshot> snapshot = NewestSnapshot(from);
+  std::vector<std::string> passed_over;
+  const absl::StatusOr<SnapshotFiles::Snapshot> snapshot = NewestSnapshot(from, &passed_over);
   if (!snapshot.ok()) return snapshot.status();
-  return MakeWhole(from, to,
-                   [&snapshot](const std::string& unfinished) { return BeginAfter(*snapshot, unfinished); });
+  absl::StatusOr<FolderReport> report =
+      MakeWhole(from, to, [&snapshot](const std::string& unfinished) { return BeginAfter(*snapshot, unfinished); });
+  if (report.ok()) report->passed_over = std::move(passed_over);
+  return report;
 }
 
 }  // namespace docent

@@ -66,12 +66,6 @@ absl::Status WriteSynced(const std::string& path, std::string_view header, std::
   return status;
 }
 
-absl::Status SyncFolder(const std::string& folder, const std::string& what) {
-  FileHandle directory(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!directory.valid() || fsync(directory.fd()) != 0) return FileError(errno, what);
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 std::string SnapshotFiles::Path(uint64_t offset) const {
@@ -91,7 +85,7 @@ absl::Status SnapshotFiles::Put(uint64_t offset, const ChainHash& chain, std::st
     unlink(temporary.c_str());
     return status;
   }
-  status = SyncFolder(folder_, what);
+  status = SyncPath(folder_);
   return status.ok() ? Thin() : status;
 }
 

@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "kb_server/log/data_folder.h"
 #include "kb_server/log/folder_copy.h"
 #include "kb_server/log/record_codec.h"
 #include "kb_server/log/sqlite_log.h"
@@ -110,6 +111,15 @@ TEST(FolderCheckTest, WhatIsNoDataFolderIsSaidSo) {
   const absl::Status file = CheckFolder(folder.File("file"), nullptr).status();
   EXPECT_EQ(file.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(file.message()), HasSubstr("/file: it is not a folder"));
+}
+
+TEST(FolderCopyTest, FoldersOnTheWayAreMade) {
+  TestFolder folder;
+  EXPECT_TRUE(MakeFolders(folder.File("a/b/c/")).ok());
+  EXPECT_TRUE(fs::is_directory(folder.File("a/b/c")));
+  EXPECT_TRUE(MakeFolders(folder.File("a/b/c")).ok());
+  Replace(folder.File("file"), "text");
+  EXPECT_THAT(std::string(MakeFolders(folder.File("file/d")).message()), HasSubstr("cannot make the folder"));
 }
 
 TEST(FolderCheckTest, EveryFaultIsNamedWithFileAndOffset) {
@@ -276,6 +286,7 @@ TEST(FolderCopyTest, WhereTheLogIsLostTheNewestWholeSnapshotIsGoneOnFrom) {
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_EQ(report->last, 40u);
   EXPECT_THAT(report->snapshots, ElementsAre(40));
+  EXPECT_THAT(report->passed_over, ElementsAre(HasSubstr("snapshot-00000000000000000060")));
   {
     auto log = SqliteLog::Open(target);
     ASSERT_TRUE(log.ok()) << log.status();
