@@ -1,4 +1,6 @@
 // docent tell: facts and sensor readings from the command line, as a robot, sensor or person would tell them.
+#include <iostream>
+
 #include <CLI/CLI.hpp>
 
 #include "absl/strings/str_cat.h"
@@ -65,9 +67,11 @@ int RunTell(const TellArguments& arguments) {
   if (!request.ok()) return Fail(request.status());
   v1::AssertReply reply;
   grpc::ClientContext context;
-  grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Assert(&context, *request, &reply);
+  const auto server = v1::Context::NewStub(Connect(arguments.client));
+  grpc::Status status = server->Assert(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   PrintOutcome(reply, arguments.client);
+  if (!arguments.client.json) std::cerr << WhereElse(*server, request->remove());
   return kExitOk;
 }
 

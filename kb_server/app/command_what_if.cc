@@ -43,12 +43,14 @@ int RunWhatIf(const WhatIfArguments& arguments) {
   if (!request.ok()) return Fail(request.status());
   v1::WhatIfReply reply;
   grpc::ClientContext context;
-  grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->WhatIf(&context, *request, &reply);
+  const auto server = v1::Context::NewStub(Connect(arguments.client));
+  grpc::Status status = server->WhatIf(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   if (arguments.client.json) {
     PrintJson(reply);
   } else {
     std::cout << reply.text();
+    if (reply.removed_size() == 0) std::cerr << WhereElse(*server, request->remove());
     std::cerr << "revision " << reply.revision() << "; nothing was written\n";
   }
   return kExitOk;

@@ -5,6 +5,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "kb_server/app/client.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/parser.h"
@@ -64,6 +65,33 @@ std::string ReadIri(const std::vector<std::string>& prefixes, const std::string&
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
   for (const TermQuad& quad : quads) ToProto(quad, out->Add());
+}
+
+std::string WhereElse(v1::Context::Stub& server, const google::protobuf::RepeatedPtrField<v1::Quad>& facts) {
+  v1::QueryRequest request;
+  request.set_default_graph(v1::QueryRequest::UNION);
+  for (const v1::Quad& fact : facts) {
+    if (fact.subject().has_blank() || fact.object().has_blank()) continue;  // no query can name it
+    absl::StrAppend(request.mutable_query(), "(", ToNTriples(fact.subject()), " ", ToNTriples(fact.predicate()), " ",
+                    ToNTriples(fact.object()), ") ");
+  }
+  if (request.query().empty()) return "";
+  request.set_query(absl::StrCat("SELECT ?s ?p ?o ?g WHERE { VALUES (?s ?p ?o) { ", request.query(),
+                                 "} GRAPH ?g { ?s ?p ?o } } LIMIT 10"));
+  grpc::ClientContext context;
+  const auto reader = server.Query(&context, request);
+  std::string text;
+  for (v1::QueryReply reply; reader->Read(&reply);) {
+    if (reply.row().values_size() != 4) continue;
+    const auto word = [&reply](int i) { return ToDisplay(reply.row().values(i)); };
+    const std::string graph = reply.row().values(3).iri();
+    absl::StrAppend(&text, word(0), " ", word(1), " ", word(2), " ",
+                    graph == kInferredGraph  ? "is inferred; docent why tells from what"
+                    : graph == kDefaultGraph ? "is told by docent:default; withdraw it there without --source"
+                                             : absl::StrCat("is told by ", word(3), "; withdraw it there with --source ", word(3)),
+                    "\n");
+  }
+  return reader->Finish().ok() ? text : "";
 }
 
 absl::Status AddPrefixes(const std::vector<std::string>& prefixes,

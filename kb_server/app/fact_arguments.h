@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "docent/v1/context.pb.h"
+#include "docent/v1/context.grpc.pb.h"
 #include "kb_server/rdf/term.h"
 
 namespace docent {
@@ -23,6 +23,10 @@ absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, st
 std::string ReadIri(const std::vector<std::string>& prefixes, const std::string& text);
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out);
+
+// Where facts that are withdrawn from one graph are told or inferred besides, a line each with how to withdraw them there;
+// empty where nowhere, or where the server does not say.
+std::string WhereElse(v1::Context::Stub& server, const google::protobuf::RepeatedPtrField<v1::Quad>& facts);
 
 // "NAME=IRI" … as a message has them.
 absl::Status AddPrefixes(const std::vector<std::string>& prefixes,

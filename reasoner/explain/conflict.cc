@@ -155,9 +155,7 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
     return;
   }
   Repair way;
-  const bool everywhere = told.graph.IsNone() || told.graph == dictionary.FindIri(kDefaultGraph);
-  const Term in_graph = everywhere ? Term() : dictionary.Decode(told.graph);
-  InTheWay& shown = way.in_the_way.emplace_back(InTheWay{decode(fact, in_graph), absence, {}});
+  InTheWay& shown = way.in_the_way.emplace_back(InTheWay{decode(fact, Term()), absence, {}});
   const auto inferred = dictionary.FindIri(kInferredGraph);
   bool stays = false;
   parts_.graph->ForEach({told.subject, told.predicate, told.object, told.graph}, [&](const Quad& quad) {

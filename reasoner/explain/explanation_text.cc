@@ -1,7 +1,9 @@
 #include "reasoner/explain/explanation_text.h"
 
 #include <algorithm>
-#include <set>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -93,14 +95,17 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
   }
   for (const std::string& condition : repair.conditions) absl::StrAppend(out, "  where       ", condition, "\n");
   for (const InTheWay& way : repair.in_the_way) {
-    absl::StrAppend(out, "  in the way  ", display.Fact(way.fact));
-    if (!way.fact.graph.lexical.empty()) absl::StrAppend(out, " in graph ", display.Of(way.fact.graph));
-    absl::StrAppend(out, "   (there must be no ", way.absence, ")\n");
-    std::set<std::string> withdrawn = {display.Fact(way.fact)};  // a triple once, however many graphs tell it
-    for (const TermQuad& quad : way.withdraw) {
-      const std::string text = display.Fact(quad);
-      if (withdrawn.insert(text).second)
-        absl::StrAppend(out, "  withdraw    ", text, "   (it is inferred from this)\n");
+    const std::string fact = display.Fact(way.fact);
+    std::map<std::string, std::vector<std::string>> graphs;  // of each triple
+    for (const TermQuad& quad : way.withdraw) graphs[display.Fact(quad)].push_back(display.Of(quad.graph));
+    const auto told_by = [&graphs, &display](const std::string& triple) {
+      const std::vector<std::string>& names = graphs[triple];
+      const bool plain = names.empty() || names == std::vector{display.Of(Term::Iri(std::string(kDefaultGraph)))};
+      return plain ? "" : absl::StrCat("; told by ", absl::StrJoin(names, ", "));
+    };
+    absl::StrAppend(out, "  in the way  ", fact, "   (there must be no ", way.absence, told_by(fact), ")\n");
+    for (const auto& [triple, names] : graphs) {
+      if (triple != fact) absl::StrAppend(out, "  withdraw    ", triple, "   (it is inferred from this", told_by(triple), ")\n");
     }
   }
   for (auto it = repair.inferred.rbegin(); it != repair.inferred.rend(); ++it)

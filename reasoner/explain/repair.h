@@ -27,7 +27,7 @@ struct ToTell {
 
 // A fact that stands in the way of an absence.
 struct InTheWay {
-  TermQuad fact;                   // in the graph that it is asked for in; empty: in any, or in the default graph
+  TermQuad fact;                   // without graph
   std::string absence;             // "{ expo:R01 docent:task ?t }"
   std::vector<TermQuad> withdraw;  // told facts to withdraw for it to go, with their graphs: each triple is one change
 };

@@ -37,6 +37,20 @@ class Explain(StageTest):
         self.assertIn("prov:wasDerivedFrom", self.server.run("why", "--prov", *EXPO, "expo:John docent:isNear expo:R01").stdout)
         self.assertEqual(self.server.run("whynot", *EXPO, "expo:John docent:isNear expo:R01").returncode, 1)
 
+    def test_what_stays_told_by_another_is_said(self):
+        prefix = ("--prefix", "ex=http://ex/")
+        self.server.command("tell", *prefix, "--source", "http://ex/s1", "ex:k ex:bad 1")
+        done = self.server.run("whynot", *prefix, "ask", "PREFIX ex: <http://ex/> ASK { FILTER NOT EXISTS { ex:k ex:bad 1 } }")
+        self.assertIn("in the way  ex:k ex:bad 1   (there must be no { ex:k ex:bad 1 }; told by ex:s1)", done.stdout)
+        for command in (("tell", *prefix, "--withdraw", "ex:k ex:bad 1"), ("whatif", *prefix, "-ex:k ex:bad 1")):
+            done = self.server.run(*command)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("<http://ex/k> <http://ex/bad> 1 is told by <http://ex/s1>; "
+                          "withdraw it there with --source <http://ex/s1>", done.stderr)
+        done = self.server.run("tell", *prefix, "--source", "ex:s1", "--withdraw", "ex:k ex:bad 1")
+        self.assertIn("1 removed", done.stdout)
+        self.assertEqual(done.stderr, "")
+
     def test_what_if(self):
         done = self.server.run("whatif", *EXPO, "+expo:R01 docent:localised true",
                                "+expo:John docent:chose expo:BoothGuideService", "-expo:John docent:isAt expo:Entrance")
