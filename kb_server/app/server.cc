@@ -143,7 +143,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.updates = &s.updates_;
   s.ports_.loads = &s.loads_;
   s.ports_.on_violation = settings.on_violation;
-  s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits);
+  s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits, s.workers_.get());
   s.ports_.remote = s.remote_.get();
   s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown) {
     return s.PreviewRuleChange(name, text, shown);

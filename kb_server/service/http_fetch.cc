@@ -158,7 +158,9 @@ absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* ca
     context.restart();
     if (done) break;
     if (cancellation != nullptr) {
-      if (absl::Status cancelled = cancellation->Check(); !cancelled.ok()) return cancelled;
+      if (absl::Status cancelled = cancellation->CheckNow(); !cancelled.ok()) return cancelled;
+      if (request.half_time && cancellation->HalfIsOver())
+        return absl::DeadlineExceededError(request.url + " did not answer within half of the query's time");
     }
     // Looking up a host does not end by itself.
     if (std::chrono::steady_clock::now() >= deadline) return ToStatus(beast::error::timeout, "", request);

@@ -327,8 +327,10 @@ void Handle(const ServicePorts& ports, Exchange exchange) {
                                            absl::EndsWith(exchange->request().raw_path, "/") ? "" : "/", "g",
                                            ports.clock->Now(), "n", ports.updates->NextNumber()));
   }
+  const int timeout_ms = ports.limits.query_timeout_ms;
   const bool accepted = ports.workers->Submit(
-      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); });
+      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
+      {absl::Now() + absl::Milliseconds(timeout_ms), [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
   if (accepted) return;
   HttpResponse busy = TextResponse(503, "too much work waits; try again");
   busy.headers.emplace_back("Retry-After", "1");

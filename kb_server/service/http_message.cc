@@ -107,6 +107,9 @@ HttpResponse ErrorResponse(const absl::Status& status) {
     case absl::StatusCode::kUnavailable:
       code = 503;
       break;
+    case absl::StatusCode::kUnknown:  // what another server did
+      code = 502;
+      break;
     case absl::StatusCode::kDeadlineExceeded:
       code = 504;
       break;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/service/http_query.h"
@@ -100,8 +101,9 @@ void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared
   if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
   exchange->OnGone([cancellation] { cancellation->Cancel(); });
-  const bool accepted =
-      ports.workers->Submit([&ports, measured, exchange, cancellation, request = std::move(read.request)] {
+  const int timeout_ms = read.request.timeout_ms;
+  const bool accepted = ports.workers->Submit(
+      [&ports, measured, exchange, cancellation, request = std::move(read.request)] {
         switch (request.kind) {
           case Kind::kQuery:
             return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
@@ -111,7 +113,9 @@ void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared
             return Respond(exchange, measured,
                            DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
         }
-      });
+      },
+      {absl::Now() + absl::Milliseconds(timeout_ms),
+       [measured, exchange, timeout_ms] { Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms))); }});
   if (!accepted) Respond(exchange, measured, Busy());
 }
 

@@ -12,13 +12,14 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/text.h"
+#include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/parser.h"
-#include "kb_server/service/http_fetch.h"
 
 namespace docent {
 namespace {
 
 constexpr std::string_view kFile = "file://";
+constexpr int kRedirects = 5;
 
 std::string PathOf(const HttpUrl& url) {
   return url.target.substr(0, url.target.find('?'));
@@ -62,7 +63,7 @@ std::optional<Term> ToTerm(const nlohmann::json& value) {
     return it != value.end() && it->is_string() ? it->get<std::string>() : std::string();
   };
   const std::string type = text("type");
-  if (type == "uri") return Term::Iri(text("value"));
+  if (type == "uri") return IsValidTermIri(text("value")) ? std::optional(Term::Iri(text("value"))) : std::nullopt;
   if (type == "bnode") return Term::Blank(text("value"));
   if (type != "literal" && type != "typed-literal") return std::nullopt;
   const std::string language = text("xml:lang");
@@ -74,12 +75,12 @@ constexpr size_t kValuesARow = 4;  // on the average, in an answer of as many ro
 
 absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t max_rows) {
   const nlohmann::json root = nlohmann::json::parse(body, nullptr, false);
-  if (root.is_discarded() || !root.is_object()) return absl::UnavailableError("the answer is not JSON");
+  if (root.is_discarded() || !root.is_object()) return absl::UnknownError("the answer is not JSON");
   const auto head = root.find("head");
   const auto results = root.find("results");
   if (head == root.end() || results == root.end() || !results->is_object() ||
       !results->contains("bindings") || !(*results)["bindings"].is_array() || !head->is_object()) {
-    return absl::UnavailableError("the answer is JSON, but no rows of SPARQL results");
+    return absl::UnknownError("the answer is JSON, but no rows of SPARQL results");
   }
   sparql::ServiceAnswer answer;
   for (const auto& name : head->value("vars", nlohmann::json::array())) {
@@ -88,7 +89,7 @@ absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t
   std::vector<std::string> names = answer.variables;
   std::sort(names.begin(), names.end());
   if (std::adjacent_find(names.begin(), names.end()) != names.end())
-    return absl::UnavailableError("the answer names a variable twice");
+    return absl::UnknownError("the answer names a variable twice");
   for (const auto& binding : (*results)["bindings"]) {
     if (answer.rows.size() == max_rows) {
       return absl::ResourceExhaustedError(
@@ -104,7 +105,7 @@ absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t
       row.emplace_back();
       if (!binding.is_object() || cell == binding.end()) continue;
       row.back() = cell->is_object() ? ToTerm(*cell) : std::nullopt;
-      if (!row.back()) return absl::UnavailableError("the answer holds a term of no known type");
+      if (!row.back()) return absl::UnknownError("the answer holds what is no RDF term");
     }
   }
   return answer;
@@ -134,34 +135,50 @@ absl::Status RemoteAccess::Refuse(std::string_view url) const {
       "<", url, "> is not among the addresses that this server may reach; start it with --allow ", url));
 }
 
-absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint,
-                                                           const std::string& query,
-                                                           Cancellation* cancellation) {
-  if (!IsAllowed(endpoint)) return Refuse(endpoint);
+absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellation* cancellation) const {
+  request->timeout = std::chrono::milliseconds(limits_.query_timeout_ms);
+  request->max_bytes = limits_.remote_bytes;
+  for (int redirects = 0;; ++redirects) {
+    if (!IsAllowed(request->url)) return Refuse(request->url);
+    std::optional<WorkerPool::Waiting> waiting;
+    if (workers_ != nullptr) waiting.emplace(workers_);
+    absl::StatusOr<HttpResponse> response = Fetch(*request, cancellation);
+    waiting.reset();
+    if (absl::IsUnavailable(response.status())) return absl::UnknownError(response.status().message());
+    if (!response.ok() || response->status == 200) return response;
+    const int status = response->status;
+    const auto location = std::find_if(response->headers.begin(), response->headers.end(),
+                                       [](const auto& field) { return field.first == "location"; });
+    // What is sent is sent again only where the status says so (RFC 9110, section 15.4).
+    const bool again = status == 307 || status == 308 || (request->method == "GET" && (status == 301 || status == 302 || status == 303));
+    if (!again || location == response->headers.end() || redirects == kRedirects) {
+      return absl::UnknownError(absl::StrCat(request->url, " answered with status ", status, ": ",
+                                             response->body.substr(0, response->body.find('\n')).substr(0, 200)));
+    }
+    request->url = ResolveIri(location->second, request->url);
+  }
+}
+
+absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint, const std::string& query,
+                                                           bool silent, Cancellation* cancellation) {
   FetchRequest request;
   request.method = "POST";
   request.url = endpoint;
   request.headers = {{"Content-Type", "application/sparql-query"},
                      {"Accept", "application/sparql-results+json"}};
   request.body = query;
-  request.timeout = std::chrono::milliseconds(limits_.query_timeout_ms);
-  request.max_bytes = limits_.remote_bytes;
-  absl::StatusOr<HttpResponse> response = Fetch(request, cancellation);
+  request.half_time = silent;
+  absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
   if (!response.ok()) return response.status();
-  if (response->status != 200) {
-    return absl::UnavailableError(
-        absl::StrCat("it answered with status ", response->status, ": ",
-                     response->body.substr(0, response->body.find('\n')).substr(0, 200)));
-  }
   return ReadAnswer(response->body, limits_.remote_rows);
 }
 
 absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
                                                          Cancellation* cancellation) const {
-  if (!IsAllowed(url)) return Refuse(url);
-  std::string text;
+  std::string text, base = url;
   std::optional<RdfFormat> format;
   if (absl::StartsWith(url, ToAbsl(kFile))) {
+    if (!IsAllowed(url)) return Refuse(url);
     absl::StatusOr<std::string> file = ReadFile(url, limits_.remote_bytes);
     if (!file.ok())
       return absl::Status(file.status().code(), absl::StrCat("<", url, ">: ", file.status().message()));
@@ -173,22 +190,18 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
         {"Accept",
          "text/turtle, application/n-triples, application/trig;q=0.9, application/n-quads;q=0.9, "
          "application/rdf+xml;q=0.8"}};
-    request.timeout = std::chrono::milliseconds(limits_.query_timeout_ms);
-    request.max_bytes = limits_.remote_bytes;
-    absl::StatusOr<HttpResponse> response = Fetch(request, cancellation);
+    absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
     if (!response.ok()) return response.status();
-    if (response->status != 200) {
-      return absl::UnavailableError(absl::StrCat("<", url, "> answered with status ", response->status));
-    }
+    base = request.url;
     text = std::move(response->body);
     format = FormatOfMediaType(response->content_type);
   }
-  if (!format) format = FormatOfFile(url);
+  if (!format) format = FormatOfFile(base);
   if (!format)
     return absl::InvalidArgumentError("<" + url + ">: neither its type nor its name says which RDF it is");
   ParseRdfOptions options;
   options.file = url;
-  options.base_iri = url;
+  options.base_iri = base;
   options.limits = limits_;
   ParsedRdf parsed = ParseRdf(text, *format, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);

@@ -171,8 +171,12 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   const TimeMicros now_us = ports_.clock->Now();
   // No two updates of a log share a seed: the time to the microsecond, and a count within it.
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
+  const absl::Duration timeout = request.timeout;
   auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
-  if (ports_.workers->Submit([job] { job->Attempt(); })) return;
+  if (ports_.workers->Submit([job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
+                               done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
+                             }}))
+    return;
   done(absl::ResourceExhaustedError("too much work waits; try again"));
 }
 

@@ -2,7 +2,16 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+
 namespace docent {
+
+namespace {
+
+constexpr absl::Duration kLookAtQueue = absl::Milliseconds(20);
+
+}  // namespace
 
 WorkerPool::WorkerPool(int running, int open, size_t queue_limit)
     : running_limit_(running), open_limit_(static_cast<size_t>(open)), queue_limit_(queue_limit) {}
@@ -14,18 +23,45 @@ WorkerPool::~WorkerPool() {
       absl::MutexLock lock(&mutex_);
       closed_ = true;
       threads.swap(threads_);  // those that end may start others for what is still queued
+      if (watch_.joinable()) threads.push_back(std::move(watch_));
     }
     if (threads.empty()) return;
     for (std::thread& thread : threads) thread.join();
   }
 }
 
-bool WorkerPool::Submit(std::function<void()> work) {
+bool WorkerPool::Submit(std::function<void()> work, Patience patience) {
   absl::MutexLock lock(&mutex_);
   if (closed_ || queue_.size() >= queue_limit_) return false;
-  queue_.push_back(std::move(work));
+  if (patience.over && !watch_.joinable()) watch_ = std::thread([this] { WatchQueue(); });
+  queue_.push_back({std::move(work), std::move(patience)});
   StartThreadIfNeeded();
   return true;
+}
+
+void WorkerPool::WatchQueue() {
+  while (true) {
+    std::vector<std::function<void()>> late;
+    {
+      absl::MutexLock lock(&mutex_);
+      mutex_.Await(absl::Condition(this, &WorkerPool::ClosedOrWaited));
+      if (closed_) return;  // what is queued still runs
+      mutex_.AwaitWithTimeout(absl::Condition(&closed_), kLookAtQueue);
+      late = TakeLate();
+    }
+    for (const std::function<void()>& over : late) over();
+  }
+}
+
+std::vector<std::function<void()>> WorkerPool::TakeLate() {
+  std::vector<std::function<void()>> late;
+  const absl::Time now = absl::Now();
+  std::erase_if(queue_, [&](Queued& queued) {
+    if (queued.patience.until > now || !queued.patience.over) return false;
+    late.push_back(std::move(queued.patience.over));
+    return true;
+  });
+  return late;
 }
 
 WorkerPool::Waiting::Waiting(WorkerPool* pool) : pool_(*pool) {
@@ -61,11 +97,16 @@ std::function<void()> WorkerPool::Take() {
   mutex_.Await(absl::Condition(this, &WorkerPool::CanBeginOrEnd));
   --idle_;
   if (queue_.empty()) return nullptr;
-  std::function<void()> work = std::move(queue_.front());
+  std::function<void()> work = std::move(queue_.front().work);
   queue_.pop_front();
   ++running_;
   StartThreadIfNeeded();
   return work;
+}
+
+absl::Status NotBegun(int timeout_ms) {
+  return absl::DeadlineExceededError(absl::StrCat("it waited for others to end until its limit query_timeout_ms = ", timeout_ms,
+                                                  ", and was not begun; try again"));
 }
 
 }  // namespace docent

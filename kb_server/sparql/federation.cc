@@ -68,7 +68,7 @@ class Resolver {
     const std::string text = TextOf(service, values->variables);
     if (open) values->variables.push_back(service.name.variable());
     for (const std::string& endpoint : endpoints) {
-      absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text);
+      absl::StatusOr<ServiceAnswer> answer = Select(endpoint, text, service.silent);
       if (answer.ok()) {
         AddRows(*answer, open ? &endpoint : nullptr, values.get());
         if (bytes_ > options_.memory_bytes) {
@@ -89,9 +89,9 @@ class Resolver {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& text) {
+  absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& text, bool silent) {
     if (client_ == nullptr) return absl::PermissionDeniedError("no other endpoint may be asked here");
-    return client_->Select(endpoint, text, run_.cancellation);
+    return client_->Select(endpoint, text, silent, run_.cancellation);
   }
 
   static absl::Status At(const Algebra& service, const absl::Status& status) {

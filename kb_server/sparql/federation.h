@@ -24,9 +24,10 @@ struct ServiceAnswer {
 class ServiceClient {
  public:
   virtual ~ServiceClient() = default;
-  // The rows of a SELECT. PERMISSION_DENIED for an endpoint that is not allowed, UNAVAILABLE,
-  // DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED (an answer beyond a limit, named).
-  virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
+  // The rows of a SELECT. `silent`: the query goes on without them, so time is left for it. PERMISSION_DENIED for an
+  // endpoint that is not allowed, UNKNOWN (the endpoint fails), DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED (an answer beyond a
+  // limit, named).
+  virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool silent,
                                                Cancellation* cancellation) = 0;
 };
 

@@ -75,7 +75,7 @@ class Endpoints final : public sparql::ServiceClient {
     for (const auto& [endpoint, file] : test.services)
       stores_[endpoint].Load(file, std::string(kDefaultGraph));
   }
-  absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
+  absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool,
                                                Cancellation*) override {
     const auto store = stores_.find(endpoint);
     if (store == stores_.end()) return absl::UnavailableError("there is no such endpoint");

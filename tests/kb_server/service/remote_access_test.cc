@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "kb_server/service/http_fetch.h"
 #include "kb_server/service/http_server.h"
 
@@ -76,8 +78,9 @@ class RemoteAccessHttpTest : public ::testing::Test {
     server_ = *std::move(server);
     base_ = "http://" + server_->address();
   }
-  absl::StatusOr<sparql::ServiceAnswer> Select(Limits limits = {}, Cancellation* cancellation = nullptr) {
-    return RemoteAccess({base_}, limits).Select(base_ + "/sparql", "SELECT * {}", cancellation);
+  absl::StatusOr<sparql::ServiceAnswer> Select(Limits limits = {}, Cancellation* cancellation = nullptr,
+                                               bool silent = false) {
+    return RemoteAccess({base_}, limits).Select(base_ + "/sparql", "SELECT * {}", silent, cancellation);
   }
   static HttpHandler Json(const std::string& text) {
     return [text](std::shared_ptr<HttpExchange> e) {
@@ -109,10 +112,11 @@ TEST_F(RemoteAccessHttpTest, WhatIsNoAnswerIsAnError) {
   for (const char* text :
        {"", "<html>", "[]", "{\"head\":{},\"boolean\":true}",
         "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"?\"}}]}}",
-        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":7}]}}"}) {
+        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":7}]}}",
+        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"uri\",\"value\":\"not an iri\"}}]}}"}) {
     server_.reset();
     Serve(Json(text));
-    EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnavailable) << text;
+    EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnknown) << text;
   }
 }
 
@@ -138,7 +142,76 @@ TEST_F(RemoteAccessHttpTest, LimitsAndTimeoutsAreKept) {
   cancellation.Cancel();
   EXPECT_EQ(Select({}, &cancellation).status().code(), absl::StatusCode::kCancelled);
   server_.reset();
-  EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnavailable) << "nobody listens";
+  EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnknown) << "nobody listens";
+}
+
+TEST_F(RemoteAccessHttpTest, TheQuerysOwnTimeHoldsForAnEndpointThatIsSlow) {
+  std::vector<std::shared_ptr<HttpExchange>> kept;
+  Serve([&kept](std::shared_ptr<HttpExchange> e) { kept.push_back(std::move(e)); });
+  const auto took = [&](bool silent, std::string* message) {
+    Cancellation cancellation(std::chrono::milliseconds(1000));
+    const absl::Time start = absl::Now();
+    const absl::Status status = Select({}, &cancellation, silent).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
+    *message = std::string(status.message());
+    return absl::Now() - start;
+  };
+  std::string message;
+  EXPECT_GE(took(false, &message), absl::Milliseconds(1000));
+  EXPECT_THAT(message, HasSubstr("query_timeout_ms = 1000"));
+  EXPECT_LT(took(true, &message), absl::Milliseconds(950));
+  EXPECT_THAT(message, HasSubstr("half of the query's time")) << "of a SILENT one the rest is left";
+  server_.reset();
+}
+
+TEST_F(RemoteAccessHttpTest, WhoWaitsForAnotherServerLetsOthersRun) {
+  absl::Notification asked, go;
+  WorkerPool pool(1, 2, 10);
+  std::shared_ptr<HttpExchange> kept;
+  Serve([&](std::shared_ptr<HttpExchange> e) {
+    kept = std::move(e);
+    asked.Notify();
+  });
+  RemoteAccess slow({base_}, Limits{}, &pool);
+  Cancellation cancellation;
+  ASSERT_TRUE(pool.Submit([&] {
+    EXPECT_EQ(slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(), absl::StatusCode::kCancelled);
+    go.Notify();
+  }));
+  asked.WaitForNotification();
+  absl::Notification ran;
+  ASSERT_TRUE(pool.Submit([&] { ran.Notify(); }));
+  EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
+  cancellation.Cancel();
+  go.WaitForNotification();
+  server_.reset();
+}
+
+TEST_F(RemoteAccessHttpTest, RedirectsAreFollowedToWhatIsAllowed) {
+  std::string location = "doc?two=2";
+  int status = 303;
+  Serve([&](std::shared_ptr<HttpExchange> e) {
+    const bool there = !e->request().parameters.empty();
+    HttpResponse response = TextResponse(there ? 200 : status, "<a> <p> 1 .");
+    if (there) response.content_type = "text/turtle";
+    if (!there) response.headers.emplace_back("Location", location);
+    e->Respond(std::move(response));
+  });
+  const auto load = [this] { return RemoteAccess({base_}, Limits{}).Load(base_ + "/doc", nullptr); };
+  for (status = 301; status <= 308; ++status) {
+    const auto quads = load();
+    if (status >= 304 && status <= 306) {
+      EXPECT_EQ(quads.status().code(), absl::StatusCode::kUnknown) << status;
+      continue;
+    }
+    ASSERT_TRUE(quads.ok()) << quads.status();
+    EXPECT_EQ((*quads)[0].subject, Term::Iri(base_ + "/a")) << "the base is where it was found";
+  }
+  status = 302;
+  location = "http://other.example/doc";
+  EXPECT_EQ(load().status().code(), absl::StatusCode::kPermissionDenied);
+  location = "doc";
+  EXPECT_EQ(load().status().code(), absl::StatusCode::kUnknown) << "round and round";
 }
 
 TEST_F(RemoteAccessHttpTest, ADocumentIsReadInItsType) {
@@ -151,7 +224,7 @@ TEST_F(RemoteAccessHttpTest, ADocumentIsReadInItsType) {
   ASSERT_TRUE(quads.ok()) << quads.status();
   EXPECT_EQ(quads->size(), 1u);
   EXPECT_EQ(RemoteAccess({base_}, Limits{}).Load(base_ + "/none", nullptr).status().code(),
-            absl::StatusCode::kUnavailable);
+            absl::StatusCode::kUnknown);
 }
 
 }  // namespace

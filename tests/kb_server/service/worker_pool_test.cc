@@ -6,6 +6,7 @@
 #include "absl/synchronization/barrier.h"
 #include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "gtest/gtest.h"
 
 namespace docent {
@@ -50,6 +51,21 @@ TEST(WorkerPoolTest, WorkThatWaitsLetsOthersRun) {
   EXPECT_TRUE(ran.WaitForNotificationWithTimeout(absl::Seconds(20)));
   go.Notify();
   ended.Wait();
+}
+
+TEST(WorkerPoolTest, WhoIsNotServedInTimeIsTold) {
+  absl::Notification go, told, served;
+  std::atomic<bool> begun = false;
+  {
+    WorkerPool pool(1, 2, 10);
+    ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
+    ASSERT_TRUE(pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }}));
+    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }, {absl::Now() + absl::Seconds(60), [] { FAIL(); }}));
+    EXPECT_TRUE(told.WaitForNotificationWithTimeout(absl::Seconds(20)));
+    go.Notify();
+    served.WaitForNotification();
+  }
+  EXPECT_FALSE(begun);
 }
 
 TEST(WorkerPoolTest, BeyondTheOpenOnesWorkIsQueuedAndBeyondTheQueueItIsRefused) {

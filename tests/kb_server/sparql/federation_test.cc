@@ -18,11 +18,11 @@ using testing::SizeIs;
 // Answers each endpoint's questions from a table, and remembers them.
 class FakeClient final : public ServiceClient {
  public:
-  absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
+  absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool,
                                        Cancellation*) override {
     asked.push_back(endpoint + " " + query);
     const auto it = answers.find(endpoint);
-    if (it == answers.end()) return absl::UnavailableError("nobody there");
+    if (it == answers.end()) return absl::UnknownError("nobody there");
     return it->second;
   }
   std::map<std::string, ServiceAnswer> answers;
@@ -82,7 +82,7 @@ TEST_F(Federation, AVariableEndpointIsAskedAtEachOfItsValues) {
 TEST_F(Federation, AFailureIsAnErrorUnlessSilent) {
   const absl::Status status =
       Select("SELECT * { ?a ex:p ?b . SERVICE <http://none/> { ?b ex:n ?n } }").status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnknown);
   EXPECT_THAT(std::string(status.message()),
               HasSubstr("line 1, column 25: SERVICE <http://none/>: nobody there"));
   EXPECT_THAT(*Select("SELECT ?a ?n { ?a ex:p ?b . SERVICE SILENT <http://none/> { ?b ex:n ?n } }"),
