@@ -111,8 +111,10 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
   command->add_option("--timeout-ms", arguments->timeout_ms,
                       "Give up after this time (default: the server's limit)");
-  command->add_option("--as-of", arguments->as_of,
-                      "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z");
+  command
+      ->add_option("--as-of", arguments->as_of,
+                      "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z")
+      ->check([](const std::string& text) { return text.empty() ? std::string("it is empty") : std::string(); });
   command->add_flag("--explain", arguments->explain,
                     "Run it and print its plan instead: estimated and real rows and the time of each operator");
   command

@@ -92,7 +92,8 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("--source", arguments->source, "IRI of who says it, whole or with a prefix");
   command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
-  command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time");
+  command->add_option("--lifetime-ms", arguments->lifetime_ms, "Withdraw the facts after this time")
+      ->check(CLI::Range(int64_t{0}, int64_t{10'000'000'000'000}));  // 300 years
   command->callback([arguments, exit_code] { *exit_code = RunTell(*arguments); });
 }
 

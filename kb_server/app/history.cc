@@ -148,7 +148,7 @@ absl::StatusOr<uint64_t> History::OffsetAt(TimeMicros time_us, uint64_t newest, 
     else
       high = middle - 1;
   }
-  if (low<*first&& * first> 1) return NoLongerKept(Show(time_us));
+  if (low < *first && *first > 1) return NoLongerKept(Show(time_us));
   return low;
 }
 
@@ -156,10 +156,12 @@ absl::Status History::NoLongerKept(const std::string& what) {
   const absl::StatusOr<uint64_t> first = log_->First();
   const absl::StatusOr<std::vector<uint64_t>> snapshots = log_->SnapshotOffsets();
   if (!first.ok() || !snapshots.ok()) return first.ok() ? snapshots.status() : first.status();
-  const auto oldest = std::lower_bound(snapshots->begin(), snapshots->end(), *first - 1);
-  std::string remedy = "; nothing but the newest version is left";
-  if (oldest != snapshots->end()) remedy = absl::StrCat("; the oldest revision that is kept is ", *oldest);
-  return absl::OutOfRangeError(absl::StrCat("the graph as of ", what, " is no longer kept", remedy));
+  const auto snapshot = std::lower_bound(snapshots->begin(), snapshots->end(), *first - 1);
+  uint64_t oldest = queries_->Newest()->revision().value();
+  if (snapshot != snapshots->end()) oldest = std::min(oldest, *snapshot);
+  absl::MutexLock lock(&mutex_);
+  if (!kept_.empty()) oldest = std::min(oldest, kept_.front()->first());
+  return absl::OutOfRangeError(absl::StrCat("the graph as of ", what, " is no longer kept; the oldest revision that is kept is ", oldest));
 }
 
 std::shared_ptr<const History::Remade> History::FindRemade(uint64_t offset) {

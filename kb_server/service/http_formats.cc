@@ -20,13 +20,14 @@ constexpr std::array<RowType, 7> kRowTypes = {{
     {"text/xml", "text/xml; charset=utf-8", ResultFormat::kXml},
 }};
 
-constexpr std::array<GraphType, 6> kGraphTypes = {{
+constexpr std::array<GraphType, 7> kGraphTypes = {{
     {"text/turtle", "text/turtle; charset=utf-8", RdfFormat::kTurtle},
     {"application/n-triples", "application/n-triples", RdfFormat::kNTriples},
     {"application/rdf+xml", "application/rdf+xml", RdfFormat::kRdfXml},
     {"application/trig", "application/trig", RdfFormat::kTriG},
     {"application/n-quads", "application/n-quads", RdfFormat::kNQuads},
     {"text/plain", "text/plain; charset=utf-8", RdfFormat::kNTriples},
+    {"application/xml", "application/xml", RdfFormat::kRdfXml},
 }};
 
 template <typename Types>

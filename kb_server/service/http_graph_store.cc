@@ -55,6 +55,8 @@ Address ReadAddress(const HttpRequest& http) {
       uint64_t number = 0;
       if (!reads) {
         address.refusal = TextResponse(400, name + " goes with GET and HEAD alone");
+      } else if (name == "as-of" && value.empty()) {
+        address.refusal = TextResponse(400, "as-of is empty; give a revision number or an xsd:dateTime");
       } else if (name == "as-of") {
         address.as_of = value;
       } else if (absl::SimpleAtoi(value, &number)) {
@@ -125,7 +127,7 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   if (!fits) return too_long();
   HttpResponse head;
   head.content_type = type->told;
-  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}};
+  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}, {"Vary", "Accept"}};
   version.reset();
   absl::StatusOr<std::string> text = SerializeRdf(std::move(triples), type->format, sparql::WellKnownPrefixes());
   if (!text.ok()) return exchange.Respond(ErrorResponse(text.status()));
@@ -143,10 +145,10 @@ struct Content {
 };
 
 // `part`: its number among several.
-void ReadPart(const ServicePorts& ports, std::string_view content_type, std::string_view body,
-              const Term& graph, size_t part, Content* content) {
-  const std::string type = content_type.empty() ? "text/turtle" : MediaTypeOnly(content_type);
-  const std::optional<RdfFormat> format = FormatOfMediaType(type);
+void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number, Content* content) {
+  const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
+  std::optional<RdfFormat> format = FormatOfMediaType(type);
+  if (!format && type == "application/octet-stream") format = FormatOfFile(part.file);  // of whoever knows no better
   if (!format) {
     content->refusal = TextResponse(415,
                                     "send RDF as text/turtle, application/n-triples, application/rdf+xml, "
@@ -156,11 +158,11 @@ void ReadPart(const ServicePorts& ports, std::string_view content_type, std::str
   }
   ParseRdfOptions options;
   options.base_iri = graph.lexical;
-  options.blank_node_scope = absl::StrCat("p", part);
+  options.blank_node_scope = absl::StrCat("p", number);
   options.limits = ports.limits;
-  ParsedRdf parsed = ParseRdf(body, *format, options);
+  ParsedRdf parsed = ParseRdf(part.body, *format, options);
   if (!parsed.ok()) {
-    content->refusal = ErrorResponse(ToStatus(parsed.diagnostics, body));
+    content->refusal = ErrorResponse(ToStatus(parsed.diagnostics, part.body));
     return;
   }
   for (TermQuad& quad : parsed.quads) {
@@ -183,7 +185,7 @@ Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Te
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
   if (MediaTypeOnly(type) != "multipart/form-data") {
-    ReadPart(ports, type, http.body, graph, 1, &content);
+    ReadPart(ports, {type, "", http.body}, graph, 1, &content);
     return content;
   }
   const std::optional<std::vector<HttpPart>> parts = ParseMultipart(type, http.body);
@@ -192,7 +194,7 @@ Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Te
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
-    ReadPart(ports, (*parts)[i].content_type, (*parts)[i].body, graph, i + 1, &content);
+    ReadPart(ports, (*parts)[i], graph, i + 1, &content);
   }
   return content;
 }

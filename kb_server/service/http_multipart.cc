@@ -7,12 +7,11 @@
 namespace docent {
 namespace {
 
-// The value of boundary= in a content type, without quotes.
-std::string BoundaryOf(std::string_view content_type) {
-  const std::string lower = absl::AsciiStrToLower(ToAbsl(content_type));
-  const size_t at = lower.find("boundary=");
+// The value of `name`, e.g. "boundary=", in a header field, without quotes.
+std::string ParameterOf(std::string_view field, std::string_view name) {
+  const size_t at = absl::AsciiStrToLower(ToAbsl(field)).find(name);
   if (at == std::string::npos) return "";
-  std::string_view value = content_type.substr(at + 9);
+  std::string_view value = field.substr(at + name.size());
   if (value.starts_with('"')) return std::string(value.substr(1, value.find('"', 1) - 1));
   value = value.substr(0, value.find(';'));
   return std::string(FromAbsl(absl::StripAsciiWhitespace(ToAbsl(value))));
@@ -30,7 +29,7 @@ std::string_view TakeLine(std::string_view* rest) {
 }  // namespace
 
 std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body) {
-  const std::string boundary = BoundaryOf(content_type);
+  const std::string boundary = ParameterOf(content_type, "boundary=");
   if (boundary.empty()) return std::nullopt;
   const std::string delimiter = "--" + boundary;
   size_t at = body.find(delimiter);
@@ -45,8 +44,9 @@ std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_typ
       const std::string_view line = TakeLine(&rest);
       if (line.empty()) break;
       const size_t colon = line.find(':');
-      if (absl::AsciiStrToLower(ToAbsl(line.substr(0, colon))) != "content-type") continue;
-      part.content_type = FromAbsl(absl::StripAsciiWhitespace(ToAbsl(line.substr(colon + 1))));
+      const std::string name = absl::AsciiStrToLower(ToAbsl(line.substr(0, colon)));
+      if (name == "content-type") part.content_type = FromAbsl(absl::StripAsciiWhitespace(ToAbsl(line.substr(colon + 1))));
+      if (name == "content-disposition") part.file = ParameterOf(line, "filename=");
     }
     const size_t begin = static_cast<size_t>(rest.data() - body.data());
     at = body.find("\n" + delimiter, begin == 0 ? 0 : begin - 1);

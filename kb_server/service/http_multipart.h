@@ -11,6 +11,7 @@ namespace docent {
 
 struct HttpPart {
   std::string content_type;  // as sent; empty: none
+  std::string file;          // its name; empty: none
   std::string_view body;     // points into the whole
 };
 

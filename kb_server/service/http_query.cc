@@ -140,7 +140,8 @@ class QueryAnswer {
     response.content_type = content_type;
     response.body = std::move(body);
     response.headers = {{"Docent-Revision", absl::StrCat(graph_.version->revision().value())},
-                        {"Cache-Control", "no-cache"}};
+                        {"Cache-Control", "no-cache"},
+                        {"Vary", "Accept"}};
     return response;
   }
 

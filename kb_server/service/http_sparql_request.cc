@@ -54,6 +54,7 @@ std::optional<HttpResponse> ReadOption(const std::string& name, const std::strin
     request->request_id = value;
   } else if (name == "as-of") {
     if (!query) return TextResponse(400, "as-of does not go with an update: the past stays as it was");
+    if (value.empty()) return TextResponse(400, "as-of is empty; give a revision number or an xsd:dateTime");
     request->as_of = value;
   }
   return std::nullopt;

@@ -96,6 +96,7 @@ HttpResponse DescribeService(const ServicePorts& ports, const std::string& addre
   if (!text.ok()) return ErrorResponse(text.status());
   HttpResponse response;
   response.content_type = type->told;
+  response.headers = {{"Vary", "Accept"}};
   response.body = *std::move(text);
   return response;
 }

@@ -225,6 +225,22 @@ TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
   EXPECT_EQ(Update("LOAD SILENT <" + base + "/healthz>").status, 200);
 }
 
+TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
+  const auto body = [](const std::string& file) {
+    return "--x\r\nContent-Disposition: form-data; name=\"f\"; filename=\"" + file +
+           "\"\r\nContent-Type: application/octet-stream\r\n\r\n<urn:w:a> <urn:w:b> 1 .\r\n--x--\r\n";
+  };
+  const std::string type = "Content-Type: multipart/form-data; boundary=x\r\n";
+  EXPECT_EQ(Ask("POST", "/rdf-graphs?graph=urn:w:f", type, body("facts.ttl")).status, 201);
+  EXPECT_TRUE(Holds("GRAPH :f { :a :b 1 }"));
+  EXPECT_EQ(Ask("POST", "/rdf-graphs?graph=urn:w:f", type, body("facts")).status, 415);
+  const HttpReply read = Ask("GET", "/rdf-graphs?graph=urn:w:f", "Accept: application/xml\r\n");
+  EXPECT_EQ(read.headers.at("content-type"), "application/xml");
+  EXPECT_EQ(read.headers.at("vary"), "Accept");
+  EXPECT_THAT(read.body, HasSubstr("<rdf:RDF"));
+  EXPECT_EQ(Ask("GET", "/rdf-graphs?graph=urn:w:f&as-of=").status, 400);
+}
+
 TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
   settings_.allow = {"everything"};
   EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);

@@ -9,14 +9,16 @@ constexpr char kType[] = "multipart/form-data; boundary=xyz";
 
 TEST(HttpMultipart, PartsWithTheirTypes) {
   const std::string body =
-      "preamble\r\n--xyz\r\nContent-Disposition: form-data; name=\"a\"\r\nContent-Type: "
+      "preamble\r\n--xyz\r\nContent-Disposition: form-data; name=\"a\"; filename=\"a.nt\"\r\nContent-Type: "
       "text/turtle\r\n\r\n<a> <b> <c> .\r\n"
       "--xyz\r\n\r\ntwo\r\nlines\r\n--xyz--\r\n";
   const auto parts = ParseMultipart(kType, body);
   ASSERT_TRUE(parts);
   ASSERT_EQ(parts->size(), 2u);
   EXPECT_EQ((*parts)[0].content_type, "text/turtle");
+  EXPECT_EQ((*parts)[0].file, "a.nt");
   EXPECT_EQ((*parts)[0].body, "<a> <b> <c> .");
+  EXPECT_EQ((*parts)[1].file, "");
   EXPECT_EQ((*parts)[1].content_type, "");
   EXPECT_EQ((*parts)[1].body, "two\r\nlines");
 }
