@@ -1,12 +1,16 @@
 #include "reasoner/explain/example_picker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/time/time.h"
+#include "kb_server/rdf/iri.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent::explain {
@@ -17,6 +21,39 @@ constexpr size_t kExampleTries = 500;  // combinations of example values
 void CollectConstants(const sparql::Expression& e, std::vector<Term>& constants) {
   if (e.kind == sparql::Expression::Kind::kTerm) constants.push_back(e.term);
   for (const auto& argument : e.arguments) CollectConstants(*argument, constants);
+}
+
+// A little above and below a number, a date or a time.
+void AddNear(const Term& term, std::vector<Term>& out) {
+  const bool integer = term.datatype == kXsdInteger;
+  double number = 0;
+  if (integer || term.datatype == kXsdDecimal || term.datatype == kXsdDouble) {
+    if (!absl::SimpleAtod(term.lexical, &number) || std::abs(number) > 1e9) return;
+    for (const double step : {1.0, -1.0, 0.1, -0.1}) {
+      const bool whole = integer && std::abs(step) == 1.0;
+      out.push_back(whole ? Term::Integer(static_cast<int64_t>(number + step))
+                          : Term::Literal(absl::StrFormat("%.4f", number + step), std::string(kXsdDecimal)));
+    }
+  }
+  for (const char* format : {"%Y-%m-%dT%H:%M:%E*S%Ez", "%Y-%m-%dT%H:%M:%E*S", "%Y-%m-%d"}) {
+    if (term.datatype != kXsdDateTime && term.datatype != kXsdDate) return;
+    absl::Time time;
+    if (!absl::ParseTime(format, term.lexical, &time, nullptr)) continue;
+    for (const int days : {1, -1}) {
+      out.push_back(Term::Literal(absl::FormatTime(format, time + days * absl::Hours(24), absl::UTCTimeZone()), term.datatype));
+    }
+    return;
+  }
+}
+
+// What a function of strings may be asked of: an IRI that begins so, a text in that language.
+void AddLike(const Term& term, std::vector<Term>& out) {
+  const std::string& text = term.lexical;
+  if (!term.IsLiteral() || !term.datatype.empty() || !term.language.empty()) return;
+  if (IsValidTermIri(text)) out.push_back(Term::Iri(text + "example"));
+  const auto letter = [](char c) { return absl::ascii_isalpha(static_cast<unsigned char>(c)) || c == '-'; };
+  if (text.size() >= 2 && text.size() <= 8 && std::all_of(text.begin(), text.end(), letter))
+    out.push_back(Term::LangString("example", absl::AsciiStrToLower(text)));
 }
 
 }  // namespace
@@ -41,18 +78,12 @@ std::vector<TermId> ExamplePicker::CandidatesFor(int open, const std::string& na
   };
   const Term fresh = Term::Iri(absl::StrCat("urn:docent:example:", name));
   if (!tested) take(fresh);
-  for (const Term& term : terms) {
-    const bool integer = term.datatype == kXsdInteger;
-    if (!integer && term.datatype != kXsdDecimal && term.datatype != kXsdDouble) continue;
-    double number = 0;
-    if (!absl::SimpleAtod(term.lexical, &number) || std::abs(number) > 1e9) continue;
-    for (const double step : {1.0, -1.0, 0.1, -0.1}) {  // a little above and below
-      const bool whole = integer && std::abs(step) == 1.0;
-      take(whole ? Term::Integer(static_cast<int64_t>(number + step))
-                 : Term::Literal(absl::StrFormat("%.4f", number + step), std::string(kXsdDecimal)));
-    }
+  std::vector<Term> near, like;
+  for (const Term& term : terms) AddNear(term, near);
+  for (const Term& term : terms) AddLike(term, like);
+  for (const std::vector<Term>* some : std::array<const std::vector<Term>*, 3>{&near, &like, &terms}) {
+    for (const Term& term : *some) take(term);
   }
-  for (const Term& term : terms) take(term);
   if (tested) {
     for (const MissingFact& fact : solution.missing) {
       if (fact.open[2] != open || fact.open[1] != MissingFact::kBound) continue;

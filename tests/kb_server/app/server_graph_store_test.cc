@@ -226,6 +226,7 @@ TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
 }
 
 TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
+  StartServer();
   const auto body = [](const std::string& file) {
     return "--x\r\nContent-Disposition: form-data; name=\"f\"; filename=\"" + file +
            "\"\r\nContent-Type: application/octet-stream\r\n\r\n<urn:w:a> <urn:w:b> 1 .\r\n--x--\r\n";

@@ -156,6 +156,19 @@ TEST_F(WhyNotSets, APathInAGraphIsBrokenAndClosedInThatGraph) {
   EXPECT_THAT(Sets("ASK { GRAPH :other { :R1 :in+ :Fair } }"), UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
 }
 
+TEST_F(WhyNotSets, ValuesThatPassFiltersOfTimesAndTextsAreFound) {
+  Tell({"R1 a Bot"});
+  const auto missing = [this](const std::string& filter) {
+    return Sets("ASK { :R1 :has ?t FILTER(" + filter + ") }");
+  };
+  EXPECT_THAT(missing("?t > \"2026-01-01T00:00:00Z\"^^xsd:dateTime"), ElementsAre("+R1 has 2026-01-02T00:00:00+00:00"));
+  EXPECT_THAT(missing("?t < \"2026-01-01T10:00:00.5\"^^xsd:dateTime"), ElementsAre("+R1 has 2025-12-31T10:00:00.5"));
+  EXPECT_THAT(missing("?t > \"2026-02-28\"^^xsd:date"), ElementsAre("+R1 has 2026-03-01"));
+  EXPECT_THAT(missing("LANG(?t) = \"de\""), ElementsAre("+R1 has 'example"));
+  EXPECT_THAT(missing("STRSTARTS(STR(?t), \"http://example.org/\")"), ElementsAre("+R1 has example"));
+  EXPECT_THAT(missing("STRSTARTS(?t, \"abc\")"), ElementsAre("+R1 has 'abc"));
+}
+
 TEST_F(WhyNotSets, AllDerivationsOfWhatIsInTheWayHaveToGo) {
   Rules("bad.rules", "RULE { ?r a :Bad } WHERE { ?r :fault ?f }");
   Tell({"Z p K", "R fault F1", "R fault F2"});
