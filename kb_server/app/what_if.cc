@@ -47,7 +47,8 @@ class FlipWatch {
     for (size_t i = 0; i < before_.size(); ++i) {
       const Level& level = before_[i];
       ConditionFlip flip{level.place, requests_[i].ask, level.holds,
-                         stages_.constraints.Holds(level.id), {}, {}};
+                         stages_.constraints.Holds(level.id), {}, {}, 0};
+      for (const LastingPart& part : requests_[i].lasting) flip.lasting_us = std::max(flip.lasting_us, part.at_least_us);
       const std::vector<Binding> now = stages_.constraints.Keys(level.id);
       const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in, auto* out) {
         if (requests_[i].key_variables.empty()) return;

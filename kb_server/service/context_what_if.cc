@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/time/time.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
 #include "kb_server/service/grpc_services.h"
@@ -33,10 +34,11 @@ std::string ToText(const WhatIfAnswer& answer, const Display& display) {
   facts(answer.added, "+");
   facts(answer.removed, "-");
   for (const ConditionFlip& flip : answer.flips) {
+    const std::string once = flip.lasting_us == 0 ? "" : absl::StrCat(" once it has held for ", absl::FormatDuration(absl::Microseconds(flip.lasting_us)));
     if (flip.held != flip.holds)
-      absl::StrAppend(&out, flip.place, flip.holds ? " would open" : " would no longer hold", "\n");
+      absl::StrAppend(&out, flip.place, flip.holds ? absl::StrCat(" would open", once) : " would no longer hold", "\n");
     for (const auto& binding : flip.appeared)
-      absl::StrAppend(&out, flip.place, ": new ", BindingText(binding, display), "\n");
+      absl::StrAppend(&out, flip.place, ": new ", BindingText(binding, display), once, "\n");
     for (const auto& binding : flip.disappeared)
       absl::StrAppend(&out, flip.place, ": gone ", BindingText(binding, display), "\n");
   }
@@ -56,6 +58,7 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
     out->set_place(flip.place);
     out->set_ask(flip.ask);
     out->set_holds(flip.holds);
+    out->set_lasting_us(flip.lasting_us);
     for (const auto& binding : flip.appeared) out->add_appeared(BindingText(binding, display));
     for (const auto& binding : flip.disappeared) out->add_disappeared(BindingText(binding, display));
   }

@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "kb_server/base/cancellation.h"
+#include "kb_server/base/clock.h"
 #include "kb_server/base/ids.h"
 #include "kb_server/rdf/term.h"
 #include "kb_server/store/write_batch.h"
@@ -24,6 +25,7 @@ struct ConditionFlip {
   // Of an activator: key bindings that would come and go, variable → value.
   std::vector<std::vector<std::pair<std::string, Term>>> appeared;
   std::vector<std::vector<std::pair<std::string, Term>>> disappeared;
+  TimeMicros lasting_us = 0;  // what rises or appears counts only when it has held for so long
 };
 
 struct WhatIfTransition {

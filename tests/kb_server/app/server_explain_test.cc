@@ -154,6 +154,26 @@ TEST_F(ServerExplainTest, WhatIfTellsWhatWouldHappenAndNothingDoes) {
   EXPECT_EQ(GetRun("Come-2").state(), "running");
 }
 
+TEST_F(ServerExplainTest, WhatIfSaysThatAConditionHasToLast) {
+  StartServer();
+  SetUpGreeting();
+  std::string lasting = kCalled;
+  const size_t rule = lasting.find("<rule ");
+  ASSERT_NE(rule, std::string::npos);
+  lasting.insert(rule + 6, "ext:for=\"3s\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\" ");
+  const grpc::Status deployed = Deploy("called.xml", lasting);
+  ASSERT_TRUE(deployed.ok()) << deployed.error_message();
+  MustTell(":R1 a docent:Robot .");
+  v1::WhatIfRequest request;
+  *request.add_add() = Quad("Eve", "docent:calls", "R1");
+  v1::WhatIfReply reply;
+  ASSERT_TRUE(Call(context_, &v1::Context::Stub::WhatIf, request, &reply).ok());
+  EXPECT_THAT(reply.text(), HasSubstr("activator of Called would open once it has held for 3s"));
+  ASSERT_EQ(reply.flips_size(), 1);
+  EXPECT_EQ(reply.flips(0).lasting_us(), 3000000);
+  EXPECT_EQ(reply.transitions_size(), 0);
+}
+
 TEST_F(ServerExplainTest, WhatIfRefusesWhatAnAssertWouldBeRefused) {
   settings_.explain_limits.what_if_operations = 2;
   StartServer();
