@@ -1,5 +1,6 @@
 #include "kb_server/app/check_files.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -21,16 +22,29 @@ std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findin
   if (left_out > 0) {
     out.push_back({"limit",
                    {file, {}, absl::StrCat("and ", left_out, " more; the limit check_diagnostics is ", out.size()),
-                    "correct these first", Diagnostic::Severity::kWarning}});
+                    "correct these first", Diagnostic::Severity::kWarning},
+                   ""});
   }
   return out;
+}
+
+// A clash is told as what it is, with the proof of the inconsistency that rests on the same fact.
+bool IsProvedBy(const ontology::Finding& finding, const ConsistencyCheck::Result& result) {
+  const bool domain = finding.rule == "domain-clash", range = finding.rule == "range-clash";
+  const bool of_classes = result.check == "cax-dw" || result.check == "cax-adc" || result.check == "cls-com";
+  if (!finding.proof.empty() || !((domain && of_classes) || (range && (of_classes || result.check == "dt-not-type")))) return false;
+  return std::any_of(result.told.begin(), result.told.end(), [&](const auto& told) {
+    const SourceSpan& at = domain ? told.second.subject : told.second.object;
+    const SourceSpan& found = finding.diagnostic.span;
+    return told.first == finding.diagnostic.file && at.line == found.line && at.column == found.column;
+  });
 }
 
 }  // namespace
 
 std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics) {
   std::vector<ontology::Finding> findings;
-  for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic});
+  for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic, ""});
   return findings;
 }
 
@@ -44,8 +58,24 @@ void FileChecker::AddRdf(const std::string& file, const std::string& text, bool 
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);
     if (!only_words) graph_.Add(file, document, kGraph);
+    consistency_.AddDocument(file, document, !only_words);
   }
   if (!only_words) documents_[file] = std::move(document);
+}
+
+void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text); }
+
+void FileChecker::AddInconsistencies(const std::string& file, ontology::Findings& findings) {
+  if (!consistency_checked_) inconsistencies_ = consistency_.Run();
+  consistency_checked_ = true;
+  for (const ConsistencyCheck::Result& result : inconsistencies_[file]) {
+    ontology::Finding* same = findings.Find([&](const ontology::Finding& f) { return IsProvedBy(f, result); });
+    if (same != nullptr) {
+      same->proof = result.finding.proof;
+    } else {
+      findings.Add(result.finding);
+    }
+  }
 }
 
 void FileChecker::CheckShapes() {
@@ -66,6 +96,7 @@ std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
   }
   ontology::CheckWords(document, vocabulary_, findings);
   ontology::CheckMeaning(document, vocabulary_, &cycles_, findings);
+  AddInconsistencies(file, findings);
   for (const Diagnostic& d : of_shapes_[file]) {
     if (d.severity == Diagnostic::Severity::kError) {
       findings.Error("shape", d.span, d.message, d.hint);
@@ -83,6 +114,7 @@ std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, 
   ontology::Findings findings(file, limits_.check_diagnostics);
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
   ontology::CheckWords(ParseRules(text, file, {}, &functions_), vocabulary_, findings);
+  AddInconsistencies(file, findings);
   return TakeAll(file, findings);
 }
 

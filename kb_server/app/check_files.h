@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "kb_server/app/consistency_check.h"
 #include "kb_server/base/check_limits.h"
 #include "kb_server/rdf/located_parser.h"
 #include "kb_server/sparql/function_registry.h"
@@ -24,6 +25,8 @@ class FileChecker {
   // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
   // first is checked.
   void AddRdf(const std::string& file, const std::string& text, bool only_words);
+  // Rules that the others are to be consistent with; likewise before the first is checked.
+  void AddRules(const std::string& file, const std::string& text);
 
   // What is wrong with an RDF document that was added; with a `.rules` text; with a query. Syntax errors have the rule
   // "syntax", and hide all others.
@@ -34,6 +37,8 @@ class FileChecker {
  private:
   // The shapes of all documents, read once; each finding with its file.
   void CheckShapes();
+  // The inconsistencies of all, looked for once, into the findings of the file.
+  void AddInconsistencies(const std::string& file, ontology::Findings& findings);
 
   const CheckLimits limits_;
   sparql::FunctionRegistry functions_;  // that a server has
@@ -43,6 +48,9 @@ class FileChecker {
   shapes::FileGraph graph_;
   bool shapes_read_ = false;
   std::map<std::string, Diagnostics> of_shapes_;  // by file
+  ConsistencyCheck consistency_{limits_, &functions_};
+  bool consistency_checked_ = false;
+  std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file
 };
 
 // Diagnostics that need no rule of their own, under one name.

@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "kb_server/app/check_files.h"
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
@@ -36,6 +37,13 @@ Kind KindOf(const std::string& file) {
   return FormatOfFile(file) ? Kind::kRdf : Kind::kUnknown;
 }
 
+// A text of whole lines.
+std::string Indented(const std::string& text, const std::string& by) {
+  std::string out;
+  for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) absl::StrAppend(&out, by, line, "\n");
+  return out;
+}
+
 class Checker {
  public:
   explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
@@ -59,6 +67,12 @@ class Checker {
       auto text = ReadBytes(file);
       if (!text.ok()) return text.status();
       files_.AddRdf(file, *text, false);
+    }
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRules) continue;
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      files_.AddRules(file, *text);
     }
     rsel::ServiceRegistry registry;
     for (const std::string& file : arguments_.files) {
@@ -146,11 +160,15 @@ class Checker {
             {"rule", finding.rule},
             {"message", d.message},
             {"hint", d.hint}};
+        if (!finding.proof.empty()) object["proof"] = finding.proof;
         std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
       }
       return;
     }
-    std::cerr << Render(diagnostics, text);
+    for (const ontology::Finding& finding : findings) {
+      std::cerr << Render({finding.diagnostic}, text);
+      if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(finding.proof, "    ");
+    }
     if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
   }
 

@@ -34,9 +34,10 @@ class ProofWriter {
     const ProofStep& step = proof_.steps[number];
     Line(indent, display_.Fact(step.fact));
     for (const Told& told : step.told) {
-      std::string line = absl::StrCat("told by ", display_.Of(told.graph));
+      const bool by_graph = !told.graph.lexical.empty();
+      std::string line = by_graph ? absl::StrCat("told by ", display_.Of(told.graph)) : absl::StrCat("told ", told.by);
       if (told.graph.lexical == kRunsGraph) line = "told by the workflow engine";
-      if (!told.by.empty()) absl::StrAppend(&line, ", ", told.by);
+      if (by_graph && !told.by.empty()) absl::StrAppend(&line, ", ", told.by);
       if (told.offset > 0)
         absl::StrAppend(&line, ", ", TimeText(told.time_us), ", log offset ", told.offset);
       Line(indent + 1, line);

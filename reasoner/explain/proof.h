@@ -28,7 +28,7 @@ namespace docent::explain {
 
 // One telling of a fact.
 struct Told {
-  Term graph;               // the named graph that holds it: its source
+  Term graph;               // the named graph that holds it: its source; empty: `by` alone says it ("in hall.ttl:3:5")
   uint64_t offset = 0;      // of the log record that told it last; 0: not looked up or not found
   TimeMicros time_us = 0;   // when
   std::string by;           // "reading of <sensor>", "ontology world.ttl", …; empty: a plain fact

@@ -2,6 +2,7 @@
 #ifndef DOCENT_REASONER_ONTOLOGY_FINDING_H_
 #define DOCENT_REASONER_ONTOLOGY_FINDING_H_
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,7 @@ namespace docent::ontology {
 struct Finding {
   std::string rule;  // a name that does not change: "undefined-term", "unused-prefix" …
   Diagnostic diagnostic;
+  std::string proof;  // of an inconsistency: what it rests on, as `docent why` shows it; empty: there is none
 };
 
 // Findings of one file, at most `limit`; the rest are counted.
@@ -26,6 +28,19 @@ class Findings {
   void Warning(const std::string& rule, const SourceSpan& span, std::string message, std::string hint) {
     Add(rule, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning);
   }
+  void Add(Finding finding) {
+    if (findings_.size() >= limit_) {
+      ++left_out_;
+      return;
+    }
+    findings_.push_back(std::move(finding));
+  }
+  // The first that suits; null: none does.
+  template <typename Test>
+  Finding* Find(const Test& suits) {
+    const auto found = std::find_if(findings_.begin(), findings_.end(), suits);
+    return found == findings_.end() ? nullptr : &*found;
+  }
   // In order of the text.
   std::vector<Finding> Take();
   size_t left_out() const { return left_out_; }
@@ -33,11 +48,7 @@ class Findings {
  private:
   void Add(const std::string& rule, const SourceSpan& span, std::string message, std::string hint,
            Diagnostic::Severity severity) {
-    if (findings_.size() >= limit_) {
-      ++left_out_;
-      return;
-    }
-    findings_.push_back({rule, {file_, span, std::move(message), std::move(hint), severity}});
+    Add({rule, {file_, span, std::move(message), std::move(hint), severity}, ""});
   }
 
   const std::string file_;

@@ -64,7 +64,6 @@ class MeaningCheck {
     if (declares && IsSchemaWord(q.object.lexical) && declared_.insert(iri).second) {
       CheckExplained(iri, at.subject);
     }
-    CheckTypes(iri, vocabulary_.TypesOf(iri), at.subject, "is");
   }
 
   void CheckExplained(const std::string& iri, const SourceSpan& span) {
@@ -87,13 +86,13 @@ class MeaningCheck {
                       "imports are not fetched; name the file that has it, too");
   }
 
-  // Two disjoint classes among those that a resource is in, or a class is below.
-  void CheckTypes(const std::string& iri, const Words& types, const SourceSpan& span, const char* verb) {
-    if (!judged_.insert({iri, verb}).second) return;
-    const auto [one, other] = vocabulary_.DisjointAmong(types);
+  // A class below two disjoint ones: no inconsistency while nothing is in it.
+  void CheckSatisfiable(const std::string& iri, const SourceSpan& span) {
+    if (!judged_.insert(iri).second) return;
+    const auto [one, other] = vocabulary_.DisjointAmong({iri});
     if (one.empty()) return;
     findings_.Error("disjoint-types", span,
-                    Concat(Show(iri), " ", verb, " ", Show(one), " and ", Show(other), ", which are disjoint"),
+                    Concat(Show(iri), " is below ", Show(one), " and ", Show(other), ", which are disjoint"),
                     "remove one of them, or the owl:disjointWith");
   }
 
@@ -189,7 +188,7 @@ class MeaningCheck {
     const bool of_properties = q.predicate.lexical == Concat(kRdfsNs, "subPropertyOf");
     if (!of_classes && !of_properties) return;
     if (of_classes) {
-      CheckTypes(q.subject.lexical, {q.subject.lexical}, at.subject, "is below");
+      CheckSatisfiable(q.subject.lexical, at.subject);
     }
     const auto& edges = of_classes ? vocabulary_.super_classes() : vocabulary_.super_properties();
     const std::vector<std::string> cycle = CycleThrough(edges, q.subject.lexical, q.object.lexical);
@@ -238,7 +237,7 @@ class MeaningCheck {
   Findings& findings_;
   std::set<std::string> declared_;
   std::map<Term, Term> rests_;  // rdf:rest, by cell
-  std::set<std::pair<std::string, std::string>> judged_;  // a resource, and as what
+  std::set<std::string> judged_;  // classes
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Do a document's triples fit what the vocabulary says of their words? Findings that need no reasoner: domains and
-// ranges, disjoint classes, literals, circles, missing explanations. One thread.
+// ranges, literals, circles, missing explanations. What contradicts itself is found by following the rules:
+// kb_server/app/consistency_check.h. One thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_MEANING_CHECK_H_
 #define DOCENT_REASONER_ONTOLOGY_MEANING_CHECK_H_
 
@@ -16,7 +17,7 @@ namespace docent::ontology {
 //                               range; a literal of another datatype than the range; one in a class disjoint with the range
 //  error    domain-clash        a subject in a class disjoint with the domain
 //  error    bad-literal         a literal whose text its datatype does not allow
-//  error    disjoint-types      a resource in two disjoint classes; a class below two
+//  error    disjoint-types      a class below two disjoint ones
 //  warning  domain-mismatch, range-mismatch   a resource with a type that is not the domain or range, nor below it: it is
 //                               taken for one, too
 //  warning  missing-label, missing-comment    of a class or property that this document declares; missing both is one finding

@@ -58,6 +58,19 @@ class Check(StageTest):
         self.assertEqual([(f["rule"], f["line"], f["column"]) for f in found if f["severity"] == "error"],
                          [("undefined-term", 2, 6), ("range-clash", 3, 9)])
 
+    def test_an_inconsistency_has_its_proof(self):
+        words = self.file("words.ttl", WORDS + ":Robot a owl:Class ; rdfs:label \"robot\" ; rdfs:comment \"moves\" ; owl:disjointWith :Room .\n")
+        data = self.file("data.ttl", "@prefix : <http://example.org/> .\n:A :door :A .\n:C a :Robot .\n")
+        rules = self.file("c.rules", "PREFIX : <http://example.org/>\nRULE { ?x a :Room } WHERE { ?x a :Robot }\n")
+        self.assertEqual(self.docent("check", words, data).returncode, 0)
+        done = self.docent("check", words, data, rules)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("data.ttl:3:6: error: the facts contradict each other, by owl2rl cax-dw", done.stderr)
+        self.assertIn("c.rules rule 1 (line 2), ?x = :C", done.stderr)
+        self.assertIn("data.ttl:3:6\n", done.stderr[done.stderr.index("proof:"):])
+        found = [json.loads(line) for line in self.docent("check", "--json", words, data, rules).stdout.splitlines()]
+        self.assertIn("told in ", [f for f in found if f["rule"] == "inconsistency"][0]["proof"])
+
     def test_an_option_takes_one_file(self):
         words, data = self.file("words.ttl", WORDS), "<http://e/A> a <http://example.org/Rom> .\n"
         files = [self.file("a.ttl", data), self.file("b.ttl", data)]
