@@ -59,11 +59,31 @@ void FileChecker::AddRdf(const std::string& file, const std::string& text, bool 
     vocabulary_.Add(document.rdf.quads);
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
+    ImportedRules imported = ImportShaclRules(document, text, file, &functions_);
+    if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text);
+    if (!only_words) imported_[file] = std::move(imported);
   }
   if (!only_words) documents_[file] = std::move(document);
 }
 
 void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text); }
+
+void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
+  const ImportedRules& imported = imported_[file];
+  for (const Diagnostic& d : imported.diagnostics) {
+    findings.Add({d.severity == Diagnostic::Severity::kError ? "syntax" : "rule", d, ""});
+  }
+  for (const ImportedConstruct& construct : imported.constructs) {
+    ontology::Findings in_query(file, limits_.check_diagnostics);
+    ontology::CheckWords(construct.query, vocabulary_, in_query);
+    for (ontology::Finding& finding : in_query.Take()) {
+      // a word is judged at its first place in the document
+      if (findings.Find([&](const ontology::Finding& f) { return f.diagnostic.message == finding.diagnostic.message; }) != nullptr) continue;
+      finding.diagnostic.span = construct.InDocument(finding.diagnostic.span);
+      findings.Add(std::move(finding));
+    }
+  }
+}
 
 void FileChecker::AddInconsistencies(const std::string& file, ontology::Findings& findings) {
   if (!consistency_checked_) inconsistencies_ = consistency_.Run();
@@ -96,6 +116,7 @@ std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
   }
   ontology::CheckWords(document, vocabulary_, findings);
   ontology::CheckMeaning(document, vocabulary_, &cycles_, findings);
+  CheckImported(file, findings);
   AddInconsistencies(file, findings);
   for (const Diagnostic& d : of_shapes_[file]) {
     if (d.severity == Diagnostic::Severity::kError) {

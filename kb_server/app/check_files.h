@@ -14,6 +14,7 @@
 #include "kb_server/sparql/function_registry.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
+#include "reasoner/rules/shacl_rules_import.h"
 #include "reasoner/shapes/file_graph.h"
 
 namespace docent {
@@ -37,6 +38,8 @@ class FileChecker {
  private:
   // The shapes of all documents, read once; each finding with its file.
   void CheckShapes();
+  // The rules of the file's shapes: their mistakes, and the words of their queries.
+  void CheckImported(const std::string& file, ontology::Findings& findings);
   // The inconsistencies of all, looked for once, into the findings of the file.
   void AddInconsistencies(const std::string& file, ontology::Findings& findings);
 
@@ -48,6 +51,7 @@ class FileChecker {
   shapes::FileGraph graph_;
   bool shapes_read_ = false;
   std::map<std::string, Diagnostics> of_shapes_;  // by file
+  std::map<std::string, ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
   ConsistencyCheck consistency_{limits_, &functions_};
   bool consistency_checked_ = false;
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file

@@ -9,7 +9,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/text_input.h"
-#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/located_parser.h"
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/rules/shacl_rules_import.h"
 
@@ -40,13 +40,13 @@ absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
   if (!format) return RuleText{std::move(name), *std::move(text)};
   ParseRdfOptions options;
   options.file = name_or_file;
-  const ParsedRdf parsed = ParseRdf(*text, *format, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
-  ImportedRules imported = ImportShaclRules(parsed.quads, name_or_file);
-  if (!imported.ok()) return ToStatus(imported.diagnostics, "");
+  const LocatedRdf parsed = ParseLocatedRdf(*text, *format, options);
+  if (!parsed.rdf.ok()) return ToStatus(parsed.rdf.diagnostics, *text);
+  ImportedRules imported = ImportShaclRules(parsed, *text, name_or_file);
+  if (!imported.ok()) return ToStatus(imported.diagnostics, *text);
   if (imported.rules == 0)
     return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
-  std::cerr << Render(imported.diagnostics, "");
+  std::cerr << Render(imported.diagnostics, *text);
   return RuleText{std::move(name), std::move(imported.text)};
 }
 

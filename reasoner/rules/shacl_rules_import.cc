@@ -1,13 +1,17 @@
 #include "reasoner/rules/shacl_rules_import.h"
 
+#include <algorithm>
 #include <map>
-#include <set>
+#include <tuple>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/algebra_printer.h"
 #include "kb_server/sparql/parser.h"
+#include "reasoner/rules/rule_parser.h"
 
 namespace docent {
 namespace {
@@ -16,8 +20,13 @@ constexpr std::string_view kShNs = "http://www.w3.org/ns/shacl#";
 
 class Importer {
  public:
-  Importer(const std::vector<TermQuad>& quads, std::string_view file) : file_(file) {
-    for (const TermQuad& q : quads) values_[{Key(q.subject), q.predicate.lexical}].push_back(q.object);
+  Importer(const LocatedRdf& document, std::string_view source, std::string_view file, const sparql::FunctionRegistry* functions)
+      : source_(source), file_(file), functions_(functions) {
+    for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
+      const TermQuad& q = document.rdf.quads[i];
+      values_[{Key(q.subject), q.predicate.lexical}].push_back(q.object);
+      places_.try_emplace({Key(q.subject), q.predicate.lexical, Key(q.object)}, document.places[i].object);
+    }
   }
 
   ImportedRules Run() {
@@ -25,16 +34,28 @@ class Importer {
       if (key.second != Sh("rule")) continue;
       shape_ = key.first;
       if (IsTrue(Values(shape_, Sh("deactivated")))) continue;
-      for (const Term& rule : rules) Import(Key(rule));
+      for (const Term& rule : rules) {
+        place_ = PlaceOf(shape_, Sh("rule"), Key(rule));
+        Import(Key(rule));
+      }
     }
-    if (by_class_) {
-      result_.diagnostics.push_back({file_, {}, "a target class means its explicit instances here, those of its subclasses only where inferred",
+    Write();
+    if (by_class_.line > 0) {
+      result_.diagnostics.push_back({file_, by_class_, "a target class means its explicit instances here, those of its subclasses only where inferred",
                                      "put rdfs or owl2rl in use, too, if there are subclasses", Diagnostic::Severity::kWarning});
     }
     return std::move(result_);
   }
 
  private:
+  // A rule as the document of rules has it.
+  struct Made {
+    std::string name, head, target, where;
+    size_t construct = 0;  // in ImportedRules::constructs
+    // in the text: of all, and without the target
+    size_t begin = 0, target_begin = 0, target_end = 0, end = 0;
+  };
+
   static std::string Sh(std::string_view local) {
     return absl::StrCat(std::string(kShNs), std::string(local));
   }
@@ -50,7 +71,11 @@ class Importer {
   }
   void Error(std::string message, std::string hint) {
     result_.diagnostics.push_back(
-        {file_, {}, absl::StrCat("rule of the shape ", shape_, ": ", message), std::move(hint)});
+        {file_, place_, absl::StrCat("rule of the shape ", shape_, ": ", message), std::move(hint)});
+  }
+  SourceSpan PlaceOf(const std::string& subject, const std::string& predicate, const std::string& object) const {
+    const auto found = places_.find({subject, predicate, object});
+    return found == places_.end() ? SourceSpan() : found->second;
   }
 
   // sh:prefixes → sh:declare [ sh:prefix "ex" ; sh:namespace "http://…" ].
@@ -96,14 +121,23 @@ class Importer {
     const std::vector<Term>& construct = Values(rule, Sh("construct"));
     if (construct.empty())
       return Error("it has no sh:construct; only sh:SPARQLRule is read", "write it as a CONSTRUCT");
-    const std::string text = absl::StrCat(Prologue(rule), construct[0].lexical);
+    const std::string prologue = Prologue(rule), text = absl::StrCat(prologue, construct[0].lexical);
+    ImportedConstruct read;
+    read.text = construct[0].lexical;
+    read.prologue = prologue.size();
+    read.literal = place_ = PlaceOf(rule, Sh("construct"), Key(construct[0]));
+    read.quote = QuoteOf(read);
     sparql::ParseOptions options;
     options.file = file_;
     options.prefixes = sparql::WellKnownPrefixes();
     sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
-    if (!parsed.ok())
-      return Error("its sh:construct is not SPARQL: " + parsed.diagnostics[0].message,
-                   parsed.diagnostics[0].hint);
+    if (!parsed.ok()) {
+      for (const Diagnostic& d : parsed.diagnostics) {
+        place_ = read.InDocument(d.span);
+        Error("its sh:construct is not SPARQL: " + d.message, d.hint);
+      }
+      return;
+    }
     if (parsed.query.form != sparql::Query::Form::kConstruct)
       return Error("its sh:construct is no CONSTRUCT", "");
     const std::vector<std::string> targets = Targets();
@@ -117,25 +151,121 @@ class Importer {
     // The target stands in the same group as the pattern, so that its filters see ?this.
     std::string where = sparql::PrintPattern(*parsed.query.algebra, print);
     where = where.substr(1, where.rfind('}') - 1);
-    by_class_ = by_class_ || !Values(shape_, Sh("targetClass")).empty();
+    if (by_class_.line == 0 && !Values(shape_, Sh("targetClass")).empty()) by_class_ = place_;
     for (const std::string& target : targets) {
-      absl::StrAppend(&result_.text, rule.starts_with("_:") ? "RULE" : absl::StrCat("RULE <", rule, ">"),
-                      " { ", head, "}\nWHERE { ", target, " ", where, "}\n");
-      ++result_.rules;
+      made_.push_back({rule.starts_with("_:") ? "" : absl::StrCat("<", rule, "> "), OnOneLine(head), target, OnOneLine(where),
+                       result_.constructs.size()});
+    }
+    read.query = std::move(parsed.query);
+    result_.constructs.push_back(std::move(read));
+  }
+
+  // What is printed has line breaks between its parts alone: those of literals are escaped.
+  static std::string OnOneLine(std::string_view printed) { return absl::StrReplaceAll(std::string(printed), {{"\n", " "}}); }
+
+  // Of a literal whose characters stand in the document as they are.
+  size_t QuoteOf(const ImportedConstruct& read) const {
+    if (read.literal.offset >= source_.size()) return 0;
+    const std::string_view written = source_.substr(read.literal.offset);
+    const size_t quote = written.starts_with("\"\"\"") || written.starts_with("'''") ? 3 : 1;
+    const bool quoted = written[0] == '"' || written[0] == '\'';
+    return quoted && written.size() > quote && written.substr(quote).starts_with(read.text) ? quote : 0;
+  }
+
+  // The document of rules, each in its line; and what the rule language says of them.
+  void Write() {
+    const auto line = [this](const Made& rule) { return result_.constructs[rule.construct].literal.line; };
+    std::stable_sort(made_.begin(), made_.end(), [&](const Made& a, const Made& b) { return line(a) < line(b); });
+    int at = 1;
+    std::string& text = result_.text;
+    for (Made& rule : made_) {
+      if (!text.empty() && text.back() != '\n') text += ' ';
+      for (; at < line(rule); ++at) text += '\n';
+      rule.begin = text.size();
+      absl::StrAppend(&text, "RULE ", rule.name, "{ ", rule.head, "} WHERE { ");
+      rule.target_begin = text.size();
+      absl::StrAppend(&text, rule.target, " ");
+      rule.target_end = text.size();
+      absl::StrAppend(&text, rule.where, "}");
+      rule.end = text.size();
+    }
+    if (!text.empty()) text += '\n';
+    result_.rules = made_.size();
+    std::map<std::pair<size_t, std::string>, bool> told;  // place and message: a rule of two targets has its mistakes twice
+    for (Diagnostic& d : ParseRules(text, file_, {}, functions_).diagnostics) {
+      d.span = InDocument(d.span);
+      if (told.emplace(std::pair(d.span.offset, d.message), true).second) result_.diagnostics.push_back(std::move(d));
     }
   }
 
+  // Where the word that a place of `text` names stands in the document: the same of those that are alike, if both have as many.
+  SourceSpan InDocument(const SourceSpan& in_rules) const {
+    const auto rule = std::find_if(made_.begin(), made_.end(),
+                                   [&](const Made& m) { return m.begin <= in_rules.offset && in_rules.offset < m.end; });
+    if (rule == made_.end()) return {};
+    const ImportedConstruct& construct = result_.constructs[rule->construct];
+    if (in_rules.offset >= rule->target_begin && in_rules.offset < rule->target_end) return construct.literal;
+    const std::string_view text = result_.text;
+    const std::string word = WordAt(text, in_rules.offset);
+    const std::vector<size_t> there = Occurrences(construct.text, word);
+    if (word.empty() || there.empty()) return construct.literal;
+    size_t number = 0;
+    for (const size_t offset : Occurrences(text.substr(rule->begin, in_rules.offset - rule->begin), word)) {
+      const size_t place = rule->begin + offset;
+      if (place < rule->target_begin || place >= rule->target_end) ++number;
+    }
+    const size_t offset = there[std::min(number, there.size() - 1)];
+    return construct.InDocument({0, 0, construct.prologue + offset, word.size()});
+  }
+
+  static bool IsWordCharacter(char c) { return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '?'; }
+  static std::string Plain(std::string_view text) {
+    return absl::AsciiStrToLower(absl::StrReplaceAll(std::string(text), {{"$", "?"}}));
+  }
+  static std::string WordAt(std::string_view text, size_t offset) {
+    const std::string plain = Plain(text.substr(offset, 200));
+    size_t end = 0;
+    while (end < plain.size() && IsWordCharacter(plain[end])) ++end;
+    return plain.substr(0, end);
+  }
+  static std::vector<size_t> Occurrences(std::string_view text, const std::string& word) {
+    std::vector<size_t> out;
+    const std::string plain = Plain(text);
+    for (size_t at = plain.find(word); at != std::string::npos && !word.empty(); at = plain.find(word, at + 1)) {
+      const bool begins = at == 0 || !IsWordCharacter(plain[at - 1]);
+      const size_t end = at + word.size();
+      if (begins && (end == plain.size() || !IsWordCharacter(plain[end]))) out.push_back(at);
+    }
+    return out;
+  }
+
+  const std::string_view source_;
   const std::string file_;
+  const sparql::FunctionRegistry* functions_;
   std::map<std::pair<std::string, std::string>, std::vector<Term>> values_;
+  std::map<std::tuple<std::string, std::string, std::string>, SourceSpan> places_;  // of objects
   std::string shape_;
-  bool by_class_ = false;  // a rule whose target is a class
+  SourceSpan place_;     // of what is looked at
+  SourceSpan by_class_;  // of a rule whose target is a class
+  std::vector<Made> made_;
   ImportedRules result_;
 };
 
 }  // namespace
 
-ImportedRules ImportShaclRules(const std::vector<TermQuad>& shapes, std::string_view file) {
-  return Importer(shapes, file).Run();
+SourceSpan ImportedConstruct::InDocument(const SourceSpan& in_query) const {
+  if (quote == 0 || in_query.offset < prologue || in_query.offset - prologue > text.size()) return literal;
+  const size_t offset = in_query.offset - prologue;
+  SourceSpan span = SpanAt(text, offset, in_query.length);
+  if (span.line == 1) span.column += literal.column + static_cast<int>(quote) - 1;
+  span.line += literal.line - 1;
+  span.offset = literal.offset + quote + offset;
+  return span;
+}
+
+ImportedRules ImportShaclRules(const LocatedRdf& shapes, std::string_view source, std::string_view file,
+                               const sparql::FunctionRegistry* functions) {
+  return Importer(shapes, source, file, functions).Run();
 }
 
 }  // namespace docent

@@ -144,6 +144,21 @@ class Modules(StageTest):
         self.assertEqual(server.run("ontology", "diff", words).returncode, 1)
         server.command("ontology", "replace", words)
 
+    def test_the_rules_of_a_shape_are_called_by_their_lines(self):
+        server = self.stage.server()
+        shapes = """@prefix sh: <http://www.w3.org/ns/shacl#> .
+<http://e/S> sh:targetNode <http://e/x> ;
+  sh:rule [ sh:construct \'\'\'PREFIX : <http://e/>
+    CONSTRUCT { $this :b 1 }
+    WHERE { $this :a 1 }\'\'\' ] .
+"""
+        server.command("rules", "use", self.file("af.ttl", shapes))
+        server.command("load", self.file("d.ttl", "<http://e/x> <http://e/a> 1 .\n"))
+        self.assertIn("by af.ttl rule 1 (line 3)", server.command("why", "<http://e/x> <http://e/b> 1"))
+        done = server.run("rules", "use", self.file("bad.ttl", shapes.replace("WHERE {", "WHERE { OPTIONAL { $this :c 1 }")))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("bad.ttl:5:13: error: a rule body cannot contain OPTIONAL\n      WHERE { OPTIONAL", done.stderr)
+
     def test_functions_that_a_server_has(self):
         good = self.file("good.rules", "PREFIX : <http://e/> RULE { ?a :d ?x } WHERE { ?a :x ?p ; :y ?q BIND(docent:distance(?p, ?q, 0, 0) AS ?x) }\n")
         self.assertEqual(self.docent("check", good).returncode, 0)

@@ -104,6 +104,21 @@ TEST(CheckFilesTest, RulesThatCannotBeFollowedBesideOwl2rlAreNamed) {
   EXPECT_THAT(Text(checker.CheckRdf("d.ttl")), AllOf(HasSubstr("cls-nothing2"), HasSubstr("good.rules rule 1")));
 }
 
+TEST(CheckFilesTest, TheRulesOfShapesAreLookedAt) {
+  const std::string shapes =
+      "@prefix sh: <http://www.w3.org/ns/shacl#> .\n:A a owl:Class ; owl:disjointWith :B . :B a owl:Class .\n"
+      ":S sh:targetClass :A ; sh:rule [ sh:construct \"\"\"PREFIX : <http://e/>\n  CONSTRUCT { $this a :B }\n";
+  const std::string bad = Check(shapes + "  WHERE { $this :p ?p OPTIONAL { $this :q ?q } }\"\"\" ] .\n:p a owl:ObjectProperty . :q a owl:ObjectProperty .");
+  EXPECT_THAT(bad, HasSubstr("syntax f.ttl:6:23: error: a rule body cannot contain OPTIONAL"));
+  const std::string words = Check(shapes + "  WHERE { $this a :Aa }\"\"\" ] .\n"
+                                  ":U sh:targetClass :A ; sh:rule [ sh:construct \"PREFIX : <http://e/> CONSTRUCT { $this a :Aa } WHERE { }\" ] .");
+  EXPECT_THAT(words, HasSubstr("undefined-term f.ttl:6:19: error: the class <http://e/Aa> is not defined"));
+  EXPECT_EQ(words.find("undefined-term"), words.rfind("undefined-term")) << "a word is told once: " << words;
+  const std::string facts = Check(shapes + "  WHERE { }\"\"\" ] . :i a :A .");
+  EXPECT_THAT(facts, HasSubstr("inconsistency f.ttl:6:"));
+  EXPECT_THAT(facts, HasSubstr(":i a :B\n  by f.ttl rule 1 (line 4), ?this = :i"));
+}
+
 TEST(CheckFilesTest, AClashIsToldOnceWithItsProof) {
   const std::string text = Check(":Robot a owl:Class ; owl:disjointWith :Place . :Place a owl:Class . :isAt a owl:ObjectProperty ; rdfs:domain :Robot .\n"
                                  ":hall a :Place ; :isAt :yard . :yard a :Place .");

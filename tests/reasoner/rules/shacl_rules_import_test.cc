@@ -3,8 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/located_parser.h"
 #include "reasoner/rules/rule_engine.h"
+#include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/test_world.h"
 
 namespace docent {
@@ -19,9 +20,9 @@ constexpr char kPrefixes[] =
     ":decl sh:declare [ sh:prefix \"ex\" ; sh:namespace \"http://example.org/\" ] .\n";
 
 ImportedRules Import(const std::string& turtle) {
-  const ParsedRdf parsed = ParseRdf(kPrefixes + turtle, RdfFormat::kTurtle, {});
-  EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, kPrefixes + turtle);
-  return ImportShaclRules(parsed.quads, "shapes.ttl");
+  const LocatedRdf parsed = ParseLocatedRdf(kPrefixes + turtle, RdfFormat::kTurtle, {});
+  EXPECT_TRUE(parsed.rdf.ok()) << Render(parsed.rdf.diagnostics, kPrefixes + turtle);
+  return ImportShaclRules(parsed, kPrefixes + turtle, "shapes.ttl");
 }
 
 std::string Errors(const std::string& turtle) {
@@ -71,6 +72,37 @@ TEST(ShaclRulesImport, WhatIsNotSupportedIsSaid) {
               HasSubstr("no CONSTRUCT"));
   EXPECT_THAT(Errors(":S sh:rule [ sh:construct \"CONSTRUCT { $this a $this } WHERE { $this ?p ?o }\" ] ."),
               HasSubstr("no target"));
+}
+
+// The document that a tester wrote: five lines, of which the mistakes are in the third and the last one.
+TEST(ShaclRulesImport, WhatIsWrongIsToldWhereTheDocumentHasIt) {
+  const std::string errors = Errors(
+      ":S sh:targetClass :T ; sh:targetNode :n ; sh:rule [ sh:construct \"\"\"PREFIX ex: <http://ex/>\n"
+      "CONSTRUCT { $this ex:hasW ?q }\n"
+      "WHERE { $this ex:w ?v }\"\"\" ] , [ sh:prefixes :decl ;\n"
+      "  sh:construct \"CONSTRUCT { $this ex:opt ?v } WHERE { $this ex:k ?k OPTIONAL { $this ex:w ?v } }\" ] ;\n"
+      "  sh:rule [ sh:construct \"CONSTRUCT { $this nope:p 1 } WHERE { }\" ] ,\n"
+      "    [ a sh:TripleRule ] , [ sh:construct \"CONSTRUCT { $this a \\\"q\\\" } WHERE { OPTIONAL { } }\" ] .");
+  EXPECT_THAT(errors, HasSubstr("shapes.ttl:5:27: error: "));
+  EXPECT_EQ(errors.find("shapes.ttl:5:27"), errors.rfind("shapes.ttl:5:27")) << "a rule of two targets has its mistake once: " << errors;
+  EXPECT_THAT(errors, HasSubstr("shapes.ttl:7:69: error: "));
+  EXPECT_THAT(errors, HasSubstr("OPTIONAL"));
+  EXPECT_THAT(errors, HasSubstr("shapes.ttl:8:45: error: rule of the shape http://example.org/S: its sh:construct is not SPARQL"));
+  EXPECT_THAT(errors, HasSubstr("shapes.ttl:9:5: error: rule of the shape http://example.org/S: it has no sh:construct"));
+  EXPECT_THAT(errors, HasSubstr("shapes.ttl:9:42: error: ")) << "of a literal with escapes its beginning";
+}
+
+TEST(ShaclRulesImport, ARuleIsCalledByItsLineInTheDocument) {
+  const ImportedRules imported = Import(
+      ":S sh:targetClass :C ; sh:rule [ sh:prefixes :decl ;\n  sh:construct \"CONSTRUCT { $this ex:b 1 } WHERE { $this ex:a 1 }\" ] .\n"
+      ":A sh:targetClass :C , :D ;\n\n sh:rule [ sh:prefixes :decl ; sh:construct \"\"\"CONSTRUCT { $this ex:c 1 }\nWHERE { $this ex:a \"x\\\\ny\" }\"\"\" ] .");
+  ASSERT_TRUE(imported.ok()) << Render(imported.diagnostics, "");
+  const ParsedRules rules = ParseRules(imported.text, "af.ttl");
+  ASSERT_TRUE(rules.ok()) << imported.text;
+  ASSERT_EQ(rules.rules.size(), 3u);
+  EXPECT_EQ(RuleLabel("af.ttl", rules.rules[0], 1), "af.ttl rule 1 (line 5)");
+  EXPECT_EQ(RuleLabel("af.ttl", rules.rules[1], 2), "af.ttl rule 2 (line 8)");
+  EXPECT_EQ(RuleLabel("af.ttl", rules.rules[2], 3), "af.ttl rule 3 (line 8)");
 }
 
 }  // namespace
