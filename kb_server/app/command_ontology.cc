@@ -16,8 +16,10 @@
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/catalog.h"
 #include "kb_server/service/convert.h"
+#include "kb_server/service/validation_proto.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/ontology/module_diff.h"
+#include "reasoner/shapes/report.h"
 
 namespace docent {
 namespace {
@@ -110,8 +112,7 @@ int Check(const OntologyArguments& arguments) {
     if (!status.ok()) return Fail(status, arguments.client);
     PrintDiagnostics(reply.diagnostics());
     for (const v1::ValidationResult& r : reply.results()) {
-      std::cerr << r.severity() << ": " << ToDisplay(r.focus()) << " " << r.path() << ": " << r.message() << "\n  shape "
-                << ToDisplay(r.shape()) << ", " << r.constraint() << "\n";
+      std::cerr << shapes::Render(FromProto(r));
     }
     std::cout << request->name() << (reply.conforms() ? ": ok" : ": would violate shapes") << ", tried on revision "
               << reply.revision() << "\n";

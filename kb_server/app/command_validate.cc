@@ -13,6 +13,7 @@
 #include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/convert.h"
+#include "kb_server/service/validation_proto.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/shapes/file_graph.h"
 #include "reasoner/shapes/report.h"
@@ -174,15 +175,7 @@ int ValidateServer(const ValidateArguments& arguments) {
     return PrintRdf(quads, reply.conforms());
   }
   for (const v1::ValidationResult& r : reply.results()) {
-    shapes::ResultText text;
-    text.severity = r.severity();
-    text.focus = ToDisplay(r.focus());
-    text.path = r.path();
-    if (r.has_value()) text.value = ToDisplay(r.value());
-    text.shape = ToDisplay(r.shape());
-    text.component = r.constraint();
-    text.message = r.message();
-    text.details.assign(r.details().begin(), r.details().end());
+    const shapes::ResultText text = FromProto(r);
     if (arguments.client.json) {
       PrintResultJson(text);
     } else {

@@ -10,6 +10,7 @@
 #include "kb_server/service/catalog.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/shapes/shape_reader.h"
+#include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
 
 namespace docent {
@@ -67,7 +68,23 @@ std::string KeyOf(const shapes::ValidationResult& result, const Dictionary& dict
                       result.has_path ? shapes::PathText(result.path, dictionary) : "", " ", result.messages[0].lexical);
 }
 
-void Collect(const Outcome& before, const Outcome& after, const Dictionary& dictionary, LoadVerdict* verdict) {
+// Where the quads of the text stand, by the ids of the private copy.
+shapes::SourceMap PlacesOf(const LoadedText& text, const Dictionary& dictionary) {
+  shapes::SourceMap places;
+  if (text.name.empty()) return places;
+  const LocatedRdf document = text.parse();
+  for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
+    const TermQuad& q = document.rdf.quads[i];
+    const auto subject = dictionary.Find(q.subject), predicate = dictionary.Find(q.predicate), object = dictionary.Find(q.object);
+    if (!subject || !predicate || !object) continue;
+    places.Add({*subject, *predicate, *object, TermId()}, {text.name, document.places[i].subject}, {text.name, document.places[i].object});
+  }
+  return places;
+}
+
+void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batch, const LoadedText& loaded, const Dictionary& dictionary,
+             LoadVerdict* verdict) {
+  shapes::SourceMap places;
   std::multiset<std::string> old;
   for (const shapes::ValidationResult& result : before.report.results) old.insert(KeyOf(result, dictionary));
   for (const shapes::ValidationResult& result : after.report.results) {
@@ -76,7 +93,9 @@ void Collect(const Outcome& before, const Outcome& after, const Dictionary& dict
       continue;
     }
     JudgedResult judged;
-    judged.text = shapes::Describe(result, dictionary, nullptr, nullptr);
+    if (verdict->results.empty()) places = PlacesOf(loaded, dictionary);
+    // shapes are those of modules: data that speak of one do not say where it is
+    judged.text = shapes::Describe(result, dictionary, &places, batch.documents.empty() ? nullptr : &places);
     judged.focus = dictionary.Decode(result.focus);
     if (!result.value.IsNone()) judged.value = dictionary.Decode(result.value);
     judged.shape = dictionary.Decode(result.shape);
@@ -102,7 +121,7 @@ std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& 
 }
 
 absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                                      Cancellation* cancellation) {
+                                      const LoadedText& text, Cancellation* cancellation) {
   Dictionary dictionary(ports.dictionary);
   // a version without owner: it outlives the writer, which only shares its nodes
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
@@ -129,7 +148,7 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatc
   if (after->report.conforms()) return verdict;
   auto before = Validate(ports, version, dictionary, cancellation);
   if (!before.ok()) return before.status();
-  Collect(*before, *after, dictionary, &verdict);
+  Collect(*before, *after, batch, text, dictionary, &verdict);
   if (verdict.results.empty() && after->report.total > before->report.total) {
     return absl::ResourceExhaustedError(
         absl::StrCat("the graph has ", after->report.total, " validation results, more than the limit validation_results = ",

@@ -3,11 +3,14 @@
 #ifndef DOCENT_KB_SERVER_SERVICE_LOAD_JUDGE_H_
 #define DOCENT_KB_SERVER_SERVICE_LOAD_JUDGE_H_
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/rdf/located_parser.h"
 #include "kb_server/service/ports.h"
 #include "kb_server/store/recent_changes.h"
 #include "kb_server/store/write_batch.h"
@@ -29,10 +32,16 @@ struct LoadVerdict {
   bool HasViolations() const;
 };
 
+// The text that the batch was made of, for the places of results. Its blank nodes are those of the batch.
+struct LoadedText {
+  std::string name;                    // as the client named it; empty: there is no text
+  std::function<LocatedRdf()> parse;  // only where there are results
+};
+
 // The batch of a Load on `version`: its documents are ontologies (replaced or removed), its operations quads. CANCELLED,
 // DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED: there is no verdict.
 absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                                      Cancellation* cancellation);
+                                      const LoadedText& text, Cancellation* cancellation);
 
 // The graphs of the ontology modules: where shapes are looked for.
 std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);

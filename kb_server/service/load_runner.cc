@@ -25,11 +25,13 @@ Diagnostics AsWarnings(const LoadVerdict& verdict) {
   for (const JudgedResult& result : verdict.results) {
     if (warnings.size() == kShown) break;
     const shapes::ResultText& r = result.text;
-    warnings.push_back({"",
-                        {},
+    const std::string shape_place =
+        r.shape_file.empty() ? "" : absl::StrCat(" (", r.shape_file, ":", r.shape_line, ":", r.shape_column, ")");
+    warnings.push_back({r.file,
+                        {r.line, r.column},
                         absl::StrCat(r.severity, ": ", r.focus, r.path.empty() ? "" : " ", r.path, r.value.empty() ? "" : " ",
                                      r.value, ": ", r.message),
-                        absl::StrCat("see the shape ", r.shape, ", ", r.component),
+                        absl::StrCat("see the shape ", r.shape, ", ", r.component, shape_place),
                         Diagnostic::Severity::kWarning});
   }
   return warnings;
@@ -61,7 +63,7 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
     ++attempts_;
     auto version = AwaitVersion(ports_, needed_, absl::Now() + absl::Seconds(10), job_.cancellation.get());
     if (!version.ok()) return job_.done(version.status(), {});
-    auto verdict = JudgeLoad(ports_, job_.batch, **version, job_.cancellation.get());
+    auto verdict = JudgeLoad(ports_, job_.batch, **version, job_.text, job_.cancellation.get());
     if (!verdict.ok()) return job_.done(verdict.status(), {});
     const bool refuse = ports_.on_violation == OnViolation::kRefuse;
     if (refuse && verdict->HasViolations()) return job_.done(Refusal(*verdict), {});

@@ -9,6 +9,7 @@
 
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/door/inbox.h"
+#include "kb_server/service/load_judge.h"
 
 namespace docent {
 
@@ -19,6 +20,7 @@ using LoadCallback = std::function<void(const absl::StatusOr<BatchOutcome>& outc
 
 struct LoadJob {
   WriteBatch batch;
+  LoadedText text;                             // that the batch was made of
   BatchPreparation prepare;                    // on the writer's turn, before the batch is applied; may be null
   std::shared_ptr<Cancellation> cancellation;  // of the judging; not null
   LoadCallback done;

@@ -1,10 +1,12 @@
 #include "kb_server/service/module_requests.h"
 
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/document_name.h"
 #include "kb_server/rdf/line_parser.h"
+#include "kb_server/rdf/located_parser.h"
 #include "kb_server/rdf/parser.h"
 #include "kb_server/service/catalog.h"
 #include "kb_server/service/convert.h"
@@ -12,13 +14,7 @@
 namespace docent {
 namespace {
 
-// The quads of an RDF text, each in `graph` unless the text names one.
-absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
-                        WriteBatch* batch) {
-  std::string media_type = request.media_type().empty() ? "text/turtle" : request.media_type();
-  auto format = FormatOfMediaType(media_type);
-  if (!format)
-    return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits) {
   ParseRdfOptions options;
   options.file = request.name();
   options.limits = limits;
@@ -27,6 +23,20 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   } else {
     options.blank_node_scope = BlankLabelStart(request.document().empty() ? request.text() : request.document());
   }
+  return options;
+}
+
+std::optional<RdfFormat> FormatFor(const v1::LoadRequest& request) {
+  return FormatOfMediaType(request.media_type().empty() ? "text/turtle" : request.media_type());
+}
+
+// The quads of an RDF text, each in `graph` unless the text names one.
+absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
+                        WriteBatch* batch) {
+  const auto format = FormatFor(request);
+  if (!format)
+    return absl::InvalidArgumentError(absl::StrCat("media type \"", request.media_type(), "\" is not known"));
+  const ParseRdfOptions options = OptionsFor(request, limits);
   absl::Status other_graph;
   const auto add = [&](TermQuad quad) {
     if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
@@ -54,6 +64,13 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
 }
 
 }  // namespace
+
+LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
+  if (!request.document().empty() || request.kind() == v1::LoadRequest::RULES) return {};
+  return {request.name().empty() ? "text" : request.name(), [&request, limits] {
+            return ParseLocatedRdf(request.text(), FormatFor(request).value_or(RdfFormat::kTurtle), OptionsFor(request, limits));
+          }};
+}
 
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;

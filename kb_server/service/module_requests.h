@@ -5,12 +5,17 @@
 #include "absl/status/statusor.h"
 #include "docent/v1/ontologies.pb.h"
 #include "kb_server/base/limits.h"
+#include "kb_server/service/load_judge.h"
 #include "kb_server/store/write_batch.h"
 
 namespace docent {
 
 // INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits);
+
+// Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
+// are not the document's) and rules have no places.
+LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits);
 
 }  // namespace docent
 

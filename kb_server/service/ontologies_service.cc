@@ -91,6 +91,7 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* c
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
     job.batch = *std::move(batch);
+    job.text = TextOf(*request, ports_.limits);
     job.prepare = CheckMode(*request, ports_);
     job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
     job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {

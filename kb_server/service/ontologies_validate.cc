@@ -13,6 +13,7 @@
 #include "kb_server/service/load_judge.h"
 #include "kb_server/service/module_requests.h"
 #include "kb_server/service/unary_reactors.h"
+#include "kb_server/service/validation_proto.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
@@ -54,21 +55,9 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
   return absl::OkStatus();
 }
 
-void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape,
-             v1::ValidationResult* out) {
-  out->set_severity(text.severity);
-  docent::ToProto(focus, out->mutable_focus());
-  out->set_path(text.path);
-  if (!text.value.empty()) docent::ToProto(value, out->mutable_value());
-  docent::ToProto(shape, out->mutable_shape());
-  out->set_constraint(text.component);
-  out->set_message(text.message);
-  for (const std::string& detail : text.details) out->add_details(detail);
-}
-
 // As much of the report as fits into half a message.
-absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary, bool rdf, const Limits& limits,
-                  v1::ValidateReply* reply) {
+absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary, const shapes::SourceMap& shape_places, bool rdf,
+                  const Limits& limits, v1::ValidateReply* reply) {
   reply->set_conforms(report.conforms());
   reply->set_total(report.total);
   reply->set_focus_nodes(report.focus_nodes);
@@ -90,7 +79,7 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   for (const shapes::ValidationResult& result : report.results) {
     v1::ValidationResult* out = reply->add_results();
     const Term value = result.value.IsNone() ? Term() : dictionary.Decode(result.value);
-    ToProto(shapes::Describe(result, dictionary, nullptr, nullptr), dictionary.Decode(result.focus), value,
+    ToProto(shapes::Describe(result, dictionary, nullptr, &shape_places), dictionary.Decode(result.focus), value,
             dictionary.Decode(result.shape), out);
     bytes += out->ByteSizeLong();
     if (bytes > room) {
@@ -125,7 +114,7 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
   auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
   if (!report.ok()) return report.status();
   reply->set_revision((*version)->revision().value());
-  return Fill(*report, dictionary, request.rdf(), ports.limits, reply);
+  return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
 }
 
 absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
@@ -133,7 +122,7 @@ absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Ca
   absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits);
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
-  auto verdict = JudgeLoad(ports, *batch, *version, cancellation);
+  auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);
   if (!verdict.ok()) return verdict.status();
   reply->set_revision(version->revision().value());
   reply->set_conforms(!verdict->HasViolations());

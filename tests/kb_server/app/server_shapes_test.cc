@@ -114,6 +114,49 @@ TEST_F(ServerShapesTest, ShapesThatTheGraphViolatesAreRefusedToo) {
   EXPECT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "shapes.ttl", kShapes).ok());
 }
 
+TEST_F(ServerShapesTest, ResultsNameTheLinesOfTheTextsThatTheRequestBrings) {
+  settings_.on_violation = OnViolation::kRefuse;
+  StartServer();
+  ASSERT_TRUE(LoadData(":A a :Room .").ok());
+  v1::ValidateReply reply;
+  ASSERT_TRUE(Validate(&reply, kShapes).ok());
+  ASSERT_EQ(reply.results_size(), 1);
+  EXPECT_EQ(reply.results(0).shape_place().file(), "given.ttl");
+  EXPECT_EQ(reply.results(0).shape_place().line(), 3);
+  EXPECT_EQ(reply.results(0).shape_place().column(), 15);
+  EXPECT_FALSE(reply.results(0).has_place()) << "the server has no text of what it holds";
+
+  v1::LoadRequest request;
+  request.set_name("shapes.ttl");
+  request.set_text(kShapes);
+  v1::CheckModuleReply check;
+  ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Check, request, &check).ok());
+  ASSERT_EQ(check.results_size(), 1);
+  EXPECT_EQ(check.results(0).shape_place().file(), "shapes.ttl");
+  EXPECT_EQ(check.results(0).shape_place().line(), 3);
+  EXPECT_FALSE(check.results(0).has_place());
+
+  ASSERT_TRUE(LoadData(":A :door :D .").ok());
+  ASSERT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "shapes.ttl", kShapes).ok());
+  EXPECT_THAT(LoadData(":C a :Room ; :door :D .\n:B a :Room .").error_message(),
+              HasSubstr("data.ttl:3:1: violation: <urn:w:B> <urn:w:door>: a room needs a door"));
+  EXPECT_THAT(LoadData("\n[] a :Room .").error_message(), HasSubstr("data.ttl:3:1: violation: _:"));
+  v1::LoadReply loaded;
+  ASSERT_TRUE(LoadData(":D a :Room ;\n  :door :D ; :colour :Red .", &loaded).ok());
+  ASSERT_EQ(loaded.diagnostics_size(), 1);
+  EXPECT_EQ(loaded.diagnostics(0).file(), "data.ttl");
+  EXPECT_EQ(loaded.diagnostics(0).line(), 3);
+  EXPECT_EQ(loaded.diagnostics(0).column(), 22);
+
+  // a part of a document has lines of its own
+  request.set_kind(v1::LoadRequest::DATA);
+  request.set_document("d");
+  request.set_text("<urn:w:E> a <urn:w:Room> .");
+  v1::LoadReply part;
+  const grpc::Status status = Call(ontologies_, &v1::Ontologies::Stub::Load, request, &part);
+  EXPECT_THAT(status.error_message(), HasSubstr("nothing was changed:\nviolation: <urn:w:E>"));
+}
+
 TEST_F(ServerShapesTest, AServerThatWarnsLoadsAndSaysWhy) {
   settings_.on_violation = OnViolation::kWarn;
   StartServer();
