@@ -143,13 +143,14 @@ void ConditionPort::Gather(ConditionEdge edge) {
   before = std::move(net);
 }
 
-void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us) {
+void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
   SettleLasting(now_us);
   edges_ = std::move(gathered_);
   gathered_.clear();
   gathered_at_.clear();
   version_ = &version;
   now_us_ = now_us;
+  cancellation_ = cancellation;
 }
 
 bool ConditionPort::Holds(ConditionHandle handle) const {
@@ -172,8 +173,8 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
     if (!id) return bindings;
     wanted.emplace_back(name, *id);
   }
-  auto solutions =
-      constraints_->Solutions(it->second.id, *version_, wanted, lasting != nullptr ? SIZE_MAX : limit, now_us_);
+  auto solutions = constraints_->Solutions(it->second.id, *version_, wanted, lasting != nullptr ? SIZE_MAX : limit, now_us_,
+                                           cancellation_);
   if (!solutions.ok()) return solutions.status();
   for (const Binding& solution : *solutions) {
     if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;

@@ -58,7 +58,8 @@ class ConditionPort final : public ConditionView {
   // Adds the edges of these changes to the next round's.
   void Take(const std::vector<ConstraintChange>& changes, TimeMicros now_us);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
-  void BeginRound(const GraphVersion& version, TimeMicros now_us);
+  // `cancellation` (null: none) ends Solutions of this round early; the turn is then to be refused, since the engine goes on.
+  void BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);
 
   const std::vector<ConditionEdge>& edges() const override { return edges_; }
   bool Holds(ConditionHandle handle) const override;
@@ -119,6 +120,7 @@ class ConditionPort final : public ConditionView {
   std::vector<ConditionEdge> edges_;
   const GraphVersion* version_ = nullptr;
   TimeMicros now_us_ = 0;
+  Cancellation* cancellation_ = nullptr;
   // the journal
   std::vector<ConditionHandle> armed_;
   std::vector<std::pair<ConditionHandle, Condition>> disarmed_;

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "absl/synchronization/notification.h"
 #include "kb_server/app/spatial_functions.h"
 #include "kb_server/app/text_input.h"
 #include "kb_server/log/sqlite_log.h"
@@ -145,8 +146,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.on_violation = settings.on_violation;
   s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits, s.workers_.get());
   s.ports_.remote = s.remote_.get();
-  s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown) {
-    return s.PreviewRuleChange(name, text, shown);
+  s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown, Cancellation* cancellation) {
+    return s.PreviewRuleChange(name, text, shown, cancellation);
   };
   s.fact_history_ = std::make_unique<LogHistory>(s.log_.get(), &s.dictionary_, settings.explain_limits);
   s.ports_.explain_limits = settings.explain_limits;
@@ -178,13 +179,19 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
 
 Server::~Server() {
   auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(2);
+  // Calls that wait for a turn end with it, so this must not wait for them.
+  absl::Notification writer_done;
+  std::thread patience([this, &writer_done] {
+    if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(1)) && writer_) writer_->EndTurns();
+  });
   http_server_.reset();
   if (grpc_server_) grpc_server_->Shutdown(deadline);
   inbox_.Close();
-  if (writer_thread_.joinable()) {
-    writer_thread_.join();
-    LeaveSnapshot();
-  }
+  const bool snapshot = writer_thread_.joinable();
+  if (snapshot) writer_thread_.join();
+  writer_done.Notify();
+  patience.join();
+  if (snapshot) LeaveSnapshot();
   proxies_.reset();  // after the writer, which sends to the last
   workers_.reset();
   grpc_server_.reset();
@@ -420,7 +427,7 @@ absl::Status Server::LoadRules() {
 }
 
 absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, const std::string* text,
-                                                       size_t shown) const {
+                                                       size_t shown, Cancellation* cancellation) const {
   // The version first: the catalog that goes with it may be a turn newer, never older than its rules.
   const GraphVersionPtr version = queries_.Newest();
   std::vector<RuleSetText> current;
@@ -429,7 +436,8 @@ absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, 
   }
   const auto preview =
       PreviewRules(dictionary_, version, current, name,
-                   text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown, settings_.limits, &functions_);
+                   text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown, settings_.limits, &functions_,
+                   cancellation);
   if (!preview.ok()) return preview.status();
   return RulesPreview{version->revision().value(), preview->added, preview->removed, preview->added_triples,
                       preview->removed_triples};

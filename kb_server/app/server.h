@@ -76,7 +76,7 @@ class Server {
   absl::Status LoadRules();
   absl::Status PushAndWait(WriteBatch batch, const std::string& what);
   absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text,
-                                                 size_t shown) const;
+                                                 size_t shown, Cancellation* cancellation) const;
   void ExpectRobots();
   void RegisterMetrics();
   void RegisterSubscriptionMetrics();

@@ -40,6 +40,10 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
   absl::StatusOr<Delta> delta = ApplyToStore(stages, batch, offset);  // store
   if (!delta.ok()) return delta.status();
 
+  if (stages->cancellation != nullptr) {
+    stages->cancellation->AllowSteps(stages->limits.StepsOfTurn(stages->writer.current().size()));
+  }
+
   DeltaSum sum;
   for (int round = 0;; ++round) {
     if (round == stages->limits.engine_rounds_per_turn) {
@@ -60,7 +64,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     auto changes = stages->constraints.Update(graph, *delta, batch.time_us, stages->cancellation);  // standing constraints
     if (!changes.ok()) return changes.status();
     stages->conditions.Take(*changes, batch.time_us);
-    stages->conditions.BeginRound(graph, batch.time_us);
+    stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
 
     stages->robots.Refresh(graph, *delta);
     EngineInput view;
@@ -71,6 +75,9 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
     EngineOutput output = stages->engine.Step(view);  // workflow engine
+    if (stages->cancellation != nullptr) {  // it took what it could get
+      if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
+    }
     Record(output, result);
     stages->conditions.Disarm(output.disarm);
     if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us, stages->cancellation);

@@ -58,7 +58,8 @@ struct Stages {
   Documents documents;
   // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.
   bool freezes = true;
-  // Ends a turn that nobody waits for any more, as an error; null: none. For questions: what is told is decided.
+  // Ends a turn early, as an error: one that nobody waits for any more, or that makes more steps than the limits allow (which
+  // RunTurn tells it). Null: no such limits; so while the log is replayed, whose turns were decided.
   Cancellation* cancellation = nullptr;
 
   void Commit();

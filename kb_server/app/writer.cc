@@ -106,6 +106,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   if (!status.ok()) return status;
   ports_.inbox->StartAfter(newest_time_us_);
   if (progress && newest_ > start->offset) progress(newest_, head->offset);
+  stages_->cancellation = &cancellation_;
   if (ports_.snapshots != nullptr) ports_.snapshots->Recovered(newest_ - start->offset, bytes);
   return absl::OkStatus();
 }
@@ -225,7 +226,10 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
   if (!result.ok()) {
     if (tick) next_tick_us_ = time_us + kTickPauseUs;
     ++counters_.refused;
-    group->answers.push_back({result.status(), std::move(pending.done)});
+    const bool ending = absl::IsCancelled(result.status());
+    group->answers.push_back({ending ? absl::UnavailableError("the server ends; the batch was not applied: send it again")
+                                     : result.status(),
+                              std::move(pending.done)});
     return;
   }
   ++newest_;

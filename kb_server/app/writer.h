@@ -19,6 +19,7 @@
 #include "kb_server/app/recovery.h"
 #include "kb_server/app/snapshot_keeper.h"
 #include "kb_server/app/turn.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/request_memory.h"
@@ -59,6 +60,9 @@ class Writer {
   // writer.
   absl::Status Run();
 
+  // The turn that is under way is refused, and so are all after it: a long one does not hold up the end. Any thread.
+  void EndTurns() { cancellation_.Cancel(); }
+
   // What a snapshot would hold now. Not while Run runs.
   ServerState State() const;
 
@@ -80,6 +84,7 @@ class Writer {
   void PublishCounters();
 
   const Ports ports_;
+  Cancellation cancellation_;  // of turns that are decided here, not of those that are replayed
   std::unique_ptr<Stages> stages_;
   // All of these of the turns that were decided, durable or not yet.
   RequestMemory requests_;

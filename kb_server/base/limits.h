@@ -22,6 +22,10 @@ struct Limits {
   int engine_rounds_per_turn = 64;     // store → rules → constraints → engine until quiet
   int rule_rounds = 10000;             // fixpoint rounds of a rule set
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
+  // What the joins of rules and standing conditions may cost in one turn, in rows looked at. A turn that the log has is not
+  // refused by them: what was decided stands.
+  uint64_t steps_per_turn = 1000000000;  // and
+  uint64_t steps_per_fact = 2000;        // of the graph, those that the turn infers among them
   size_t turns_per_commit = 4096;      // turns that share one fdatasync
   size_t record_bytes = 1000000000;    // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
 
@@ -84,6 +88,9 @@ struct Limits {
   size_t run_events_kept = 10000;  // newest events of runs, for Watch with `after`
   int node_iterations = 10000;
   int subflow_nesting = 32;  // runs inside each other
+
+  // Of a turn on a graph with so many facts.
+  uint64_t StepsOfTurn(size_t facts) const { return steps_per_turn + steps_per_fact * facts; }
 };
 
 }  // namespace docent

@@ -140,14 +140,15 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
   return reactor;
 }
 
-grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext*,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));
     const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),
-                                              std::min(request->shown(), kMostShown));
+                                              std::min(request->shown(), kMostShown), cancellation.get());
     if (!preview.ok()) return reactor->Finish(ToGrpc(preview.status()));
     reply->set_revision(preview->revision);
     reply->set_added(preview->added);
@@ -155,7 +156,8 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
     for (const std::string& triple : preview->added_triples) reply->add_added_triples(triple);
     for (const std::string& triple : preview->removed_triples) reply->add_removed_triples(triple);
     reactor->Finish(grpc::Status::OK);
-  });
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }
 
 }  // namespace docent

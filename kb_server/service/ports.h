@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/explain_limits.h"
 #include "kb_server/base/limits.h"
@@ -43,9 +44,10 @@ struct RulesPreview {
   std::vector<std::string> added_triples;
   std::vector<std::string> removed_triples;
 };
-// `text` null: the set would be removed. Any thread; may take long.
+// `text` null: the set would be removed. Any thread; may take long, until `cancellation` ends it.
 using PreviewRulesPort = std::function<absl::StatusOr<RulesPreview>(const std::string& name,
-                                                                    const std::string* text, size_t shown)>;
+                                                                    const std::string* text, size_t shown,
+                                                                    Cancellation* cancellation)>;
 
 struct ServicePorts {
   Inbox* inbox = nullptr;

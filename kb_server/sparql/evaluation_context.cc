@@ -5,8 +5,11 @@
 namespace docent::sparql {
 
 bool EvaluationContext::PollNow() {
-  if (status.ok() && cancellation != nullptr) status = cancellation->CheckNow();
-  polls_left_ = status.ok() ? kPolls : 1;
+  if (status.ok() && cancellation != nullptr) {
+    cancellation->Spend(static_cast<uint64_t>(polls_given_));
+    status = cancellation->CheckNow();
+  }
+  polls_left_ = polls_given_ = status.ok() ? kPolls : 1;
   return status.ok();
 }
 

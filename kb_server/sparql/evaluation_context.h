@@ -47,7 +47,7 @@ class EvaluationContext {
     seed = new_seed;
     random_ = new_seed;
     row_number = 0;
-    polls_left_ = 1;
+    polls_left_ = polls_given_ = 1;
     if (!status.ok()) status = absl::OkStatus();
     Forget();
   }
@@ -121,6 +121,7 @@ class EvaluationContext {
   bool Refuse(size_t more);
 
   int polls_left_ = 1;  // until the status, the caller and the clock are looked at
+  int polls_given_ = 1;  // the last time
   const size_t memory_limit_;
   MemoryUse memory_;
   uint64_t run_ = 0;

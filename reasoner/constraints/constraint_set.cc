@@ -274,7 +274,7 @@ std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
 
 absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, const GraphVersion& version,
                                                               const Binding& fixed, size_t limit,
-                                                              TimeMicros now_us) {
+                                                              TimeMicros now_us, Cancellation* cancellation) {
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
   const Impl::Follower& follower = found->second;
@@ -291,7 +291,7 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
   std::vector<Binding> bindings;
   absl::flat_hash_set<Binding> seen;
   absl::Status compared;
-  const sparql::RunOptions run{.version = &version, .now_us = now_us};
+  const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const absl::Status status = condition.body().Evaluate(run, seed, [&](absl::Span<const TermId> row) {
     for (const auto& [column, value] : wanted) {
       if (row[column] != value) return true;

@@ -111,7 +111,8 @@ class ConstraintSet {
   // Solutions on `version` that have the values of `fixed`, with all visible variables, distinct, in term order, the
   // first `limit` of them. None where `fixed` has another variable. NOT_FOUND for an unknown id.
   absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, const Binding& fixed,
-                                                 size_t limit, TimeMicros now_us = 0);
+                                                 size_t limit, TimeMicros now_us = 0,
+                                                 Cancellation* cancellation = nullptr);
 
   // The turn is done: what was registered, removed and learnt since the last Commit stays.
   void Commit();

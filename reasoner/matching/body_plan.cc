@@ -2,14 +2,28 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace docent {
 
 struct Body::FlatPlan::Run {
+  static constexpr uint64_t kStepsAPoll = 1024;
+  static constexpr uint64_t kStepsAnExpression = 4;  // what the evaluator of expressions takes beside a row, about
   const sparql::RunOptions& options;
   Visitor visit;
   Filters filters;
   absl::Status status;
+  uint64_t steps = 0;  // rows looked at, and patterns begun, since the last Poll
+
+  // False: stop.
+  bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(); }
+  bool Poll() {
+    const uint64_t made = std::exchange(steps, 0);
+    if (options.cancellation == nullptr) return true;
+    options.cancellation->Spend(made);
+    if (status.ok()) status = options.cancellation->Check();
+    return status.ok();
+  }
 };
 
 std::optional<bool> TestTerms(const TermTest& test, absl::Span<const TermId> row) {
@@ -107,6 +121,7 @@ bool Body::FlatPlan::Leaf(Run& run) {
         if (!run.status.ok()) return false;
       }
     }
+    if (!run.Step(Run::kStepsAnExpression)) return false;
     const absl::StatusOr<bool> holds = filter.expression->Test(run.options, row_);
     if (!holds.ok()) {
       run.status = holds.status();
@@ -119,10 +134,7 @@ bool Body::FlatPlan::Leaf(Run& run) {
 
 bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   if (open == 0) return Leaf(run);
-  if (run.options.cancellation != nullptr) {
-    run.status = run.options.cancellation->Check();
-    if (!run.status.ok()) return false;
-  }
+  if (!run.Step()) return false;
   bool impossible = false;
   const uint32_t next = PickNext(*run.options.version, open, impossible);
   if (impossible) return true;
@@ -141,6 +153,7 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   if (fresh_count == 0) return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
   bool go_on = true;
   for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.NextTriple()) {
+    go_on = run.Step();
     for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
     const std::array<TermId, 3> found = {c.term(0), c.term(1), c.term(2)};
     bool fits = true;
@@ -151,7 +164,7 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
       fits = value == found[i];  // ?x ex:knows ?x
     }
     for (int i = 0; fits && i < fresh_count; ++i) fits = TestBound(fresh[i]);
-    if (fits) go_on = Join(run, open & ~(1u << next));
+    if (fits && go_on) go_on = Join(run, open & ~(1u << next));
   }
   for (int i = 0; i < fresh_count; ++i) row_[fresh[i]] = TermId();
   return go_on;
@@ -167,6 +180,7 @@ absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::S
   }
   Run state{run, visit, filters, absl::OkStatus()};
   Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
+  state.Poll();
   return state.status;
 }
 

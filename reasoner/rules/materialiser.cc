@@ -22,7 +22,7 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
       told_delta_(told),
       context_(context),
       proofs_(program, context.schema, context.writer, context.inconsistencies, context.inferred_graph,
-              marked_),
+              marked_, context.cancellation),
       is_entering_(program.rules.size()) {}
 
 // Sorted, so that the lookups walk along the index.
@@ -69,7 +69,7 @@ absl::Status Materialiser::SettleTold() {
     if (entry.now != (entry.before || entry.inferred_before)) {
       if (!entry.now) {
         context_.schema.Lost(entry.triple);
-      } else if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) {
+      } else if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation); !status.ok()) {
         return status;
       }
     }
@@ -86,7 +86,7 @@ absl::Status Materialiser::SettleTold() {
       context_.writer.Add(InferredQuad(entry.triple));
       NowInferred(entry.triple);
       proofs_.Forget();
-      if (absl::Status status = context_.schema.Gained(entry.triple, graph()); !status.ok()) return status;
+      if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation); !status.ok()) return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
       any_proven = true;  // it may come back
       rederivable_.push_back(entry.triple);

@@ -111,12 +111,13 @@ absl::Status Materialiser::EndRound() {
     added_.push_back(t);
     ++context_.inferred_so_far;
   }
+  if (context_.cancellation != nullptr) context_.cancellation->AllowMoreSteps(round_.size() * context_.limits.steps_per_fact);
   if (context_.inferred_so_far > context_.limits.inferred_per_turn) {
     return LimitError(program_.rules[last_rule_], "inferred_per_turn", context_.limits.inferred_per_turn);
   }
   context_.writer.AddAll(std::move(quads));
   for (const Triple& t : round_) {
-    if (absl::Status status = context_.schema.Gained(t, graph()); !status.ok()) return status;
+    if (absl::Status status = context_.schema.Gained(t, graph(), context_.cancellation); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -154,7 +155,7 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
     const absl::Status status = rule.body->EvaluateRest(
         run, seed_, matched, rule.filters ? Body::Filters::kAll : Body::Filters::kNone,
         [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
-    if (!status.ok()) status_ = status;
+    if (!status.ok()) status_ = rule.Named(status);
   });
   return status_;
 }
@@ -181,7 +182,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
       status = rule.body->EvaluateRest(run, seed_, matched, Body::Filters::kAll,
                                        [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     }
-    if (!status.ok()) status_ = status;
+    if (!status.ok()) status_ = rule.Named(status);
   });
   return status_;
 }
@@ -202,7 +203,7 @@ absl::Status Materialiser::FireSeeded(uint32_t number, Phase phase) {
   if (whole && !whole_.insert(number).second) return absl::OkStatus();
   const absl::Status status =
       rule.body->Evaluate(Now(), seed_, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
-  return status.ok() ? status_ : status;
+  return status.ok() ? status_ : rule.Named(status);
 }
 
 absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phase phase) {
@@ -210,7 +211,7 @@ absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phas
   const std::vector<TermId> nothing(rule.body->columns().size());
   const absl::Status status =
       rule.body->Evaluate(Now(), nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
-  return status.ok() ? status_ : status;
+  return status.ok() ? status_ : rule.Named(status);
 }
 
 // A rule with a schema part, for each solution of it.
@@ -224,7 +225,7 @@ absl::Status Materialiser::FireInstances(uint32_t number) {
         Now(), instance.row, rule.schema, filters,
         [&](absl::Span<const TermId> found) { return Emit(rule, found, Phase::kAdd); });
   });
-  return status.ok() ? status_ : status;
+  return status.ok() ? status_ : rule.Named(status);
 }
 
 bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, Phase phase) {
@@ -252,7 +253,7 @@ bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase
   ++context_.counters.firings;
   if (context_.cancellation != nullptr) {
     if (absl::Status status = context_.cancellation->Check(); !status.ok()) {
-      status_ = std::move(status);
+      status_ = rule.Named(std::move(status));
       return false;
     }
   }

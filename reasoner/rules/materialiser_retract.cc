@@ -191,7 +191,7 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
     const absl::Status status =
         maker.row != nullptr ? rule.body->EvaluateRest(run, seed_, rule.schema, Body::Filters::kAll, visit)
                              : rule.body->Evaluate(run, seed_, visit);
-    if (!status.ok()) return status;
+    if (!status.ok()) return rule.Named(status);
     if (derivable) return true;
   }
   return false;

@@ -132,30 +132,31 @@ ProofSearch::Answer ProofSearch::Collect(const CompiledRule& rule, absl::Span<co
   bool too_many = false;
   bool told = false;
   const size_t count = rule.body->patterns().size();
-  status_ = rule.body->EvaluateRest({.version = &writer_.current()}, seed, matched, Body::Filters::kAll,
-                                    [&](absl::Span<const TermId> row) {
-                                      std::vector<Triple> open;
-                                      for (size_t i = 0; i < count; ++i) {
-                                        const Triple premise = rule.Premise(i, row);
-                                        if (proven_.contains(premise)) continue;
-                                        if (lost_.contains(premise) || failed_.contains(premise)) return true;
-                                        if (IsTold(premise)) {
-                                          proven_.insert(premise);
-                                          continue;
-                                        }
-                                        open.push_back(premise);
-                                      }
-                                      if (open.empty()) {
-                                        told = true;
-                                        return false;
-                                      }
-                                      if (bodies.size() == kBodies) {
-                                        too_many = true;
-                                        return false;
-                                      }
-                                      bodies.push_back(std::move(open));
-                                      return true;
-                                    });
+  const sparql::RunOptions run{.version = &writer_.current(), .cancellation = cancellation_};
+  const auto take = [&](absl::Span<const TermId> row) {
+    std::vector<Triple> open;
+    for (size_t i = 0; i < count; ++i) {
+      const Triple premise = rule.Premise(i, row);
+      if (proven_.contains(premise)) continue;
+      if (lost_.contains(premise) || failed_.contains(premise)) return true;
+      if (IsTold(premise)) {
+        proven_.insert(premise);
+        continue;
+      }
+      open.push_back(premise);
+    }
+    if (open.empty()) {
+      told = true;
+      return false;
+    }
+    if (bodies.size() == kBodies) {
+      too_many = true;
+      return false;
+    }
+    bodies.push_back(std::move(open));
+    return true;
+  };
+  status_ = rule.Named(rule.body->EvaluateRest(run, seed, matched, Body::Filters::kAll, take));
   if (told) return Answer::kProven;
   return too_many ? Answer::kUndecided : Answer::kUnproven;
 }

@@ -54,16 +54,17 @@ class ProofSearch {
     kUndecided,  // too far to tell, or a rule that is not positive may make it
   };
 
-  // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile.
+  // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile. `cancellation`: null: none.
   ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer,
               const InconsistencyFacts& inconsistencies, TermId inferred_graph,
-              const absl::flat_hash_set<Triple>& lost)
+              const absl::flat_hash_set<Triple>& lost, Cancellation* cancellation)
       : program_(program),
         schema_(schema),
         writer_(writer),
         inconsistencies_(inconsistencies),
         inferred_graph_(inferred_graph),
-        lost_(lost) {}
+        lost_(lost),
+        cancellation_(cancellation) {}
 
   absl::StatusOr<Answer> Prove(const Triple& fact);
   // To be called where facts came into the graph since the last Prove, or `lost` became smaller.
@@ -97,6 +98,7 @@ class ProofSearch {
   const InconsistencyFacts& inconsistencies_;
   const TermId inferred_graph_;
   const absl::flat_hash_set<Triple>& lost_;
+  Cancellation* const cancellation_;
 
   Surroundings surroundings_;
   absl::flat_hash_set<Triple> proven_;

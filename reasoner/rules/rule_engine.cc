@@ -93,7 +93,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   RuleProgram& before = impl.state.applied != nullptr ? *impl.state.applied : impl.no_rules;
   if (impl.schema_of != &program) {
     impl.schema_of = nullptr;
-    if (absl::Status status = impl.schema.Build(program, writer.current()); !status.ok()) return status;
+    if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok()) return status;
     impl.inconsistencies.Find(writer.current());
     impl.schema_of = &program;
   }

@@ -53,7 +53,7 @@ class RuleEngine {
   // `told` is already applied in `writer` and leads there from the state of the last Update. Adds and removes
   // quads of docent:inferred in `writer`, and returns told and inferred changes together, net.
   // RESOURCE_EXHAUSTED naming the rule and the limit (rule_rounds in one Update, inferred_per_turn since the
-  // last Commit); INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller
+  // last Commit) or the body that `cancellation` ended; INVALID_ARGUMENT where `told` itself writes docent:inferred. After an error the caller
   // rolls back the writer and this. `cancellation` ends it early, likewise as an error; null: none.
   absl::StatusOr<Delta> Update(GraphWriter& writer, const Delta& told, Cancellation* cancellation = nullptr);
 

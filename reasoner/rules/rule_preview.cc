@@ -26,7 +26,8 @@ std::vector<std::string> Shown(const Dictionary& dictionary, const std::vector<Q
 absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
                                          const std::vector<RuleSetText>& current, const std::string& name,
                                          const std::optional<std::string>& text, size_t shown,
-                                         const Limits& limits, const sparql::FunctionRegistry* functions) {
+                                         const Limits& limits, const sparql::FunctionRegistry* functions,
+                                         Cancellation* cancellation) {
   Dictionary own(&dictionary);
   RuleEngine engine(own, limits, functions);
   for (const RuleSetText& set : current) {
@@ -41,7 +42,8 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
     return status;
   }
   GraphWriter writer(version);
-  const absl::StatusOr<Delta> delta = engine.Update(writer, {});
+  if (cancellation != nullptr) cancellation->AllowSteps(limits.StepsOfTurn(version->size()));
+  const absl::StatusOr<Delta> delta = engine.Update(writer, {}, cancellation);
   if (!delta.ok()) return delta.status();
   RulePreview preview;
   preview.added = delta->added.size();

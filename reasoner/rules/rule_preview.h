@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/function_registry.h"
@@ -30,11 +31,13 @@ struct RulePreview {
 
 // `current`: the rule sets that `version` follows. The set `name` would get `text`; nullopt: would be
 // removed. At most `shown` triples of each kind are told. INVALID_ARGUMENT with the rendered diagnostics;
-// NOT_FOUND for the removal of a set that is not there; RESOURCE_EXHAUSTED as RuleEngine::Update.
+// NOT_FOUND for the removal of a set that is not there; RESOURCE_EXHAUSTED as a turn that does it. `cancellation` ends it early,
+// as an error; null: none, nor a limit of steps.
 absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const GraphVersionPtr& version,
                                          const std::vector<RuleSetText>& current, const std::string& name,
                                          const std::optional<std::string>& text, size_t shown,
-                                         const Limits& limits, const sparql::FunctionRegistry* functions);
+                                         const Limits& limits, const sparql::FunctionRegistry* functions,
+                                         Cancellation* cancellation = nullptr);
 
 }  // namespace docent
 

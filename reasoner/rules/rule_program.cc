@@ -156,6 +156,11 @@ Triple CompiledRule::Premise(size_t i, absl::Span<const TermId> row) const {
   return {at(0), at(1), at(2)};
 }
 
+absl::Status CompiledRule::Named(absl::Status status) const {
+  if (status.ok()) return status;
+  return absl::Status(status.code(), absl::StrCat(label, ": ", status.message()));
+}
+
 bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
                           const sparql::FunctionRegistry* functions, Diagnostics& diagnostics) {
   bool ok = true;

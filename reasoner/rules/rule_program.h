@@ -67,6 +67,8 @@ struct CompiledRule {
 
   // The triple that a solution matches with pattern `i` of a flat body.
   Triple Premise(size_t i, absl::Span<const TermId> row) const;
+  // Why evaluating it ended, with its label; OK as it is.
+  absl::Status Named(absl::Status status) const;
 };
 
 // Levels are strata above the first of those of the rules that are entangled.

@@ -5,8 +5,9 @@
 
 namespace docent {
 
-absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph) {
+absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph, Cancellation* cancellation) {
   program_ = &program;
+  const sparql::RunOptions run{.version = &graph, .cancellation = cancellation};
   ++changes_;
   instances_.clear();
   free_.clear();
@@ -16,35 +17,36 @@ absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph)
   for (uint32_t r = 0; r < program.rules.size(); ++r) {
     if (program.rules[r].schema == 0) continue;
     const std::vector<TermId> nothing(program.rules[r].body->columns().size());
-    if (absl::Status status = Find(r, nothing, 0, graph); !status.ok()) return status;
+    if (absl::Status status = Find(r, nothing, 0, run); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
-absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph) {
+absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph, Cancellation* cancellation) {
   if (program_ == nullptr) return absl::OkStatus();
   absl::InlinedVector<PatternIndex::Reference, 4> found;
   const Quad quad = {triple.subject, triple.predicate, triple.object, TermId()};
   program_->schema_triggers.ForEachMatch(quad, [&](PatternIndex::Reference r) { found.push_back(r); });
+  const sparql::RunOptions run{.version = &graph, .cancellation = cancellation};
   for (const PatternIndex::Reference& reference : found) {
     Body& body = *program_->rules[reference.owner].body;
     const Trigger& trigger = body.triggers()[reference.pattern];
     std::vector<TermId> seed;
     body.SeedFrom(trigger, quad, seed);
-    if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, graph); !status.ok()) return status;
+    if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, run); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
 absl::Status SchemaIndex::Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
-                               const GraphVersion& graph) {
+                               const sparql::RunOptions& run) {
   const CompiledRule& compiled = program_->rules[rule];
   const uint32_t data = compiled.patterns & ~compiled.schema;
-  return compiled.body->EvaluateRest({.version = &graph}, seed, matched | data, Body::Filters::kBound,
-                                     [&](absl::Span<const TermId> row) {
-                                       Add(rule, row);
-                                       return true;
-                                     });
+  return compiled.Named(compiled.body->EvaluateRest(run, seed, matched | data, Body::Filters::kBound,
+                                                    [&](absl::Span<const TermId> row) {
+                                                      Add(rule, row);
+                                                      return true;
+                                                    }));
 }
 
 void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {

@@ -18,6 +18,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
+#include "kb_server/base/cancellation.h"
 #include "kb_server/store/graph_version.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/rule_program.h"
@@ -34,9 +35,10 @@ class SchemaIndex {
   };
 
   // All instances of `program` in `graph`. `program` must outlive this or the next Build.
-  absl::Status Build(RuleProgram& program, const GraphVersion& graph);
+  // `cancellation` (null: none) ends it early, as an error that names the rule; then it is to be built anew. So below.
+  absl::Status Build(RuleProgram& program, const GraphVersion& graph, Cancellation* cancellation);
   // `triple` stands in `graph` now and did not before; the other way about.
-  absl::Status Gained(const Triple& triple, const GraphVersion& graph);
+  absl::Status Gained(const Triple& triple, const GraphVersion& graph, Cancellation* cancellation);
   void Lost(const Triple& triple);
 
   const Instance& instance(uint32_t id) const { return instances_[id]; }
@@ -62,8 +64,7 @@ class SchemaIndex {
   uint64_t changes() const { return changes_; }
 
  private:
-  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
-                    const GraphVersion& graph);
+  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched, const sparql::RunOptions& run);
   void Add(uint32_t rule, absl::Span<const TermId> row);
   void Remove(uint32_t id);
 

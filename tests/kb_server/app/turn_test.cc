@@ -230,6 +230,8 @@ class FailingTurnTest : public ::testing::Test {
     Limits limits;
     limits.inferred_per_turn = 200;
     limits.engine_rounds_per_turn = 6;
+    limits.steps_per_turn = 100000;
+    limits.steps_per_fact = 1;
     return limits;
   }
 
@@ -285,6 +287,41 @@ TEST_F(FailingTurnTest, ABadTerm) {
   Fail(Tell({{Iri("s"), Iri("p"), Iri("o"), Term::Iri(std::string(kRunsGraph))}}),
        absl::StatusCode::kInvalidArgument, "graph");
   GoOn();
+}
+
+// What the log has is not refused at replay, where nobody gives a cancellation.
+TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
+  Cancellation cancellation;
+  world_.stages.cancellation = &cancellation;
+  WriteBatch batch = Put(Document::Kind::kRules, "cross.rules",
+                         "RULE { ?a <urn:w:r> ?b } WHERE { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z FILTER(?a = ?z) }");
+  for (int i = 0; i < 100; ++i) {
+    batch.operations.push_back({QuadOperation::Kind::kAdd, Fact(absl::StrCat("n", i), "in", "Set")});
+  }
+  Fail(batch, absl::StatusCode::kResourceExhausted, "steps_per_turn");
+  GoOn();
+  twin_.Must(batch);
+}
+
+// As a rule: the batch that it is too much for is refused.
+TEST_F(FailingTurnTest, AStandingConditionWithACostlyJoin) {
+  Cancellation cancellation;
+  world_.stages.cancellation = &cancellation;
+  std::vector<TermQuad> facts;
+  for (int i = 0; i < 100; ++i) facts.push_back(Fact(absl::StrCat("n", i), "in", absl::StrCat("s", i)));
+  for (World* world : {&world_, &twin_}) {
+    world->Must(Tell(facts));
+    ASSERT_TRUE(world->stages.conditions
+                    .Arm({{ConditionHandle{1} << 40,
+                           "ASK { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z . ?go <urn:w:go> ?d FILTER(?a = ?z) }"}},
+                         world->stages.writer.current(), world->now_us)
+                    .ok());
+    world->stages.Commit();
+  }
+  WriteBatch batch = Tell({Fact("R1", "go", "Hall")});
+  Fail(batch, absl::StatusCode::kResourceExhausted, "steps_per_turn");
+  GoOn();
+  twin_.Must(batch);
 }
 
 TEST_F(FailingTurnTest, ARuleThatInfersBeyondTheLimit) {

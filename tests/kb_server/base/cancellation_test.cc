@@ -29,5 +29,26 @@ TEST(CancellationTest, DeadlineNamesTheLimitAndStays) {
   EXPECT_EQ(cancellation.Check().code(), absl::StatusCode::kDeadlineExceeded);
 }
 
+TEST(CancellationTest, StepsAreAllowedUpToTheLimit) {
+  Cancellation any;
+  any.Spend(uint64_t{1} << 60);
+  any.AllowMoreSteps(1);
+  EXPECT_TRUE(any.CheckNow().ok()) << "no limit was said";
+
+  Cancellation limited;
+  limited.AllowSteps(10);
+  limited.Spend(10);
+  EXPECT_TRUE(limited.Check().ok());
+  limited.Spend(1);
+  const absl::Status status = limited.Check();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_NE(status.message().find("after 10 steps, what the limits steps_per_turn and steps_per_fact allow"), std::string::npos) << status;
+  limited.AllowMoreSteps(1);
+  EXPECT_TRUE(limited.Check().ok());
+  limited.AllowSteps(10);
+  limited.Spend(10);
+  EXPECT_TRUE(limited.Check().ok()) << "they are counted anew";
+}
+
 }  // namespace
 }  // namespace docent

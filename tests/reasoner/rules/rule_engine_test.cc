@@ -428,6 +428,48 @@ TEST_F(RuleLimitsTest, InferredFactsAreLimitedAtTheLimitAndOnePast) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("inferred_per_turn = 4"));
 }
 
+// It had no result, so nothing asked whether it should end.
+TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
+  std::vector<std::string> facts;
+  for (int i = 0; i < 200; ++i) facts.push_back(absl::StrCat("k", i, " p ", i));
+  Turn(facts);
+  for (const char* body : {
+           "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",                      // leaves
+           "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?f < ?b && ?f < ?d && ?b < ?f)",          // on ids
+           "?a :p ?b . ?c :p ?d . ?e :p ?f . ?a :q ?f",                                      // a pattern without a match
+           "{ ?a :p ?b } UNION { ?b :p ?a } ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",  // the SPARQL evaluator
+           "?a :p ?b . ?c :p ?d . ?e :p ?f BIND(?b + ?d + ?f AS ?g) FILTER(?g = -1)",
+       }) {
+    const std::string document = absl::StrCat("PREFIX : <http://example.org/>\nRULE :cross { ?a :r ?d } WHERE { ", body, " }");
+    ASSERT_THAT(engine_.PutRules("cross.rules", document), IsEmpty()) << body;
+    Cancellation cancellation;
+    cancellation.AllowSteps(100000);
+    const absl::StatusOr<Delta> delta = engine_.Update(world_.writer, {}, &cancellation);
+    if (std::string_view(body).find(":q") != std::string_view::npos) {
+      EXPECT_TRUE(delta.ok()) << "the pattern without a match is asked first";
+    } else {
+      EXPECT_EQ(delta.status().code(), absl::StatusCode::kResourceExhausted) << body;
+      EXPECT_THAT(std::string(delta.status().message()), HasSubstr("cross.rules cross (line 2): evaluation stopped after 100000"));
+      EXPECT_THAT(std::string(delta.status().message()), HasSubstr("steps_per_turn"));
+    }
+    engine_.Rollback();
+    world_.writer.Rollback();
+  }
+  Turn({"x p y"});
+  EXPECT_THAT(world_.Inferred(), IsEmpty()) << "the rule set was not taken";
+}
+
+TEST_F(RuleEngineTest, StepsAreAllowedUpToTheLimitAndMoreForWhatIsInferred) {
+  Put("RULE { ?y a :Hot } WHERE { ?x a :Hot . ?x :next ?y }");
+  std::vector<std::string> facts;
+  for (int i = 0; i < 5000; ++i) facts.push_back(absl::StrCat("a", i, " next a", i + 1));
+  Turn(facts);
+  Cancellation cancellation;
+  cancellation.AllowSteps(1000);
+  const absl::StatusOr<Delta> delta = engine_.Update(world_.writer, world_.Apply({"a0 a Hot"}), &cancellation);
+  EXPECT_TRUE(delta.ok()) << delta.status();
+}
+
 TEST_F(RuleLimitsTest, RoundsAreAllowedUpToTheLimit) {
   Limits limits;
   limits.rule_rounds = 3;
