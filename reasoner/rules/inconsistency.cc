@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -56,17 +55,15 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
   }
   const std::string name = rule.name.empty() ? NameInIri(rule.set) : rule.name;
   const std::string iri =
-      absl::StrCat("urn:docent:inconsistency:", name, ":", absl::Hex(Fingerprint(text), absl::kZeroPad16));
+      absl::StrCat(std::string(kPrefix), name, ":", absl::Hex(Fingerprint(text), absl::kZeroPad16));
   const TermId id = dictionary_.InternIri(iri);
-  if (inconsistency_.IsNone()) InternWords();
-  reports_.insert(id);
+  InternWords();
   out.push_back({id, type_, inconsistency_});
   out.push_back(
       {id, words_[kRule], dictionary_.Intern(Term::Literal(rule.name.empty() ? rule.label : rule.name))});
   int number = 0;
   for (const Triple& t : matched) {
     const TermId evidence = dictionary_.InternIri(absl::StrCat(iri, ":", ++number));
-    reports_.insert(evidence);
     out.push_back({id, words_[kEvidence], evidence});
     out.push_back({evidence, words_[kSubject], t.subject});
     out.push_back({evidence, words_[kPredicate], t.predicate});
@@ -76,7 +73,6 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
     const Body::Column& column = rule.body->columns()[i];
     if (!column.visible || row[i].IsNone()) continue;
     const TermId binding = dictionary_.InternIri(absl::StrCat(iri, ":variable:", column.name));
-    reports_.insert(binding);
     out.push_back({id, words_[kBinding], binding});
     out.push_back({binding, words_[kBindingName], dictionary_.Intern(Term::Literal(column.name))});
     out.push_back({binding, words_[kBindingValue], row[i]});
@@ -84,6 +80,7 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
 }
 
 void InconsistencyFacts::InternWords() {
+  if (!inconsistency_.IsNone()) return;
   type_ = dictionary_.InternIri(kRdfType);
   inconsistency_ = dictionary_.InternIri(DocentIri("Inconsistency"));
   words_[kRule] = dictionary_.InternIri(DocentIri("rule"));
@@ -99,39 +96,18 @@ void InconsistencyFacts::InternWords() {
 
 std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const {
   std::vector<Triple> facts;
-  for (const TermId report : reports_) {
-    graph.ForEach({report, TermId(), TermId(), TermId()}, [&](const Quad& quad) {
+  const auto take = [&](const QuadPattern& pattern) {
+    graph.ForEach(pattern, [&](const Quad& quad) {
       const Triple fact = {quad.subject, quad.predicate, quad.object};
       if (IsOfReport(fact)) facts.push_back(fact);
       return true;
     });
-  }
+  };
+  take({TermId(), type_, inconsistency_, TermId()});
+  for (const TermId word : words_) take({TermId(), word, TermId(), TermId()});
   std::sort(facts.begin(), facts.end());
+  facts.erase(std::unique(facts.begin(), facts.end()), facts.end());
   return facts;
-}
-
-void InconsistencyFacts::Find(const GraphVersion& graph) {
-  reports_.clear();
-  const std::optional<TermId> type = dictionary_.FindIri(kRdfType),
-                              graph_id = dictionary_.FindIri(kInferredGraph),
-                              inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
-  if (!type || !graph_id || !inconsistency) return;
-  std::vector<TermId> found;
-  graph.ForEach({TermId(), *type, *inconsistency, *graph_id}, [&](const Quad& quad) {
-    found.push_back(quad.subject);
-    return true;
-  });
-  if (found.empty()) return;
-  InternWords();
-  for (const TermId report : found) {
-    reports_.insert(report);
-    for (const TermId part : {words_[kEvidence], words_[kBinding]}) {
-      graph.ForEach({report, part, TermId(), *graph_id}, [&](const Quad& quad) {
-        reports_.insert(quad.object);
-        return true;
-      });
-    }
-  }
 }
 
 }  // namespace docent

@@ -14,7 +14,8 @@
 //
 // The IRI follows from the rule and the solution alone, so it is the same in every computation.
 // Nothing but its check makes these facts: that what a report names is the same as another thing is no second
-// report. Rules may match them, and say more about a report with words of their own.
+// report. Rules may match them, and say more about a report with words of their own, and call things of their own
+// inconsistencies: a report is what has such an IRI, whoever asks and whenever.
 // For this folder and reasoner/explain. Writer thread only: interns.
 #ifndef DOCENT_REASONER_RULES_INCONSISTENCY_H_
 #define DOCENT_REASONER_RULES_INCONSISTENCY_H_
@@ -22,9 +23,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
-#include "absl/container/flat_hash_set.h"
 #include "absl/types/span.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/store/graph_version.h"
@@ -37,26 +38,25 @@ class InconsistencyFacts {
   explicit InconsistencyFacts(Dictionary& dictionary) : dictionary_(dictionary) {}
   // Appends the facts that say that the body of `rule` holds with `row`.
   void Make(const CompiledRule& rule, absl::Span<const TermId> row, std::vector<Triple>& out);
-  // A fact of such a form about a report that was made, or that was in `graph` when Find was asked.
+  // A fact of such a form about a report. InternWords comes first.
   bool IsOfReport(const Triple& t) const {
     const bool worded = t.predicate == type_
                             ? t.object == inconsistency_
                             : std::find(words_.begin(), words_.end(), t.predicate) != words_.end();
-    return worded && reports_.contains(t.subject);
+    return worded && t.subject.IsIri() && dictionary_.Lexical(t.subject).starts_with(kPrefix);
   }
-  // All such facts about the reports that it knows.
+  // Makes the words ready.
+  void InternWords();
+  // All such facts of `graph`.
   std::vector<Triple> FactsIn(const GraphVersion& graph) const;
-  // Forgets what it knows, and looks for the reports that `graph` holds.
-  void Find(const GraphVersion& graph);
 
  private:
   enum Word : uint8_t { kRule, kEvidence, kSubject, kPredicate, kObject, kBinding, kBindingName, kBindingValue, kWords };
-  void InternWords();
+  static constexpr std::string_view kPrefix = "urn:docent:inconsistency:";
 
   Dictionary& dictionary_;
   std::array<TermId, kWords> words_;  // none: not said yet
   TermId type_, inconsistency_;
-  absl::flat_hash_set<TermId> reports_;  // and their evidence and bindings
 };
 
 }  // namespace docent

@@ -94,7 +94,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   if (impl.schema_of != &program) {
     impl.schema_of = nullptr;
     if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok()) return status;
-    impl.inconsistencies.Find(writer.current());
+    impl.inconsistencies.InternWords();
     impl.schema_of = &program;
   }
   impl.changed_since_commit = true;

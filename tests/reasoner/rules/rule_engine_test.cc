@@ -222,6 +222,28 @@ TEST_F(RuleEngineTest, ReportsThatAnotherEngineMadeAreFoundAnew) {
   EXPECT_EQ(world_.Inferred(), reported);
 }
 
+// They were taken for reports of checks after a start or a change of the rules, and stayed for ever.
+TEST_F(RuleEngineTest, WhatAUsersRuleCallsAnInconsistencyComesAndGoesAsAllElse) {
+  const std::string rules =
+      "RULE :low { ?r a docent:Inconsistency ; docent:rule \"low\" ; docent:evidence ?b } WHERE { ?r :battery ?b FILTER(?b < 10) }\n"
+      "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }";
+  Put(rules);
+  Turn({"r battery 5", "s battery 4", "x a Robot", "x a Person"});
+  const std::vector<std::string> both = world_.Inferred();
+  Put("RULE { ?x :seen true } WHERE { ?x :battery ?b }", "more.rules");
+  Turn({}, {"r battery 5"});
+  for (const std::string& fact : world_.Inferred()) EXPECT_FALSE(fact.starts_with("r ")) << fact;
+  RuleEngine engine(world_.dictionary);
+  ASSERT_THAT(engine.PutRules("test.rules", "PREFIX : <http://example.org/>\n" + rules), IsEmpty());
+  ASSERT_THAT(engine.PutRules("more.rules", "PREFIX : <http://example.org/> RULE { ?x :seen true } WHERE { ?x :battery ?b }"), IsEmpty());
+  engine.Adopt();
+  ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({}, {"s battery 4", "x a Robot"})).ok());
+  EXPECT_THAT(world_.Inferred(), IsEmpty());
+  ASSERT_TRUE(engine.RemoveRules("more.rules"));
+  ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({"r battery 5", "s battery 4", "x a Robot"})).ok());
+  EXPECT_EQ(world_.Inferred(), both);
+}
+
 TEST_F(RuleEngineTest, AReportsNameIsAnIriWhateverTheSetIsCalled) {
   Put("RULE { } WHERE { ?x a :Robot . ?x a :Person }", "my rules (1).rules");
   Turn({"r a Robot", "r a Person"});
