@@ -168,6 +168,8 @@ class Checker {
       case Algebra::Kind::kJoin:
         for (const auto& child : node.children) AddAssigned(*child, names);
         return;
+      case Algebra::Kind::kUnion:
+        return AddAssignedByAll(node, names);
       case Algebra::Kind::kProject:
         if (GroupOf(node) == nullptr) return;
         for (const sparql::Variable& v : node.variables) names.insert(v.name);
@@ -182,6 +184,18 @@ class Checker {
       default:
         return;
     }
+  }
+
+  // Variables that each branch of a UNION binds by a pattern or assigns.
+  void AddAssignedByAll(const Algebra& node, Names& names) {
+    Names common;
+    for (size_t i = 0; i < node.children.size(); ++i) {
+      Names here = CertainVariables(*node.children[i]);
+      AddAssigned(*node.children[i], here);
+      if (i > 0) absl::erase_if(here, [&](const std::string& name) { return !common.contains(name); });
+      common = std::move(here);
+    }
+    names.insert(common.begin(), common.end());
   }
 
   // COUNT, SUM, MIN and MAX of an aggregating sub-SELECT; the pattern that they are of.

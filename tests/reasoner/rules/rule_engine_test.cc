@@ -58,6 +58,16 @@ TEST_F(RuleEngineTest, TheDeltaIsNetAndHoldsToldAndInferred) {
   EXPECT_EQ(Turn({}, {"a knows b @other"}).removed.size(), 2u);
 }
 
+TEST_F(RuleEngineTest, WhatBranchesOfAUnionAssignComesAndGoesWithThem) {
+  Put("RULE { ?x :y ?y } WHERE { { ?x :p ?y } UNION { ?x :q ?z BIND(:n AS ?y) } }");
+  Turn({"x p m", "x p n", "x q k", "z q k"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("x y m", "x y n", "z y n"));
+  Turn({"w q k"}, {"x q k"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "x y m", "x y n", "z y n")) << "x y n by the other branch";
+  Turn({}, {"x p n", "x p m"});
+  EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "z y n"));
+}
+
 // CLIPS keeps these for ever: the two facts support each other.
 TEST_F(RuleEngineTest, InversePropertiesDoNotSupportEachOther) {
   Put("RULE { ?o :memberOf ?s } WHERE { ?s :member ?o }\nRULE { ?o :member ?s } WHERE { ?s :memberOf ?o }");

@@ -51,6 +51,9 @@ TEST(RuleParser, AHeadVariableOfOneBranchOnlyIsRefused) {
   EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?a :r ?c } }"),
               HasSubstr("not bound in every solution"));
   EXPECT_EQ(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?b :r ?a } }"), "");
+  EXPECT_EQ(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?b } UNION { ?a :r ?c BIND(:n AS ?b) } }"), "");
+  EXPECT_THAT(Errors("RULE { ?a :p ?b } WHERE { { ?a :q ?c } UNION { ?a :r ?c BIND(:n AS ?b) } }"),
+              HasSubstr("?b of the head is not bound in every solution"));
 }
 
 TEST(RuleParser, BindMakesAHeadVariable) {
