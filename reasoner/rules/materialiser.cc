@@ -208,7 +208,7 @@ absl::Status Materialiser::MaintainStratum() {
 
 absl::StatusOr<bool> Materialiser::PlaceNegation() {
   if (program_.ordered.empty() || program_.placed_for == context_.schema.changes()) return false;
-  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema);
+  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema, context_.dictionary);
   if (!order.ok()) return order.status();
   program_.placed_for = context_.schema.changes();
   return program_.Place(*std::move(order));

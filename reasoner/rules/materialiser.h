@@ -42,6 +42,7 @@ class Materialiser {
     GraphWriter& writer;
     SchemaIndex& schema;
     InconsistencyFacts& inconsistencies;
+    const Dictionary& dictionary;
     TermId inferred_graph;
     const Limits& limits;
     size_t& inferred_so_far;  // quads inferred since the last Commit, counted on here

@@ -10,6 +10,8 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/container/inlined_vector.h"
 #include "absl/strings/str_cat.h"
+#include "kb_server/base/text.h"
+#include "kb_server/rdf/vocabulary.h"
 #include "reasoner/rules/stratification.h"
 
 namespace docent {
@@ -33,12 +35,19 @@ struct Reached {
   QuadPattern pattern;
   size_t from = kItself;  // number of the one before; kItself: a conclusion of the rule itself
   uint32_t by = 0;
+  uint32_t instance = kNone;  // of it
+};
+
+// A step of a way: a rule, and which of its instances.
+struct Step {
+  uint32_t rule;
+  uint32_t instance;  // kNone: it has none
 };
 
 class Order {
  public:
-  Order(const RuleProgram& program, const SchemaIndex& schema)
-      : program_(program), schema_(schema), place_(program.rules.size(), -1) {
+  Order(const RuleProgram& program, const SchemaIndex& schema, const Dictionary& dictionary)
+      : program_(program), schema_(schema), dictionary_(dictionary), place_(program.rules.size(), -1) {
     for (size_t i = 0; i < program.ordered.size(); ++i) place_[program.ordered[i]] = static_cast<int>(i);
     for (uint32_t r = 0; r < program.rules.size(); ++r) {
       if (program.IsEntangled(r)) AddTakers(r, kNone);
@@ -106,7 +115,7 @@ class Order {
     seen_.clear();
     const uint32_t rule = program_.ordered[number];
     const std::vector<TermId> nothing(program_.rules[rule].body->columns().size());
-    Conclude(rule, nothing, kItself);
+    Conclude(rule, kNone, nothing, kItself);
     for (size_t i = 0; i < reached_.size(); ++i) {
       const TermId predicate = reached_[i].pattern.predicate;
       if (predicate.IsNone()) {
@@ -142,11 +151,11 @@ class Order {
     for (int i = 0; i < 3; ++i) {
       if (trigger.columns[i] != Trigger::kNoColumn && !terms[i].IsNone()) row_[trigger.columns[i]] = terms[i];
     }
-    Conclude(taker.rule, row_, from);
+    Conclude(taker.rule, taker.instance, row_, from);
   }
 
   // `from`: the pattern that a body takes.
-  void Conclude(uint32_t rule, const std::vector<TermId>& row, size_t from) {
+  void Conclude(uint32_t rule, uint32_t instance, const std::vector<TermId>& row, size_t from) {
     for (const HeadTriple& head : program_.rules[rule].head) {
       const auto at = [&](int i) { return head.columns[i] == Trigger::kNoColumn ? head.constants[i] : row[head.columns[i]]; };
       QuadPattern made;
@@ -156,14 +165,16 @@ class Order {
                          seen_.contains({TermId(), made.object}) || seen_.contains({TermId(), TermId()});
       if (known) continue;
       seen_.insert({made.predicate, made.object});
-      reached_.push_back({made, from, rule});
+      reached_.push_back({made, from, rule, instance});
     }
   }
 
   // The rules on the way to a pattern, the first that is not the rule itself first.
-  std::vector<uint32_t> Way(size_t reached) const {
-    std::vector<uint32_t> way;
-    for (; reached_[reached].from != kItself; reached = reached_[reached].from) way.push_back(reached_[reached].by);
+  std::vector<Step> Way(size_t reached) const {
+    std::vector<Step> way;
+    for (; reached_[reached].from != kItself; reached = reached_[reached].from) {
+      way.push_back({reached_[reached].by, reached_[reached].instance});
+    }
     std::reverse(way.begin(), way.end());
     return way;
   }
@@ -185,14 +196,36 @@ class Order {
                       next == cycle[i] ? "itself" : program_.rules[program_.ordered[next]].label);
       if (way == ways_.end()) continue;
       for (size_t k = 0; k < way->second.size(); ++k) {
-        absl::StrAppend(&text, k == 0 ? " by " : ", ", program_.rules[way->second[k]].label);
+        absl::StrAppend(&text, k == 0 ? " by " : ", ", program_.rules[way->second[k].rule].label, Axioms(way->second[k]));
       }
     }
-    return absl::FailedPreconditionError(text + "; the batch was not applied");
+    return absl::FailedPreconditionError(
+        text + "; the batch was not applied. Take one of these axioms away, or let a rule negate something that does not follow from it");
+  }
+
+  // " (ex:Available rdfs:subClassOf ex:Broken)"
+  std::string Axioms(const Step& step) const {
+    if (step.instance == kNone) return "";
+    const CompiledRule& rule = program_.rules[step.rule];
+    std::string text;
+    for (size_t i = 0; i < rule.body->patterns().size(); ++i) {
+      if ((rule.schema & (1u << i)) == 0) continue;
+      const Triple axiom = rule.Premise(i, schema_.instance(step.instance).row);
+      absl::StrAppend(&text, text.empty() ? " (" : " . ", Shown(axiom.subject), " ", Shown(axiom.predicate), " ", Shown(axiom.object));
+    }
+    return text.empty() ? text : text + ")";
+  }
+  std::string Shown(TermId id) const {
+    const Term term = dictionary_.Decode(id);
+    for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+      if (term.IsIri() && term.lexical.starts_with(iri)) return Concat(prefix, ":", term.lexical.substr(iri.size()));
+    }
+    return ToNTriples(term);
   }
 
   const RuleProgram& program_;
   const SchemaIndex& schema_;
+  const Dictionary& dictionary_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
   std::vector<Taker> takers_;
   absl::flat_hash_set<Key> instances_;
@@ -204,13 +237,13 @@ class Order {
   absl::flat_hash_set<std::tuple<uint32_t, uint32_t, bool>> known_;
   std::vector<std::pair<std::pair<TermId, TermId>, uint32_t>> led_to_;  // patterns, by what (its number there)
   absl::Status status_;
-  absl::flat_hash_map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> ways_;
+  absl::flat_hash_map<std::pair<uint32_t, uint32_t>, std::vector<Step>> ways_;
 };
 
 }  // namespace
 
-absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema) {
-  return Order(program, schema).Find();
+absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const Dictionary& dictionary) {
+  return Order(program, schema, dictionary).Find();
 }
 
 }  // namespace docent

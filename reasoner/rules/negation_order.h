@@ -20,8 +20,8 @@
 
 namespace docent {
 
-// FAILED_PRECONDITION, with the way round: there is no order.
-absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema);
+// FAILED_PRECONDITION, with the way round, the axioms on it among them: there is no order. `dictionary`: of both.
+absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const Dictionary& dictionary);
 
 }  // namespace docent
 

@@ -100,7 +100,7 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
   Materialiser materialiser(program, before, told,
-                            {writer, impl.schema, impl.inconsistencies, impl.inferred_graph, impl.limits,
+                            {writer, impl.schema, impl.inconsistencies, impl.dictionary, impl.inferred_graph, impl.limits,
                              impl.inferred_since_commit, impl.counters, cancellation});
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   impl.state.applied = impl.state.wanted;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "absl/strings/match.h"
+#include "reasoner/rules/rule_sets.h"
 #include "tests/reasoner/test_world.h"
 
 namespace docent {
@@ -416,6 +417,20 @@ TEST_F(RuleEngineTest, WritingTheInferredGraphIsRefused) {
   quad.graph = world_.dictionary.InternIri(kInferredGraph);
   const absl::Status status = engine_.Update(world_.writer, world_.writer.Apply({quad}, {})).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(RuleEngineTest, ACycleByAxiomsNamesTheAxioms) {
+  ASSERT_THAT(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")), IsEmpty());
+  Put("RULE :avail { ?r a :Available } WHERE { ?r a :Rob NOT { ?r a :Broken } }");
+  Turn({"r a Rob"});
+  const absl::StatusOr<Delta> delta =
+      engine_.Update(world_.writer, world_.Apply({"Available rdfs:subClassOf Odd", "Odd rdfs:subClassOf Broken"}));
+  EXPECT_EQ(delta.status().code(), absl::StatusCode::kFailedPrecondition);
+  const std::string message(delta.status().message());
+  EXPECT_THAT(message, HasSubstr("avail (line 2) negates what follows from itself by owl2rl cax-sco"));
+  EXPECT_THAT(message, ::testing::ContainsRegex("\\(<http://example.org/Available> rdfs:subClassOf <http://example.org/(Odd|Broken)>\\)"));
+  EXPECT_THAT(message, HasSubstr("<http://example.org/Broken>)"));
+  EXPECT_THAT(message, HasSubstr("Take one of these axioms away"));
 }
 
 class RuleLimitsTest : public ::testing::Test {
