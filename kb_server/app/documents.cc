@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/robot_directory.h"
+#include "kb_server/base/source_texts.h"
 #include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "workflow/cawl/parser.h"
@@ -94,7 +95,14 @@ absl::Status Documents::ApplyRules(const Document& document, RuleEngine* rules) 
     if (rules->RemoveRules(document.name)) return absl::OkStatus();
     return absl::NotFoundError(absl::StrCat("there is no rule set \"", document.name, "\""));
   }
-  return ToStatus(rules->PutRules(document.name, document.text), document.text);
+  const Diagnostics diagnostics = rules->PutRules(document.name, document.text);
+  if (!HasErrors(diagnostics)) return absl::OkStatus();
+  SourceTexts texts;
+  for (const auto& [key, entry] : entries_) {
+    if (key.first == Document::Kind::kRules && entry.text != nullptr) texts.Put(key.second, *entry.text);
+  }
+  texts.Put(document.name, document.text);
+  return texts.ToStatus(diagnostics);
 }
 
 absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits,

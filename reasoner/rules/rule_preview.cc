@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "kb_server/base/source_texts.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 
@@ -30,16 +31,18 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
                                          Cancellation* cancellation) {
   Dictionary own(&dictionary);
   RuleEngine engine(own, limits, functions);
+  SourceTexts texts;
   for (const RuleSetText& set : current) {
-    if (absl::Status status = ToStatus(engine.PutRules(set.name, set.text), set.text); !status.ok())
-      return status;
+    texts.Put(set.name, set.text);
+    if (absl::Status status = texts.ToStatus(engine.PutRules(set.name, set.text)); !status.ok()) return status;
   }
   engine.Adopt();
   if (!text) {
     if (!engine.RemoveRules(name))
       return absl::NotFoundError(absl::StrCat("there is no rule set \"", name, "\""));
-  } else if (absl::Status status = ToStatus(engine.PutRules(name, *text), *text); !status.ok()) {
-    return status;
+  } else {
+    texts.Put(name, *text);
+    if (absl::Status status = texts.ToStatus(engine.PutRules(name, *text)); !status.ok()) return status;
   }
   GraphWriter writer(version);
   if (cancellation != nullptr) cancellation->AllowSteps(limits.StepsOfTurn(version->size()));

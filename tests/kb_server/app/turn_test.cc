@@ -303,6 +303,19 @@ TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
   twin_.Must(batch);
 }
 
+// Its place was shown with a line of the other set.
+TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
+  for (World* world : {&world_, &twin_}) {
+    world->Must(Put(Document::Kind::kRules, "w.rules",
+                    "# free\nRULE { ?x a <urn:w:Free> } WHERE { ?x a <urn:w:Robot> NOT { ?x a <urn:w:Busy> } }"));
+  }
+  Fail(Put(Document::Kind::kRules, "b.rules", "# busy\n\nRULE { ?x a <urn:w:Busy> } WHERE { ?x a <urn:w:Free> }"),
+       absl::StatusCode::kInvalidArgument,
+       "w.rules:2:1: error: negation through recursion: w.rules rule 1 (line 2) negates what is derived by b.rules rule 1 (line 3), "
+       "which needs w.rules rule 1 (line 2)\n  RULE { ?x a <urn:w:Free> }");
+  GoOn();
+}
+
 // As a rule: the batch that it is too much for is refused.
 TEST_F(FailingTurnTest, AStandingConditionWithACostlyJoin) {
   Cancellation cancellation;
