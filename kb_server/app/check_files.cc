@@ -8,7 +8,7 @@
 #include "kb_server/sparql/parser.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
-#include "reasoner/rules/rule_engine.h"
+#include "reasoner/rules/rule_parser.h"
 #include "reasoner/shapes/shape_reader.h"
 
 namespace docent {
@@ -129,8 +129,7 @@ std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
 }
 
 std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, const std::string& text) {
-  Dictionary dictionary;
-  const Diagnostics diagnostics = RuleEngine(dictionary, {}, &functions_).PutRules(file, text);
+  const Diagnostics diagnostics = rules_.PutRules(file, text);
   if (HasErrors(diagnostics)) return AsFindings("syntax", diagnostics);
   ontology::Findings findings(file, limits_.check_diagnostics);
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);

@@ -10,10 +10,12 @@
 
 #include "kb_server/app/consistency_check.h"
 #include "kb_server/base/check_limits.h"
+#include "kb_server/rdf/dictionary.h"
 #include "kb_server/rdf/located_parser.h"
 #include "kb_server/sparql/function_registry.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
+#include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/shacl_rules_import.h"
 #include "reasoner/shapes/file_graph.h"
 
@@ -29,8 +31,8 @@ class FileChecker {
   // Rules that the others are to be consistent with; likewise before the first is checked.
   void AddRules(const std::string& file, const std::string& text);
 
-  // What is wrong with an RDF document that was added; with a `.rules` text; with a query. Syntax errors have the rule
-  // "syntax", and hide all others.
+  // What is wrong with an RDF document that was added; with a `.rules` text, beside those that were checked before and had
+  // no errors, as a server would say that has them; with a query. Syntax errors have the rule "syntax", and hide all others.
   std::vector<ontology::Finding> CheckRdf(const std::string& file);
   std::vector<ontology::Finding> CheckRules(const std::string& file, const std::string& text);
   std::vector<ontology::Finding> CheckQuery(const std::string& file, const std::string& text);
@@ -45,6 +47,8 @@ class FileChecker {
 
   const CheckLimits limits_;
   sparql::FunctionRegistry functions_;  // that a server has
+  Dictionary dictionary_;
+  RuleEngine rules_{dictionary_, {}, &functions_};
   ontology::Vocabulary vocabulary_;
   std::map<std::string, LocatedRdf> documents_;
   std::set<std::string> cycles_;

@@ -1,5 +1,6 @@
 // docent check FILES: everything that can be said about files before a server has them. No server is needed.
 #include <CLI/CLI.hpp>
+#include <deque>
 #include <iostream>
 
 #include "absl/strings/match.h"
@@ -9,6 +10,7 @@
 #include "kb_server/app/client.h"
 #include "kb_server/app/commands.h"
 #include "kb_server/app/text_input.h"
+#include "kb_server/base/source_texts.h"
 #include "kb_server/rdf/parser.h"
 #include "nlohmann/json.hpp"
 #include "workflow/cawl/check.h"
@@ -91,8 +93,10 @@ class Checker {
   }
 
   absl::Status Check(const std::string& file) {
-    auto text = ReadBytes(file);
-    if (!text.ok()) return text.status();
+    auto read = ReadBytes(file);
+    if (!read.ok()) return read.status();
+    const std::string* text = &read_.emplace_back(*std::move(read));
+    for (const std::string& name : {file, std::string()}) texts_.Put(name, *text);
     std::vector<ontology::Finding> findings;
     switch (KindOf(file)) {
       case Kind::kRdf:
@@ -118,7 +122,7 @@ class Checker {
                                                        ": I do not know this ending; use .ttl .trig .nt .nq "
                                                        ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
     }
-    Print(file, *text, findings);
+    Print(file, findings);
     return absl::OkStatus();
   }
 
@@ -144,7 +148,7 @@ class Checker {
     return report.diagnostics;
   }
 
-  void Print(const std::string& file, const std::string& text, const std::vector<ontology::Finding>& findings) {
+  void Print(const std::string& file, const std::vector<ontology::Finding>& findings) {
     Diagnostics diagnostics;
     for (const ontology::Finding& finding : findings) diagnostics.push_back(finding.diagnostic);
     const bool bad = HasErrors(diagnostics) || (arguments_.strict && !diagnostics.empty());
@@ -166,7 +170,7 @@ class Checker {
       return;
     }
     for (const ontology::Finding& finding : findings) {
-      std::cerr << Render({finding.diagnostic}, text);
+      std::cerr << texts_.Render({finding.diagnostic});
       if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(finding.proof, "    ");
     }
     if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
@@ -174,6 +178,8 @@ class Checker {
 
   const CheckArguments& arguments_;
   FileChecker files_;
+  std::deque<std::string> read_;
+  SourceTexts texts_;  // of them
   cawl::QuadEnvironment environment_;
   bool has_environment_ = false;
   bool has_operations_ = false;

@@ -80,6 +80,17 @@ class Check(StageTest):
             for file in files:
                 self.assertIn(f"{file}:1:", done.stderr)
 
+    def test_rules_are_checked_together(self):
+        prefix = "PREFIX : <http://example.org/>\n"
+        free = self.file("free.rules", prefix + "RULE { ?x a :Free } WHERE { ?x a :Robot NOT { ?x a :Busy } }\n")
+        busy = self.file("busy.rules", prefix + "# busy\nRULE { ?x a :Busy } WHERE { ?x a :Free }\n")
+        for file in (free, busy):
+            self.assertEqual(self.docent("check", file).returncode, 0)
+        done = self.docent("check", free, busy)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("free.rules:2:1: error: negation through recursion", done.stderr)
+        self.assertIn("\n  RULE { ?x a :Free }", done.stderr)
+
     def test_strict_counts_warnings(self):
         unused = self.file("unused.ttl", "@prefix x: <http://x/> .\n<http://e/a> <http://e/b> <http://e/c> .\n")
         self.assertEqual(self.docent("check", unused).returncode, 0)
