@@ -107,6 +107,7 @@ std::optional<std::vector<TriplePattern>> ProductionParser::TriplesTemplateInBra
 
 AlgebraPtr ProductionParser::GroupGraphPattern() {
   impl_->grammar.blank_bgp_.clear();
+  impl_->grammar.elements_ = 0;  // a document holds many, and the limit is of one
   return impl_->grammar.GroupGraphPattern();
 }
 

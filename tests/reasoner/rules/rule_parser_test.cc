@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
+
 namespace docent {
 namespace {
 
@@ -123,6 +125,17 @@ TEST(RuleParser, ARulesNameIsAnIri) {
   ASSERT_EQ(parsed.diagnostics.size(), 1u);
   EXPECT_EQ(parsed.diagnostics[0].message, "the name of a rule is an IRI");
   EXPECT_EQ(parsed.diagnostics[0].span.column, 6);
+}
+
+TEST(RuleParser, TheLimitOfPartsIsOfOneRule) {
+  const std::string part = " NOT { ?a a :C }";
+  std::string many, one = "RULE { ?a :p ?b } WHERE { ?a :q ?b";
+  for (size_t i = 0; i <= Limits{}.query_elements; ++i) {
+    absl::StrAppend(&many, "RULE { ?a :p ?b } WHERE { ?a :q ?b", part, " }\n");
+    one += part;
+  }
+  EXPECT_EQ(Errors(many), "");
+  EXPECT_THAT(Errors(one + " }"), HasSubstr("query_elements"));
 }
 
 TEST(RuleParser, ReportsEveryMistakeOfADocument) {
