@@ -49,6 +49,7 @@ void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* w
     const bool again = std::exchange(watched->answered, true);
     watched->names.assign(reply.variables().begin(), reply.variables().end());
     std::cout << label << "revision " << reply.revision() << (again ? ", the whole answer again" : "") << "\n";
+    if (!again && !reply.warning().empty()) std::cerr << label << "warning: " << reply.warning() << "\n";
   }
   const std::string when = reply.reset() ? "" : absl::StrCat("   revision ", reply.revision());
   if (reply.is_boolean()) std::cout << label << (reply.boolean() ? "yes" : "no") << when << "\n";

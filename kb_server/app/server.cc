@@ -344,6 +344,9 @@ void Server::RegisterSubscriptionMetrics() {
   metrics_.AddCounterFunction("docent_subscription_evaluations_total",
                               "Followed queries evaluated because a change could match them",
                               read(&counters->evaluations));
+  metrics_.AddCounterFunction("docent_subscription_seconds_total", "Time that these took", [counters] {
+    return static_cast<double>(counters->evaluation_ns.load()) / 1e9;
+  });
   metrics_.AddCounterFunction("docent_subscription_changes_total", "Changes of followed answers",
                               read(&counters->changes));
   metrics_.AddCounterFunction("docent_subscription_replies_total", "Replies sent to those who follow",

@@ -97,6 +97,7 @@ void AnswerCursor::Write(v1::SubscribeReply* reply) {
   const size_t appeared = current_->appeared.size();
   const size_t all = appeared + current_->disappeared.size();
   const bool first = offset_ == 0;
+  if (first && reset_) reply->set_warning(answer_->warning());
   if (first && reset_ && !answer_->is_boolean()) {
     for (const std::string& name : answer_->variables()) reply->add_variables(name);
   }

@@ -8,7 +8,6 @@
 #include "kb_server/base/cancellation.h"
 #include "kb_server/sparql/evaluator.h"
 #include "kb_server/sparql/parser.h"
-#include "reasoner/matching/trigger_analysis.h"
 
 namespace docent {
 namespace {
@@ -20,19 +19,6 @@ constexpr std::chrono::milliseconds kMostTime{100};
 
 bool IsWild(const sparql::TriplePattern& pattern) {
   return pattern.subject.IsVariable() && pattern.predicate.IsVariable() && pattern.object.IsVariable();
-}
-
-// Why a change does not narrow the query; empty: it does.
-std::string WhyWhole(const TriggerAnalysis& analysis) {
-  if (analysis.is_volatile) return "it depends on more than the graph, so that it is evaluated whole at every change";
-  for (const TriggerSource& trigger : analysis.triggers) {
-    if (IsWild(trigger.pattern)) return "a pattern of three variables is matched by every change";
-    if (trigger.required || !trigger.seeds.empty()) continue;
-    const bool constant = !trigger.pattern.subject.IsVariable() && !trigger.pattern.object.IsVariable();
-    if (!constant && trigger.polarity == Polarity::kPositive)
-      return "what a change matches in it binds nothing outside, so that it is evaluated whole";
-  }
-  return "";
 }
 
 std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyClock::time_point until) {
@@ -57,6 +43,18 @@ std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyCl
 }
 
 }  // namespace
+
+std::string WhyWhole(const TriggerAnalysis& analysis) {
+  if (analysis.is_volatile) return "it depends on more than the graph, so that it is evaluated whole at every change";
+  for (const TriggerSource& trigger : analysis.triggers) {
+    if (IsWild(trigger.pattern)) return "a pattern of three variables is matched by every change";
+    if (trigger.required || !trigger.seeds.empty()) continue;
+    const bool constant = !trigger.pattern.subject.IsVariable() && !trigger.pattern.object.IsVariable();
+    if (!constant && trigger.polarity == Polarity::kPositive)
+      return "what a change matches in it binds nothing outside, so that it is evaluated whole";
+  }
+  return "";
+}
 
 Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ServicePorts& ports) {
   Diagnostics warnings;

@@ -3,11 +3,17 @@
 #ifndef DOCENT_KB_SERVER_SERVICE_CONDITION_COST_H_
 #define DOCENT_KB_SERVER_SERVICE_CONDITION_COST_H_
 
+#include <string>
+
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/service/ports.h"
+#include "reasoner/matching/trigger_analysis.h"
 #include "workflow/cawl/check.h"
 
 namespace docent {
+
+// Why changes do not narrow a query, so that it is evaluated whole; empty: they do.
+std::string WhyWhole(const TriggerAnalysis& analysis);
 
 // A warning for each such condition of a correct document, at its place, with its cost as measured on the newest
 // version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it.

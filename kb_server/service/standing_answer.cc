@@ -219,6 +219,16 @@ bool StandingAnswer::boolean() const {
   return boolean_;
 }
 
+void StandingAnswer::SetWarning(std::string warning) {
+  absl::MutexLock lock(&mutex_);
+  warning_ = std::move(warning);
+}
+
+std::string StandingAnswer::warning() const {
+  absl::MutexLock lock(&mutex_);
+  return warning_;
+}
+
 bool StandingAnswer::evaluated() const {
   absl::MutexLock lock(&mutex_);
   return evaluated_;

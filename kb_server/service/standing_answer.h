@@ -72,6 +72,8 @@ class StandingAnswer {
                   TimeMicros now_us);
   // When what is there and not told will have lasted long enough; nullopt: there is nothing.
   std::optional<TimeMicros> ripens_at_us() const;
+  // What those who follow are told of the query with the whole answer. Before the first of them begins.
+  void SetWarning(std::string warning);
   // Tells what has by now. True: there is a change to tell.
   bool Ripen(Revision revision, TimeMicros now_us);
   // Told or not:
@@ -80,6 +82,7 @@ class StandingAnswer {
   bool evaluated() const;
 
   // ---- those who follow --------------------------------------------------------------------------------------
+  std::string warning() const;
   // The whole answer as a change from nothing, with the number of the newest change (0: none yet).
   AnswerChangePtr Whole() const;
   // The number of the newest change; 0: none yet.
@@ -109,6 +112,7 @@ class StandingAnswer {
 
   mutable absl::Mutex mutex_;
   bool evaluated_ ABSL_GUARDED_BY(mutex_) = false;
+  std::string warning_ ABSL_GUARDED_BY(mutex_);
   Revision revision_ ABSL_GUARDED_BY(mutex_);
   bool boolean_ ABSL_GUARDED_BY(mutex_) = false;
   TimeMicros boolean_since_us_ ABSL_GUARDED_BY(mutex_) = 0;

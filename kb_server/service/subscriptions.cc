@@ -6,6 +6,7 @@
 #include "absl/time/clock.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/service/condition_cost.h"
 #include "kb_server/service/standing_query.h"
 #include "kb_server/sparql/algebra_walk.h"
 #include "kb_server/sparql/parser.h"
@@ -276,6 +277,17 @@ bool Subscriptions::Keep(Standing& standing) {
   return true;
 }
 
+std::string Subscriptions::WarningOf(const Standing& standing, absl::Duration took) const {
+  if (standing.analysis.is_volatile) {
+    return "it asks for the time or for chance: both are those of the newest change, and the passing of time alone tells nothing; to "
+           "wait for what lasts use at_least_ms";
+  }
+  const std::string why = WhyWhole(standing.analysis);
+  if (why.empty()) return "";
+  return absl::StrCat("it is expensive: ", why, "; beginning it took ", absl::FormatDuration(absl::Trunc(took, absl::Microseconds(1))),
+                      " on ", version_->size(), " facts; see docent_subscription_seconds_total in /metrics");
+}
+
 void Subscriptions::ForgetKept() {
   for (const auto& [id, number] : by_constraint_) standing_[number]->kept.reset();
   by_constraint_.clear();
@@ -388,6 +400,7 @@ absl::Status Subscriptions::TooManyRows() const {
 
 absl::Status Subscriptions::Evaluate(Standing& standing) {
   ++counters_.evaluations;
+  const absl::Time start = absl::Now();
   Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   sparql::RunOptions run;
   run.version = version_.get();
@@ -415,6 +428,7 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
     if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows), time_us_);
   }
   standing.prepared->Stop();
+  counters_.evaluation_ns += static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
   if (absl::IsDeadlineExceeded(status)) {
     status = absl::DeadlineExceededError(
         absl::StrCat("the query took longer than the limit subscription_evaluation_ms = ",
@@ -491,7 +505,11 @@ void Subscriptions::OpenNow(Opening opening) {
   }
   (*standing)->idle_since = absl::InfiniteFuture();
   absl::Status status;
-  if (!answer->evaluated()) status = Begin(**standing);
+  if (!answer->evaluated()) {
+    const absl::Time start = absl::Now();
+    status = Begin(**standing);
+    if (status.ok()) answer->SetWarning(WarningOf(**standing, absl::Now() - start));
+  }
   Ripen(now_us_);  // what has been so since before the last turn
   const bool there = opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
   if (!there) Close(opening.follower);

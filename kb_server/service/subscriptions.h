@@ -50,6 +50,7 @@ struct SubscriptionCounters {
   std::atomic<uint64_t> open{0};         // followers
   std::atomic<uint64_t> queries{0};      // different ones that are followed
   std::atomic<uint64_t> evaluations{0};
+  std::atomic<uint64_t> evaluation_ns{0};
   std::atomic<uint64_t> changes{0};      // of answers
   std::atomic<uint64_t> replies{0};      // sent to clients
   std::atomic<uint64_t> resets{0};       // clients that were given the whole answer anew because they fell behind
@@ -149,6 +150,8 @@ class Subscriptions {
   // Gives it to the constraint set. False: that cannot keep it.
   bool Keep(Standing& standing);
   void ForgetKept();
+  // What is to be said of a query that took so long; empty: nothing.
+  std::string WarningOf(const Standing& standing, absl::Duration took) const;
   void Watch(Standing& standing);
   void Unwatch(Standing& standing);
   void Forget(Standing& standing);  // neither kept nor watched

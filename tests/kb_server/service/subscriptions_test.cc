@@ -153,6 +153,16 @@ TEST_F(SubscriptionsTest, TellsTheAnswerAndThenItsChanges) {
   EXPECT_EQ(subscriptions_->counters().evaluations, 3u);  // the first answer; who came and who went
 }
 
+TEST_F(SubscriptionsTest, WhoAsksForWhatIsExpensiveOrForTheTimeIsTold) {
+  world_.Apply({"ann at b1"});
+  Make();
+  EXPECT_EQ(Open("SELECT ?who { ?who :at :b1 }")->answer->warning(), "");
+  EXPECT_THAT(Open("SELECT (COUNT(*) AS ?n) { ?a ?p ?b . ?c ?q ?d }")->answer->warning(),
+              ::testing::ContainsRegex("^it is expensive: .* beginning it took .*s on 1 facts"));
+  EXPECT_THAT(Open("ASK { ?who :until ?t FILTER(NOW() > ?t) }")->answer->warning(), ::testing::HasSubstr("passing of time alone"));
+  EXPECT_GT(subscriptions_->counters().evaluation_ns, 0u);
+}
+
 TEST_F(SubscriptionsTest, WhoOpensAfterTurnsThatNobodyFollowedIsAnsweredOnTheNewest) {
   Make();
   for (int n = 0; n < 50; ++n) Turn({absl::StrCat("R", n, " at B", n)});
