@@ -3,7 +3,12 @@
 // look-around) is an error.
 #include <re2/re2.h>
 
+#include <algorithm>
+#include <array>
+
+#include "kb_server/base/regex_limits.h"
 #include "kb_server/sparql/expression_evaluator.h"
+#include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
 
@@ -80,13 +85,15 @@ std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view fla
 }
 
 // The compiled expression of this call, kept while pattern and flags stay the same.
-re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags) {
+re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags, EvaluationContext& context) {
+  constexpr size_t kBytesAnInstruction = 256;  // about the time to compile it
   std::string source(flags);
   source.push_back('/');
   source += pattern.text();
   if (source != e.regex_source || !e.regex) {
     e.regex = Compile(pattern.text(), flags);
     e.regex_source = std::move(source);
+    if (e.regex) context.Worked(kBytesAnInstruction * static_cast<size_t>(e.regex->ProgramSize()));
   }
   return e.regex.get();
 }
@@ -115,21 +122,69 @@ std::optional<std::string> Rewrite(std::string_view replacement, int groups, boo
   return out;
 }
 
-// At most so long is `text` with all matches of `regex` replaced.
-size_t LengthReplaced(const re2::StringPiece& text, const re2::RE2& regex, const std::string& rewrite) {
-  const size_t references = static_cast<size_t>(std::count(rewrite.begin(), rewrite.end(), '\\'));
-  constexpr size_t kLittle = 1 << 20;
-  size_t matches = text.size() + 1;
-  // Matches share no character, so each reference gives the whole text at most once.
-  const auto length = [&] { return text.size() * (1 + references) + matches * rewrite.size(); };
-  if (length() <= kLittle) return length();
-  matches = 0;
-  re2::StringPiece match;
-  for (size_t at = 0; at <= text.size() && regex.Match(text, at, text.size(), re2::RE2::UNANCHORED, &match, 1); ++matches) {
-    const size_t end = static_cast<size_t>(match.data() - text.data()) + match.size();
-    at = match.empty() ? end + 1 : end;
+// As regex.Match of `text` from `at` on, for its first n groups. RE2 can't be cancelled, and where an expression has too many
+// states to keep, it simulates all instructions on each byte: false, with the context's status set, where that would take long.
+bool Match(const re2::RE2& regex, const re2::StringPiece& text, size_t at, re2::StringPiece* groups, int n, EvaluationContext& context) {
+  const uint64_t steps = static_cast<uint64_t>(regex.ProgramSize()) * (text.size() - at);
+  constexpr RegexLimits kLimits;
+  if (steps <= kLimits.regex_steps) return regex.Match(text, at, text.size(), re2::RE2::UNANCHORED, groups, n);
+  if (context.status.ok()) {
+    context.status = absl::ResourceExhaustedError(
+        Concat({"evaluation stopped at its limit regex_steps = ", std::to_string(kLimits.regex_steps), ": ",
+                std::to_string(regex.ProgramSize()), " instructions of a regular expression on a text of ",
+                std::to_string(text.size() - at), " bytes"}));
   }
-  return length();
+  return false;
+}
+
+// The bytes of the character that `text` begins with; 1 if it is none.
+size_t CharacterBytes(std::string_view text) {
+  const unsigned char first = static_cast<unsigned char>(text[0]);
+  const size_t bytes = first < 0xC0 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+  return std::min(bytes, text.size());
+}
+
+// `text` with all matches replaced, as RE2::GlobalReplace does it. nullopt, with the context's status set, where the
+// evaluation has to end meanwhile or the result is too long.
+std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2& regex, const std::string& rewrite,
+                                    EvaluationContext& context) {
+  constexpr size_t kBytesAMatch = 1024;  // about the time of one without groups
+  std::array<re2::StringPiece, 10> groups;
+  const int n = 1 + re2::RE2::MaxSubmatch(rewrite);
+  std::string out;
+  size_t room = std::max<size_t>(4096, text.size() + text.size() / 2);  // that there is so much was asked by the caller
+  const auto grow = [&](size_t bytes) {
+    if (out.size() + bytes <= room) return true;
+    room = (out.size() + bytes) * 5 / 4;
+    return context.HasRoom(2 * room);
+  };
+  size_t at = 0;
+  const char* last_end = nullptr;
+  while (at <= text.size() && Match(regex, text, at, groups.data(), n, context)) {
+    const char* from = text.data() + at;
+    const size_t before = static_cast<size_t>(groups[0].data() - from);
+    size_t bytes = before + rewrite.size();
+    for (int i = 0; i < n; ++i) bytes += groups[static_cast<size_t>(i)].size();
+    // A match may have looked at all that is left, and have been the shorter for it.
+    if (!grow(bytes) || !context.Worked(kBytesAMatch + bytes + (text.size() - at) / 16)) return std::nullopt;
+    out.append(from, before);
+    if (groups[0].data() == last_end && groups[0].empty()) {  // nothing, right after a match
+      if (at < text.size()) {
+        const size_t skipped = CharacterBytes({from, text.size() - at});
+        out.append(from, skipped);
+        at += skipped;
+      } else {
+        ++at;
+      }
+      continue;
+    }
+    regex.Rewrite(&out, rewrite, groups.data(), n);
+    last_end = groups[0].data() + groups[0].size();
+    at = static_cast<size_t>(last_end - text.data());
+  }
+  if (!context.status.ok() || (at < text.size() && !grow(text.size() - at))) return std::nullopt;
+  if (at < text.size()) out.append(text.data() + at, text.size() - at);
+  return out;
 }
 
 }  // namespace
@@ -139,21 +194,25 @@ Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluatio
   if (!a[0].IsStringLike() || a[1].type() != Type::kString) return Value::Error();
   if (a.size() > flags_at && a[flags_at].type() != Type::kString) return Value::Error();
   const std::string_view flags = a.size() > flags_at ? a[flags_at].text() : std::string_view();
-  re2::RE2* regex = Prepared(e, a[1], flags);
+  re2::RE2* regex = Prepared(e, a[1], flags, context);
   if (regex == nullptr) return Value::Error();
   const std::string_view text = a[0].text();
   const re2::StringPiece piece(text.data(), text.size());
-  if (e.builtin == Builtin::kRegex) return Value::Boolean(re2::RE2::PartialMatch(piece, *regex));
+  // Each call may take so many instructions: the row after it is not waited for.
+  if (!context.Worked(static_cast<size_t>(regex->ProgramSize()))) return Value::Error();
+  if (e.builtin == Builtin::kRegex) {
+    const bool found = Match(*regex, piece, 0, nullptr, 0, context);
+    return context.status.ok() ? Value::Boolean(found) : Value::Error();
+  }
   if (a[2].type() != Type::kString) return Value::Error();
   if (re2::RE2::FullMatch("", *regex)) return Value::Error();  // FORX0003: it matches the empty string
   const bool literal = flags.find('q') != std::string_view::npos;
   const std::optional<std::string> rewrite = Rewrite(a[2].text(), regex->NumberOfCapturingGroups(), literal);
-  if (!rewrite || !context.HasRoom(2 * LengthReplaced(piece, *regex, *rewrite))) return Value::Error();
-  std::string out(text);
-  re2::RE2::GlobalReplace(&out, *regex, *rewrite);
-  if (a[0].type() == Type::kLangString)
-    return Value::LangString(std::move(out), std::string(a[0].language()));
-  return Value::String(std::move(out));
+  if (!rewrite) return Value::Error();
+  std::optional<std::string> out = Replaced(piece, *regex, *rewrite, context);
+  if (!out) return Value::Error();
+  if (a[0].type() == Type::kLangString) return Value::LangString(*std::move(out), std::string(a[0].language()));
+  return Value::String(*std::move(out));
 }
 
 }  // namespace docent::sparql

@@ -86,10 +86,10 @@ Value NewBlank(const std::vector<Value>& arguments, EvaluationContext& context) 
   } else {
     if (arguments[0].type() != Type::kString) return Value::Error();
     label += std::to_string(context.row_number) + "x";
+    static constexpr char kHex[] = "0123456789abcdef";
     for (const char c : arguments[0].text()) {
-      char hex[4];
-      std::snprintf(hex, sizeof hex, "%02x", static_cast<unsigned char>(c));
-      label += hex;
+      label.push_back(kHex[static_cast<unsigned char>(c) >> 4]);
+      label.push_back(kHex[static_cast<unsigned char>(c) & 15]);
     }
   }
   return Value::Blank(label);

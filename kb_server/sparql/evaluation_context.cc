@@ -13,6 +13,11 @@ bool EvaluationContext::PollNow() {
   return status.ok();
 }
 
+bool EvaluationContext::WorkedNow() {
+  work_bytes_ = PollNow() ? 0 : kBytesAPoll;  // where it has ended, each call says so
+  return status.ok();
+}
+
 bool EvaluationContext::Refuse(size_t more) {
   polls_left_ = 1;  // the next one tells
   if (status.ok()) {
@@ -27,6 +32,7 @@ TermId EvaluationContext::Encode(const Term& term) {
   if (term.IsLiteral()) {
     if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
   }
+  Worked(term.lexical.size());
   // The own table first: a term that the dictionary learns while this run goes on stands in no version that
   // it sees, and must keep the id that it has got.
   if (!local_terms_.empty()) {

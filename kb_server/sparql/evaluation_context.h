@@ -48,6 +48,7 @@ class EvaluationContext {
     random_ = new_seed;
     row_number = 0;
     polls_left_ = polls_given_ = 1;
+    work_bytes_ = 0;
     if (!status.ok()) status = absl::OkStatus();
     Forget();
   }
@@ -63,6 +64,10 @@ class EvaluationContext {
 
   // False soon after the evaluation must end; `status` says why. For inner loops.
   bool Poll() { return --polls_left_ > 0 || PollNow(); }
+  bool PollNow();
+  // So many bytes of text are read, copied or compared. False as Poll, which counts rows and not what a row costs: a
+  // function on long texts asks before it begins.
+  bool Worked(size_t bytes) { return (work_bytes_ += bytes) < kBytesAPoll || WorkedNow(); }
   // So many matches were counted without a Poll: the next ones come the sooner.
   void Counted(uint64_t matches) {
     const uint64_t polls = matches / kMatchesAPoll;
@@ -114,14 +119,16 @@ class EvaluationContext {
   friend class KeptMemory;
   static constexpr int kPolls = 64;  // all but the last of so many cost nothing
   static constexpr uint64_t kMatchesAPoll = 64;
+  static constexpr size_t kBytesAPoll = 1 << 20;
   static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
 
   void DecodeLocalTo(TermId id, Term* out) const;
-  bool PollNow();
+  bool WorkedNow();
   bool Refuse(size_t more);
 
   int polls_left_ = 1;  // until the status, the caller and the clock are looked at
   int polls_given_ = 1;  // the last time
+  size_t work_bytes_ = 0;  // since then, too
   const size_t memory_limit_;
   MemoryUse memory_;
   uint64_t run_ = 0;

@@ -1,5 +1,6 @@
 #include "kb_server/sparql/expression_evaluator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,19 +37,29 @@ std::optional<bool> EqualByIds(const PlanExpression& a, const PlanExpression& b,
   return std::nullopt;
 }
 
+// As EvaluationContext::Worked, of a comparison.
+bool WorkedOn(const Value& a, const Value& b, EvaluationContext& context) {
+  return context.Worked(std::min(a.text().size(), b.text().size()));
+}
+
 std::optional<bool> Equal(PlanExpression& a, PlanExpression& b, const TermId* row,
                           EvaluationContext& context) {
   if (const std::optional<bool> settled = EqualByIds(a, b, row)) return settled;
   Value x, y;
-  return ValuesEqual(Operand(a, row, context, x), Operand(b, row, context, y));
+  const Value& left = Operand(a, row, context, x);
+  const Value& right = Operand(b, row, context, y);
+  if (!WorkedOn(left, right, context)) return std::nullopt;
+  return ValuesEqual(left, right);
 }
 
 std::optional<bool> Ordered(Kind kind, PlanExpression& a, PlanExpression& b, const TermId* row,
                             EvaluationContext& context) {
   Value x, y;
   bool unordered = false;
-  const std::optional<int> order =
-      CompareValues(Operand(a, row, context, x), Operand(b, row, context, y), &unordered);
+  const Value& left = Operand(a, row, context, x);
+  const Value& right = Operand(b, row, context, y);
+  if (!WorkedOn(left, right, context)) return std::nullopt;
+  const std::optional<int> order = CompareValues(left, right, &unordered);
   if (unordered) return false;  // NaN is neither less nor greater
   if (!order) return std::nullopt;
   switch (kind) {
@@ -110,12 +121,14 @@ Value Negated(const Value& v) {
 Value CallFunction(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   const FunctionEntry* entry = context.functions ? context.functions->Find(e.term.lexical) : nullptr;
   if (entry == nullptr) {  // the planner let through casts only
-    return Cast(e.term.lexical, Evaluate(*e.arguments[0], row, context)).value_or(Value::Error());
+    const Value value = Evaluate(*e.arguments[0], row, context);
+    if (!context.Worked(value.text().size())) return Value::Error();
+    return Cast(e.term.lexical, value).value_or(Value::Error());
   }
   std::vector<Term> arguments;
   for (const PlanExpressionPtr& argument : e.arguments) {
     const Value value = Evaluate(*argument, row, context);
-    if (value.IsError()) return Value::Error();
+    if (value.IsError() || !context.Worked(value.text().size())) return Value::Error();
     arguments.push_back(value.id().IsNone() ? value.ToTerm() : context.Decode(value.id()));
   }
   const absl::StatusOr<Term> result = entry->call(arguments);
@@ -155,7 +168,7 @@ Value EvaluateBuiltin(PlanExpression& e, const TermId* row, EvaluationContext& c
         whole = context.Charge(owned) && whole;
       }
       // No function but REPLACE, which looks itself, makes more than three times its arguments.
-      whole = whole && (text <= kLongText || context.HasRoom(3 * text));
+      whole = whole && context.Worked(text) && (text <= kLongText || context.HasRoom(3 * text));
       Value result = whole ? CallBuiltin(e, e.values, context) : Value::Error();
       if (held == 0) return result;
       context.Release(held);
@@ -211,7 +224,10 @@ Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context)
   switch (e.kind) {
     case Kind::kVariable: {
       const TermId id = row[e.slot];
-      return id.IsNone() ? Value::Error() : context.ValueOf(id);
+      if (id.IsNone()) return Value::Error();
+      Value value = context.ValueOf(id);
+      if (id.tag() == TermId::Tag::kLocal && !context.Worked(value.text().size())) return Value::Error();  // it was copied
+      return value;
     }
     case Kind::kTerm:
       return e.constant;

@@ -390,6 +390,12 @@ TEST_F(SparqlEvaluator, ExpressionsAlone) {
   EXPECT_EQ(**(*prepared)->Evaluate({}, {two, robot}), Term::Boolean(true));
 }
 
+TEST_F(SparqlEvaluator, ReplaceGoesOnBehindEachMatch) {
+  EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"ab cd\",\"\\\\b\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|\\\\b\",\"-\") AS ?b) "
+                      "(REPLACE(\"abcab\",\"(a)(b)\",\"$2$1\") AS ?c) (REPLACE(\"abc\",\"x\",\"y\") AS ?d) {}"),
+              ElementsAre("|ab| |cd| ä-ö-c- bacba abc"));
+}
+
 TEST_F(SparqlEvaluator, ExplainShowsTheOrder) {
   const std::string plan = g_.Prepare("ASK { ?s ?p ?o . ?s ex:chose ex:Guide }")->Explain(*g_.version);
   EXPECT_LT(plan.find("chose"), plan.find("?s ?p ?o"));

@@ -204,5 +204,85 @@ TEST_F(QueryBombs, ManyWordsWithDotsAreReadOnce) {
   }
 }
 
+// One row, and one call that would take for ever or as long as many.
+class TextBombs : public QueryBombs {
+ protected:
+  // ?a0 … ?a<n>: `first` doubled n times.
+  static std::string Doubled(const std::string& first, int n) {
+    std::string text = "BIND(\"" + first + "\" AS ?a0)";
+    for (int i = 1; i <= n; ++i) {
+      const std::string last = "?a" + std::to_string(i - 1);
+      text += " BIND(CONCAT(" + last + "," + last + ") AS ?a" + std::to_string(i) + ")";
+    }
+    return text;
+  }
+  // Ends soon after a limit of 200 ms that `text` runs into, or is quicker.
+  void ExpectSoon(const std::string& text, bool timeout) {
+    const absl::Status status = Run(text, 200);
+    EXPECT_LT(took_, std::chrono::seconds(5)) << text.substr(0, 80);
+    if (!timeout) return;
+    EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded) << text.substr(0, 80) << status;
+    EXPECT_NE(status.message().find("query_timeout_ms = 200"), std::string::npos) << status;
+  }
+};
+
+TEST_F(TextBombs, ASearchForATextIsLinear) {
+  const std::string half = "CONCAT(SUBSTR(?a20,1,4000000),\"b\")";
+  for (const std::string name : {"CONTAINS", "STRBEFORE", "STRAFTER"}) {
+    ExpectSoon("SELECT (STRLEN(STR(" + name + "(?a20," + half + "))) AS ?x) {" + Doubled("aaaaaaaa", 20) + "}", false);
+  }
+}
+
+TEST_F(TextBombs, ManyCallsOnALongTextEndAtTheTimeLimit) {
+  const std::vector<std::string> calls = {
+      "CONTAINS(?a20,CONCAT(SUBSTR(?a20,1,4000000),\"b\"))", "STRLEN(?a20)", "UCASE(?a20)", "LCASE(?a20)", "SUBSTR(?a20,4000000)",
+      "ENCODE_FOR_URI(?a20)", "CONCAT(?a20,?a19)", "MD5(?a20)", "SHA1(?a20)", "SHA256(?a20)", "SHA384(?a20)", "SHA512(?a20)",
+      "REGEX(?a20,\"c|b$\")", "REPLACE(?a20,\"c\",\"b\")", "STRSTARTS(?a20,?a19)", "STRENDS(?a20,?a19)", "STRDT(?a20,xsd:decimal)",
+      "STRLANG(?a20,\"en\")", "xsd:integer(?a20)", "xsd:double(?a20)", "xsd:string(?a20)", "IRI(?a20)", "BNODE(?a20)",
+      "LANGMATCHES(?a20,?a19)", "(?a20 < CONCAT(?a20,\"\"))", "(?a20 = CONCAT(?a20,\"\"))", "(?a20 IN (?a19, ?a18, ?a20))",
+      "sameTerm(?a20,CONCAT(?a20,\"\"))", "STR(?a20)", "DATATYPE(?a20)"};
+  for (const std::string& call : calls) {
+    ExpectSoon("SELECT * {" + Doubled("aaaaaaaa", 20) + " ?a ex:p ?b . ?c ex:p ?d FILTER(STRLEN(STR(" + call + ")) < 0) }", true);
+  }
+}
+
+TEST_F(TextBombs, ManyCallsInOneRowEndAtTheTimeLimit) {
+  std::string text = "SELECT * {" + Doubled("aaaaaaaa", 20) + " FILTER(STRLEN(?a0) = 8";
+  for (int i = 0; i < 900; ++i) text += " && STRLEN(MD5(?a20)) = 32";
+  ExpectSoon(text + ")}", true);
+}
+
+TEST_F(TextBombs, ReplaceEndsAtTheTimeLimit) {
+  std::string text = "SELECT * { BIND(\"aaaaaaaa\" AS ?a0)";
+  for (int i = 1; i <= 24; ++i) {
+    text += " BIND(REPLACE(?a" + std::to_string(i - 1) + ",\"a\",\"aa\") AS ?a" + std::to_string(i) + ")";
+  }
+  ExpectSoon(text + "}", true);
+  // Each match looks at all that comes after it.
+  ExpectSoon("SELECT (REPLACE(?a18,\"a(.*z)?\",\"b\") AS ?x) {" + Doubled("aaaaaaaa", 18) + "}", true);
+}
+
+TEST_F(TextBombs, SortedAndAggregatedLongTextsEndAtTheTimeLimit) {
+  const std::string rows = "{" + Doubled("aaaaaaaa", 16) + " ?a ex:p ?b BIND(CONCAT(?a16,STR(?b)) AS ?t) }";
+  for (const std::string& query : {"SELECT ?a " + rows + " ORDER BY ?t", "SELECT (MAX(?t) AS ?m) " + rows, "SELECT DISTINCT ?t " + rows,
+                                  "SELECT (GROUP_CONCAT(?a16) AS ?m) " + rows}) {
+    ExpectSoon(query, false);
+  }
+}
+
+// RE2 can't be stopped, and simulates what has too many states: thousands of steps for each byte.
+TEST_F(TextBombs, LargeRegularExpressionsOnLongTextsAreRefused) {
+  const std::string text = "SELECT (1 AS ?x) {" + Doubled("abaabbab", 18);
+  for (const std::string call : {"REGEX(?a18,\"(a|b)*a(a|b){1000}c\")", "REGEX(?a18,\"((a|b){1000}(b|a){1000}c?)+d\")",
+                                 "(REPLACE(?a18,\"((a|b){1000})+\",\"$1\") = \"\")"}) {
+    const absl::Status status = Run(text + " FILTER" + (call[0] == '(' ? call : "(" + call + ")") + "}", 30000);
+    EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << call << status;
+    EXPECT_NE(status.message().find("regex_steps = "), std::string::npos) << status;
+    EXPECT_LT(took_, std::chrono::seconds(10)) << call;
+  }
+  EXPECT_TRUE(Run(text + " FILTER(REGEX(?a18,\"(a|b)*a(a|b){5}c\"))}", 30000).ok());
+  EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"abaab\",\"(a|b)*a(a|b){2}$\") && REGEX(\"abc\", \"(a|b){1000}|c\")) }"));
+}
+
 }  // namespace
 }  // namespace docent::sparql
