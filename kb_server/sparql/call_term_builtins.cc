@@ -14,9 +14,10 @@ using Type = Value::Type;
 
 namespace {
 
-// fn:round of a float or double: half toward positive infinity
+// fn:round of a float or double: half toward positive infinity; what rounds to zero from below, to negative zero
 double RoundHalfUp(double x) {
-  return std::floor(x + 0.5);
+  const double floor = std::floor(x);
+  return std::copysign(x - floor >= 0.5 ? floor + 1 : floor, x);
 }
 
 Value Rounded(Builtin builtin, const Value& v) {

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "absl/container/flat_hash_map.h"
@@ -245,12 +247,21 @@ bool IsCast(std::string_view datatype) {
 
 namespace {
 
-// A double as an exact decimal; nullopt for NaN, infinities and what has more than 38 digits.
-std::optional<Decimal> ExactOf(double number) {
-  if (!std::isfinite(number) || std::abs(number) >= 1e37) return std::nullopt;
-  char buffer[400];
-  std::snprintf(buffer, sizeof buffer, "%.20f", number);
-  std::string_view text(buffer);
+// The shortest decimal digits that read back as the same float or double, without exponent. Not of NaN and infinities.
+std::string PlainDigits(const Value& v) {
+  std::array<char, 400> buffer;
+  char* const end = buffer.data() + buffer.size();
+  const auto written = v.type() == Type::kFloat
+                           ? std::to_chars(buffer.data(), end, static_cast<float>(v.number()), std::chars_format::fixed)
+                           : std::to_chars(buffer.data(), end, v.number(), std::chars_format::fixed);
+  return {buffer.data(), written.ptr};
+}
+
+// A float or double as a decimal; nullopt for NaN, infinities and what has more than 38 digits.
+std::optional<Decimal> DecimalOf(const Value& v) {
+  if (!std::isfinite(v.number()) || std::abs(v.number()) >= 1e37) return std::nullopt;
+  const std::string digits = PlainDigits(v);
+  std::string_view text = digits;
   while (!text.empty()) {
     if (const auto d = Decimal::Parse(text)) return d;
     text.remove_suffix(1);  // fewer digits after the point
@@ -258,10 +269,16 @@ std::optional<Decimal> ExactOf(double number) {
   return std::nullopt;
 }
 
+// XPath and XQuery Functions section 19.1.2.2 (17.1.2 of 1.0): without exponent from 1e-6 to below 1e6.
+std::string StringOf(const Value& v) {
+  const double magnitude = std::abs(v.number());
+  return magnitude == 0 || (magnitude >= 1e-6 && magnitude < 1e6) ? PlainDigits(v) : v.CanonicalText();
+}
+
 Value CastNumber(std::string_view datatype, const Value& v) {
   if (datatype == kXsdDouble) return Value::Double(v.AsDouble());
   if (datatype == kXsdFloat) return Value::Float(v.AsDouble());
-  const std::optional<Decimal> exact = v.IsExact() ? v.decimal() : ExactOf(v.number());
+  const std::optional<Decimal> exact = v.IsExact() ? v.decimal() : DecimalOf(v);
   if (!exact) return Value::Error();
   if (datatype == kXsdDecimal) return Value::OfDecimal(*exact);
   return Value::Integer(exact->mantissa < 0 ? exact->Ceiling() : exact->Floor());  // toward zero
@@ -275,20 +292,7 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
   if (datatype == kXsdString) {
     if (v.type() == Type::kIri || v.IsStringLike() || v.type() == Type::kOther)
       return Value::String(std::string(v.text()));
-    // XPath writes whole doubles without exponent (fn:string of 1.0E0 is "1")
-    if (v.type() == Type::kDouble || v.type() == Type::kFloat) {
-      const double magnitude = std::abs(v.number());
-      if (magnitude == 0) return Value::String("0");
-      if (magnitude >= 1e-6 && magnitude < 1e6) {
-        if (const auto exact = Decimal::Parse([&] {
-              char buffer[64];
-              std::snprintf(buffer, sizeof buffer, "%.*f", v.type() == Type::kFloat ? 7 : 12, v.number());
-              return std::string(buffer);
-            }())) {
-          return Value::String(exact->ToString());
-        }
-      }
-    }
+    if (v.type() == Type::kDouble || v.type() == Type::kFloat) return Value::String(StringOf(v));
     return Value::String(v.CanonicalText());
   }
   if (v.type() == Type::kIri || v.type() == Type::kLangString) return Value::Error();

@@ -396,6 +396,12 @@ TEST_F(SparqlEvaluator, ReplaceGoesOnBehindEachMatch) {
               ElementsAre("|ab| |cd| ä-ö-c- bacba abc"));
 }
 
+TEST_F(SparqlEvaluator, RoundedDoublesKeepTheSignOfZero) {
+  EXPECT_THAT(g_.Rows("SELECT (xsd:string(ROUND(-0.4e0)) AS ?a) (xsd:string(ROUND(-0.5e0)) AS ?b) (xsd:string(ROUND(0.49999999999999994e0)) AS ?c) "
+                      "(ROUND(-2.5e0) AS ?d) (ROUND(2.5e0) AS ?e) (ROUND(-0.6e0) AS ?f) (ROUND(4503599627370497e0) AS ?g) {}"),
+              ElementsAre("-0 -0 0 -2.0E0 3.0E0 -1.0E0 4.503599627370497E15"));
+}
+
 TEST_F(SparqlEvaluator, ExplainShowsTheOrder) {
   const std::string plan = g_.Prepare("ASK { ?s ?p ?o . ?s ex:chose ex:Guide }")->Explain(*g_.version);
   EXPECT_LT(plan.find("chose"), plan.find("?s ?p ?o"));

@@ -121,6 +121,21 @@ TEST(Value, Casts) {
   EXPECT_FALSE(Cast("http://a/t", Value::Integer(1)).has_value());
 }
 
+TEST(Value, CastsOfDoublesWriteNoDigitsThatNobodyWrote) {
+  const auto text = [](const std::string& number, std::string_view type, std::string_view to) { return Text(*Cast(to, Of(number, type))); };
+  for (const auto& [number, string, decimal] :
+       {std::tuple{"91584.696e0", "91584.696", "91584.696"}, {"0.1e0", "0.1", "0.1"}, {"-0e0", "-0", "0"}, {"0e0", "0", "0"},
+        {"1e-6", "0.000001", "0.000001"}, {"9.99e-7", "9.99E-7", "0.000000999"}, {"999999.5e0", "999999.5", "999999.5"},
+        {"-1e6", "-1.0E6", "-1000000"}, {"1.5e300", "1.5E300", "error"}, {"NaN", "NaN", "error"}, {"-INF", "-INF", "error"},
+        {"1.2345678901234567e-20", "1.2345678901234567E-20", "0.000000000000000000012345678901234567"}}) {
+    EXPECT_EQ(text(number, kXsdDouble, kXsdString), string);
+    EXPECT_EQ(text(number, kXsdDouble, kXsdDecimal), decimal) << number;
+  }
+  EXPECT_EQ(text("0.1", kXsdFloat, kXsdString), "0.1");
+  EXPECT_EQ(text("16777.217", kXsdFloat, kXsdDecimal), "16777.217");
+  EXPECT_EQ(text("-3.9e0", kXsdDouble, kXsdInteger), "-3");
+}
+
 TEST(Value, TermOrderIsTotalAndByValue) {
   const std::vector<Term> ordered = {Term::Blank("b"),
                                      Term::Iri("http://a/"),
