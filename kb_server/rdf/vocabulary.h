@@ -42,6 +42,7 @@ inline constexpr std::string_view kXsdDouble = "http://www.w3.org/2001/XMLSchema
 inline constexpr std::string_view kXsdFloat = "http://www.w3.org/2001/XMLSchema#float";
 inline constexpr std::string_view kXsdBoolean = "http://www.w3.org/2001/XMLSchema#boolean";
 inline constexpr std::string_view kXsdDate = "http://www.w3.org/2001/XMLSchema#date";
+inline constexpr std::string_view kXsdTime = "http://www.w3.org/2001/XMLSchema#time";
 inline constexpr std::string_view kXsdDateTime = "http://www.w3.org/2001/XMLSchema#dateTime";
 
 // graphs of the server

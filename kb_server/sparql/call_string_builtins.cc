@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/case_map.h"
 #include "kb_server/sparql/expression_evaluator.h"
 #include "kb_server/sparql/text.h"
@@ -157,10 +156,12 @@ Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluati
   }
 }
 
-Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext& context) {
+Value CallTimeBuiltin(Builtin builtin, const Value& argument) {
   const bool date_part = builtin == Builtin::kYear || builtin == Builtin::kMonth || builtin == Builtin::kDay;
-  if (argument.type() != Type::kDateTime && !(argument.type() == Type::kDate && date_part))
+  const bool clock_part = builtin == Builtin::kHours || builtin == Builtin::kMinutes || builtin == Builtin::kSeconds;
+  if (!argument.IsTime() || (argument.type() == Type::kDate && !date_part) || (argument.type() == Type::kTime && !clock_part)) {
     return Value::Error();
+  }
   const CivilTime c = ToCivil(argument.local_time_us());
   switch (builtin) {
     case Builtin::kYear:
@@ -181,12 +182,7 @@ Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext&
       break;
   }
   if (!argument.zone_minutes()) return Value::Error();
-  const int minutes = std::abs(*argument.zone_minutes());
-  std::string text = *argument.zone_minutes() < 0 ? "-PT" : "PT";
-  if (minutes == 0) text += "0S";
-  if (minutes / 60 > 0) text += std::to_string(minutes / 60) + "H";
-  if (minutes % 60 > 0) text += std::to_string(minutes % 60) + "M";
-  return context.ValueOf(context.Encode(Term::Literal(text, Concat({kXsdNs, "dayTimeDuration"}))));
+  return Value::OfDuration({Duration::Kind::kDayTime, 0, TimeMicros{*argument.zone_minutes()} * 60'000'000});
 }
 
 Value CallHashBuiltin(Builtin builtin, const Value& argument) {

@@ -179,7 +179,7 @@ Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, Evalua
     case Builtin::kSeconds:
     case Builtin::kTimezone:
     case Builtin::kTz:
-      return CallTimeBuiltin(e.builtin, arguments[0], context);
+      return CallTimeBuiltin(e.builtin, arguments[0]);
     case Builtin::kNow:
       return Value::DateTime(context.now_us);
     case Builtin::kMd5:

@@ -22,7 +22,7 @@ Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, Evalua
 // The groups of builtins, one file each.
 Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 Value CallTermBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
-Value CallTimeBuiltin(Builtin builtin, const Value& argument, EvaluationContext& context);
+Value CallTimeBuiltin(Builtin builtin, const Value& argument);
 Value CallHashBuiltin(Builtin builtin, const Value& argument);
 Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 

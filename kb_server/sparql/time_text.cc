@@ -22,12 +22,6 @@ int64_t DaysFromCivil(int64_t year, int month, int day) {
   return era * 146097 + day_of_era - 719468;
 }
 
-int DaysInMonth(int64_t year, int month) {
-  static constexpr int kDays[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-  const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
-  return month == 2 && leap ? 29 : kDays[month - 1];
-}
-
 // Reads from the front of a text.
 class Reader {
  public:
@@ -101,7 +95,48 @@ std::string FormatCivilDate(const CivilTime& c) {
   return buffer;
 }
 
+// hh:mm:ss(.s+)? in microseconds
+std::optional<TimeMicros> ReadClock(Reader* in) {
+  const auto hour = in->Digits(2, 2);
+  if (!hour || !in->Take(':')) return std::nullopt;
+  const auto minute = in->Digits(2, 2);
+  if (!minute || !in->Take(':')) return std::nullopt;
+  const auto second = in->Digits(2, 2);
+  if (!second || *minute > 59 || *second > 59) return std::nullopt;
+  int64_t fraction = 0;
+  if (in->Take('.')) {
+    const auto digits = in->Fraction();
+    if (!digits) return std::nullopt;
+    fraction = *digits;
+  }
+  const bool midnight = *hour == 24 && *minute == 0 && *second == 0 && fraction == 0;
+  if (*hour > 23 && !midnight) return std::nullopt;
+  return (*hour * 3600 + *minute * 60 + *second) * kSecond + fraction;
+}
+
+std::string FormatClock(const CivilTime& c) {
+  char buffer[48];
+  std::snprintf(buffer, sizeof buffer, "%02d:%02d:%02d", c.hour, c.minute, static_cast<int>(c.second_us / kSecond));
+  std::string out = buffer;
+  if (const int64_t fraction = c.second_us % kSecond; fraction != 0) {
+    std::snprintf(buffer, sizeof buffer, ".%06d", static_cast<int>(fraction));
+    out += buffer;
+    while (out.back() == '0') out.pop_back();
+  }
+  return out;
+}
+
 }  // namespace
+
+int DaysInMonth(int64_t year, int month) {
+  static constexpr int kDays[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+  const bool leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+  return month == 2 && leap ? 29 : kDays[month - 1];
+}
+
+TimeMicros TimeOfDay(int64_t year, int month, int day) {
+  return DaysFromCivil(year, month, day) * kDay;
+}
 
 CivilTime ToCivil(TimeMicros local_time_us) {
   int64_t days = local_time_us / kDay;
@@ -141,21 +176,18 @@ std::optional<ZonedTime> ParseDateTimeText(std::string_view text) {
   ZonedTime time;
   const auto days = ReadDate(&in);
   if (!days || !in.Take('T')) return std::nullopt;
-  const auto hour = in.Digits(2, 2);
-  if (!hour || !in.Take(':')) return std::nullopt;
-  const auto minute = in.Digits(2, 2);
-  if (!minute || !in.Take(':')) return std::nullopt;
-  const auto second = in.Digits(2, 2);
-  if (!second || *minute > 59 || *second > 59) return std::nullopt;
-  int64_t fraction = 0;
-  if (in.Take('.')) {
-    const auto digits = in.Fraction();
-    if (!digits) return std::nullopt;
-    fraction = *digits;
-  }
-  const bool midnight = *hour == 24 && *minute == 0 && *second == 0 && fraction == 0;
-  if ((*hour > 23 && !midnight) || !ReadZone(&in, &time.zone_minutes)) return std::nullopt;
-  time.local_us = *days * kDay + (*hour * 3600 + *minute * 60 + *second) * kSecond + fraction;
+  const auto clock = ReadClock(&in);
+  if (!clock || !ReadZone(&in, &time.zone_minutes)) return std::nullopt;
+  time.local_us = *days * kDay + *clock;
+  return time;
+}
+
+std::optional<ZonedTime> ParseTimeText(std::string_view text) {
+  Reader in(text);
+  ZonedTime time;
+  const auto clock = ReadClock(&in);
+  if (!clock || !ReadZone(&in, &time.zone_minutes)) return std::nullopt;
+  time.local_us = *clock % kDay;
   return time;
 }
 
@@ -171,17 +203,11 @@ std::string FormatZone(std::optional<int> zone_minutes) {
 
 std::string FormatDateTimeText(const ZonedTime& time) {
   const CivilTime c = ToCivil(time.local_us);
-  char buffer[48];
-  std::snprintf(buffer, sizeof buffer, "T%02d:%02d:%02d", c.hour, c.minute,
-                static_cast<int>(c.second_us / kSecond));
-  std::string out = FormatCivilDate(c) + buffer;
-  if (const int64_t fraction = c.second_us % kSecond; fraction != 0) {
-    std::snprintf(buffer, sizeof buffer, ".%06d", static_cast<int>(fraction));
-    std::string digits = buffer;
-    while (digits.back() == '0') digits.pop_back();
-    out += digits;
-  }
-  return out + FormatZone(time.zone_minutes);
+  return FormatCivilDate(c) + "T" + FormatClock(c) + FormatZone(time.zone_minutes);
+}
+
+std::string FormatTimeText(const ZonedTime& time) {
+  return FormatClock(ToCivil(time.local_us)) + FormatZone(time.zone_minutes);
 }
 
 std::string FormatDateText(const ZonedTime& time) {

@@ -76,6 +76,10 @@ std::string FormatScientific(Number value) {
 
 }  // namespace
 
+bool IsIntegerType(std::string_view datatype) {
+  return datatype.starts_with(kXsdNs) && DerivedInteger(datatype.substr(kXsdNs.size())) != nullptr;
+}
+
 std::string FormatDouble(double value) {
   return FormatScientific(value);
 }
@@ -151,6 +155,23 @@ Value Value::DateTime(TimeMicros time_us) {
   return v;
 }
 
+Value Value::OfTime(Type type, TimeMicros local_us, std::optional<int> zone_minutes) {
+  Value v;
+  v.type_ = type;
+  v.time_us_ = local_us;
+  v.zone_ = zone_minutes;
+  return v;
+}
+
+Value Value::OfDuration(const Duration& duration) {
+  Value v;
+  v.type_ = Type::kDuration;
+  v.duration_kind_ = duration.kind;
+  v.months_ = duration.months;
+  v.time_us_ = duration.time_us;
+  return v;
+}
+
 // Sets type and value by the datatype; the texts are set already.
 void Value::ReadLiteral(std::string_view text, std::string_view datatype) {
   type_ = Type::kOther;
@@ -172,11 +193,21 @@ void Value::ReadLiteral(std::string_view text, std::string_view datatype) {
       type_ = local == "double" ? Type::kDouble : Type::kFloat;
       number_ = type_ == Type::kFloat ? static_cast<double>(static_cast<float>(*d)) : *d;
     }
-  } else if (local == "dateTime" || local == "date") {
-    if (const auto time = local == "date" ? ParseDateText(text) : ParseDateTimeText(text)) {
-      type_ = local == "date" ? Type::kDate : Type::kDateTime;
+  } else if (local == "dateTime" || local == "date" || local == "time") {
+    const Type type = local == "date" ? Type::kDate : local == "time" ? Type::kTime : Type::kDateTime;
+    if (const auto time = type == Type::kDate   ? ParseDateText(text)
+                          : type == Type::kTime ? ParseTimeText(text)
+                                                : ParseDateTimeText(text)) {
+      type_ = type;
       time_us_ = time->local_us;
       zone_ = time->zone_minutes;
+    }
+  } else if (const auto kind = FindDurationKind(local)) {
+    if (const auto duration = ParseDuration(text, *kind)) {
+      type_ = Type::kDuration;
+      duration_kind_ = *kind;
+      months_ = duration->months;
+      time_us_ = duration->time_us;
     }
   } else if (const IntegerRange* range = DerivedInteger(local)) {
     const auto d = Decimal::ParseInteger(text);
@@ -276,6 +307,10 @@ std::string_view Value::CanonicalDatatype() const {
       return kXsdDateTime;
     case Type::kDate:
       return kXsdDate;
+    case Type::kTime:
+      return kXsdTime;
+    case Type::kDuration:
+      return DatatypeOf(duration_kind_);
     case Type::kString:
       return kXsdString;
     case Type::kLangString:
@@ -302,6 +337,10 @@ std::string Value::CanonicalText() const {
       return FormatDateTimeText({time_us_, zone_});
     case Type::kDate:
       return FormatDateText({time_us_, zone_});
+    case Type::kTime:
+      return FormatTimeText({time_us_, zone_});
+    case Type::kDuration:
+      return ToString(duration());
     default:
       return std::string(text());
   }

@@ -14,6 +14,7 @@
 #include "kb_server/rdf/term.h"
 #include "kb_server/rdf/term_id.h"
 #include "kb_server/sparql/decimal.h"
+#include "kb_server/sparql/duration.h"
 
 namespace docent::sparql {
 
@@ -32,6 +33,8 @@ class Value {
     kDouble,      // number
     kDateTime,    // time_us, zone
     kDate,        // time_us (midnight), zone
+    kTime,        // time_us (of 1970-01-01), zone
+    kDuration,    // duration
     kOther,  // text(), datatype(): a datatype that is not known here, or a lexical form that is not valid
   };
 
@@ -48,6 +51,8 @@ class Value {
   static Value Iri(std::string iri);
   static Value Blank(std::string label);
   static Value DateTime(TimeMicros time_us);  // with zone Z
+  static Value OfTime(Type type, TimeMicros local_us, std::optional<int> zone_minutes);  // kDateTime, kDate or kTime
+  static Value OfDuration(const Duration& duration);
   // From a term; the texts are copied.
   static Value OfTerm(const Term& term);
   // From an id that `dictionary` gave or that is inline.
@@ -59,7 +64,7 @@ class Value {
   bool IsNumeric() const { return type_ >= Type::kInteger && type_ <= Type::kDouble; }
   bool IsExact() const { return type_ == Type::kInteger || type_ == Type::kDecimal; }
   bool IsStringLike() const { return type_ == Type::kString || type_ == Type::kLangString; }
-  bool IsTime() const { return type_ == Type::kDateTime || type_ == Type::kDate; }
+  bool IsTime() const { return type_ >= Type::kDateTime && type_ <= Type::kTime; }
 
   // The id it was made from; none if it was computed.
   TermId id() const { return id_; }
@@ -75,6 +80,8 @@ class Value {
   std::optional<int> zone_minutes() const { return zone_; }
   // The instant; a time without zone counts as UTC (XPath's implicit timezone).
   TimeMicros instant_us() const { return time_us_ - TimeMicros{60'000'000} * zone_.value_or(0); }
+
+  Duration duration() const { return {duration_kind_, months_, time_us_}; }
 
   // Of kIri, kBlank, kString, kLangString, kOther; of other literals as written, where they were read from a text.
   std::string_view text() const { return text_; }
@@ -104,10 +111,12 @@ class Value {
 
   Type type_ = Type::kError;
   bool boolean_ = false;
+  Duration::Kind duration_kind_ = Duration::Kind::kDuration;
   std::optional<int> zone_;
   TermId id_;
   double number_ = 0;
-  TimeMicros time_us_ = 0;
+  TimeMicros time_us_ = 0;  // of a duration, what is not months
+  int64_t months_ = 0;
   Decimal decimal_;
   std::string_view text_, tag_;
   std::shared_ptr<const Texts> owned_;  // what they view, unless it is the dictionary's: copies share it
@@ -123,13 +132,22 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
 int CompareForOrder(const Value& a, const Value& b);
 
 enum class Arithmetic : uint8_t { kAdd, kSubtract, kMultiply, kDivide };
-// With the promotions of XPath; an error value where an operand is not a number, by a zero divisor, on
+// With the promotions of XPath; an error value where the operation has no meaning for the operands, by a zero divisor, on
 // overflow.
 Value Compute(Arithmetic operation, const Value& a, const Value& b);
+
+// Of times and durations (value_times.cc). Two times of one type, one of them without zone, are incomparable when less than 14
+// hours apart (XML Schema part 2, section 3.2.7.4).
+std::optional<int> CompareTimes(const Value& a, const Value& b);
+int CompareTimesForOrder(const Value& a, const Value& b);
+Value ComputeTimes(Arithmetic operation, const Value& a, const Value& b);
+// From a value that is not a text.
+Value CastTime(std::string_view datatype, const Value& value);
 
 // The xsd: constructor functions (section 17.5); an error value if the cast fails. nullopt if `datatype` is
 // no cast.
 std::optional<Value> Cast(std::string_view datatype, const Value& value);
+bool IsIntegerType(std::string_view datatype);  // xsd:integer and the types derived from it
 bool IsCast(std::string_view datatype);
 
 // "1.5E0", "INF"

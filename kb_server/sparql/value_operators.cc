@@ -33,17 +33,6 @@ std::optional<int> CompareNumbers(const Value& a, const Value& b) {
   return x < y ? -1 : x > y ? 1 : 0;
 }
 
-// Two times of one type, one of them without zone, are incomparable when less than 14 hours apart
-// (XML Schema part 2, section 3.2.7.4).
-std::optional<int> CompareTimes(const Value& a, const Value& b) {
-  const TimeMicros x = a.instant_us(), y = b.instant_us();
-  if (a.zone_minutes().has_value() != b.zone_minutes().has_value()) {
-    constexpr TimeMicros kWindow = TimeMicros{14} * 3600 * 1'000'000;
-    if (std::abs(x - y) <= kWindow) return std::nullopt;
-  }
-  return x < y ? -1 : x > y ? 1 : 0;
-}
-
 // The rank of the kinds in ORDER BY.
 int OrderRank(const Value& v) {
   switch (v.type()) {
@@ -64,14 +53,18 @@ int OrderRank(const Value& v) {
       return 5;
     case Type::kDateTime:
       return 6;
-    case Type::kString:
+    case Type::kTime:
       return 7;
-    case Type::kLangString:
+    case Type::kDuration:
       return 8;
-    case Type::kOther:
+    case Type::kString:
       return 9;
+    case Type::kLangString:
+      return 10;
+    case Type::kOther:
+      return 11;
   }
-  return 9;
+  return 11;
 }
 
 }  // namespace
@@ -117,8 +110,11 @@ std::optional<bool> ValuesEqual(const Value& a, const Value& b) {
         return a.text() == b.text() && EqualsIgnoreCase(a.language(), b.language());
       case Type::kBoolean:
         return a.boolean() == b.boolean();
+      case Type::kDuration:
+        return Equal(a.duration(), b.duration());
       case Type::kDate:
-      case Type::kDateTime: {
+      case Type::kDateTime:
+      case Type::kTime: {
         const std::optional<int> order = CompareTimes(a, b);
         if (!order) return std::nullopt;
         return *order == 0;
@@ -153,7 +149,10 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
       return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
     case Type::kDate:
     case Type::kDateTime:
+    case Type::kTime:
       return CompareTimes(a, b);
+    case Type::kDuration:
+      return Compare(a.duration(), b.duration());
     default:
       return std::nullopt;
   }
@@ -178,7 +177,10 @@ int CompareForOrder(const Value& a, const Value& b) {
       return static_cast<int>(a.boolean()) - static_cast<int>(b.boolean());
     case Type::kDate:
     case Type::kDateTime:
-      return Sign(a.instant_us() - b.instant_us());
+    case Type::kTime:
+      return CompareTimesForOrder(a, b);
+    case Type::kDuration:
+      return CompareForOrder(a.duration(), b.duration());
     case Type::kLangString: {
       const int text = CompareText(a.text(), b.text());
       return text != 0 ? text : CompareText(a.language(), b.language());
@@ -193,7 +195,7 @@ int CompareForOrder(const Value& a, const Value& b) {
 }
 
 Value Compute(Arithmetic operation, const Value& a, const Value& b) {
-  if (!a.IsNumeric() || !b.IsNumeric()) return Value::Error();
+  if (!a.IsNumeric() || !b.IsNumeric()) return ComputeTimes(operation, a, b);
   if (a.IsExact() && b.IsExact()) {
     std::optional<Decimal> result;
     switch (operation) {
@@ -240,9 +242,11 @@ Value Compute(Arithmetic operation, const Value& a, const Value& b) {
 }
 
 bool IsCast(std::string_view datatype) {
-  return datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdInteger ||
-         datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat ||
-         datatype == kXsdDateTime || datatype == kXsdDate;
+  if (datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat ||
+      datatype == kXsdDateTime || datatype == kXsdDate || datatype == kXsdTime || IsIntegerType(datatype)) {
+    return true;
+  }
+  return datatype.starts_with(kXsdNs) && FindDurationKind(datatype.substr(kXsdNs.size()));
 }
 
 namespace {
@@ -275,13 +279,20 @@ std::string StringOf(const Value& v) {
   return magnitude == 0 || (magnitude >= 1e-6 && magnitude < 1e6) ? PlainDigits(v) : v.CanonicalText();
 }
 
+bool CastsNumbers(std::string_view datatype) {
+  return datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat || IsIntegerType(datatype);
+}
+
 Value CastNumber(std::string_view datatype, const Value& v) {
   if (datatype == kXsdDouble) return Value::Double(v.AsDouble());
   if (datatype == kXsdFloat) return Value::Float(v.AsDouble());
   const std::optional<Decimal> exact = v.IsExact() ? v.decimal() : DecimalOf(v);
   if (!exact) return Value::Error();
   if (datatype == kXsdDecimal) return Value::OfDecimal(*exact);
-  return Value::Integer(exact->mantissa < 0 ? exact->Ceiling() : exact->Floor());  // toward zero
+  const Decimal whole = exact->mantissa < 0 ? exact->Ceiling() : exact->Floor();  // toward zero
+  if (datatype == kXsdInteger) return Value::Integer(whole);
+  Value derived = Value::OfTerm(Term::Literal(whole.ToString(), std::string(datatype)));
+  return derived.type() == Type::kInteger ? derived : Value::Error();  // out of the type's range
 }
 
 }  // namespace
@@ -305,6 +316,7 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     Value read = Value::OfTerm(Term::Literal(std::string(text), std::string(datatype)));
     if (read.type() == Type::kBoolean) return Value::Boolean(read.boolean());
     if (read.IsNumeric()) return CastNumber(datatype, read);
+    if (read.type() == Type::kDuration) return Value::OfDuration(read.duration());
     return read.type() == Type::kOther ? Value::Error() : read;  // a time stays as written: its fraction may be finer than ours
   }
   if (datatype == kXsdBoolean) {
@@ -312,10 +324,9 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     if (!v.IsNumeric()) return Value::Error();
     return Value::Boolean(*EffectiveBooleanValue(v));
   }
-  if (datatype == kXsdDateTime) return v.type() == Type::kDateTime ? v : Value::Error();
-  if (datatype == kXsdDate) return v.type() == Type::kDate ? v : Value::Error();
-  if (v.type() == Type::kBoolean) return CastNumber(datatype, Value::Integer(v.boolean() ? 1 : 0));
-  return v.IsNumeric() ? CastNumber(datatype, v) : Value::Error();
+  if (v.IsTime() || v.type() == Type::kDuration) return CastTime(datatype, v);
+  if (v.type() == Type::kBoolean && CastsNumbers(datatype)) return CastNumber(datatype, Value::Integer(v.boolean() ? 1 : 0));
+  return v.IsNumeric() && CastsNumbers(datatype) ? CastNumber(datatype, v) : Value::Error();
 }
 
 }  // namespace docent::sparql
