@@ -4,7 +4,7 @@
 #include <re2/re2.h>
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 #include "kb_server/base/regex_limits.h"
 #include "kb_server/sparql/expression_evaluator.h"
@@ -98,27 +98,35 @@ re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view fla
   return e.regex.get();
 }
 
-// XPath's replacement ($1, \$) as RE2 writes it (\1). nullopt if it is not valid.
-std::optional<std::string> Rewrite(std::string_view replacement, int groups, bool literal) {
-  std::string out;
+// A replacement read: fixed texts, each but the last with the group that comes after it.
+struct Replacement {
+  std::vector<std::string> texts{""};
+  std::vector<int> groups;
+  size_t text_bytes = 0;
+};
+
+// XPath's replacement ($1, \$; XPath and XQuery Functions section 5.6.4). nullopt if it is not valid.
+std::optional<Replacement> Read(std::string_view replacement, int groups, bool literal) {
+  Replacement out;
+  const auto digit = [&](size_t i) { return i < replacement.size() && replacement[i] >= '0' && replacement[i] <= '9'; };
   for (size_t i = 0; i < replacement.size(); ++i) {
     const char c = replacement[i];
-    if (literal) {
-      if (c == '\\') out.push_back('\\');
-      out.push_back(c);
+    if (literal || (c != '\\' && c != '$')) {
+      out.texts.back().push_back(c);
     } else if (c == '\\') {
       if (++i >= replacement.size() || (replacement[i] != '\\' && replacement[i] != '$')) return std::nullopt;
-      if (replacement[i] == '\\') out.push_back('\\');
-      out.push_back(replacement[i]);
-    } else if (c == '$') {
-      if (++i >= replacement.size() || replacement[i] < '0' || replacement[i] > '9') return std::nullopt;
-      if (replacement[i] - '0' > groups) continue;  // an absent group is empty
-      out.push_back('\\');
-      out.push_back(replacement[i]);
+      out.texts.back().push_back(replacement[i]);
     } else {
-      out.push_back(c);
+      if (!digit(++i)) return std::nullopt;
+      int group = replacement[i] - '0';
+      // The longest number that is a group; of others the first digit, which is an empty one then.
+      while (digit(i + 1) && group * 10 + (replacement[i + 1] - '0') <= groups) group = group * 10 + (replacement[++i] - '0');
+      if (group > groups) continue;
+      out.groups.push_back(group);
+      out.texts.emplace_back();
     }
   }
+  for (const std::string& text : out.texts) out.text_bytes += text.size();
   return out;
 }
 
@@ -146,11 +154,11 @@ size_t CharacterBytes(std::string_view text) {
 
 // `text` with all matches replaced, as RE2::GlobalReplace does it. nullopt, with the context's status set, where the
 // evaluation has to end meanwhile or the result is too long.
-std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2& regex, const std::string& rewrite,
+std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2& regex, const Replacement& replacement,
                                     EvaluationContext& context) {
   constexpr size_t kBytesAMatch = 1024;  // about the time of one without groups
-  std::array<re2::StringPiece, 10> groups;
-  const int n = 1 + re2::RE2::MaxSubmatch(rewrite);
+  const int n = 1 + (replacement.groups.empty() ? 0 : *std::max_element(replacement.groups.begin(), replacement.groups.end()));
+  std::vector<re2::StringPiece> groups(static_cast<size_t>(n));
   std::string out;
   size_t room = std::max<size_t>(4096, text.size() + text.size() / 2);  // that there is so much was asked by the caller
   const auto grow = [&](size_t bytes) {
@@ -163,8 +171,8 @@ std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2
   while (at <= text.size() && Match(regex, text, at, groups.data(), n, context)) {
     const char* from = text.data() + at;
     const size_t before = static_cast<size_t>(groups[0].data() - from);
-    size_t bytes = before + rewrite.size();
-    for (int i = 0; i < n; ++i) bytes += groups[static_cast<size_t>(i)].size();
+    size_t bytes = before + replacement.text_bytes;
+    for (const int group : replacement.groups) bytes += groups[static_cast<size_t>(group)].size();
     // A match may have looked at all that is left, and have been the shorter for it.
     if (!grow(bytes) || !context.Worked(kBytesAMatch + bytes + (text.size() - at) / 16)) return std::nullopt;
     out.append(from, before);
@@ -178,7 +186,12 @@ std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2
       }
       continue;
     }
-    regex.Rewrite(&out, rewrite, groups.data(), n);
+    for (size_t i = 0; i < replacement.texts.size(); ++i) {
+      out += replacement.texts[i];
+      if (i == replacement.groups.size()) break;
+      const re2::StringPiece& group = groups[static_cast<size_t>(replacement.groups[i])];
+      if (!group.empty()) out.append(group.data(), group.size());
+    }
     last_end = groups[0].data() + groups[0].size();
     at = static_cast<size_t>(last_end - text.data());
   }
@@ -207,9 +220,9 @@ Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluatio
   if (a[2].type() != Type::kString) return Value::Error();
   if (re2::RE2::FullMatch("", *regex)) return Value::Error();  // FORX0003: it matches the empty string
   const bool literal = flags.find('q') != std::string_view::npos;
-  const std::optional<std::string> rewrite = Rewrite(a[2].text(), regex->NumberOfCapturingGroups(), literal);
-  if (!rewrite) return Value::Error();
-  std::optional<std::string> out = Replaced(piece, *regex, *rewrite, context);
+  const std::optional<Replacement> replacement = Read(a[2].text(), regex->NumberOfCapturingGroups(), literal);
+  if (!replacement) return Value::Error();
+  std::optional<std::string> out = Replaced(piece, *regex, *replacement, context);
   if (!out) return Value::Error();
   if (a[0].type() == Type::kLangString) return Value::LangString(*std::move(out), std::string(a[0].language()));
   return Value::String(*std::move(out));

@@ -390,6 +390,13 @@ TEST_F(SparqlEvaluator, ExpressionsAlone) {
   EXPECT_EQ(**(*prepared)->Evaluate({}, {two, robot}), Term::Boolean(true));
 }
 
+TEST_F(SparqlEvaluator, ReplacementsNameGroupsOfTwoDigits) {
+  const std::string twelve = "REPLACE(\"abcdefghijklm\",\"(a)(b)(c)(d)(e)(f)(g)(h)(i)(j)(k)(l)\",\"";
+  EXPECT_THAT(g_.Rows("SELECT (" + twelve + "$12-$10\") AS ?a) (" + twelve + "$13$1$99$0\") AS ?b) (REPLACE(\"ab\",\"(a)b\",\"$12$2\\\\$\") AS ?c) "
+                      "(REPLACE(\"ab\",\"(x)?b\",\"<$1>\") AS ?d) {}"),
+              ElementsAre("l-jm a3ai9abcdefghijklm a2$ a<>"));
+}
+
 TEST_F(SparqlEvaluator, ReplaceGoesOnBehindEachMatch) {
   EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"ab cd\",\"\\\\b\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|\\\\b\",\"-\") AS ?b) "
                       "(REPLACE(\"abcab\",\"(a)(b)\",\"$2$1\") AS ?c) (REPLACE(\"abc\",\"x\",\"y\") AS ?d) {}"),
