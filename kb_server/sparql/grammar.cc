@@ -69,9 +69,34 @@ std::string Grammar::Describe(const Token& token) const {
   }
 }
 
+namespace {
+
+// What people write who come from other languages, and keywords with a slip; empty: nothing better is known.
+std::string HintFor(const Token& token) {
+  if (token.Is("<")) return "'<' begins no IRI here: an IRI holds no space and ends with '>'";
+  if (token.Is("=")) return "SPARQL compares with one '='";
+  if (token.kind == TokenKind::kIri && token.text.empty()) return "SPARQL writes 'not equal' as !=";
+  if (token.kind != TokenKind::kWord) return "";
+  if (EqualsIgnoreCase(token.text, "AND")) return "SPARQL writes 'and' as &&";
+  if (EqualsIgnoreCase(token.text, "OR")) return "SPARQL writes 'or' as ||";
+  static const std::vector<std::string> kKeywords = {
+      "SELECT", "ASK",      "CONSTRUCT", "DESCRIBE", "PREFIX", "BASE",   "FROM",   "NAMED", "WHERE",  "DISTINCT", "REDUCED", "OPTIONAL", "UNION",
+      "MINUS",  "FILTER",   "BIND",      "VALUES",   "GRAPH",  "SERVICE", "SILENT", "GROUP", "HAVING", "ORDER",    "LIMIT",   "OFFSET",   "INSERT",
+      "DELETE", "DATA",     "WITH",      "USING",    "LOAD",   "CLEAR",  "CREATE", "DROP",  "EXISTS", "INTO"};
+  for (const std::string& keyword : kKeywords) {
+    if (EqualsIgnoreCase(token.text, keyword)) return "";  // written right, at a wrong place
+  }
+  std::string word(token.text);
+  for (char& c : word) c = AsciiUpper(c);
+  const std::string near = Nearest(word, kKeywords);
+  return near.empty() ? "" : Concat({"did you mean ", near, "?"});
+}
+
+}  // namespace
+
 void Grammar::Expected(std::string_view what, std::string hint) {
   const Token& token = Peek();
-  if (hint.empty() && token.Is("<")) hint = "'<' begins no IRI here: an IRI holds no space and ends with '>'";
+  if (hint.empty()) hint = HintFor(token);
   Error(token.span, Concat({"expected ", what, ", not ", Describe(token)}), std::move(hint));
 }
 

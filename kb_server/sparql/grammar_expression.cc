@@ -168,6 +168,10 @@ ExpressionPtr Grammar::BuiltinCall() {
   }
   if (const auto aggregate = FindAggregate(word.text)) return AggregateCall(*aggregate);
   const BuiltinInfo* info = FindBuiltin(word.text);
+  if (info == nullptr && EqualsIgnoreCase(word.text, "NOT")) {
+    Error(word.span, Concat({"'", word.text, "' stands before EXISTS and IN alone"}), "the opposite of an expression is written with '!'");
+    return nullptr;
+  }
   if (info == nullptr) {
     const std::string near = Nearest(word.text, BuiltinNames());
     Error(word.span, Concat({"'", word.text, "' is no function of SPARQL"}),

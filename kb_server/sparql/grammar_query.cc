@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <utility>
 
+#include "kb_server/sparql/builtins.h"
 #include "kb_server/sparql/grammar.h"
 #include "kb_server/sparql/name_numbers.h"
 #include "kb_server/sparql/text.h"
@@ -152,7 +154,10 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
     }
   }
   if (select.items.empty()) {
-    Expected("'*', a variable or (expression AS ?name) after SELECT");
+    const Token& next = Peek();
+    const bool call = next.kind == TokenKind::kWord && (FindAggregate(next.text) || FindBuiltin(next.text));
+    Expected("'*', a variable or (expression AS ?name) after SELECT",
+             call ? Concat({"in brackets and with a name: (", next.text, "(…) AS ?name)"}) : "");
     return false;
   }
   return true;
@@ -370,6 +375,11 @@ bool Grammar::LimitOffsetClauses(Modifiers* out) {
     const Token number = Peek();
     uint64_t value = 0;
     const auto parsed = std::from_chars(number.text.data(), number.text.data() + number.text.size(), value);
+    if (number.kind == TokenKind::kInteger && parsed.ec == std::errc::result_out_of_range) {
+      Error(number.span, Concat({number.text, " after ", word.text, " is too large"}),
+            Concat({"at most ", std::to_string(std::numeric_limits<uint64_t>::max())}));
+      return false;
+    }
     if (number.kind != TokenKind::kInteger || parsed.ec != std::errc()) {
       Expected(Concat({"a whole number after ", word.text}));
       return false;

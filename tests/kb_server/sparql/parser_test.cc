@@ -252,5 +252,26 @@ TEST(SparqlParser, ProductionsForOtherLanguages) {
   EXPECT_EQ(good + bad, 3);
 }
 
+TEST(SparqlParser, HintsForWhatOtherLanguagesWrite) {
+  for (const auto& [text, expected] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"SELCT ?x { ?x ?y ?z }", "did you mean SELECT?"},
+           {"SELECT ?x wher { ?x ?y ?z }", "did you mean WHERE?"},
+           {"SELECT COUNT(?x) AS ?n { ?x ?y ?z }", "(COUNT(…) AS ?name)"},
+           {"SELECT ?x { ?x ?y ?z FILTER(?x == 1) }", "one '='"},
+           {"SELECT ?x { ?x ?y ?z FILTER(?x <> 1) }", "!="},
+           {"SELECT ?x { ?x ?y ?z FILTER(?x = 1 AND ?y = 2) }", "&&"},
+           {"SELECT ?x { ?x ?y ?z FILTER(?x = 1 or ?y = 2) }", "||"},
+           {"SELECT ?x { ?x ?y ?z FILTER NOT (?x = 1) }", "'!'"},
+           {"SELECT ?x { ?x ?y ?z FILTER (NOT ?x) }", "'!'"},
+           {"SELECT ?x { ?x ?y ?z } LIMIT 99999999999999999999", "too large"},
+           {"SELECT ?x { ?x ?y ?z } WHERE", ""}}) {
+    const ParsedQuery parsed = ParseQuery(text);
+    ASSERT_FALSE(parsed.ok()) << text;
+    const std::string rendered = Render(parsed.diagnostics, text);
+    EXPECT_NE(rendered.find(expected), std::string::npos) << rendered;
+    EXPECT_EQ(rendered.find("NOW?"), std::string::npos) << rendered;
+  }
+}
+
 }  // namespace
 }  // namespace docent::sparql
