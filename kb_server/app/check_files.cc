@@ -53,20 +53,20 @@ FileChecker::FileChecker() { RegisterSpatialFunctions(&functions_); }
 void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
   ParseRdfOptions options;
   options.file = file;
-  options.blank_node_scope = absl::StrCat("f", documents_.size(), "_");
+  options.blank_node_scope = absl::StrCat("f", ++texts_, "_");
   LocatedRdf document = ParseLocatedRdf(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
     ImportedRules imported = ImportShaclRules(document, text, file, &functions_);
-    if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text);
+    if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
     if (!only_words) imported_[file] = std::move(imported);
   }
   if (!only_words) documents_[file] = std::move(document);
 }
 
-void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text); }
+void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text, true); }
 
 void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
   const ImportedRules& imported = imported_[file];

@@ -56,6 +56,7 @@ class FileChecker {
   bool shapes_read_ = false;
   std::map<std::string, Diagnostics> of_shapes_;  // by file
   std::map<std::string, ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
+  size_t texts_ = 0;  // that were added: each has blank nodes of its own
   ConsistencyCheck consistency_{limits_, &functions_};
   bool consistency_checked_ = false;
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file

@@ -5,6 +5,7 @@
 #include <memory>
 #include <tuple>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/store/graph_writer.h"
@@ -27,11 +28,6 @@ bool IsAxiom(const TermQuad& q) {
     return iri.starts_with(kRdfsNs) || iri.starts_with(kOwlNs) || (iri.starts_with(kRdfNs) && iri != kRdfType);
   };
   return of_schema(q.predicate.lexical) || (q.predicate.lexical == kRdfType && of_schema(q.object.lexical));
-}
-
-Quad WithoutGraph(Quad quad) {
-  quad.graph = TermId();
-  return quad;
 }
 
 bool Before(const SourceSpan& a, const SourceSpan& b) { return std::pair(a.line, a.column) < std::pair(b.line, b.column); }
@@ -65,9 +61,9 @@ void ConsistencyCheck::AddDocument(const std::string& file, const LocatedRdf& do
   }
 }
 
-void ConsistencyCheck::AddRules(const std::string& file, const std::string& text) {
+void ConsistencyCheck::AddRules(const std::string& file, const std::string& text, bool findings) {
   const size_t source = sources_.size();
-  sources_.push_back({file, true});
+  sources_.push_back({file, findings});
   rules_.push_back({source, {file, std::make_shared<const std::string>(text)}});
   const ParsedRules parsed = ParseRules(text, file, {}, functions_);
   for (size_t i = 0; i < parsed.rules.size(); ++i) {
@@ -75,8 +71,14 @@ void ConsistencyCheck::AddRules(const std::string& file, const std::string& text
   }
 }
 
+size_t ConsistencyCheck::WithFindings(size_t file) const {
+  if (sources_[file].findings) return file;
+  const auto first = std::find_if(sources_.begin(), sources_.end(), [](const Source& source) { return source.findings; });
+  return first == sources_.end() ? file : static_cast<size_t>(first - sources_.begin());
+}
+
 void ConsistencyCheck::Warn(size_t file, std::string message, std::string hint) {
-  const std::string& name = sources_[file].file;
+  const std::string& name = sources_[WithFindings(file)].file;
   results_[name].push_back({{"consistency", {name, {}, std::move(message), std::move(hint), Diagnostic::Severity::kWarning}, ""}, "", {}});
 }
 
@@ -108,12 +110,14 @@ absl::Status ConsistencyCheck::Materialise(Cancellation* cancellation, GraphVers
 }
 
 // The rules that an error names, else all.
-void ConsistencyCheck::LeaveOut(const std::string& why) {
+void ConsistencyCheck::LeaveOut(std::string why) {
+  why = why.substr(0, why.find("; the batch was not applied"));
   std::set<size_t> named, followed;
   for (size_t i = 0; i < rules_.size(); ++i) {
     if (left_out_.contains(i)) continue;
     followed.insert(i);
-    if (why.find(absl::StrCat(rules_[i].second.name, " ")) != std::string::npos) named.insert(i);
+    const std::string name = absl::StrCat(rules_[i].second.name, " ");
+    if (absl::StartsWith(why, name) || why.find(absl::StrCat(" ", name)) != std::string::npos) named.insert(i);
   }
   for (const size_t i : named.empty() ? followed : named) {
     Warn(rules_[i].first, absl::StrCat("consistency was checked without these rules: beside ", kRuleSet, ", ", why), "");
@@ -217,10 +221,10 @@ void ConsistencyCheck::Tell(const Conflict& conflict) {
   if (best != nullptr && sources_[best->file].findings) {
     file = best->file;
     span = best->at.object;
-  } else if (const auto rule = rule_places_.find(conflict.rule); rule != rule_places_.end()) {
+  } else if (const auto rule = rule_places_.find(conflict.rule); rule != rule_places_.end() && sources_[rule->second.first].findings) {
     std::tie(file, span) = rule->second;
   } else {
-    while (file + 1 < sources_.size() && !sources_[file].findings) ++file;
+    file = WithFindings(0);
   }
   result.check = conflict.check;
   result.finding = {"inconsistency",
@@ -234,11 +238,9 @@ std::map<std::string, std::vector<ConsistencyCheck::Result>> ConsistencyCheck::R
   results_.clear();
   if (sources_.empty()) return {};
   prefixes_.insert(prefixes_.end(), kWellKnownPrefixes.begin(), kWellKnownPrefixes.end());
-  size_t first = 0;
-  while (first + 1 < sources_.size() && !sources_[first].findings) ++first;
   constexpr char kFewer[] = "name fewer files at a time, or load them into a server that follows owl2rl";
   if (told_.size() > limits_.check_facts) {
-    Warn(first, absl::StrCat("consistency was not checked: there are more facts than the limit check_facts = ", limits_.check_facts), kFewer);
+    Warn(0, absl::StrCat("consistency was not checked: there are more facts than the limit check_facts = ", limits_.check_facts), kFewer);
     return std::move(results_);
   }
   Cancellation cancellation{std::chrono::milliseconds(limits_.check_consistency_ms)};
@@ -249,7 +251,7 @@ std::map<std::string, std::vector<ConsistencyCheck::Result>> ConsistencyCheck::R
     status = Materialise(&cancellation, &version);
   }
   if (!status.ok()) {
-    Warn(first, absl::StrCat("consistency was not checked: ", Reason(status, limits_)), kFewer);
+    Warn(0, absl::StrCat("consistency was not checked: ", Reason(status, limits_)), kFewer);
     return std::move(results_);
   }
   Prove(version, &cancellation);

@@ -41,7 +41,7 @@ class ConsistencyCheck {
   // All are added before Run. A document that is only background (`findings` false) is not where something is told, if
   // another one will do. Blank nodes of two documents must have different labels.
   void AddDocument(const std::string& file, const LocatedRdf& document, bool findings);
-  void AddRules(const std::string& file, const std::string& text);
+  void AddRules(const std::string& file, const std::string& text, bool findings);
 
   // By file. Of inconsistencies that rest on the same facts, or on those of another one and more, one is told. Where the
   // limits check_facts, check_consistency_ms, check_inconsistencies are met, a warning ("consistency") says what was not
@@ -64,11 +64,13 @@ class ConsistencyCheck {
   };
 
   absl::Status Materialise(Cancellation* cancellation, GraphVersionPtr* version);
-  void LeaveOut(const std::string& why);
+  void LeaveOut(std::string why);
   void Prove(const GraphVersionPtr& version, Cancellation* cancellation);
   Conflict ToConflict(explain::Proof proof) const;
   void Tell(const Conflict& conflict);
+  // At the file, or where that is only background, at the first one that is not.
   void Warn(size_t file, std::string message, std::string hint);
+  size_t WithFindings(size_t file) const;
 
   const CheckLimits limits_;
   const sparql::FunctionRegistry* functions_;

@@ -178,11 +178,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
 }
 
 Server::~Server() {
-  auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(2);
-  // Calls that wait for a turn end with it, so this must not wait for them.
+  auto deadline = std::chrono::system_clock::now() + std::chrono::seconds(1);
+  // Longer than calls may take that wait for no turn: where none is long, all that came is still decided.
   absl::Notification writer_done;
   std::thread patience([this, &writer_done] {
-    if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(1)) && writer_) writer_->EndTurns();
+    if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(2)) && writer_) writer_->EndTurns();
   });
   http_server_.reset();
   if (grpc_server_) grpc_server_->Shutdown(deadline);

@@ -28,20 +28,21 @@ class Cancellation {
 
   // From now on so many steps, as the limits steps_per_turn and steps_per_fact say; any number where this is not called.
   void AllowSteps(uint64_t steps) {
+    counted_ = true;
     steps_ = static_cast<int64_t>(steps);
     steps_left_ = steps_;
   }
   // So many besides: what a turn infers is work to be done in it.
   void AllowMoreSteps(uint64_t steps) {
-    if (steps_ == 0) return;
+    if (!counted_) return;
     steps_ += static_cast<int64_t>(steps);
     steps_left_ += static_cast<int64_t>(steps);
   }
   // So many were made. The next Check tells where they were too many.
   void Spend(uint64_t steps) { steps_left_ -= static_cast<int64_t>(steps); }
 
-  // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps. Reads the steady clock at every 1024th call, so
-  // it may stand in an inner loop.
+  // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps. Reads the steady
+  // clock at every 1024th call, so it may stand in an inner loop.
   absl::Status Check() {
     const bool ended = cancelled_.load(std::memory_order_relaxed) || expired_ || steps_left_ < 0;
     return ended || (++polls_ & 1023) == 0 ? CheckNow() : absl::OkStatus();
@@ -53,6 +54,11 @@ class Cancellation {
     if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_)) return absl::OkStatus();
     expired_ = true;
     return Expired();
+  }
+  // Until the deadline; a very long time where there is none.
+  std::chrono::milliseconds Left() const {
+    if (timeout_.count() == 0) return std::chrono::hours(24 * 365);
+    return std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
   }
   // Whether half of the time is over: who can give a part of the answer stops then.
   bool HalfIsOver() const {
@@ -73,7 +79,8 @@ class Cancellation {
   std::atomic<bool> cancelled_{false};
   SteadyTime deadline_;
   std::chrono::milliseconds timeout_{0};  // 0: none
-  int64_t steps_ = 0;  // allowed; 0: any number
+  bool counted_ = false;  // AllowSteps was called
+  int64_t steps_ = 0;     // allowed
   int64_t steps_left_ = std::numeric_limits<int64_t>::max();
   unsigned polls_ = 0;
   bool expired_ = false;

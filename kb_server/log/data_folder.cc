@@ -68,7 +68,8 @@ absl::Status MakeFolders(const std::string& path) {
   fs::create_directories(path, error);
   if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", path));
   for (const fs::path& folder : above) {
-    if (absl::Status synced = SyncPath(folder); !synced.ok()) return synced;
+    const absl::Status synced = SyncPath(folder);
+    if (!synced.ok() && !absl::IsPermissionDenied(synced)) return synced;  // what may not be read cannot be synced
   }
   return absl::OkStatus();
 }

@@ -152,15 +152,17 @@ absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* ca
         done = true;
       },
       net::detached);
-  const auto deadline = std::chrono::steady_clock::now() + request.timeout;
+  const auto start = std::chrono::steady_clock::now();
+  const auto deadline = start + request.timeout;
+  const auto half_time = start + (cancellation != nullptr ? cancellation->Left() / 2 : request.timeout);
   while (true) {
     context.run_for(kLookAtCancellation);
     context.restart();
     if (done) break;
     if (cancellation != nullptr) {
       if (absl::Status cancelled = cancellation->CheckNow(); !cancelled.ok()) return cancelled;
-      if (request.half_time && cancellation->HalfIsOver())
-        return absl::DeadlineExceededError(request.url + " did not answer within half of the query's time");
+      if (request.half_time && std::chrono::steady_clock::now() >= half_time)
+        return absl::DeadlineExceededError(request.url + " did not answer within half of the time that the query had left");
     }
     // Looking up a host does not end by itself.
     if (std::chrono::steady_clock::now() >= deadline) return ToStatus(beast::error::timeout, "", request);

@@ -30,7 +30,7 @@ struct FetchRequest {
   std::string body;
   std::chrono::milliseconds timeout{30000};  // for all of it
   size_t max_bytes = 0;                      // of the answer's body
-  bool half_time = false;                    // no longer than half of the cancellation's time
+  bool half_time = false;                    // no longer than half of the time that the cancellation leaves
 };
 
 // The answer, whatever its status. INVALID_ARGUMENT (the URL), UNAVAILABLE (no such host, refused, cut off, a

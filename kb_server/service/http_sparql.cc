@@ -1,5 +1,6 @@
 #include "kb_server/service/http_sparql.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -76,7 +77,7 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
 
 // On a worker: parsing may take long.
 void Update(const ServicePorts& ports, const Measured& measured, const SparqlRequest& request,
-            std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation) {
+            std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation, absl::Time until) {
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = request.base_iri;
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
@@ -88,7 +89,7 @@ void Update(const ServicePorts& ports, const Measured& measured, const SparqlReq
   update.request_id = request.request_id;
   update.min_revision = request.min_revision;
   update.cancellation = std::move(cancellation);
-  update.timeout = absl::Milliseconds(request.timeout_ms);
+  update.timeout = std::max(absl::ZeroDuration(), until - absl::Now());
   ports.updates->Submit(std::move(update), [measured, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
     Respond(exchange, measured,
             outcome.ok() ? OutcomeResponse(200, *outcome) : ErrorResponse(outcome.status()));
@@ -102,20 +103,20 @@ void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
   exchange->OnGone([cancellation] { cancellation->Cancel(); });
   const int timeout_ms = read.request.timeout_ms;
+  const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
   const bool accepted = ports.workers->Submit(
-      [&ports, measured, exchange, cancellation, request = std::move(read.request)] {
+      [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
         switch (request.kind) {
           case Kind::kQuery:
             return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
           case Kind::kUpdate:
-            return Update(ports, measured, request, exchange, cancellation);
+            return Update(ports, measured, request, exchange, cancellation, until);
           case Kind::kDescription:
             return Respond(exchange, measured,
                            DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
         }
       },
-      {absl::Now() + absl::Milliseconds(timeout_ms),
-       [measured, exchange, timeout_ms] { Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms))); }});
+      {until, [measured, exchange, timeout_ms] { Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms))); }});
   if (!accepted) Respond(exchange, measured, Busy());
 }
 

@@ -22,8 +22,8 @@ namespace docent {
 
 class RemoteAccess final : public sparql::ServiceClient {
  public:
-  // Who fetches on one of `workers` (may be null) gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…" or "file:///folder": that address and all below it (whole
-  // path segments). See CheckAllowed.
+  // Who fetches on one of `workers` (may be null) gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…"
+  // or "file:///folder": that address and all below it (whole path segments). See CheckAllowed.
   RemoteAccess(std::vector<std::string> allowed, const Limits& limits, WorkerPool* workers = nullptr)
       : allowed_(std::move(allowed)), limits_(limits), workers_(workers) {}
 

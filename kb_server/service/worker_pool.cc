@@ -41,7 +41,7 @@ bool WorkerPool::Submit(std::function<void()> work, Patience patience) {
 
 void WorkerPool::WatchQueue() {
   while (true) {
-    std::vector<std::function<void()>> late;
+    std::vector<Queued> late;  // with the work that never began, which may be large
     {
       absl::MutexLock lock(&mutex_);
       mutex_.Await(absl::Condition(this, &WorkerPool::ClosedOrWaited));
@@ -49,16 +49,16 @@ void WorkerPool::WatchQueue() {
       mutex_.AwaitWithTimeout(absl::Condition(&closed_), kLookAtQueue);
       late = TakeLate();
     }
-    for (const std::function<void()>& over : late) over();
+    for (const Queued& queued : late) queued.patience.over();
   }
 }
 
-std::vector<std::function<void()>> WorkerPool::TakeLate() {
-  std::vector<std::function<void()>> late;
+std::vector<WorkerPool::Queued> WorkerPool::TakeLate() {
+  std::vector<Queued> late;
   const absl::Time now = absl::Now();
   std::erase_if(queue_, [&](Queued& queued) {
     if (queued.patience.until > now || !queued.patience.over) return false;
-    late.push_back(std::move(queued.patience.over));
+    late.push_back(std::move(queued));
     return true;
   });
   return late;

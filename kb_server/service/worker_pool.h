@@ -48,12 +48,17 @@ class WorkerPool {
   };
 
  private:
+  struct Queued {
+    std::function<void()> work;
+    Patience patience;
+  };
+
   void Run();
   // The next piece of work, when there is a place for it; null: the pool ends.
   std::function<void()> Take();
   // Ends the waiting of those whose patience is over.
   void WatchQueue();
-  std::vector<std::function<void()>> TakeLate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::vector<Queued> TakeLate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool ClosedOrWaited() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || !queue_.empty(); }
   // Threads are started when they are first needed.
   void StartThreadIfNeeded() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -62,11 +67,6 @@ class WorkerPool {
   bool CanBeginOrEnd() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return CanBegin() || (closed_ && queue_.empty());
   }
-
-  struct Queued {
-    std::function<void()> work;
-    Patience patience;
-  };
 
   const int running_limit_;
   const size_t open_limit_;

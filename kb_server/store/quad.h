@@ -22,6 +22,8 @@ struct Quad {
   }
 };
 
+constexpr Quad WithoutGraph(const Quad& quad) { return {quad.subject, quad.predicate, quad.object, TermId()}; }
+
 // A quad whose none ids are wildcards.
 struct QuadPattern {
   TermId subject;

@@ -73,6 +73,7 @@ Clause Merge(const Clause& to, const Clause& from) {
   }
   for (Part part : from.parts) {
     move_all(part.variables);
+    if (part.graph.variable >= 0) part.graph.variable = place[part.graph.variable];
     out.parts.push_back(std::move(part));
   }
   out.absences.insert(out.absences.end(), from.absences.begin(), from.absences.end());
@@ -474,20 +475,11 @@ class Builder {
       if (!end->IsVariable() || !end->variable().IsHidden()) continue;
       end->Set(sparql::Variable{absl::StrCat("_", end->variable().name.substr(1), "_between_paths")});
     }
-    if (!graph_name_.empty() || !graph_.constant.IsNone()) pattern = InGraph(std::move(pattern));
-    if (sparql::InScopeVariables(*pattern).size() > part.variables.size())
-      part.variables.push_back(Variable(clause, graph_name_, graph_written_));
     part.pattern = std::move(pattern);
+    part.graph = graph_;
+    if (!graph_name_.empty()) part.graph = {TermId(), Variable(clause, graph_name_, graph_written_)};
     clause.parts.push_back(std::move(part));
     return {std::move(clause)};
-  }
-
-  sparql::AlgebraPtr InGraph(sparql::AlgebraPtr pattern) const {
-    auto all = std::make_unique<Algebra>(Algebra::Kind::kGraph);
-    all->name = graph_name_.empty() ? PatternTerm::Of(dictionary_.Decode(graph_.constant))
-                                    : PatternTerm::Of(sparql::Variable{graph_written_});
-    all->children.push_back(std::move(pattern));
-    return all;
   }
 
   static std::shared_ptr<const Algebra> Share(const Algebra& node) { return node.Clone(); }
@@ -527,6 +519,15 @@ class Builder {
 };
 
 }  // namespace
+
+sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, const std::string& graph_name) {
+  const bool named = part.graph.variable >= 0;
+  if (!named && part.graph.constant.IsNone()) return part.pattern->Clone();
+  auto all = std::make_unique<Algebra>(Algebra::Kind::kGraph);
+  all->name = named ? PatternTerm::Of(sparql::Variable{graph_name}) : PatternTerm::Of(dictionary.Decode(part.graph.constant));
+  all->children.push_back(part.pattern->Clone());
+  return all;
+}
 
 int Clause::Find(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -67,8 +68,14 @@ struct Table {
 struct Part {
   std::shared_ptr<const sparql::Algebra> pattern;
   std::vector<int> variables;  // in scope of it
+  AtomTerm graph;              // that it is looked for in
   bool beside_gap = false;     // PathForm::kWithGap: what it lacks is an atom beside it, or of another alternative
 };
+
+// A name that no query has.
+inline constexpr std::string_view kGraphOfPart = "_graph_of_part";
+// The pattern with its graph around it, which is called `graph_name` where it is a variable.
+sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, const std::string& graph_name);
 
 struct Clause {
   std::vector<std::string> names;     // of its variables

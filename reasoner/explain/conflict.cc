@@ -139,7 +139,8 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
   return absl::OkStatus();
 }
 
-// Takes as a way that `told` is withdrawn, from all graphs or from that which it names, `fact` being it or inferred from it. What the changes so far tell stays.
+// Takes as a way that `told` is withdrawn, from all graphs or from that which it names, `fact` being it or inferred from it.
+// What the changes so far tell stays.
 void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::string& absence, Conflict& conflict) {
   const Dictionary& dictionary = *parts_.dictionary;
   const auto decode = [&](const Quad& quad, const Term& graph) {

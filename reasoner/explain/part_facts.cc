@@ -232,13 +232,9 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
     const TermId value = row.values[static_cast<size_t>(part.variables[i])];
     if (!value.IsNone()) values.emplace(scope[i].name, value);
   }
+  const TermId graph = part.graph.variable < 0 ? part.graph.constant : row.values[static_cast<size_t>(part.graph.variable)];
+  if (part.graph.variable >= 0 && graph.IsNone()) return Ground();
   const Algebra* node = part.pattern.get();
-  TermId graph;
-  if (node->kind == Algebra::Kind::kGraph) {
-    graph = IdOf(node->name, values);
-    if (graph.IsNone()) return Ground();
-    node = node->children[0].get();
-  }
   if (node->kind == Algebra::Kind::kPath) return OfPath(*node, graph, values);
   while (node->kind == Algebra::Kind::kSlice || node->kind == Algebra::Kind::kProject ||
          node->kind == Algebra::Kind::kExtend || node->kind == Algebra::Kind::kFilter ||

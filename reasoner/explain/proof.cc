@@ -14,10 +14,6 @@ constexpr int kDeepest = 1000;             // of a proof; deeper ones are not lo
 constexpr int kIdleRounds = 8;             // without a new fact or proof: by rules that are not known here
 constexpr size_t kDerivationsLooked = 2000;  // of one fact
 
-Quad WithoutGraph(const Quad& quad) {
-  return {quad.subject, quad.predicate, quad.object, TermId()};
-}
-
 }  // namespace
 
 Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
@@ -257,7 +253,11 @@ absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
       const TermId value = row.values[static_cast<size_t>(part.variables[i])];
       if (!value.IsNone()) own.insert_or_assign(scope[i].name, sparql::PatternTerm::Of(dictionary_.Decode(value)));
     }
-    std::string& text = besides.conditions.emplace_back(display.Pattern(*part.pattern, own));
+    if (part.graph.variable >= 0) {
+      const TermId graph = row.values[static_cast<size_t>(part.graph.variable)];
+      if (!graph.IsNone()) own.insert_or_assign(std::string(kGraphOfPart), sparql::PatternTerm::Of(dictionary_.Decode(graph)));
+    }
+    std::string& text = besides.conditions.emplace_back(display.Pattern(*InItsGraph(part, dictionary_, std::string(kGraphOfPart)), own));
     if (ground->more > 0)
       absl::StrAppend(&text, "   (by ", ground->facts.size(), " facts that are shown, and ", ground->more, " more)");
     besides.facts.insert(besides.facts.end(), ground->facts.begin(), ground->facts.end());

@@ -251,13 +251,18 @@ bool Solver::TryTable(int pending) {
 }
 
 absl::StatusOr<std::vector<std::vector<TermId>>> Solver::RowsOf(const Part& part, int base) {
-  const std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);
+  std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);
+  std::vector<int> variables = part.variables;
+  if (part.graph.variable >= 0) {
+    scope.push_back({std::string(kGraphOfPart)});
+    variables.push_back(part.graph.variable);
+  }
   std::string key = absl::StrCat(reinterpret_cast<uintptr_t>(&part));
   sparql::PrepareOptions options;
   options.functions = functions_;
   std::vector<TermId> bound;
   for (size_t i = 0; i < scope.size(); ++i) {
-    const TermId value = Value(base + part.variables[i]);
+    const TermId value = Value(base + variables[i]);
     if (value.IsNone() || scope[i].IsHidden()) continue;
     options.bound.push_back(scope[i].name);
     bound.push_back(value);
@@ -267,7 +272,7 @@ absl::StatusOr<std::vector<std::vector<TermId>>> Solver::RowsOf(const Part& part
   if (prepared == nullptr) {
     sparql::Query query;
     query.form = sparql::Query::Form::kAsk;
-    query.algebra = part.pattern->Clone();
+    query.algebra = InItsGraph(part, dictionary_, std::string(kGraphOfPart));
     auto made = sparql::PreparedQuery::Prepare(std::move(query), dictionary_, options);
     if (!made.ok()) return made.status();
     prepared = *std::move(made);
@@ -326,7 +331,8 @@ bool Solver::TryPart(int pending) {
       const size_t inner = Mark();
       bool fits = true;
       for (size_t i = 0; i < row.size() && fits; ++i) {
-        fits = row[i].IsNone() || Bind(frame.base + part.variables[i], row[i]);
+        const int variable = i < part.variables.size() ? part.variables[i] : part.graph.variable;
+        fits = row[i].IsNone() || Bind(frame.base + variable, row[i]);
       }
       if (fits) go_on = Step();
       Rewind(inner);

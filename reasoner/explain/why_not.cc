@@ -447,7 +447,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   answer.whole = answer.repairs.empty() ? left_out_ == Conflict::kNothing
                                         : answer.repairs.back().size() < static_cast<size_t>(std::max(left_out_, 0));
   if (solver_.failed_part() != nullptr && answer.repairs.empty()) {
-    answer.failed_part = display_.Pattern(*solver_.failed_part()->pattern, {});
+    answer.failed_part = display_.Pattern(*InItsGraph(*solver_.failed_part(), *parts_.dictionary, "g"), {});
   }
   return answer;
 }

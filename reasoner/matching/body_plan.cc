@@ -16,12 +16,13 @@ struct Body::FlatPlan::Run {
   uint64_t steps = 0;  // rows looked at, and patterns begun, since the last Poll
 
   // False: stop.
-  bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(); }
-  bool Poll() {
+  bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(true); }
+  // `now`: the clock is read.
+  bool Poll(bool now) {
     const uint64_t made = std::exchange(steps, 0);
     if (options.cancellation == nullptr) return true;
     options.cancellation->Spend(made);
-    if (status.ok()) status = options.cancellation->Check();
+    if (status.ok()) status = now ? options.cancellation->CheckNow() : options.cancellation->Check();
     return status.ok();
   }
 };
@@ -180,7 +181,7 @@ absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::S
   }
   Run state{run, visit, filters, absl::OkStatus()};
   Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
-  state.Poll();
+  state.Poll(false);
   return state.status;
 }
 

@@ -153,7 +153,7 @@ class Importer {
     where = where.substr(1, where.rfind('}') - 1);
     if (by_class_.line == 0 && !Values(shape_, Sh("targetClass")).empty()) by_class_ = place_;
     for (const std::string& target : targets) {
-      made_.push_back({rule.starts_with("_:") ? "" : absl::StrCat("<", rule, "> "), OnOneLine(head), target, OnOneLine(where),
+      made_.push_back({rule.starts_with("_:") ? "" : absl::StrCat("<", rule, "> "), WithoutLineBreaks(head), target, WithoutLineBreaks(where),
                        result_.constructs.size()});
     }
     read.query = std::move(parsed.query);
@@ -161,7 +161,7 @@ class Importer {
   }
 
   // What is printed has line breaks between its parts alone: those of literals are escaped.
-  static std::string OnOneLine(std::string_view printed) { return absl::StrReplaceAll(std::string(printed), {{"\n", " "}}); }
+  static std::string WithoutLineBreaks(std::string_view printed) { return absl::StrReplaceAll(std::string(printed), {{"\n", " "}}); }
 
   // Of a literal whose characters stand in the document as they are.
   size_t QuoteOf(const ImportedConstruct& read) const {

@@ -127,6 +127,39 @@ TEST(CheckFilesTest, AClashIsToldOnceWithItsProof) {
   EXPECT_THAT(text, Not(HasSubstr("inconsistency")));
 }
 
+TEST(CheckFilesTest, BlankNodesOfTwoFilesAreTwo) {
+  FileChecker checker;
+  const std::string restriction = "a owl:Class ; rdfs:subClassOf [ a owl:Restriction ; owl:onProperty :p ; ";
+  checker.AddRdf("onto.ttl", absl::StrCat(kPrefixes, ":p a owl:ObjectProperty . :Z ", restriction,
+                                          "owl:maxCardinality \"0\"^^xsd:nonNegativeInteger ] ."), true);
+  checker.AddRdf("more.ttl", absl::StrCat(kPrefixes, ":X ", restriction, "owl:someValuesFrom owl:Thing ] ."), true);
+  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":Y ", restriction, "owl:someValuesFrom owl:Thing ] .\n:i a :Y ; :p :j ."), false);
+  EXPECT_EQ(Text(checker.CheckRdf("d.ttl")), "");
+}
+
+TEST(CheckFilesTest, WhatWasNotCheckedIsSaidAtAFileThatIs) {
+  std::string many = kPrefixes;
+  for (int i = 0; i < 103; ++i) absl::StrAppend(&many, ":i", i, " a owl:Nothing .\n");
+  FileChecker checker;
+  checker.AddRdf("words.ttl", absl::StrCat(kPrefixes, ":A a owl:Class ."), true);
+  checker.AddRdf("d.ttl", many, false);
+  EXPECT_THAT(Text(checker.CheckRdf("d.ttl")), HasSubstr("3 more inconsistencies are reported"));
+}
+
+TEST(CheckFilesTest, OnlyTheRulesThatAnErrorNamesAreLeftOut) {
+  const std::string alone = "PREFIX : <http://e/> PREFIX owl: <http://www.w3.org/2002/07/owl#>\n"
+                            "RULE { ?x owl:sameAs :y } WHERE { ?x a :Robot FILTER NOT EXISTS { ?x a :Busy } }";
+  const std::string good = "PREFIX : <http://e/> RULE { } WHERE { ?x :speed 1 }";
+  FileChecker checker;
+  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":r a :Robot ; :speed 1 ."), false);
+  checker.AddRules("data.rules", alone);
+  checker.AddRules("a.rules", good);
+  EXPECT_THAT(Text(checker.CheckRdf("d.ttl")), HasSubstr("a.rules rule 1"));
+  EXPECT_THAT(Text(checker.CheckRules("data.rules", alone)),
+              AllOf(HasSubstr("consistency was checked without"), Not(HasSubstr("batch"))));
+  EXPECT_EQ(Text(checker.CheckRules("a.rules", good)), "");
+}
+
 TEST(CheckFilesTest, FactsOfFilesThatAreNotCheckedAreBackground) {
   FileChecker checker;
   checker.AddRdf("words.ttl", absl::StrCat(kPrefixes, ":A owl:disjointWith :B .\n:i a :A , :B ."), true);

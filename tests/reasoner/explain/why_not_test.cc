@@ -142,7 +142,8 @@ TEST_F(WhyNotSets, WhatMustNotBeInOneGraphIsWithdrawnFromThatOneOnly) {
   };
   EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), ElementsAre("-R fault F1"));
   EXPECT_THAT(graphs(), ElementsAre("g"));
-  EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), AllOf(HasSubstr("  in the way  :R :fault :F1   (there must be no { GRAPH :g {"), HasSubstr("; told by :g)\n")));
+  EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"),
+              AllOf(HasSubstr("  in the way  :R :fault :F1   (there must be no { GRAPH :g {"), HasSubstr("; told by :g)\n")));
   EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :R :fault ?f } }"), ElementsAre("-R fault F1"));
   EXPECT_THAT(graphs(), UnorderedElementsAre("g", "h"));
 }
@@ -152,6 +153,10 @@ TEST_F(WhyNotSets, APathInAGraphIsBrokenAndClosedInThatGraph) {
   EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :map { :R1 :in+ :City } } }"),
               UnorderedElementsAre("-R1 in Hall", "-Hall in City"));
   EXPECT_TRUE(answer_.whole);
+  for (const char* graph : {":map", "?g"}) {
+    EXPECT_THAT(Sets(absl::StrCat("ASK { :Z :p :K . FILTER NOT EXISTS { ?r :in :Hall . GRAPH ", graph, " { ?r :in+ :City . :Hall :in :City } } }")),
+                UnorderedElementsAre("-R1 in Hall", "-Hall in City"));
+  }
   EXPECT_THAT(Sets("ASK { GRAPH :map { :City :in+ :Fair } }"), Contains("+City in Fair"));
   EXPECT_THAT(Sets("ASK { GRAPH :other { :R1 :in+ :Fair } }"), UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
 }
