@@ -13,6 +13,18 @@
 #include "kb_server/wire/term_proto.h"
 
 namespace docent {
+namespace {
+
+// "NAME=IRI", "NAME:=IRI" or ":=IRI".
+absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::string& given) {
+  std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
+  if (parts.first.empty() || parts.second.empty())
+    return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
+  if (parts.first.back() == ':') parts.first.pop_back();
+  return parts;
+}
+
+}  // namespace
 
 absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixes) {
   std::string text;
@@ -20,11 +32,9 @@ absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixe
     absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
   }
   for (const std::string& given : prefixes) {
-    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
-    if (parts.first.empty() || parts.second.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
-    }
-    absl::StrAppend(&text, "@prefix ", parts.first, ": <", parts.second, "> . ");
+    const auto parts = SplitPrefix(given);
+    if (!parts.ok()) return parts.status();
+    absl::StrAppend(&text, "@prefix ", parts->first, ": <", parts->second, "> . ");
   }
   return text + "\n";
 }
@@ -58,7 +68,8 @@ std::string ReadIri(const std::vector<std::string>& prefixes, const std::string&
   }
   // as in Turtle, the last declaration holds
   for (const std::string& given : prefixes) {
-    if (absl::StartsWith(given, text.substr(0, colon) + "=")) iri = given.substr(colon + 1) + local;
+    const auto parts = SplitPrefix(given);
+    if (parts.ok() && parts->first == text.substr(0, colon)) iri = parts->second + local;
   }
   return iri;
 }
@@ -97,10 +108,9 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
 absl::Status AddPrefixes(const std::vector<std::string>& prefixes,
                          google::protobuf::Map<std::string, std::string>* out) {
   for (const std::string& given : prefixes) {
-    std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
-    if (parts.second.empty())
-      return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI"));
-    (*out)[parts.first] = parts.second;
+    const auto parts = SplitPrefix(given);
+    if (!parts.ok()) return parts.status();
+    (*out)[parts->first] = parts->second;
   }
   return absl::OkStatus();
 }

@@ -51,6 +51,14 @@ class Explain(StageTest):
         self.assertIn("1 removed", done.stdout)
         self.assertEqual(done.stderr, "")
 
+    def test_the_empty_prefix_and_a_name_with_its_colon(self):
+        self.server.command("tell", "--prefix", ":=http://ex/", "--prefix", "e:=http://ex/", "--source", ":s", ":k e:bad 2")
+        done = self.server.run("query", "ASK { GRAPH <http://ex/s> { <http://ex/k> <http://ex/bad> 2 } }")
+        self.assertEqual(done.stdout, "yes\n")
+        done = self.server.run("tell", "--prefix", "=http://ex/", ":k e:bad 2")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("nor :=IRI for the empty prefix", done.stderr)
+
     def test_what_if(self):
         done = self.server.run("whatif", *EXPO, "+expo:R01 docent:localised true",
                                "+expo:John docent:chose expo:BoothGuideService", "-expo:John docent:isAt expo:Entrance")
