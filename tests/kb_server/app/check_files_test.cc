@@ -133,7 +133,7 @@ TEST(CheckFilesTest, BlankNodesOfTwoFilesAreTwo) {
   checker.AddRdf("onto.ttl", absl::StrCat(kPrefixes, ":p a owl:ObjectProperty . :Z ", restriction,
                                           "owl:maxCardinality \"0\"^^xsd:nonNegativeInteger ] ."), true);
   checker.AddRdf("more.ttl", absl::StrCat(kPrefixes, ":X ", restriction, "owl:someValuesFrom owl:Thing ] ."), true);
-  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":Y ", restriction, "owl:someValuesFrom owl:Thing ] .\n:i a :Y ; :p :j ."), false);
+  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":Y ", restriction, "owl:someValuesFrom owl:Thing ] .\n:i a :Y ; :p :i ."), false);
   EXPECT_EQ(Text(checker.CheckRdf("d.ttl")), "");
 }
 

@@ -170,7 +170,7 @@ TEST_F(WhyParts, APathInAGraphRestsOnFactsOfThatGraph) {
   Tell({"map is plan @map"});
   EXPECT_THAT(Why("ASK { GRAPH ?g { ?g :is ?x } GRAPH ?g { :R1 :in+ :City } }"),
               AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr("GRAPH :map { :R1 (:in)+ :City . }")));
-  EXPECT_THAT(Why("ASK { GRAPH ?g { ?r :in+ :City . } ?r :in :Hall }"),
+  EXPECT_THAT(Why("ASK { GRAPH ?g { ?r :in+ :City . ?r :in :Hall } }"),
               AllOf(HasSubstr("?g = :map"), HasSubstr("?r = :R1"), HasSubstr("and { GRAPH :map { :R1 (:in)+ :City"),
                     HasSubstr(":Hall :in :City\n")));
   EXPECT_THAT(Why("ASK { GRAPH :map { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) = 2) } } }"),
