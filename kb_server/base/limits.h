@@ -24,8 +24,8 @@ struct Limits {
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
   // What the joins of rules and standing conditions may cost in one turn, in rows looked at. A turn that the log has is not
   // refused by them: what was decided stands.
-  uint64_t steps_per_turn = 1000000000;  // and
-  uint64_t steps_per_fact = 2000;        // of the graph, those that the turn infers among them
+  uint64_t steps_per_turn = 500000000;  // some seconds; and
+  uint64_t steps_per_fact = 500;        // of the graph, those that the turn infers among them
   size_t turns_per_commit = 4096;      // turns that share one fdatasync
   size_t record_bytes = 1000000000;    // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
 

@@ -8,7 +8,7 @@ namespace docent {
 
 struct Body::FlatPlan::Run {
   static constexpr uint64_t kStepsAPoll = 1024;
-  static constexpr uint64_t kStepsAnExpression = 4;  // what the evaluator of expressions takes beside a row, about
+  static constexpr uint64_t kStepsAnExpression = 16;  // what the evaluator of expressions takes beside a row, about
   const sparql::RunOptions& options;
   Visitor visit;
   Filters filters;
