@@ -14,6 +14,7 @@
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_sets.h"
+#include "reasoner/rules/schema_words.h"
 
 namespace docent {
 namespace {
@@ -23,12 +24,7 @@ constexpr size_t kConditionBytes = 300;  // dt-diff has one that fills a screen
 constexpr char kMend[] = "correct or remove one of the facts that are told, or the rule";
 
 // Of what words mean, rather than of things: an inconsistency is told at a fact about a thing, if there is one.
-bool IsAxiom(const TermQuad& q) {
-  const auto of_schema = [](std::string_view iri) {
-    return iri.starts_with(kRdfsNs) || iri.starts_with(kOwlNs) || (iri.starts_with(kRdfNs) && iri != kRdfType);
-  };
-  return of_schema(q.predicate.lexical) || (q.predicate.lexical == kRdfType && of_schema(q.object.lexical));
-}
+bool IsAxiom(const TermQuad& q) { return IsSchemaPattern(q.predicate.lexical, q.object.IsIri() ? q.object.lexical : ""); }
 
 bool Before(const SourceSpan& a, const SourceSpan& b) { return std::pair(a.line, a.column) < std::pair(b.line, b.column); }
 

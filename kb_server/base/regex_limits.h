@@ -2,7 +2,6 @@
 #ifndef DOCENT_KB_SERVER_BASE_REGEX_LIMITS_H_
 #define DOCENT_KB_SERVER_BASE_REGEX_LIMITS_H_
 
-#include <cstddef>
 #include <cstdint>
 
 namespace docent {

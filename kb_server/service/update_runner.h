@@ -28,7 +28,7 @@ struct UpdateRequest {
   std::string request_id;                      // as in a WriteBatch
   Revision min_revision;                       // to be evaluated on this version or a later one
   std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
-  absl::Duration timeout;                      // of waiting for min_revision
+  absl::Duration timeout;                      // of waiting for a worker, and for min_revision
   sparql::LoadDocument load;                   // for LOAD; empty: what ServicePorts::remote allows
   // Looks at each version that the update is evaluated on; an error ends it (a precondition). May be null.
   std::function<absl::Status(const GraphVersion& version)> precondition;

@@ -10,8 +10,6 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/container/inlined_vector.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
 #include "reasoner/rules/stratification.h"
 
 namespace docent {
@@ -215,13 +213,7 @@ class Order {
     }
     return text.empty() ? text : text + ")";
   }
-  std::string Shown(TermId id) const {
-    const Term term = dictionary_.Decode(id);
-    for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-      if (term.IsIri() && term.lexical.starts_with(iri)) return Concat(prefix, ":", term.lexical.substr(iri.size()));
-    }
-    return ToNTriples(term);
-  }
+  std::string Shown(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
 
   const RuleProgram& program_;
   const SchemaIndex& schema_;
