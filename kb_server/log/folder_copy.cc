@@ -31,6 +31,7 @@ constexpr int kAttempts = 3;
 absl::Status CopyDatabase(const std::string& from, const std::string& to) {
   absl::StatusOr<DatabaseHandle> source = OpenReadOnly(from);
   if (!source.ok()) return source.status();
+  CreateDatabaseFile(to);
   sqlite3* raw = nullptr;
   int code = sqlite3_open_v2(to.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
   DatabaseHandle target(raw);

@@ -1,5 +1,8 @@
 #include "kb_server/log/sqlite_handles.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 
 #include "absl/strings/str_cat.h"
@@ -42,6 +45,12 @@ absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
     default:
       return absl::InternalError(message);
   }
+}
+
+void CreateDatabaseFile(const std::string& path) {
+  // Only a new file is opened: to close one that SQLite has open would drop its locks.
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0640);
+  if (fd >= 0) close(fd);
 }
 
 absl::Status Execute(sqlite3* db, const std::string& sql, const std::string& what) {

@@ -23,6 +23,10 @@ using DatabaseHandle = std::unique_ptr<sqlite3, CloseDatabase>;
 // damaged file, PERMISSION_DENIED, UNAVAILABLE for I/O errors and locks, else INTERNAL.
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what);
 
+// Makes the file of a new database, which others than its owner and group cannot read; SQLite would let everybody. One that
+// is there stays as it is. What fails shows when the database is opened.
+void CreateDatabaseFile(const std::string& path);
+
 // Runs statements without results ("PRAGMA …; CREATE …").
 absl::Status Execute(sqlite3* db, const std::string& sql, const std::string& what);
 

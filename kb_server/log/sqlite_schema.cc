@@ -114,6 +114,7 @@ absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path) {
 }
 
 absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path) {
+  CreateDatabaseFile(path);
   sqlite3* raw = nullptr;
   // Each connection is guarded by a mutex of ours.
   const int code = sqlite3_open_v2(path.c_str(), &raw,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -63,6 +64,19 @@ TEST(SqliteLogTest, StartsEmpty) {
   EXPECT_EQ(*log->First(), 1u);
   EXPECT_TRUE(log->Read(1, 10)->empty());
   EXPECT_FALSE(log->SnapshotGet(1000)->has_value());
+}
+
+TEST(SqliteLogTest, NothingInItsFolderIsReadByOthers) {
+  TestFolder folder;
+  auto log = OpenLog(folder.path());
+  MustAppend(*log, 1, 1);
+  size_t files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
+    const auto others = file.status().permissions() & std::filesystem::perms::others_all;
+    EXPECT_EQ(others, std::filesystem::perms::none) << file.path();
+    ++files;
+  }
+  EXPECT_GE(files, 3u);  // the log, its write-ahead log, the lock
 }
 
 TEST(SqliteLogTest, RecordsComeBackInOrderAndAfterReopening) {
