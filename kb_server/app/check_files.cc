@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/app/spatial_functions.h"
 #include "kb_server/sparql/parser.h"
+#include "kb_server/sparql/prefix_places.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
 #include "reasoner/rules/rule_parser.h"
@@ -134,6 +135,7 @@ std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, 
   ontology::Findings findings(file, limits_.check_diagnostics);
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
   ontology::CheckWords(ParseRules(text, file, {}, &functions_), vocabulary_, findings);
+  ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
   AddInconsistencies(file, findings);
   return TakeAll(file, findings);
 }
@@ -145,6 +147,7 @@ std::vector<ontology::Finding> FileChecker::CheckQuery(const std::string& file, 
   if (!parsed.ok()) return AsFindings("syntax", parsed.diagnostics);
   ontology::Findings findings(file, limits_.check_diagnostics);
   ontology::CheckWords(parsed.query, vocabulary_, findings);
+  ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
   return TakeAll(file, findings);
 }
 

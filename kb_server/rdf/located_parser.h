@@ -19,7 +19,7 @@ struct QuadPlace {
   SourceSpan subject, predicate, object;
 };
 
-// A prefix declaration, and how many names use it. Turtle and TriG only.
+// A prefix declaration, and how many names use it.
 struct PrefixPlace {
   std::string prefix, iri;
   SourceSpan span;
@@ -29,7 +29,7 @@ struct PrefixPlace {
 struct LocatedRdf {
   ParsedRdf rdf;                      // as ParseRdf gives it
   std::vector<QuadPlace> places;      // of rdf.quads, one each
-  std::vector<PrefixPlace> prefixes;  // in order of declaration
+  std::vector<PrefixPlace> prefixes;  // in order of declaration; Turtle and TriG only
 };
 LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});
 

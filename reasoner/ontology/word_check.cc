@@ -157,7 +157,11 @@ void CheckWords(const LocatedRdf& document, const Vocabulary& vocabulary, Findin
     const QuadPlace& at = document.places[i];
     UseTriple(q.subject, q.predicate, q.object, at.subject, at.predicate, at.object, true, check);
   }
-  for (const PrefixPlace& prefix : document.prefixes) {
+  CheckPrefixes(document.prefixes, findings);
+}
+
+void CheckPrefixes(const std::vector<PrefixPlace>& prefixes, Findings& findings) {
+  for (const PrefixPlace& prefix : prefixes) {
     if (prefix.uses > 0) continue;
     findings.Warning("unused-prefix", prefix.span, Concat("the prefix ", prefix.prefix, ": is not used"),
                      "remove its declaration");

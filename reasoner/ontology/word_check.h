@@ -2,6 +2,8 @@
 #ifndef DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 #define DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 
+#include <vector>
+
 #include "kb_server/rdf/located_parser.h"
 #include "kb_server/sparql/algebra.h"
 #include "reasoner/ontology/finding.h"
@@ -14,10 +16,13 @@ namespace docent::ontology {
 //  error    undefined-term      a class, property or resource of such a namespace that nothing declares or describes
 //  error    wrong-kind          a property where a class is meant, or a class where a property is
 //  warning  namespace           a namespace that is one of the covered ones but for http/https, case or its last sign
-//  warning  unused-prefix       a prefix that is declared and not used (Turtle and TriG)
+//  warning  unused-prefix       of RDF, see CheckPrefixes
 void CheckWords(const LocatedRdf& document, const Vocabulary& vocabulary, Findings& findings);
 void CheckWords(const ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings);
 void CheckWords(const sparql::Query& query, const Vocabulary& vocabulary, Findings& findings);
+
+//  warning  unused-prefix       a prefix that is declared and not used (Turtle and TriG, rules, queries)
+void CheckPrefixes(const std::vector<PrefixPlace>& prefixes, Findings& findings);
 
 }  // namespace docent::ontology
 

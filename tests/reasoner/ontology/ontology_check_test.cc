@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "kb_server/sparql/parser.h"
+#include "kb_server/sparql/prefix_places.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
 
@@ -181,6 +182,19 @@ TEST_F(OntologyCheckTest, RulesAndQueries) {
   Findings in_query("q.rq", 100);
   CheckWords(query.query, vocabulary_, in_query);
   EXPECT_THAT(Text(in_query), HasSubstr("did you mean <http://e/isAt>?"));
+}
+
+TEST_F(OntologyCheckTest, UnusedPrefixesOfRulesAndQueries) {
+  Findings findings("f.rules", 100);
+  CheckPrefixes(sparql::PrefixPlaces("PREFIX : <http://e/>\nprefix x: <http://x/>  # x:y\nPREFIX y: <http://y/>\n"
+                                     "PREFIX z: <http://z/>\nRULE :r { ?a y: \"x:y\" } WHERE { ?a :b z:c\\-d }\nPREFIX z: <http://zz/>"),
+                findings);
+  const std::string text = Text(findings);
+  EXPECT_THAT(text, HasSubstr("unused-prefix f.rules:2:8: warning: the prefix x: is not used"));
+  EXPECT_THAT(text, HasSubstr("unused-prefix f.rules:6:8: warning: the prefix z: is not used"));
+  EXPECT_THAT(text, Not(HasSubstr("prefix y:")));
+  EXPECT_THAT(text, Not(HasSubstr("prefix :")));
+  EXPECT_EQ(text.find("prefix z:"), text.rfind("prefix z:"));
 }
 
 TEST_F(OntologyCheckTest, FindingsEndAtTheirLimit) {
