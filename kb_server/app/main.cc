@@ -15,21 +15,41 @@
 namespace docent {
 namespace {
 
-// CLI11 says of a word that is no command only that a command is missing. What to say instead; empty where none is given.
-std::string UnknownCommand(const CLI::App& app) {
-  const CLI::App* at = &app;
-  while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
-  std::string word;
-  for (const std::string& left : app.remaining(/*recurse=*/true)) {
-    if (word.empty() && !left.starts_with('-')) word = left;
+// The command that was given, as far as there is one, and how it is called: "docent ontology list".
+struct GivenCommand {
+  const CLI::App* app;
+  std::string name = "docent";
+};
+GivenCommand CommandOf(const CLI::App& app) {
+  GivenCommand given{&app};
+  while (!given.app->get_subcommands().empty()) {
+    given.app = given.app->get_subcommands().front();
+    given.name += " " + given.app->get_name();
   }
-  if (word.empty()) return "";
-  std::vector<std::string> names;
-  for (const CLI::App* command : at->get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
-  const std::string nearest = Nearest(word, names);
-  const std::string group = at == &app ? "" : at->get_name() + " ";
-  return "there is no command \"" + group + word + "\"; " +
-         (nearest.empty() ? "`docent " + group + "--help` lists them" : "did you mean `docent " + group + nearest + "`?");
+  return given;
+}
+
+// What is wrong with the arguments and what to do about it. CLI11 says of a word that is no command only that a command is
+// missing, and of an option that there is none that it was not expected.
+std::string WhatIsWrong(const CLI::App& app, const CLI::ParseError& error) {
+  const GivenCommand given = CommandOf(app);
+  const std::string help = "`" + given.name + " --help`";
+  const std::vector<std::string> left = app.remaining(/*recurse=*/true);
+  if (left.empty()) return given.name + ": " + error.what() + "; " + help + " tells more";
+  std::vector<std::string> known;
+  if (left.front().starts_with('-')) {
+    const std::string option = left.front().substr(0, left.front().find('='));
+    for (const CLI::Option* o : given.app->get_options()) {
+      for (const std::string& name : o->get_lnames()) known.push_back("--" + name);
+    }
+    const std::string nearest = Nearest(option, known);
+    return given.name + ": there is no option " + option + "; " + (nearest.empty() ? help + " lists them" : "did you mean " + nearest + "?");
+  }
+  for (const CLI::App* command : given.app->get_subcommands([](const CLI::App*) { return true; })) known.push_back(command->get_name());
+  if (known.empty()) return given.name + ": one argument too many: " + left.front() + "; " + help + " tells what it takes";
+  const std::string nearest = Nearest(left.front(), known);
+  return "docent: there is no command `" + given.name + " " + left.front() + "`; " +
+         (nearest.empty() ? help + " lists them" : "did you mean `" + given.name + " " + nearest + "`?");
 }
 
 }  // namespace
@@ -40,7 +60,7 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);  // what gRPC would log reaches people through our own errors
   setenv("REDLAND_MODULE_PATH", "/dev/null",
          1);  // librdf must not load our own storage module into ourselves
-  CLI::App app{"Docent: a semantic context-reasoning server for service robots"};
+  CLI::App app{"Docent: a semantic context-reasoning server for service robots", "docent"};
   app.set_version_flag("--version", std::string(DOCENT_VERSION));
   app.require_subcommand(1);
   int exit_code = docent::kExitOk;
@@ -68,16 +88,10 @@ int main(int argc, char** argv) {
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
     app.parse(arguments);
-  } catch (const CLI::RequiredError& error) {
-    if (const std::string word = docent::UnknownCommand(app); !word.empty()) {
-      std::cerr << "docent: " << word << "\n";
-      return docent::kExitBad;
-    }
-    app.exit(error);
-    return docent::kExitBad;
   } catch (const CLI::ParseError& error) {
-    int code = app.exit(error);
-    return code == 0 ? docent::kExitOk : docent::kExitBad;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help, version
+    std::cerr << docent::WhatIsWrong(app, error) << "\n";
+    return docent::kExitBad;
   }
   return exit_code;
 }
