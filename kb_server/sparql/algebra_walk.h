@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_SPARQL_ALGEBRA_WALK_H_
 
 #include <algorithm>
+#include <vector>
 
 #include "kb_server/sparql/algebra.h"
 
@@ -21,6 +22,12 @@ void ForEachExpression(Node& node, const Visit& visit) {
     if (aggregate.expression) deep(*aggregate.expression, deep);
   }
   for (auto& order : node.order) deep(*order.expression, deep);
+}
+
+// What `e` asks for at once: the a, b, c of a && b && c.
+inline void CollectConjuncts(const Expression& e, std::vector<const Expression*>& conjuncts) {
+  if (e.kind != Expression::Kind::kAnd) return conjuncts.push_back(&e);
+  for (const ExpressionPtr& argument : e.arguments) CollectConjuncts(*argument, conjuncts);
 }
 
 // Whether `test(node)` holds for a node anywhere in `a`.

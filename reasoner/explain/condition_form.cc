@@ -38,7 +38,7 @@ int Variable(Clause& clause, const std::string& name, const std::string& written
   const int known = clause.Find(name);
   if (known >= 0) return known;
   clause.names.push_back(name);
-  clause.written.push_back(!written.empty() && written[0] != '.' ? written : "");
+  clause.written.push_back(!written.empty() && written[0] != '.' ? written.substr(0, written.find(kCopyMark)) : "");
   return static_cast<int>(clause.names.size()) - 1;
 }
 

@@ -77,6 +77,9 @@ inline constexpr std::string_view kGraphOfPart = "_graph_of_part";
 // The pattern with its graph around it, which is called `graph_name` where it is a variable.
 sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, const std::string& graph_name);
 
+// A variable "v~2", of a copy of a pattern, is called "v" as that of the first.
+inline constexpr char kCopyMark = '~';
+
 struct Clause {
   std::vector<std::string> names;     // of its variables
   std::vector<std::string> written;   // as the query has them; empty: made here, or a blank node

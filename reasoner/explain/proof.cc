@@ -45,6 +45,7 @@ absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
   const std::array<TermId, 3> terms = {fact.subject, fact.predicate, fact.object};
   rules_.ForEachHead(fact.predicate, [&](RuleBase::Head place) {
     const RuleClause& rule = rules_.clauses()[place.clause];
+    if (!rule.proves) return;
     std::vector<TermId> seed(rule.body.names.size());
     for (int i = 0; i < 3; ++i) {
       const AtomTerm& head = rule.heads[place.head].terms[i];
@@ -60,7 +61,7 @@ absl::StatusOr<std::vector<Prover::Maker>> Prover::MakersOf(const Quad& fact) {
   for (const ReportOrigins::Origin& origin : *origins) {
     for (uint32_t c = 0; c < rules_.clauses().size(); ++c) {
       const RuleClause& check = rules_.clauses()[c];
-      if (check.rule != origin.rule) continue;
+      if (check.rule != origin.rule || !check.proves) continue;
       std::vector<TermId> seed(check.body.names.size());
       for (const auto& [name, value] : origin.values) {
         if (const int variable = check.body.Find(name); variable >= 0) seed[variable] = value;

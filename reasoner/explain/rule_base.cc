@@ -5,6 +5,7 @@
 
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "reasoner/explain/count_form.h"
 #include "reasoner/rules/rule_parser.h"
 
 namespace docent::explain {
@@ -48,13 +49,21 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
 }
 
 absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary) {
-  const auto index = static_cast<uint32_t>(rules_.size());
   rules_.push_back({RuleLabel(set, rule, number), set, rule.span.line});
-  auto clauses = ToClauses(*rule.body.algebra, dictionary);
+  const sparql::AlgebraPtr written = WithoutCounts(*rule.body.algebra);
+  absl::Status status = AddClauses(rule, *rule.body.algebra, true, written == nullptr, dictionary);
+  if (status.ok() && written != nullptr) status = AddClauses(rule, *written, false, true, dictionary);
+  return status;
+}
+
+absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells, Dictionary& dictionary) {
+  auto clauses = ToClauses(body, dictionary);
   if (!clauses.ok()) return clauses.status();
   for (Clause& clause : *clauses) {
     RuleClause& made = clauses_.emplace_back();
-    made.rule = index;
+    made.rule = static_cast<uint32_t>(rules_.size()) - 1;
+    made.proves = proves;
+    made.tells = tells;
     made.body = std::move(clause);
     if (rule.head.empty() && IsOnePattern(made.body)) {
       const auto& terms = made.body.atoms[0].terms;

@@ -31,6 +31,8 @@ struct RuleClause {
   uint32_t rule = 0;  // in RuleBase::rules
   Clause body;
   std::vector<Atom> heads;  // over body's variables; the graph is left open
+  // What it is for: a count is looked up to prove something, and written out (count_form.h) to find what to tell.
+  bool proves = true, tells = true;
   // Of the body and of those of rules that may make a fact for it: whether an absence is in it, and its predicates
   // (none: any).
   bool rests_on_absence = false;
@@ -62,6 +64,8 @@ class RuleBase {
  private:
   void MarkWhatClausesRestOn();
   absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
+  // The clauses of the last rule, by this body of it.
+  absl::Status AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells, Dictionary& dictionary);
 
   RuleSets sets_;
   std::vector<RuleInfo> rules_;

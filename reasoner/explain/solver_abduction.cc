@@ -43,7 +43,7 @@ bool Solver::TryRules(int goal, bool room) {
   options_.rules->ForEachHead(TermOf(atom.terms[1], base), [&](RuleBase::Head h) { heads.push_back(h); });
   for (const RuleBase::Head& head : heads) {
     const RuleClause& rule = options_.rules->clauses()[head.clause];
-    if (!room && !MayServe(rule)) continue;
+    if (!rule.tells || (!room && !MayServe(rule))) continue;
     if (depth >= options_.rule_depth) {
       left_out_rules_ = true;
       break;

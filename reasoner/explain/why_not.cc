@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "reasoner/explain/count_form.h"
 #include "reasoner/explain/example_picker.h"
 #include "reasoner/matching/trigger_analysis.h"
 
@@ -428,7 +429,9 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   auto prepared = sparql::PreparedQuery::Prepare(ask, *parts_.dictionary, prepare);
   if (!prepared.ok()) return prepared.status();
   ask_ = *std::move(prepared);
-  auto clauses = ToClauses(WithoutModifiers(*ask.algebra), *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);
+  const sparql::Algebra& where = WithoutModifiers(*ask.algebra);
+  const sparql::AlgebraPtr written = WithoutCounts(where);
+  auto clauses = ToClauses(written ? *written : where, *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);
   if (!clauses.ok()) return clauses.status();
   clauses_ = *std::move(clauses);
 

@@ -36,7 +36,7 @@ struct WhyNotAnswer {
   std::vector<Repair> repairs;
   size_t more = 0;              // sets as small as the last one that are not listed
   // False: not all sets of this size or a smaller one were looked at (without any set: not all sets), as the search
-  // ended at a limit or met what it does not understand (an aggregate).
+  // ended at a limit or met what it does not understand (a sum).
   bool whole = true;
   std::string failed_part;      // a path, aggregate or sub-SELECT that has no solution; empty: none known
 };

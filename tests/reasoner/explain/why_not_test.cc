@@ -269,6 +269,33 @@ TEST_F(WhyNotSets, WhatAnAggregateLacksIsNotSaidToBeKnown) {
   EXPECT_THAT(answer_.failed_part, HasSubstr("HAVING"));
 }
 
+constexpr char kVisitorsOfABooth[] = "{ SELECT ?b (COUNT(?v) AS ?n) WHERE { ?v :at ?b } GROUP BY ?b }";
+
+TEST_F(WhyNotSets, WhatACountLacksIsToldOrWithdrawn) {
+  Tell({"v1 at B", "B a Booth"});
+  const auto ask = [](const std::string& filter) {
+    return absl::StrCat("ASK { ?b a :Booth . ", kVisitorsOfABooth, " FILTER(", filter, ") }");
+  };
+  EXPECT_THAT(Sets(ask("?n >= 2")), ElementsAre("+urn:docent:example:v at B"));
+  EXPECT_TRUE(answer_.whole);
+  EXPECT_THAT(WhyNotText(ask("?n >= 2")), HasSubstr("missing     ?v :at :B"));
+  Tell({"v2 at B", "v3 at B"});
+  EXPECT_THAT(Sets(ask("?n < 3")), UnorderedElementsAre("-v1 at B", "-v2 at B", "-v3 at B"));
+  EXPECT_EQ(Sets(ask("1 = ?n")).size(), 3u);
+  EXPECT_THAT(Sets(ask("?n > 3")), ElementsAre("+urn:docent:example:v at B"));
+}
+
+TEST_F(WhyNotSets, WhatTheCountOfARuleLacksIsTold) {
+  Rules("crowd.rules", absl::StrCat("RULE { ?b :state :Crowded } WHERE { ", kVisitorsOfABooth, " FILTER(?n >= 3) }\n",
+                                    "RULE { ?b :state :Empty } WHERE { ?b a :Booth FILTER NOT EXISTS { ", kVisitorsOfABooth,
+                                    " FILTER(?n >= 1) } }"));
+  Tell({"v1 at B", "B a Booth", "C a Booth"});
+  EXPECT_THAT(Sets("ASK { :B :state :Crowded }"), ElementsAre("+urn:docent:example:v at B, +urn:docent:example:v2 at B"));
+  Tell({"v2 at B", "v3 at B"});
+  EXPECT_THAT(Why("ASK { :B :state :Crowded }"), HasSubstr("COUNT(?v)"));
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { :B :state :Crowded } }"), UnorderedElementsAre("-v1 at B", "-v2 at B", "-v3 at B"));
+}
+
 class WhyNotOwl : public ExplainWorld {
  protected:
   WhyNotOwl() { BuiltIn("owl2rl"); }

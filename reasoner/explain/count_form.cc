@@ -1,0 +1,366 @@
+#include "reasoner/explain/count_form.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/term_id.h"
+#include "kb_server/sparql/algebra_walk.h"
+#include "reasoner/explain/condition_form.h"
+#include "reasoner/matching/number_range.h"
+
+namespace docent::explain {
+namespace {
+
+using sparql::Algebra;
+using sparql::AlgebraPtr;
+using sparql::Expression;
+using sparql::ExpressionPtr;
+using sparql::PatternTerm;
+using sparql::Variable;
+using Names = std::set<std::string>;
+
+// At least so many, and fewer than so many.
+struct Bounds {
+  int least = 0;
+  std::optional<int> below;
+};
+
+// ?name compared with a whole number, either way round, as bounds of it.
+struct CountTest {
+  std::string name;
+  Bounds bounds;
+};
+
+std::optional<double> NumberOf(const Expression& e) {
+  if (e.kind != Expression::Kind::kTerm) return std::nullopt;
+  const std::optional<TermId> id = InlineLiteral(e.term);
+  if (!id || ViewNumber(*id).kind != NumberView::Kind::kNumber) return std::nullopt;
+  return ViewNumber(*id).value;
+}
+
+std::optional<CountTest> CountTestOf(const Expression& e) {
+  using Kind = Expression::Kind;
+  if (e.arguments.size() != 2) return std::nullopt;
+  Kind kind = e.kind;
+  const Expression* variable = e.arguments[0].get();
+  std::optional<double> number = NumberOf(*e.arguments[1]);
+  if (!number) {
+    number = NumberOf(*variable);
+    variable = e.arguments[1].get();
+    kind = kind == Kind::kLess             ? Kind::kGreater
+           : kind == Kind::kGreater        ? Kind::kLess
+           : kind == Kind::kLessOrEqual    ? Kind::kGreaterOrEqual
+           : kind == Kind::kGreaterOrEqual ? Kind::kLessOrEqual
+                                           : kind;
+  }
+  if (!number || variable->kind != Kind::kVariable || std::abs(*number) > kMostCounted) return std::nullopt;
+  const int up = static_cast<int>(std::ceil(*number)), down = static_cast<int>(std::floor(*number));
+  CountTest test{variable->variable.name, {}};
+  switch (kind) {
+    case Kind::kGreaterOrEqual:
+      test.bounds.least = up;
+      break;
+    case Kind::kGreater:
+      test.bounds.least = down + 1;
+      break;
+    case Kind::kLess:
+      test.bounds.below = up;
+      break;
+    case Kind::kLessOrEqual:
+      test.bounds.below = down + 1;
+      break;
+    case Kind::kEqual:
+      if (up != down) return std::nullopt;
+      test.bounds = {up, up + 1};
+      break;
+    default:
+      return std::nullopt;
+  }
+  if (test.bounds.least > kMostCounted || test.bounds.below.value_or(1) > kMostCounted) return std::nullopt;
+  return test;
+}
+
+// Every variable of `node`, but for what stands in `except`.
+void Mentioned(const Algebra& node, const Algebra* except, Names& names) {
+  if (&node == except) return;
+  const auto add = [&names](const PatternTerm& term) {
+    if (term.IsVariable()) names.insert(term.variable().name);
+  };
+  for (const sparql::TriplePattern& triple : node.triples) {
+    add(triple.subject);
+    add(triple.predicate);
+    add(triple.object);
+  }
+  add(node.subject);
+  add(node.object);
+  add(node.name);
+  names.insert(node.variable.name);
+  for (const Variable& v : node.variables) names.insert(v.name);
+  ForEachExpression(node, [&](const Expression& e) {
+    if (e.kind == Expression::Kind::kVariable) names.insert(e.variable.name);
+    if (e.pattern) Mentioned(*e.pattern, except, names);
+  });
+  for (const AlgebraPtr& child : node.children) Mentioned(*child, except, names);
+}
+
+void Rename(Algebra& node, const std::map<std::string, std::string>& to) {
+  const auto rename = [&to](std::string& name) {
+    if (const auto found = to.find(name); found != to.end()) name = found->second;
+  };
+  const auto term = [&rename](PatternTerm& t) {
+    if (!t.IsVariable()) return;
+    Variable variable = t.variable();
+    rename(variable.name);
+    t.Set(variable);
+  };
+  for (sparql::TriplePattern& triple : node.triples) {
+    term(triple.subject);
+    term(triple.predicate);
+    term(triple.object);
+  }
+  ForEachExpression(node, [&](Expression& e) {
+    if (e.kind == Expression::Kind::kVariable) rename(e.variable.name);
+  });
+  for (const AlgebraPtr& child : node.children) Rename(*child, to);
+}
+
+// A conjunction of triple patterns and filters, whose solutions come once each.
+bool IsPlain(const Algebra& node) {
+  if (node.kind != Algebra::Kind::kBgp && node.kind != Algebra::Kind::kJoin && node.kind != Algebra::Kind::kFilter) return false;
+  bool exists = false;
+  ForEachExpression(node, [&](const Expression& e) { exists = exists || e.pattern != nullptr; });
+  return !exists && std::all_of(node.children.begin(), node.children.end(), [](const AlgebraPtr& c) { return IsPlain(*c); });
+}
+
+AlgebraPtr Over(Algebra::Kind kind, AlgebraPtr child) {
+  auto node = std::make_unique<Algebra>(kind);
+  node->children.push_back(std::move(child));
+  return node;
+}
+
+ExpressionPtr VariableNamed(const std::string& name) {
+  auto e = std::make_unique<Expression>(Expression::Kind::kVariable, SourceSpan{});
+  e->variable.name = name;
+  return e;
+}
+
+// What is counted, by what.
+class Counted {
+ public:
+  // nullopt: counts of `group` cannot be written out.
+  static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate) {
+    Counted counted(*group.children[0]);
+    if (aggregate.function != sparql::Aggregate::Function::kCount || !IsPlain(counted.pattern_)) return std::nullopt;
+    for (const sparql::GroupKey& key : group.group_keys) {
+      const bool same = key.expression->kind == Expression::Kind::kVariable && key.expression->variable.name == key.variable.name;
+      if (!same) return std::nullopt;
+      counted.keys_.push_back(key.variable);
+    }
+    Mentioned(counted.pattern_, nullptr, counted.others_);
+    for (const Variable& key : counted.keys_) counted.others_.erase(key.name);
+    counted.others_.erase("");
+    const bool star = aggregate.expression == nullptr;
+    if (!star && aggregate.expression->kind != Expression::Kind::kVariable) return std::nullopt;
+    if (counted.others_.empty() || (star && counted.others_.size() != 1)) return std::nullopt;
+    counted.what_ = star ? *counted.others_.begin() : aggregate.expression->variable.name;
+    if (!counted.others_.contains(counted.what_)) return std::nullopt;
+    if (!aggregate.distinct && counted.others_.size() != 1) return std::nullopt;
+    return counted;
+  }
+
+  // { SELECT keys { … } } with a solution for each group within the bounds.
+  AlgebraPtr Within(const Bounds& bounds) {
+    // a group that there is has one; without keys there is always one
+    const int least = std::max(bounds.least, keys_.empty() ? 0 : 1);
+    AlgebraPtr body = least == 0 ? std::make_unique<Algebra>(Algebra::Kind::kBgp) : AtLeast(least, kCopyMark);
+    if (bounds.below) {
+      body = Over(Algebra::Kind::kFilter, std::move(body));
+      body->expression = std::make_unique<Expression>(Expression::Kind::kNotExists, SourceSpan{});
+      body->expression->pattern = AtLeast(*bounds.below, '_');  // shown to people as it is
+    }
+    AlgebraPtr select = Over(Algebra::Kind::kProject, std::move(body));
+    select->variables = keys_;
+    return select;
+  }
+
+ private:
+  explicit Counted(const Algebra& pattern) : pattern_(pattern) {}
+
+  // Copies of the pattern, no two of the same thing. `mark` stands between the names of their variables and their number.
+  AlgebraPtr AtLeast(int least, char mark) {
+    std::vector<AlgebraPtr> copies;
+    std::vector<std::string> things;
+    for (int i = 0; i < least; ++i) {
+      std::map<std::string, std::string> names;
+      ++copies_;
+      for (const std::string& name : others_) names[name] = copies_ == 1 ? name : absl::StrCat(name, std::string(1, mark), copies_);
+      copies.push_back(pattern_.Clone());
+      Rename(*copies.back(), names);
+      things.push_back(names[what_]);
+    }
+    AlgebraPtr all = std::move(copies[0]);
+    if (least > 1) {
+      all = Over(Algebra::Kind::kJoin, std::move(all));
+      for (int i = 1; i < least; ++i) all->children.push_back(std::move(copies[static_cast<size_t>(i)]));
+    }
+    for (size_t i = 0; i < things.size(); ++i) {
+      for (size_t j = i + 1; j < things.size(); ++j) {
+        all = Over(Algebra::Kind::kFilter, std::move(all));
+        all->expression = std::make_unique<Expression>(Expression::Kind::kNotEqual, SourceSpan{});
+        all->expression->arguments.push_back(VariableNamed(things[i]));
+        all->expression->arguments.push_back(VariableNamed(things[j]));
+      }
+    }
+    return all;
+  }
+
+  const Algebra& pattern_;
+  std::vector<Variable> keys_;
+  Names others_;  // variables that are no keys
+  std::string what_;
+  int copies_ = 0;  // made so far
+};
+
+// The nodes of a sub-SELECT that counts, from its top to its group, and what names its aggregates have there.
+struct Chain {
+  const Algebra* group = nullptr;
+  std::map<std::string, const sparql::Aggregate*> counts;  // by name, those of SELECT (COUNT(?x) AS ?name), too
+  std::vector<const Expression*> having;
+};
+
+std::optional<Chain> ChainOf(const Algebra& top) {
+  Chain chain;
+  std::vector<const Algebra*> extends;
+  const Algebra* at = &top;
+  for (; at->kind != Algebra::Kind::kGroup; at = at->children[0].get()) {
+    if (at->kind == Algebra::Kind::kExtend) {
+      extends.push_back(at);
+    } else if (at->kind == Algebra::Kind::kFilter) {
+      chain.having.push_back(at->expression.get());
+    } else if (at->kind != Algebra::Kind::kProject) {
+      return std::nullopt;
+    }
+  }
+  chain.group = at;
+  for (const sparql::Aggregate& aggregate : at->aggregates) chain.counts[aggregate.result.name] = &aggregate;
+  for (auto extend = extends.rbegin(); extend != extends.rend(); ++extend) {
+    const Expression& value = *(*extend)->expression;
+    const auto count = value.kind == Expression::Kind::kVariable ? chain.counts.find(value.variable.name) : chain.counts.end();
+    if (count == chain.counts.end()) return std::nullopt;
+    const sparql::Aggregate* aggregate = count->second;
+    chain.counts[(*extend)->variable.name] = aggregate;
+  }
+  return chain;
+}
+
+class Rewriter {
+ public:
+  explicit Rewriter(const Algebra& whole) : whole_(whole) {}
+
+  // A copy of `node`. `filters`: conjuncts of the filters around it that see what it shows.
+  AlgebraPtr Copy(const Algebra& node, const std::vector<const Expression*>& filters) {
+    if (AlgebraPtr written = Written(node, filters)) return written;
+    AlgebraPtr copy = node.Clone();
+    std::vector<const Expression*> inner;
+    if (node.kind == Algebra::Kind::kFilter || node.kind == Algebra::Kind::kJoin) inner = filters;
+    if (node.kind == Algebra::Kind::kFilter) sparql::CollectConjuncts(*node.expression, inner);
+    for (size_t i = 0; i < node.children.size(); ++i) copy->children[i] = Copy(*node.children[i], inner);
+    if (node.kind != Algebra::Kind::kFilter) return copy;
+    std::vector<const Expression*> own;
+    sparql::CollectConjuncts(*node.expression, own);
+    std::erase_if(own, [this](const Expression* e) { return used_.contains(e); });
+    AlgebraPtr all = std::move(copy->children[0]);
+    for (const Expression* e : own) {
+      all = Over(Algebra::Kind::kFilter, std::move(all));
+      all->span = node.span;
+      all->expression = e->Clone();
+    }
+    return all;
+  }
+  bool changed() const { return !used_.empty(); }
+
+ private:
+  // The sub-SELECT at `top` without its counts; null: it stays as it is.
+  AlgebraPtr Written(const Algebra& top, const std::vector<const Expression*>& filters) {
+    if (top.kind != Algebra::Kind::kProject && top.kind != Algebra::Kind::kGroup && top.kind != Algebra::Kind::kExtend &&
+        top.kind != Algebra::Kind::kFilter)
+      return nullptr;
+    const Algebra* end = &top;
+    while (end->kind != Algebra::Kind::kGroup && end->children.size() == 1) end = end->children[0].get();
+    if (end->kind != Algebra::Kind::kGroup) return nullptr;
+    const std::optional<Chain> chain = ChainOf(top);
+    if (!chain) return nullptr;
+    std::vector<const Expression*> conjuncts;
+    for (const Expression* e : chain->having) sparql::CollectConjuncts(*e, conjuncts);
+    const size_t own = conjuncts.size();
+    conjuncts.insert(conjuncts.end(), filters.begin(), filters.end());
+    std::map<const sparql::Aggregate*, Bounds> bounds;
+    std::set<const Expression*> used;
+    for (size_t i = 0; i < conjuncts.size(); ++i) {
+      const std::optional<CountTest> test = CountTestOf(*conjuncts[i]);
+      const auto count = test ? chain->counts.find(test->name) : chain->counts.end();
+      if (count == chain->counts.end()) {
+        if (i < own) return nullptr;  // HAVING asks for something else
+        continue;
+      }
+      Bounds& of = bounds[count->second];
+      of.least = std::max(of.least, test->bounds.least);
+      const auto& below = test->bounds.below;
+      if (below) of.below = std::min(of.below.value_or(*below), *below);
+      used.insert(conjuncts[i]);
+    }
+    if (bounds.size() != 1 || IsUsedOtherwise(top, *chain, used)) return nullptr;
+    std::optional<Counted> counted = Counted::Of(*chain->group, *bounds.begin()->first);
+    const Bounds& within = bounds.begin()->second;
+    if (!counted || within.below.value_or(1) < 1) return nullptr;
+    used_.insert(used.begin(), used.end());
+    return counted->Within(within);
+  }
+
+  // Whether anything but those conjuncts looks at a count.
+  bool IsUsedOtherwise(const Algebra& top, const Chain& chain, const std::set<const Expression*>& used) const {
+    Names names;
+    MentionedBut(whole_, top, used, names);
+    return std::any_of(chain.counts.begin(), chain.counts.end(), [&](const auto& count) { return names.contains(count.first); });
+  }
+  static void MentionedBut(const Algebra& node, const Algebra& top, const std::set<const Expression*>& used, Names& names) {
+    if (&node == &top) return;
+    if (node.kind == Algebra::Kind::kFilter) {
+      std::vector<const Expression*> conjuncts;
+      sparql::CollectConjuncts(*node.expression, conjuncts);
+      for (const Expression* e : conjuncts) {
+        if (used.contains(e)) continue;
+        Algebra alone(Algebra::Kind::kFilter);
+        alone.expression = e->Clone();
+        Mentioned(alone, nullptr, names);
+      }
+      return MentionedBut(*node.children[0], top, used, names);
+    }
+    if (node.kind == Algebra::Kind::kJoin) {
+      for (const AlgebraPtr& child : node.children) MentionedBut(*child, top, used, names);
+      return;
+    }
+    Mentioned(node, &top, names);
+  }
+
+  const Algebra& whole_;
+  std::set<const Expression*> used_;
+};
+
+}  // namespace
+
+AlgebraPtr WithoutCounts(const Algebra& where) {
+  Rewriter rewriter(where);
+  AlgebraPtr copy = rewriter.Copy(where, {});
+  return rewriter.changed() ? std::move(copy) : nullptr;
+}
+
+}  // namespace docent::explain
