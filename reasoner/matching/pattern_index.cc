@@ -1,9 +1,8 @@
 #include "reasoner/matching/pattern_index.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
-
-#include "absl/hash/hash.h"
 
 namespace docent {
 namespace {
@@ -17,6 +16,22 @@ bool EqualPositionsHold(uint8_t equal, const Quad& q) {
          (!(equal & MatchPattern::kPredicateGraph) || q.predicate == q.graph) &&
          (!(equal & MatchPattern::kObjectGraph) || q.object == q.graph);
 }
+
+// What the terms of a key add to its hash; none adds nothing. Odd numbers from the digits of pi.
+uint64_t SubjectPart(TermId subject) { return subject.bits() * 0x243f6a8885a308d3u; }
+uint64_t PredicatePart(TermId predicate) { return predicate.bits() * 0x13198a2e03707345u; }
+uint64_t ObjectPart(TermId object) { return object.bits() * 0xa4093822299f31d1u; }
+
+uint32_t HashOf(uint64_t parts) {
+  const auto product = static_cast<unsigned __int128>(parts) * 0x082efa98ec4e6c89u;
+  return static_cast<uint32_t>(product >> 64) ^ static_cast<uint32_t>(product);
+}
+
+unsigned ShapeOf(const QuadPattern& key) {
+  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) | (key.object.IsNone() ? 0u : 4u);
+}
+
+constexpr size_t kLeastSlots = 16;
 
 bool IsLowerBound(Comparison op) {
   return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual;
@@ -33,9 +48,37 @@ bool MatchPattern::Matches(const Quad& quad) const {
                                         : view.value <= object_guard->bound;
 }
 
-unsigned PatternIndex::ShapeOf(const Key& key) {
-  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) |
-         (key.object.IsNone() ? 0u : 4u);
+// Of subject, predicate and object.
+uint32_t PatternIndex::HashOfKey(const Entry& entry) {
+  const QuadPattern& key = entry.constants;
+  return HashOf(SubjectPart(key.subject) + PredicatePart(key.predicate) + ObjectPart(key.object));
+}
+
+size_t PatternIndex::SlotOf(uint32_t hash) const {
+  const size_t mask = slots_.size() - 1;
+  size_t at = hash & mask;
+  while (slots_[at].first != kNone && slots_[at].hash != hash) at = (at + 1) & mask;
+  return at;
+}
+
+// What stands behind it for want of its own place moves up.
+void PatternIndex::FreeSlot(size_t at) {
+  const size_t mask = slots_.size() - 1;
+  for (size_t next = (at + 1) & mask; slots_[next].first != kNone; next = (next + 1) & mask) {
+    const size_t from_home = (next - slots_[next].hash) & mask;
+    if (from_home < ((next - at) & mask)) continue;
+    slots_[at] = slots_[next];
+    at = next;
+  }
+  slots_[at] = {};
+  --taken_;
+}
+
+void PatternIndex::Grow() {
+  const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(std::max(kLeastSlots, 2 * slots_.size())));
+  for (const Slot& slot : old) {
+    if (slot.first != kNone) slots_[SlotOf(slot.hash)] = slot;
+  }
 }
 
 PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference reference) {
@@ -48,14 +91,12 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     free_.pop_back();
   }
   Entry& entry = entries_[handle];
-  entry = {.key = {pattern.constants.subject, pattern.constants.predicate, pattern.constants.object},
-           .graph = pattern.constants.graph,
-           .reference = reference,
-           .equal = pattern.equal};
-  const unsigned shape = ShapeOf(entry.key);
+  const unsigned shape = ShapeOf(pattern.constants);
+  entry = {.constants = pattern.constants, .reference = reference, .equal = pattern.equal, .shape = static_cast<uint8_t>(shape)};
   if (shape_counts_[shape]++ == 0) shapes_ |= 1u << shape;
-  const size_t hash = absl::HashOf(entry.key);
+  const uint32_t hash = HashOfKey(entry);
   if (pattern.object_guard) {
+    if (guarded_counts_[shape]++ == 0) guarded_shapes_ |= 1u << shape;
     std::unique_ptr<Guarded>& guarded = guarded_[hash];
     if (!guarded) guarded = std::make_unique<Guarded>();
     entry.bound = pattern.object_guard->bound;
@@ -63,23 +104,27 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     (entry.side > 0 ? guarded->at_least : guarded->at_most).insert({entry.bound, handle});
     return handle;
   }
-  const auto [place, fresh] = first_.try_emplace(hash, handle);
-  Entry& first = entries_[place->second];
-  if (!fresh) {
-    entry.previous = first.previous;
+  if (2 * (taken_ + 1) > slots_.size()) Grow();
+  Slot& slot = slots_[SlotOf(hash)];
+  if (slot.first == kNone) {
+    slot = {hash, handle};
+    ++taken_;
+  } else {
+    entry.previous = entries_[slot.first].previous;
     entries_[entry.previous].next = handle;
   }
-  first.previous = handle;
+  entries_[slot.first].previous = handle;
   return handle;
 }
 
 void PatternIndex::Remove(Handle handle) {
   const Entry& entry = entries_[handle];
-  const unsigned shape = ShapeOf(entry.key);
+  const unsigned shape = entry.shape;
   if (--shape_counts_[shape] == 0) shapes_ &= ~(1u << shape);
   free_.push_back(handle);
   if (entry.side != 0) {
-    const auto found = guarded_.find(absl::HashOf(entry.key));
+    if (--guarded_counts_[shape] == 0) guarded_shapes_ &= ~(1u << shape);
+    const auto found = guarded_.find(HashOfKey(entry));
     Guarded& guarded = *found->second;
     (entry.side > 0 ? guarded.at_least : guarded.at_most).erase({entry.bound, handle});
     if (guarded.at_least.empty() && guarded.at_most.empty()) guarded_.erase(found);
@@ -90,50 +135,48 @@ void PatternIndex::Remove(Handle handle) {
   if (!is_first) previous.next = entry.next;
   if (!is_last) entries_[entry.next].previous = entry.previous;
   if (!is_first && !is_last) return;
-  const auto place = first_.find(absl::HashOf(entry.key));
+  const size_t at = SlotOf(HashOfKey(entry));
   if (!is_first) {
-    entries_[place->second].previous = entry.previous;
+    entries_[slots_[at].first].previous = entry.previous;
   } else if (!is_last) {
-    place->second = entry.next;
+    slots_[at].first = entry.next;
   } else {
-    first_.erase(place);
+    FreeSlot(at);
   }
 }
 
-void PatternIndex::VisitEntry(const Entry& entry, const Key& key, const Quad& quad,
+// Another key may have the same hash, of another shape, too.
+void PatternIndex::VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
                               absl::FunctionRef<void(Reference)> visit) const {
-  if (entry.key != key || (!entry.graph.IsNone() && entry.graph != quad.graph)) return;
-  if (EqualPositionsHold(entry.equal, quad)) visit(entry.reference);
+  if (entry.shape == shape && entry.constants.Matches(quad) && EqualPositionsHold(entry.equal, quad)) visit(entry.reference);
 }
 
-void PatternIndex::VisitGuarded(const Guarded& guarded, const Key& key, const Quad& quad,
+void PatternIndex::VisitGuarded(const Guarded& guarded, unsigned shape, const Quad& quad,
                                 absl::FunctionRef<void(Reference)> visit) const {
   const NumberView view = ViewNumber(quad.object);
   if (view.kind == NumberView::Kind::kOther) return;
   const bool known = view.kind == NumberView::Kind::kNumber;
   for (const Bound& bound : guarded.at_least) {
     if (known && bound.value > view.value) break;
-    VisitEntry(entries_[bound.handle], key, quad, visit);
+    VisitEntry(entries_[bound.handle], shape, quad, visit);
   }
   for (auto it = guarded.at_most.rbegin(); it != guarded.at_most.rend(); ++it) {
     if (known && it->value < view.value) break;
-    VisitEntry(entries_[it->handle], key, quad, visit);
+    VisitEntry(entries_[it->handle], shape, quad, visit);
   }
 }
 
 void PatternIndex::ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const {
+  const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
+  const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
   for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
-    const int shape = std::countr_zero(rest);
-    const Key key = {(shape & 1) ? quad.subject : TermId(), (shape & 2) ? quad.predicate : TermId(),
-                     (shape & 4) ? quad.object : TermId()};
-    const size_t hash = absl::HashOf(key);
-    if (const auto first = first_.find(hash); first != first_.end()) {
-      for (Handle handle = first->second; handle != kNone; handle = entries_[handle].next) {
-        VisitEntry(entries_[handle], key, quad, visit);
-      }
+    const auto shape = static_cast<unsigned>(std::countr_zero(rest));
+    const uint32_t hash = HashOf(parts[shape]);
+    for (Handle handle = slots_[SlotOf(hash)].first; handle != kNone; handle = entries_[handle].next) {
+      VisitEntry(entries_[handle], shape, quad, visit);
     }
-    if (guarded_.empty()) continue;
-    if (const auto found = guarded_.find(hash); found != guarded_.end()) VisitGuarded(*found->second, key, quad, visit);
+    if ((guarded_shapes_ & (1u << shape)) == 0) continue;
+    if (const auto found = guarded_.find(hash); found != guarded_.end()) VisitGuarded(*found->second, shape, quad, visit);
   }
 }
 

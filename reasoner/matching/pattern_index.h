@@ -66,14 +66,6 @@ class PatternIndex {
   size_t size() const { return entries_.size() - free_.size(); }
 
  private:
-  struct Key {
-    TermId subject, predicate, object;
-    friend bool operator==(const Key&, const Key&) = default;
-    template <typename H>
-    friend H AbslHashValue(H h, const Key& k) {
-      return H::combine(std::move(h), k.subject, k.predicate, k.object);
-    }
-  };
   struct Bound {
     double value;
     Handle handle;
@@ -85,30 +77,43 @@ class PatternIndex {
   };
   // One line of the cache: what a change touches of ten thousands of patterns is most often not in it.
   struct alignas(64) Entry {
-    Key key;
-    TermId graph;
+    QuadPattern constants;
     Reference reference;
     Handle next = kNone, previous = kNone;  // without a guard: those with the same hash; before the first comes the last
     uint8_t equal = 0;
-    int8_t side = 0;  // 0: no guard, +1: at_least, -1: at_most
+    uint8_t shape = 0;  // bit 0 subject, 1 predicate, 2 object: it is a constant
+    int8_t side = 0;    // 0: no guard, +1: at_least, -1: at_most
     double bound = 0;
   };
   static constexpr Handle kNone = ~Handle{0};
   static_assert(sizeof(Entry) == 64);
+  // Where the patterns without a guard begin whose keys have this hash; free without a first one.
+  struct Slot {
+    uint32_t hash = 0;
+    Handle first = kNone;
+  };
 
-  static unsigned ShapeOf(const Key& key);
-  void VisitGuarded(const Guarded& guarded, const Key& key, const Quad& quad,
+  static uint32_t HashOfKey(const Entry& entry);
+  // The slot with the hash, or the free one where it belongs.
+  size_t SlotOf(uint32_t hash) const;
+  void FreeSlot(size_t at);
+  void Grow();
+  void VisitGuarded(const Guarded& guarded, unsigned shape, const Quad& quad,
                     absl::FunctionRef<void(Reference)> visit) const;
-  void VisitEntry(const Entry& entry, const Key& key, const Quad& quad,
+  void VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
                   absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
-  // By hash of the key, which an entry is compared with when it is visited.
-  absl::flat_hash_map<size_t, Handle> first_;
-  absl::flat_hash_map<size_t, std::unique_ptr<Guarded>> guarded_;
-  unsigned shapes_ = 0;  // bit i: shape i has any
+  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most half of it taken: a
+  // lookup, and most of them find nothing, is one multiplication and one line of the cache.
+  std::vector<Slot> slots_ = std::vector<Slot>(1);
+  size_t taken_ = 0;  // slots
+  absl::flat_hash_map<uint32_t, std::unique_ptr<Guarded>> guarded_;
+  unsigned shapes_ = 0;          // bit i: shape i has any
+  unsigned guarded_shapes_ = 0;  // bit i: shape i has any with a guard
   std::vector<Handle> free_;
-  std::array<size_t, 8> shape_counts_ = {};  // patterns of each shape; bit 0 subject, 1 predicate, 2 object
+  std::array<size_t, 8> shape_counts_ = {};
+  std::array<size_t, 8> guarded_counts_ = {};
 };
 
 }  // namespace docent
