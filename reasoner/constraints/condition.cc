@@ -1,6 +1,7 @@
 #include "reasoner/constraints/condition.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace docent {
@@ -13,26 +14,31 @@ int ConstantCount(const QuadPattern& pattern) {
 }  // namespace
 
 Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
-    : number_(number), body_(body.get()), indexes_(indexes), keys_(std::move(keys)), own_(std::move(body)) {
+    : keys_(std::move(keys)),
+      own_(std::move(body)),
+      number_(number),
+      has_keys_(!keys_.empty()),
+      borrows_(false),
+      body_(own_.get()),
+      indexes_(indexes) {
   Begin();
 }
 
 Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, Keys keys, WatchIndexes& indexes)
-    : number_(number),
+    : keys_(std::move(keys)),
+      number_(number),
+      has_keys_(!keys_.empty()),
+      borrows_(true),
       body_(&shape->body()),
       indexes_(indexes),
-      keys_(std::move(keys)),
       shape_(shape),
       constants_(std::move(constants)) {
-  const std::vector<TermId> seed = shape->SeedOf(constants_);
-  base_.assign(seed.begin(), seed.end());
   Begin();
 }
 
 void Condition::Begin() {
-  if (has_keys()) keyed_ = std::make_unique<Keyed>();
   for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
-    if (!Narrows(i)) whole_ |= uint64_t{1} << std::min(i, 63u);
+    if (!Narrows(i)) whole_ |= 1u << std::min(i, 31u);
   }
 }
 
@@ -54,34 +60,49 @@ std::vector<Condition::Key> Condition::Present() const {
     return keys;
   }
   keys.reserve(present_);
-  for (const auto& [key, slot] : keyed_->slots) keys.push_back(key);
+  for (const Witness& witness : witnesses_) {
+    if (!witness.row.empty()) keys.push_back(KeyOf(witness.row));
+  }
   return keys;
 }
 
 std::vector<TermId> Condition::Seed() const {
-  if (base_.empty()) return std::vector<TermId>(columns().size());
-  return {base_.begin(), base_.end()};
+  return BeginSeed();
 }
 
 std::vector<TermId>& Condition::BeginSeed() const {
-  if (base_.empty()) {
-    indexes_.seed.assign(columns().size(), TermId());
+  if (borrows_) {
+    shape_->Seed(constants_, indexes_.seed);
   } else {
-    indexes_.seed.assign(base_.begin(), base_.end());
+    indexes_.seed.assign(columns().size(), TermId());
   }
   return indexes_.seed;
 }
 
 Condition::Key Condition::KeyOf(absl::Span<const TermId> row) const {
   Key key;
+  if (!has_keys()) return key;
   for (const int16_t column : keys_) key.push_back(row[column]);
   return key;
 }
 
+bool Condition::HasKey(absl::Span<const TermId> row, const Key& key) const {
+  for (size_t i = 0; i < key.size(); ++i) {
+    if (row[keys_[i]] != key[i]) return false;
+  }
+  return true;
+}
+
 int Condition::SlotOf(const Key& key) const {
   if (!has_keys()) return holds() ? 0 : -1;
-  const auto found = keyed_->slots.find(key);
-  return found == keyed_->slots.end() ? -1 : static_cast<int>(found->second);
+  if (slots_ != nullptr) {
+    const auto found = slots_->taken.find(key);
+    return found == slots_->taken.end() ? -1 : static_cast<int>(found->second);
+  }
+  for (size_t i = 0; i < witnesses_.size(); ++i) {
+    if (!witnesses_[i].row.empty() && HasKey(witnesses_[i].row, key)) return static_cast<int>(i);
+  }
+  return -1;
 }
 
 uint32_t Condition::NewSlot(const Key& key) {
@@ -90,15 +111,21 @@ uint32_t Condition::NewSlot(const Key& key) {
     if (witnesses_.empty()) witnesses_.emplace_back();
     return 0;
   }
-  uint32_t slot = static_cast<uint32_t>(witnesses_.size());
-  if (keyed_->free.empty()) {
-    witnesses_.emplace_back();
+  uint32_t slot = 0;
+  if (slots_ == nullptr) {
+    while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
+  } else if (!slots_->free.empty()) {
+    slot = slots_->free.back();
+    slots_->free.pop_back();
   } else {
-    slot = keyed_->free.back();
-    keyed_->free.pop_back();
+    slot = static_cast<uint32_t>(witnesses_.size());
   }
-  witnesses_[slot].key = key;
-  keyed_->slots.emplace(key, slot);
+  if (slot == witnesses_.size()) witnesses_.emplace_back();
+  if (slots_ == nullptr && slot == kFewWitnesses) {
+    slots_ = std::make_unique<Slots>();
+    for (uint32_t i = 0; i < slot; ++i) slots_->taken.emplace(KeyOf(witnesses_[i].row), i);
+  }
+  if (slots_ != nullptr) slots_->taken.emplace(key, slot);
   return slot;
 }
 
@@ -109,24 +136,24 @@ void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
   Watch(slot);
 }
 
-void Condition::DropSlot(uint32_t slot) {
+void Condition::DropSlot(uint32_t slot, const Key& key) {
   Witness& witness = witnesses_[slot];
   indexes_.RemoveAll(witness.watches);
+  witness.row.clear();
   --present_;
-  if (!has_keys()) return;
-  keyed_->free.push_back(slot);
-  keyed_->slots.erase(witness.key);
+  if (!has_keys() || slots_ == nullptr) return;
+  slots_->free.push_back(slot);
+  slots_->taken.erase(key);
 }
 
 void Condition::Watch(uint32_t slot) {
   Witness& witness = witnesses_[slot];
-  PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness};
+  PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness, 0};
   for (const Trigger& trigger : body_->triggers()) {
-    const auto place = &trigger - body_->triggers().data();
-    reference.detail = static_cast<uint16_t>(std::min<ptrdiff_t>(place, WatchIndexes::kSomeTrigger));
-    const MatchPattern match = body_->Instantiate(trigger, witness.row);
-    if (RisesOnAdd(trigger.polarity)) witness.watches.push_back(indexes_.Goes(match, reference));
-    if (RisesOnRemove(trigger.polarity)) witness.watches.push_back(indexes_.Comes(match, reference));
+    const QuadPattern constants = Body::ConstantsOf(trigger, witness.row);
+    if (RisesOnAdd(trigger.polarity)) witness.watches.push_back(indexes_.Goes(trigger.match, constants, reference));
+    if (RisesOnRemove(trigger.polarity)) witness.watches.push_back(indexes_.Comes(trigger.match, constants, reference));
+    if (reference.detail != WatchIndexes::kSomeTrigger) ++reference.detail;
   }
 }
 
@@ -134,13 +161,16 @@ bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   Key key = KeyOf(row);
   if (Has(key)) return false;
   SetRow(NewSlot(key), row);
-  edits.push_back({number_, std::move(key), false, {}});
+  Edit& edit = edits.emplace_back();
+  edit.condition = number_;
+  edit.is_present = true;
+  edit.key = std::move(key);
   return true;
 }
 
 void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
   if (IgnoresRise()) return;
-  if (own_ == nullptr) {
+  if (borrows_) {
     Take(row, edits);
     return;
   }
@@ -150,61 +180,68 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
 }
 
 absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
-  const auto drop = [&] {
-    edits.push_back({number_, witnesses_[slot].key, true, std::move(witnesses_[slot].row)});
-    DropSlot(slot);
-    return absl::OkStatus();
+  const Key key = KeyOf(witnesses_[slot].row);
+  const auto note = [&](bool is_present) {
+    Edit& edit = edits.emplace_back();
+    edit.condition = number_;
+    edit.was_present = true;
+    edit.is_present = is_present;
+    edit.key = key;
+    edit.before = std::move(witnesses_[slot].row);
   };
-  const Key& key = witnesses_[slot].key;
   std::vector<TermId>& seed = BeginSeed();
-  for (size_t i = 0; i < keys_.size(); ++i) {
+  for (size_t i = 0; i < key.size(); ++i) {
     if (body_->columns()[keys_[i]].certain) seed[keys_[i]] = key[i];
   }
   // What lost a match has most often no other.
+  bool found = false;
   if (trigger != WatchIndexes::kSomeTrigger && HasNoMatch(trigger, seed, *run.version)) {
     blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
-    return drop();
+  } else {
+    Row after;
+    const absl::Status status = body_->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
+      if (!HasKey(row, key)) return true;
+      found = true;
+      after.assign(row.begin(), row.end());
+      return false;
+    });
+    if (!status.ok()) return status;
+    if (found && after == witnesses_[slot].row) return status;
+    if (found) {
+      note(true);
+      SetRow(slot, after);
+      return status;
+    }
   }
-  bool found = false;
-  Row after;
-  const absl::Status status = body_->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
-    if (KeyOf(row) != key) return true;
-    found = true;
-    after.assign(row.begin(), row.end());
-    return false;
-  });
-  if (!status.ok()) return status;
-  if (!found) return drop();
-  if (after == witnesses_[slot].row) return absl::OkStatus();
-  edits.push_back({number_, key, true, witnesses_[slot].row});
-  SetRow(slot, after);
+  note(false);
+  DropSlot(slot, key);
   return absl::OkStatus();
 }
 
 bool Condition::Narrows(uint32_t trigger) const {
   const Trigger& matched = body_->triggers()[trigger];
   const bool constant = std::any_of(body_->triggers().begin(), body_->triggers().end(), [this](const Trigger& t) {
-    const QuadPattern constants = MatchOf(t).constants;
+    const QuadPattern constants = ConstantsOf(t);
     return t.required && (!constants.subject.IsNone() || !constants.object.IsNone());
   });
-  return constant || std::any_of(matched.columns.begin(), matched.columns.end(), [this](int16_t column) {
-    if (column == Trigger::kNoColumn || (!base_.empty() && !base_[column].IsNone())) return false;
-    return has_keys() ? body_->columns()[column].certain : body_->columns()[column].seedable;
+  const std::vector<TermId>& seed = BeginSeed();
+  return constant || std::any_of(matched.columns.begin(), matched.columns.end(), [&](int16_t column) {
+    return column != Trigger::kNoColumn && seed[column].IsNone() && MayBind(body_->columns()[column]);
   });
 }
 
 absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                               bool& full_done, Edits& edits) {
   if (full_done) return absl::OkStatus();
-  std::vector<TermId>& seed = indexes_.seed;
-  body_->SeedFrom(body_->triggers()[trigger], quad, seed);
+  std::vector<TermId>& seed = BeginSeed();
+  const std::array<TermId, 4> terms = {quad.subject, quad.predicate, quad.object, quad.graph};
+  const Trigger& matched = body_->triggers()[trigger];
   bool seeded = false;
-  for (size_t i = 0; i < seed.size(); ++i) {
-    const Body::Column& column = body_->columns()[i];
-    if (has_keys() ? !column.certain : !column.seedable) seed[i] = TermId();
-    const bool constant = !base_.empty() && !base_[i].IsNone();
-    seeded = seeded || (!seed[i].IsNone() && !constant);
-    if (constant) seed[i] = base_[i];
+  for (size_t i = 0; i < terms.size(); ++i) {
+    const int16_t column = matched.columns[i];
+    if (column == Trigger::kNoColumn || !seed[column].IsNone() || !MayBind(body_->columns()[column])) continue;
+    seed[column] = terms[i];
+    seeded = true;
   }
   full_done = !seeded;
   const auto take = [&](absl::Span<const TermId> row) {
@@ -212,7 +249,7 @@ absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, co
     return has_keys();
   };
   if (!added) return body_->Evaluate(run, seed, take);
-  return body_->EvaluateFrom(body_->triggers()[trigger], run, seed, take);
+  return body_->EvaluateFrom(matched, run, seed, take);
 }
 
 absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
@@ -238,18 +275,18 @@ void Condition::Undo(const Edit& edit) {
   if (edit.was_present) {
     SetRow(slot < 0 ? NewSlot(edit.key) : static_cast<uint32_t>(slot), edit.before);
   } else {
-    DropSlot(static_cast<uint32_t>(slot));
+    DropSlot(static_cast<uint32_t>(slot), edit.key);
   }
 }
 
-MatchPattern Condition::MatchOf(const Trigger& trigger) const {
-  return base_.empty() ? trigger.match : body_->Instantiate(trigger, base_);
+QuadPattern Condition::ConstantsOf(const Trigger& trigger) const {
+  return borrows_ ? Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
 }
 
 bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const {
   const Trigger& lost = body_->triggers()[trigger];
   return lost.required && lost.polarity == Polarity::kPositive &&
-         !version.ContainsMatch(body_->Instantiate(lost, seed).constants);
+         !version.ContainsMatch(Body::ConstantsOf(lost, seed));
 }
 
 // A required pattern without any match: nothing can rise before it has one. The most specific of them; the one that is
@@ -261,7 +298,7 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
   const auto look_at = [&](int i) {
     const Trigger& trigger = triggers[static_cast<size_t>(i)];
     if (!trigger.required || trigger.polarity != Polarity::kPositive) return;
-    const QuadPattern constants = MatchOf(trigger).constants;
+    const QuadPattern constants = ConstantsOf(trigger);
     if (ConstantCount(constants) <= best_constants || version.ContainsMatch(constants)) return;
     best = i;
     best_constants = ConstantCount(constants);
@@ -273,9 +310,10 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 
 void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = body_->triggers()[trigger];
-  const MatchPattern match = MatchOf(watched);
-  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(indexes_.Comes(match, {number_, trigger}));
-  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(indexes_.Goes(match, {number_, trigger}));
+  const QuadPattern constants = ConstantsOf(watched);
+  const PatternIndex::Reference reference{number_, trigger, 0};
+  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(indexes_.Comes(watched.match, constants, reference));
+  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(indexes_.Goes(watched.match, constants, reference));
 }
 
 void Condition::Disarm() {

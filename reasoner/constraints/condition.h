@@ -46,7 +46,7 @@ class Condition {
 
   Body& body() { return *body_; }
   const std::vector<Body::Column>& columns() const { return body_->columns(); }
-  bool has_keys() const { return !keys_.empty(); }
+  bool has_keys() const { return has_keys_; }
   const Keys& keys() const { return keys_; }
   bool holds() const { return present_ > 0; }
   bool Has(const Key& key) const { return SlotOf(key) >= 0; }
@@ -57,10 +57,11 @@ class Condition {
   // What changed, to be told and to be undone.
   struct Edit {
     uint32_t condition = 0;  // its number
-    Key key;
-    bool was_present = false;
-    Row before;         // the witness that was there
     uint32_t next = 0;  // for the caller's own use
+    bool was_present = false;
+    bool is_present = false;
+    Key key;
+    Row before;  // the witness that was there
   };
   using Edits = std::vector<Edit>;
 
@@ -69,7 +70,7 @@ class Condition {
   absl::Status Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits);
   // Whether Probe has anything to go by: what a change that matches `trigger` binds, or a constant of the query.
   // Otherwise it is a whole evaluation, which costs more the larger the graph is.
-  bool narrows(uint32_t trigger) const { return (whole_ & (uint64_t{1} << std::min(trigger, 63u))) == 0; }
+  bool narrows(uint32_t trigger) const { return (whole_ & (1u << std::min(trigger, 31u))) == 0; }
   // `quad` was added or removed and matches `trigger`: takes what new keys come from it.
   // `full_done`: whether a whole evaluation was already made for this update, so nothing is left to find; set
   // when nothing could be bound and one is made here.
@@ -104,29 +105,33 @@ class Condition {
 
  private:
   enum class Armed : uint8_t { kNothing, kOne, kAll };
+  using Watches = absl::InlinedVector<WatchIndexes::Watch, 4>;
   struct Witness {
-    Key key;
-    Row row;
+    Row row;  // its key is a part of it; where there are keys, empty: none
+    Watches watches;
     uint64_t stamp = 0;
-    absl::InlinedVector<WatchIndexes::Watch, 4> watches;
   };
 
-  // Only where there are keys.
-  struct Keyed {
-    absl::flat_hash_map<Key, uint32_t> slots;  // → place in witnesses_
+  // Of many witnesses: where they are.
+  struct Slots {
+    absl::flat_hash_map<Key, uint32_t> taken;  // → place in witnesses_
     std::vector<uint32_t> free;
   };
+  // So many witnesses are looked through.
+  static constexpr size_t kFewWitnesses = 8;
 
   void Begin();
   Key KeyOf(absl::Span<const TermId> row) const;
+  bool HasKey(absl::Span<const TermId> row, const Key& key) const;
   int SlotOf(const Key& key) const;  // -1: there is no witness with it
   uint32_t NewSlot(const Key& key);
   // Takes `row` as witness of its key unless it has one. True if it is new.
   bool Take(absl::Span<const TermId> row, Edits& edits);
   void SetRow(uint32_t slot, absl::Span<const TermId> row);
-  void DropSlot(uint32_t slot);
+  void DropSlot(uint32_t slot, const Key& key);
   void Watch(uint32_t slot);
-  MatchPattern MatchOf(const Trigger& trigger) const;
+  // Of its pattern, with the constants of the shape in it.
+  QuadPattern ConstantsOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
   // Whether the trigger has no match with the seed, so that there is no solution.
   bool HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const;
@@ -136,30 +141,35 @@ class Condition {
   std::vector<TermId>& BeginSeed() const;
 
   bool Narrows(uint32_t trigger) const;
+  // Whether a change may give the column its value, without losing a solution.
+  bool MayBind(const Body::Column& column) const { return has_keys() ? column.certain : column.seedable; }
   bool watches_one() const { return armed_ == Armed::kOne; }
 
-  // What an update looks at, together: the lines of ten thousands of conditions are most often in no cache.
+  // Which lines of the cache an update looks at matters: those of ten thousands of conditions are most often in none.
+  // One that is looked at where there are keys, or to arm it:
+  Watches armed_watches_;
+  const Keys keys_;
+  std::unique_ptr<Slots> slots_;
+  const std::unique_ptr<Body> own_;  // null: the body is the shape's
+  // and three, with what a derived class begins with, that always are.
   uint64_t touched_in_ = 0;
   uint32_t touched_at_ = 0;
   const uint32_t number_;
   uint32_t present_ = 0;        // witnesses
+  uint32_t whole_ = 0;          // triggers, as bits, that do not narrow; the last bit stands for all beyond
   int16_t armed_trigger_ = -1;  // kOne: which
   Armed armed_ = Armed::kNothing;
-  bool joined_ = false;  // it waits at the shape
+  const bool has_keys_;
+  const bool borrows_ : 1;   // the body is the shape's
+  bool joined_ : 1 = false;  // it waits at the shape
   bool in_vain_ = false;
   bool blocked_ = false;   // kOne: nothing matches the trigger now, as a Recheck of this update saw
   bool unlooked_ = false;  // kAll: whether one would do was not looked at since it fell
-  uint64_t whole_ = 0;     // triggers, as bits, that do not narrow; the last bit stands for all beyond
-  Body* body_;
+  Body* const body_;
   WatchIndexes& indexes_;
-  const Keys keys_;
-  absl::InlinedVector<Witness, 1> witnesses_;  // without keys: the first, while present_
-  Row base_;                                   // the constants by column of the shape's body; empty with a body of its own
-  absl::InlinedVector<WatchIndexes::Watch, 4> armed_watches_;
   Shape* shape_ = nullptr;
-  Shape::Constants constants_;  // what tells this condition from others of the shape
-  std::unique_ptr<Keyed> keyed_;
-  const std::unique_ptr<Body> own_;
+  absl::InlinedVector<Witness, 1> witnesses_;  // without keys: the first, while present_
+  Shape::Constants constants_;                 // what tells this condition from others of the shape
 };
 
 }  // namespace docent

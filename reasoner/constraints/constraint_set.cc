@@ -25,7 +25,9 @@ std::string Fingerprint(const sparql::Query& query, const std::vector<std::strin
 }  // namespace
 
 bool ConstraintSet::Impl::Shared::IsFollowed() const {
-  return !followers.empty() || (groups[0] && !groups[0]->empty()) || (groups[1] && !groups[1]->empty());
+  if (groups == nullptr) return !followers.empty();
+  return !followers.empty() ||
+         std::any_of(groups->begin(), groups->end(), [](const auto& group) { return group && !group->empty(); });
 }
 
 ConstraintSet::ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions)
@@ -182,7 +184,8 @@ absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl
   if (!*number) return std::nullopt;
   Shared& shared = *conditions[**number];
   const bool above = ThresholdGroup::IsAbove(form->op);
-  std::unique_ptr<ThresholdGroup>& group = shared.groups[above];
+  if (!shared.groups) shared.groups = std::make_unique<Groups>();
+  std::unique_ptr<ThresholdGroup>& group = (*shared.groups)[above];
   const sparql::RunOptions run{.version = &no_graph};
   if (!group) {
     group = std::make_unique<ThresholdGroup>(above, dictionary, comparer);
@@ -226,7 +229,7 @@ void ConstraintSet::Remove(ConstraintId id) {
 }
 
 ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {
-  return *conditions[follower.condition]->groups[follower.threshold->above];
+  return *(*conditions[follower.condition]->groups)[follower.threshold->above];
 }
 
 void ConstraintSet::Impl::Unfollow(ConstraintId id) {

@@ -21,10 +21,12 @@ namespace docent {
 
 struct ConstraintSet::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
-  struct Shared final : Condition {
+  using Groups = std::array<std::unique_ptr<ThresholdGroup>, 2>;  // below, above
+  // In lines of the cache of its own: of those that an update looks at, as few as there are.
+  struct alignas(64) Shared final : Condition {
     using Condition::Condition;
     absl::InlinedVector<ConstraintId, 1> followers;
-    std::array<std::unique_ptr<ThresholdGroup>, 2> groups;  // below, above
+    std::unique_ptr<Groups> groups;  // null: none
     std::string fingerprint;
     std::string shape;  // key in shapes; empty: none is like it
 
@@ -108,9 +110,10 @@ struct ConstraintSet::Impl {
   void LinkEdits(size_t begin);
   void Settle(const GraphVersion& version);
   absl::Status CollectChanges(std::vector<ConstraintChange>& changes);
-  ConstraintChange ChangeOf(ConstraintId id, uint32_t number, const Touched& touched) const;
+  // Which keys came and went.
+  void TellBindings(uint32_t number, const Touched& touched, ConstraintChange& change) const;
   // The groups of a condition follow its keys. `visit` gets what changed.
-  absl::Status RelevelGroups(uint32_t number, absl::FunctionRef<void(ConstraintId, bool)> visit);
+  absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConstraintId, bool)> visit);
   Binding BindingOf(const Condition& condition, const Condition::Key& key) const;
 
   // A condition that more changes of one update match is evaluated whole, once.

@@ -145,18 +145,20 @@ void ConstraintSet::Impl::Settle(const GraphVersion& version) {
     if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
       journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
     }
-    for (const auto& group : condition.groups) {
+    if (!condition.groups) continue;
+    for (const auto& group : *condition.groups) {
       if (!group) continue;
       for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
-        group->SetKey(edits[i].key[0], condition.Has(edits[i].key));
+        group->SetKey(edits[i].key[0], edits[i].is_present);
       }
     }
   }
 }
 
-absl::Status ConstraintSet::Impl::RelevelGroups(uint32_t number,
+absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
                                                 absl::FunctionRef<void(ConstraintId, bool)> visit) {
-  for (const auto& group : conditions[number]->groups) {
+  if (!condition.groups) return absl::OkStatus();
+  for (const auto& group : *condition.groups) {
     if (!group) continue;
     if (absl::Status status = group->Relevel({.version = &no_graph}, visit); !status.ok()) return status;
   }
@@ -171,20 +173,13 @@ Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Conditi
   return binding;
 }
 
-ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number, const Touched& touch) const {
+void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, ConstraintChange& change) const {
   const Condition& condition = *conditions[number];
-  ConstraintChange change;
-  change.id = id;
-  change.edge = ConstraintChange::Edge::kBindingsChanged;
-  if (condition.holds() != touch.held) {
-    change.edge = condition.holds() ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell;
-  }
-  if (!condition.has_keys()) return change;
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
-    const bool now = condition.Has(edit.key);
-    if (now != edit.was_present) (now ? change.appeared : change.disappeared).push_back(BindingOf(condition, edit.key));
-    return change;
+    if (edit.is_present == edit.was_present) return;
+    (edit.is_present ? change.appeared : change.disappeared).push_back(BindingOf(condition, edit.key));
+    return;
   }
   // The first edit of a key tells what was before; what is now, the condition knows.
   absl::flat_hash_map<Condition::Key, bool> before;
@@ -200,23 +195,26 @@ ConstraintChange ConstraintSet::Impl::ChangeOf(ConstraintId id, uint32_t number,
   }
   SortBindings(change.appeared, dictionary);
   SortBindings(change.disappeared, dictionary);
-  return change;
 }
 
 absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& changes) {
+  using Edge = ConstraintChange::Edge;
   for (const Touched& touch : touched) {
     if (!touch.edited()) continue;
     const uint32_t number = touch.condition;
-    for (const ConstraintId id : conditions[number]->followers) {
-      if (IsRemoved(id)) continue;
-      ConstraintChange change = ChangeOf(id, number, touch);
-      const bool edge = change.edge != ConstraintChange::Edge::kBindingsChanged;
-      if (edge || !change.appeared.empty() || !change.disappeared.empty())
-        changes.push_back(std::move(change));
+    const Shared& condition = *conditions[number];
+    const bool holds = condition.holds(), edge = holds != touch.held;
+    for (const ConstraintId id : condition.followers) {
+      if ((!edge && !condition.has_keys()) || IsRemoved(id)) continue;
+      ConstraintChange& change = changes.emplace_back();
+      change.id = id;
+      change.edge = !edge ? Edge::kBindingsChanged : holds ? Edge::kRose : Edge::kFell;
+      if (condition.has_keys()) TellBindings(number, touch, change);
+      if (!edge && change.appeared.empty() && change.disappeared.empty()) changes.pop_back();
     }
-    const absl::Status status = RelevelGroups(number, [&](ConstraintId id, bool level) {
-      if (IsRemoved(id)) return;
-      changes.push_back({id, level ? ConstraintChange::Edge::kRose : ConstraintChange::Edge::kFell, {}, {}});
+    if (!condition.groups) continue;
+    const absl::Status status = RelevelGroups(condition, [&](ConstraintId id, bool level) {
+      if (!IsRemoved(id)) changes.push_back({id, level ? Edge::kRose : Edge::kFell, {}, {}});
     });
     if (!status.ok()) return status;
   }
@@ -265,10 +263,11 @@ void ConstraintSet::Rollback() {
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
     Impl::Shared& shared = *impl_->conditions[edit->condition];
     shared.Undo(*edit);
-    for (const auto& group : shared.groups) {
+    changed.push_back(edit->condition);
+    if (!shared.groups) continue;
+    for (const auto& group : *shared.groups) {
       if (group) group->SetKey(edit->key[0], shared.Has(edit->key));
     }
-    changed.push_back(edit->condition);
   }
   for (auto entry = journal.rbegin(); entry != journal.rend(); ++entry) {
     switch (entry->kind) {
@@ -288,7 +287,7 @@ void ConstraintSet::Rollback() {
     // What a single watched pattern relied on is not known of the version that it goes back to.
     impl_->conditions[number]->Arm(nullptr);
     // It succeeded for these very keys before.
-    impl_->RelevelGroups(number, [](ConstraintId, bool) {}).IgnoreError();
+    impl_->RelevelGroups(*impl_->conditions[number], [](ConstraintId, bool) {}).IgnoreError();
   }
 }
 

@@ -141,15 +141,15 @@ absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeF
   return shape;
 }
 
-std::vector<TermId> Shape::SeedOf(const Constants& constants) const {
-  std::vector<TermId> seed(body_->columns().size());
+void Shape::Seed(const Constants& constants, std::vector<TermId>& seed) const {
+  seed.assign(body_->columns().size(), TermId());
   for (size_t i = 0; i < constants.size(); ++i) seed[parameters_[i]] = constants[i];
-  return seed;
 }
 
 // Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
 bool Shape::IsSame(const Body& member, const Constants& constants) const {
-  const std::vector<TermId> seed = SeedOf(constants);
+  std::vector<TermId> seed;
+  Seed(constants, seed);
   for (size_t i = 0; i < shared_.size(); ++i) {
     const Trigger& open = body_->triggers()[i];
     const Trigger& closed = member.triggers()[i];
@@ -179,8 +179,9 @@ void Shape::Watch() {
     if (!shared_[i]) continue;
     const Trigger& trigger = body_->triggers()[i];
     const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
-    if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, reference));
-    if (RisesOnRemove(trigger.polarity)) watches_.push_back(indexes_.Goes(trigger.match, reference));
+    const QuadPattern& constants = trigger.match.constants;
+    if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, constants, reference));
+    if (RisesOnRemove(trigger.polarity)) watches_.push_back(indexes_.Goes(trigger.match, constants, reference));
   }
 }
 

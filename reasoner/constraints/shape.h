@@ -54,8 +54,8 @@ class Shape {
   // columns are the shape's.
   bool lends_body() const { return lends_body_; }
   Body& body() { return *body_; }
-  // A row of the body with the constants in it, nothing else.
-  std::vector<TermId> SeedOf(const Constants& constants) const;
+  // A row of the body with the constants in it, nothing else: into `seed`.
+  void Seed(const Constants& constants, std::vector<TermId>& seed) const;
   // The shape's columns in the order of those of a member with a body of its own.
   const std::vector<int16_t>& columns() const { return columns_; }
 

@@ -149,9 +149,8 @@ double ThresholdGroup::Extreme() const {
   return above_ ? numbers_.rbegin()->first : numbers_.begin()->first;
 }
 
-absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& member,
+absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& member, double extreme,
                                              const sparql::RunOptions& run) const {
-  const double extreme = Extreme();
   if (above_ ? extreme > place.first : extreme < place.first) return true;
   if (extreme == place.first) {
     // As doubles the same: ask for each value that looks so.
@@ -172,7 +171,7 @@ absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId co
                                        const sparql::RunOptions& run) {
   const Place place = PlaceOf(id, constant);
   Member member{op, constant, false};
-  const absl::StatusOr<bool> level = LevelOf(place, member, run);
+  const absl::StatusOr<bool> level = LevelOf(place, member, Extreme(), run);
   if (!level.ok()) return level.status();
   member.level = *level;
   members_.emplace(place, member);
@@ -202,7 +201,7 @@ absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
   const double high = irregular_changed_ ? kInfinity : std::max(extreme, settled_extreme_);
   for (auto it = members_.lower_bound({low, ConstraintId()}); it != members_.end() && it->first.first <= high;
        ++it) {
-    const absl::StatusOr<bool> level = LevelOf(it->first, it->second, run);
+    const absl::StatusOr<bool> level = LevelOf(it->first, it->second, extreme, run);
     if (!level.ok()) return level.status();
     if (*level == it->second.level) continue;
     it->second.level = *level;

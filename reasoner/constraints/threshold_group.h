@@ -83,7 +83,8 @@ class ThresholdGroup {
 
   static Place PlaceOf(ConstraintId id, TermId constant) { return {ViewNumber(constant).value, id}; }
   double Extreme() const;
-  absl::StatusOr<bool> LevelOf(const Place& place, const Member& member, const sparql::RunOptions& run) const;
+  absl::StatusOr<bool> LevelOf(const Place& place, const Member& member, double extreme,
+                               const sparql::RunOptions& run) const;
 
   const bool above_;
   const Dictionary& dictionary_;

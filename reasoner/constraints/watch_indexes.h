@@ -21,9 +21,12 @@ struct WatchIndexes {
   using Watch = PatternIndex::Handle;
   static constexpr Watch kGoes = 0x80000000u;
 
-  Watch Comes(const MatchPattern& match, PatternIndex::Reference reference) { return on_add.Add(match, reference); }
-  Watch Goes(const MatchPattern& match, PatternIndex::Reference reference) {
-    return on_remove.Add(match, reference) | kGoes;
+  // `match` with `constants` instead of its own.
+  Watch Comes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+    return on_add.Add(match, constants, reference);
+  }
+  Watch Goes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+    return on_remove.Add(match, constants, reference) | kGoes;
   }
   template <typename Watches>
   void RemoveAll(Watches& watches) {

@@ -392,11 +392,7 @@ void Body::SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId
 
 MatchPattern Body::Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const {
   MatchPattern match = trigger.match;
-  const std::array<TermId*, 4> ids = {&match.constants.subject, &match.constants.predicate,
-                                      &match.constants.object, &match.constants.graph};
-  for (int i = 0; i < 4; ++i) {
-    if (trigger.columns[i] != Trigger::kNoColumn) *ids[i] = row[trigger.columns[i]];
-  }
+  match.constants = ConstantsOf(trigger, row);
   if (!match.constants.object.IsNone()) match.object_guard.reset();
   return match;
 }

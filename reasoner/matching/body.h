@@ -99,6 +99,14 @@ class Body {
   void SeedFrom(const Trigger& trigger, const Quad& quad, std::vector<TermId>& seed) const;
   // What a quad must look like to matter to the solution `row` through `trigger`.
   MatchPattern Instantiate(const Trigger& trigger, absl::Span<const TermId> row) const;
+  // The constants of that.
+  static QuadPattern ConstantsOf(const Trigger& trigger, absl::Span<const TermId> row) {
+    const auto at = [&](int i, TermId constant) {
+      return trigger.columns[i] == Trigger::kNoColumn ? constant : row[trigger.columns[i]];
+    };
+    const QuadPattern& own = trigger.match.constants;
+    return {at(0, own.subject), at(1, own.predicate), at(2, own.object), at(3, own.graph)};
+  }
 
   // Calls `visit` for each solution that agrees with `seed` (one id a column, none where open), until it
   // returns false. A row has one id a column; computed values are interned. Rows may repeat. `run` as for

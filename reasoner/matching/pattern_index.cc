@@ -27,6 +27,9 @@ uint32_t HashOf(uint64_t parts) {
   return static_cast<uint32_t>(product >> 64) ^ static_cast<uint32_t>(product);
 }
 
+// Of the bits that say least about its place.
+uint8_t TagOf(uint32_t hash) { return static_cast<uint8_t>(hash >> 24 | 1); }
+
 unsigned ShapeOf(const QuadPattern& key) {
   return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) | (key.object.IsNone() ? 0u : 4u);
 }
@@ -55,33 +58,40 @@ uint32_t PatternIndex::HashOfKey(const Entry& entry) {
 }
 
 size_t PatternIndex::SlotOf(uint32_t hash) const {
-  const size_t mask = slots_.size() - 1;
+  const size_t mask = tags_.size() - 1;
+  const uint8_t tag = TagOf(hash);
   size_t at = hash & mask;
-  while (slots_[at].first != kNone && slots_[at].hash != hash) at = (at + 1) & mask;
+  while (tags_[at] != 0 && (tags_[at] != tag || slots_[at].hash != hash)) at = (at + 1) & mask;
   return at;
 }
 
 // What stands behind it for want of its own place moves up.
 void PatternIndex::FreeSlot(size_t at) {
-  const size_t mask = slots_.size() - 1;
-  for (size_t next = (at + 1) & mask; slots_[next].first != kNone; next = (next + 1) & mask) {
+  const size_t mask = tags_.size() - 1;
+  for (size_t next = (at + 1) & mask; tags_[next] != 0; next = (next + 1) & mask) {
     const size_t from_home = (next - slots_[next].hash) & mask;
     if (from_home < ((next - at) & mask)) continue;
+    tags_[at] = tags_[next];
     slots_[at] = slots_[next];
     at = next;
   }
-  slots_[at] = {};
+  tags_[at] = 0;
   --taken_;
 }
 
 void PatternIndex::Grow() {
-  const std::vector<Slot> old = std::exchange(slots_, std::vector<Slot>(std::max(kLeastSlots, 2 * slots_.size())));
-  for (const Slot& slot : old) {
-    if (slot.first != kNone) slots_[SlotOf(slot.hash)] = slot;
+  const size_t size = std::max(kLeastSlots, 2 * tags_.size());
+  const std::vector<uint8_t> tags = std::exchange(tags_, std::vector<uint8_t>(size));
+  const std::vector<Slot> slots = std::exchange(slots_, std::vector<Slot>(size));
+  for (size_t i = 0; i < tags.size(); ++i) {
+    if (tags[i] == 0) continue;
+    const size_t at = SlotOf(slots[i].hash);
+    tags_[at] = tags[i];
+    slots_[at] = slots[i];
   }
 }
 
-PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference reference) {
+PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPattern& constants, Reference reference) {
   Handle handle;
   if (free_.empty()) {
     handle = static_cast<Handle>(entries_.size());
@@ -91,11 +101,17 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     free_.pop_back();
   }
   Entry& entry = entries_[handle];
-  const unsigned shape = ShapeOf(pattern.constants);
-  entry = {.constants = pattern.constants, .reference = reference, .equal = pattern.equal, .shape = static_cast<uint8_t>(shape)};
+  const unsigned shape = ShapeOf(constants);
+  entry.constants = constants;
+  entry.reference = reference;
+  entry.next = kNone;
+  entry.previous = handle;
+  entry.equal = pattern.equal;
+  entry.shape = static_cast<uint8_t>(shape);
+  entry.side = 0;
   if (shape_counts_[shape]++ == 0) shapes_ |= 1u << shape;
   const uint32_t hash = HashOfKey(entry);
-  if (pattern.object_guard) {
+  if (pattern.object_guard && constants.object.IsNone()) {
     if (guarded_counts_[shape]++ == 0) guarded_shapes_ |= 1u << shape;
     std::unique_ptr<Guarded>& guarded = guarded_[hash];
     if (!guarded) guarded = std::make_unique<Guarded>();
@@ -104,16 +120,18 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, Reference re
     (entry.side > 0 ? guarded->at_least : guarded->at_most).insert({entry.bound, handle});
     return handle;
   }
-  if (2 * (taken_ + 1) > slots_.size()) Grow();
-  Slot& slot = slots_[SlotOf(hash)];
-  if (slot.first == kNone) {
-    slot = {hash, handle};
+  if (2 * (taken_ + 1) > tags_.size()) Grow();
+  const size_t at = SlotOf(hash);
+  if (tags_[at] == 0) {
+    tags_[at] = TagOf(hash);
+    slots_[at] = {hash, handle};
     ++taken_;
-  } else {
-    entry.previous = entries_[slot.first].previous;
-    entries_[entry.previous].next = handle;
+    return handle;
   }
-  entries_[slot.first].previous = handle;
+  Entry& first = entries_[slots_[at].first];
+  entry.previous = first.previous;
+  entries_[entry.previous].next = handle;
+  first.previous = handle;
   return handle;
 }
 
@@ -172,8 +190,10 @@ void PatternIndex::ForEachMatch(const Quad& quad, absl::FunctionRef<void(Referen
   for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
     const uint32_t hash = HashOf(parts[shape]);
-    for (Handle handle = slots_[SlotOf(hash)].first; handle != kNone; handle = entries_[handle].next) {
-      VisitEntry(entries_[handle], shape, quad, visit);
+    if (const size_t at = SlotOf(hash); tags_[at] != 0) {
+      for (Handle handle = slots_[at].first; handle != kNone; handle = entries_[handle].next) {
+        VisitEntry(entries_[handle], shape, quad, visit);
+      }
     }
     if ((guarded_shapes_ & (1u << shape)) == 0) continue;
     if (const auto found = guarded_.find(hash); found != guarded_.end()) VisitGuarded(*found->second, shape, quad, visit);

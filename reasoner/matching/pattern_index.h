@@ -55,7 +55,9 @@ class PatternIndex {
     friend bool operator==(const Reference&, const Reference&) = default;
   };
 
-  Handle Add(const MatchPattern& pattern, Reference reference);
+  Handle Add(const MatchPattern& pattern, Reference reference) { return Add(pattern, pattern.constants, reference); }
+  // `pattern` with these constants instead of its own. It has no guard where the object is one of them.
+  Handle Add(const MatchPattern& pattern, const QuadPattern& constants, Reference reference);
   // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
   void Remove(Handle handle);
 
@@ -87,7 +89,7 @@ class PatternIndex {
   };
   static constexpr Handle kNone = ~Handle{0};
   static_assert(sizeof(Entry) == 64);
-  // Where the patterns without a guard begin whose keys have this hash; free without a first one.
+  // Where the patterns without a guard begin whose keys have this hash.
   struct Slot {
     uint32_t hash = 0;
     Handle first = kNone;
@@ -104,8 +106,9 @@ class PatternIndex {
                   absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
-  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most half of it taken: a
-  // lookup, and most of them find nothing, is one multiplication and one line of the cache.
+  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most half of it taken. Most
+  // lookups find nothing: that takes one multiplication and a tag, and the tags of ten thousands are in the cache.
+  std::vector<uint8_t> tags_ = {0};  // of each slot a part of the hash; 0: free
   std::vector<Slot> slots_ = std::vector<Slot>(1);
   size_t taken_ = 0;  // slots
   absl::flat_hash_map<uint32_t, std::unique_ptr<Guarded>> guarded_;
