@@ -13,7 +13,8 @@ struct Body::FlatPlan::Run {
   Visitor visit;
   Filters filters;
   absl::Status status;
-  uint64_t steps = 0;  // rows looked at, and patterns begun, since the last Poll
+  uint64_t decided = 0;  // filters, as bits (of the first 64), that hold whatever the join finds
+  uint64_t steps = 0;    // rows looked at, and patterns begun, since the last Poll
 
   // False: stop.
   bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(true); }
@@ -103,13 +104,30 @@ bool Body::FlatPlan::Exists(const ExistsTest& test, const GraphVersion& version)
   return version.ContainsMatch(Bind(test.pattern)) != test.negated;
 }
 
+// What the seed decides is looked up once, before anything is joined. False: there is no solution.
+bool Body::FlatPlan::TestSeeded(Run& run) const {
+  for (size_t i = 0; i < std::min<size_t>(filters_.size(), 64); ++i) {
+    const Filter& filter = filters_[i];
+    if (!filter.exists || (run.filters == Filters::kBound && !IsBound(filter))) continue;
+    const auto& columns = filter.exists->pattern.columns;
+    const bool seeded = std::all_of(columns.begin(), columns.end(), [&](int16_t column) {
+      return column == Trigger::kNoColumn || !row_[column].IsNone();
+    });
+    if (!seeded) continue;
+    if (!Exists(*filter.exists, *run.options.version)) return false;
+    run.decided |= uint64_t{1} << i;
+  }
+  return true;
+}
+
 // False: stop.
 bool Body::FlatPlan::Leaf(Run& run) {
   if (run.filters == Filters::kNone) return run.visit(row_);
-  for (Filter& filter : filters_) {
+  for (size_t i = 0; i < filters_.size(); ++i) {
+    Filter& filter = filters_[i];
     if (run.filters == Filters::kBound && !IsBound(filter)) continue;
     if (filter.exists) {
-      if (!Exists(*filter.exists, *run.options.version)) return true;
+      if ((i >= 64 || (run.decided >> i & 1) == 0) && !Exists(*filter.exists, *run.options.version)) return true;
       continue;
     }
     if (filter.test || filter.terms) {
@@ -141,6 +159,9 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   if (impossible) return true;
   const Pattern& pattern = patterns_[next];
   const QuadPattern bound = Bind(pattern);
+  if (!bound.subject.IsNone() && !bound.predicate.IsNone() && !bound.object.IsNone()) {
+    return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
+  }
   std::array<int16_t, 3> fresh;  // columns that this pattern binds
   int fresh_count = 0;
   const std::array<TermId, 3> given = {bound.subject, bound.predicate, bound.object};
@@ -151,7 +172,6 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
       fresh[fresh_count++] = pattern.columns[i];
     }
   }
-  if (fresh_count == 0) return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
   bool go_on = true;
   for (QuadCursor c = run.options.version->Scan(bound); go_on && c.Valid(); c.NextTriple()) {
     go_on = run.Step();
@@ -174,12 +194,13 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
 absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                           uint32_t matched, Filters filters, Visitor visit) {
   row_.assign(seed.begin(), seed.end());
+  Run state{run, visit, filters, absl::OkStatus()};
   if (!filters_.empty()) {
     for (size_t i = 0; i < row_.size(); ++i) {
       if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
     }
+    if (filters != Filters::kNone && !TestSeeded(state)) return absl::OkStatus();
   }
-  Run state{run, visit, filters, absl::OkStatus()};
   Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
   state.Poll(false);
   return state.status;

@@ -78,6 +78,7 @@ class Body::FlatPlan final : public Body::Plan {
   // False: a filter rejects the row as far as it is bound.
   bool TestBound(int16_t column) const;
   bool IsBound(const Filter& filter) const;
+  bool TestSeeded(Run& run) const;
   bool Leaf(Run& run);
   bool Exists(const ExistsTest& test, const GraphVersion& version) const;
   absl::Status Prepare(Filter& filter);
