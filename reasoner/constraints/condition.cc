@@ -74,7 +74,7 @@ std::vector<TermId>& Condition::BeginSeed() const {
   if (borrows_) {
     shape_->Seed(constants_, indexes_.seed);
   } else {
-    indexes_.seed.assign(columns().size(), TermId());
+    ClearSeed(columns().size(), indexes_.seed);
   }
   return indexes_.seed;
 }

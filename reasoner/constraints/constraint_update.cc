@@ -130,7 +130,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
 void ConstraintSet::Impl::LinkEdits(size_t begin) {
   for (size_t i = begin; i < edits.size(); ++i) {
     const auto at = static_cast<uint32_t>(i);
-    Touched& touch = Touch(edits[i].condition);
+    Touched& touch = touched[conditions[edits[i].condition]->touched_at()];  // who looked at it has touched it
     edits[i].next = Touched::kNone;
     (touch.edited() ? edits[touch.last].next : touch.first) = at;
     touch.last = at;
@@ -234,7 +234,7 @@ absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphV
   impl.Gather(delta);
   absl::Status status = impl.RecheckBroken(run);
   if (status.ok()) status = impl.ProbeRises(run);
-  if (status.ok()) status = impl.RefreshVolatile(run);
+  if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
   impl.LinkEdits(begin);
   impl.Settle(version);
   std::vector<ConstraintChange> changes;

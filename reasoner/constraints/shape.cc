@@ -142,8 +142,9 @@ absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeF
 }
 
 void Shape::Seed(const Constants& constants, std::vector<TermId>& seed) const {
-  seed.assign(body_->columns().size(), TermId());
-  for (size_t i = 0; i < constants.size(); ++i) seed[parameters_[i]] = constants[i];
+  ClearSeed(body_->columns().size(), seed);
+  const TermId* constant = constants.data();
+  for (const int16_t column : parameters_) seed[column] = *constant++;
 }
 
 // Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.

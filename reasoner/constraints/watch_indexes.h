@@ -2,6 +2,7 @@
 #ifndef DOCENT_REASONER_CONSTRAINTS_WATCH_INDEXES_H_
 #define DOCENT_REASONER_CONSTRAINTS_WATCH_INDEXES_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -44,6 +45,12 @@ struct WatchIndexes {
   PatternIndex on_remove;
   std::vector<TermId> seed;  // scratch of whoever evaluates
 };
+
+// Nothing in any column. (Most often it has the size; then this is quicker than assign.)
+inline void ClearSeed(size_t columns, std::vector<TermId>& seed) {
+  if (seed.size() != columns) seed.resize(columns);
+  std::fill(seed.begin(), seed.end(), TermId());
+}
 
 // In which direction a trigger can make a condition rise.
 inline bool RisesOnAdd(Polarity polarity) {

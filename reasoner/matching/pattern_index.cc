@@ -57,7 +57,7 @@ uint32_t PatternIndex::HashOfKey(const Entry& entry) {
   return HashOf(SubjectPart(key.subject) + PredicatePart(key.predicate) + ObjectPart(key.object));
 }
 
-size_t PatternIndex::SlotOf(uint32_t hash) const {
+inline size_t PatternIndex::SlotOf(uint32_t hash) const {
   const size_t mask = tags_.size() - 1;
   const uint8_t tag = TagOf(hash);
   size_t at = hash & mask;
@@ -164,7 +164,7 @@ void PatternIndex::Remove(Handle handle) {
 }
 
 // Another key may have the same hash, of another shape, too.
-void PatternIndex::VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
+inline void PatternIndex::VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
                               absl::FunctionRef<void(Reference)> visit) const {
   if (entry.shape == shape && entry.constants.Matches(quad) && EqualPositionsHold(entry.equal, quad)) visit(entry.reference);
 }
