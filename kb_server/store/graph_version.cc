@@ -22,7 +22,7 @@ bool GraphVersion::Contains(const Quad& quad) const {
 }
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
-  const IndexOrder order = OrderFor(pattern);
+  const IndexOrder order = pattern.graph.IsNone() ? OrderWithoutGraph(BoundIn(pattern)) : OrderFor(pattern);
   const KeyRange range = RangeOf(pattern, order);
   if (!range.exact) return ScanInOrder(pattern, order).Valid();
   return tree(order).ContainsAny(range.first, range.last);

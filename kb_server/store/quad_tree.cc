@@ -172,19 +172,19 @@ bool QuadTree::Contains(const Key& key) const {
 }
 
 bool QuadTree::ContainsAny(const Key& first, const Key& last) const {
-  if (root_ == nullptr || last < first) return false;
+  if (root_ == nullptr || Inner::IsGreater(first, last)) return false;
   const Node* node = root_;
-  bool beyond = false;  // the range goes on beyond the nodes on the way down
+  const Key* next = nullptr;  // where the nodes begin that come after those on the way down
   for (int level = 0; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
     const int index = inner->ChildFor(first);
-    beyond = beyond || (index + 1 < inner->count && !Inner::IsGreater(inner->keys[index + 1], last));
+    if (index + 1 < inner->count) next = &inner->keys[index + 1];
     node = inner->children[index];
   }
   const Leaf* leaf = static_cast<const Leaf*>(node);
   const int position = leaf->LowerBound(first, 0, leaf->count);
   if (position < leaf->count) return !leaf->GreaterAt(position, last);
-  return beyond && Range(first, last).Valid();
+  return next != nullptr && !Inner::IsGreater(*next, last) && Range(first, last).Valid();
 }
 
 QuadTree::Key QuadTree::KeyAt(uint64_t rank) const {
