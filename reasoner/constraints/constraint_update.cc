@@ -214,7 +214,10 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
     }
     if (!condition.groups) continue;
     const absl::Status status = RelevelGroups(condition, [&](ConstraintId id, bool level) {
-      if (!IsRemoved(id)) changes.push_back({id, level ? Edge::kRose : Edge::kFell, {}, {}});
+      if (IsRemoved(id)) return;
+      ConstraintChange& change = changes.emplace_back();
+      change.id = id;
+      change.edge = level ? Edge::kRose : Edge::kFell;
     });
     if (!status.ok()) return status;
   }
@@ -238,6 +241,7 @@ absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphV
   impl.LinkEdits(begin);
   impl.Settle(version);
   std::vector<ConstraintChange> changes;
+  if (impl.edits.size() > begin) changes.reserve(1);  // most often it is one
   if (status.ok()) status = impl.CollectChanges(changes);
   if (!status.ok()) return status;
   impl.counters.changes += changes.size();
