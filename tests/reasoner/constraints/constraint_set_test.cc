@@ -152,6 +152,36 @@ TEST_F(ConstraintSetTest, KeyBindingsAppearAndDisappear) {
   EXPECT_THAT(Turn({"ann at b2"}), ElementsAre("1 rose +{v=ann}")) << "it appears again";
 }
 
+// Few keys are looked through, many are hashed.
+TEST_F(ConstraintSetTest, FewKeysBecomeManyAndFewAgain) {
+  const ConstraintId id = Register("ASK { ?r :task ?t . ?t :for :John }", {"r"});
+  Turn({"t for John"});
+  Commit();
+  const auto robots = [](int from, int to) {
+    std::vector<std::string> facts;
+    for (int i = from; i < to; ++i) facts.push_back("r" + std::to_string(i) + " task t");
+    return facts;
+  };
+  EXPECT_THAT(Turn({"r10 task t"}), ElementsAre("1 rose +{r=r10}"));
+  EXPECT_THAT(Turn(robots(11, 17)), ElementsAre(::testing::StartsWith("1 bindings +{r=r11}")));
+  EXPECT_THAT(Turn({}, {"r13 task t"}), ElementsAre("1 bindings -{r=r13}"));
+  EXPECT_THAT(Turn({"r20 task t"}), ElementsAre("1 bindings +{r=r20}"));
+  Commit();
+  EXPECT_EQ(set_.Keys(id).size(), 7u);
+  Turn(robots(21, 40), {"r11 task t"});
+  EXPECT_EQ(set_.Keys(id).size(), 25u);
+  Rollback();
+  EXPECT_THAT(Texts(set_.Keys(id)),
+              ElementsAre("{r=r10}", "{r=r11}", "{r=r12}", "{r=r14}", "{r=r15}", "{r=r16}", "{r=r20}"));
+  Turn(robots(21, 40));
+  EXPECT_THAT(Turn({}, {"r30 task t"}), ElementsAre("1 bindings -{r=r30}"));
+  EXPECT_THAT(Turn({"r30 task t"}), ElementsAre("1 bindings +{r=r30}"));
+  EXPECT_THAT(Turn({}, {"t for John"}), ElementsAre(::testing::StartsWith("1 fell -{r=r10}")));
+  EXPECT_THAT(set_.Keys(id), IsEmpty());
+  EXPECT_THAT(Turn({"t for John"}), ElementsAre(::testing::StartsWith("1 rose +{r=r10}")));
+  EXPECT_EQ(set_.Keys(id).size(), 26u);
+}
+
 TEST_F(ConstraintSetTest, KeysOfAUnionAreThoseOfTheQuery) {
   const ConstraintId id = Register("ASK { { ?x :p :c } UNION { ?y :q :d } }", {"x"});
   EXPECT_THAT(Turn({"a p c"}), ElementsAre("1 rose +{x=a}"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -136,6 +137,33 @@ TEST(PatternIndex, AgreesWithTryingEveryPattern) {
     ASSERT_EQ(Owners(index, quad), expected) << "step " << step;
   }
   EXPECT_EQ(index.size(), known.size());
+}
+
+// The table grows and its slots move up where others are taken out.
+TEST(PatternIndex, ManyKeysComeAndGo) {
+  std::mt19937 random(11);
+  PatternIndex index;
+  std::vector<std::pair<uint64_t, PatternIndex::Handle>> known;  // subject, which is the owner as well
+  uint64_t next = 1;
+  for (const size_t wanted : {3000, 10, 500, 0, 40}) {
+    while (known.size() != wanted) {
+      if (known.size() < wanted && random() % 3 != 0) {
+        known.emplace_back(next, index.Add(Pattern(next, 2, 0), {static_cast<uint32_t>(next), 0}));
+        ++next;
+      } else if (!known.empty()) {
+        std::swap(known[random() % known.size()], known.back());
+        index.Remove(known.back().second);
+        known.pop_back();
+      }
+    }
+    EXPECT_EQ(index.size(), wanted);
+    size_t found = 0;
+    for (uint64_t subject = 1; subject < next; ++subject) found += Owners(index, {Id(subject), Id(2), Id(3), Id(4)}).size();
+    EXPECT_EQ(found, wanted);
+    for (const auto& [subject, handle] : known) {
+      ASSERT_THAT(Owners(index, {Id(subject), Id(2), Id(3), Id(4)}), ElementsAre(static_cast<uint32_t>(subject)));
+    }
+  }
 }
 
 }  // namespace
