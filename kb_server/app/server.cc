@@ -250,6 +250,7 @@ absl::Status Server::StartHttp() {
   options.connections = settings_.limits.http_connections;
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;
+  options.clock = ports_.clock;
   auto server = HttpServer::Start(options, std::move(routes));
   if (!server.ok()) {
     return absl::Status(server.status().code(),

@@ -14,6 +14,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/time/time.h"
 #include "kb_server/base/text.h"
 
 namespace docent {
@@ -47,6 +48,11 @@ std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
     return TextResponse(400, absl::StrCat("this is not an HTTP/1.1 request: ", error.message()));
   }
   return std::nullopt;
+}
+
+// RFC 9110 section 5.6.7: "Sun, 06 Nov 1994 08:49:37 GMT".
+std::string HttpDate(TimeMicros now_us) {
+  return absl::FormatTime("%a, %d %b %Y %H:%M:%S GMT", absl::FromUnixMicros(now_us), absl::UTCTimeZone());
 }
 
 std::string ChunkOf(std::string_view data) {
@@ -220,7 +226,7 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
 }
 
 std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length,
-                                     unsigned version, bool keep_alive) {
+                                     unsigned version, bool keep_alive) const {
   const beast::string_view reason = http::obsolete_reason(static_cast<http::status>(response.status));
   std::string head = Concat("HTTP/1.1 ", std::to_string(response.status), " ", View(reason), "\r\n");
   if (!response.content_type.empty()) absl::StrAppend(&head, "Content-Type: ", response.content_type, "\r\n");
@@ -229,6 +235,7 @@ std::string HttpConnection::HeadText(const HttpResponse& response, std::optional
   } else if (version >= 11) {
     head += "Transfer-Encoding: chunked\r\n";
   }
+  if (shared_.options.clock != nullptr) absl::StrAppend(&head, "Date: ", HttpDate(shared_.options.clock->Now()), "\r\n");
   for (const auto& [name, value] : response.headers) absl::StrAppend(&head, name, ": ", value, "\r\n");
   // Whatever a browser makes of a text that came from the graph, it is not a page of ours.
   head += "X-Content-Type-Options: nosniff\r\n";

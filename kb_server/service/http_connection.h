@@ -62,8 +62,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                                           const HttpHandler** handler) const;
   Awaitable<bool> SendAnswer(HttpAnswer& answer, bool head_only, unsigned version, bool keep_alive);
   // Status line and headers; `length` nullopt: chunked (or, for HTTP/1.0, until the end of the connection).
-  static std::string HeadText(const HttpResponse& response, std::optional<size_t> length, unsigned version,
-                              bool keep_alive);
+  std::string HeadText(const HttpResponse& response, std::optional<size_t> length, unsigned version,
+                       bool keep_alive) const;
   Awaitable<bool> Send(std::string bytes);
   // Answers without having read the whole request, then closes in a way that lets the client read the answer.
   Awaitable<void> RefuseAndClose(HttpResponse response, unsigned version);

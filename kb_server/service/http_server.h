@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/service/http_exchange.h"
 
@@ -51,6 +52,7 @@ struct HttpServerOptions {
   std::chrono::milliseconds idle_timeout{60000};
   std::chrono::milliseconds body_timeout{60000};   // for a whole request body
   std::chrono::milliseconds write_timeout{30000};  // for each 64 KiB of an answer that the client takes
+  const Clock* clock = nullptr;  // for the header Date; null: answers have none. Must outlive the server
 };
 
 class HttpServer {

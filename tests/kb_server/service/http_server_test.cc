@@ -52,6 +52,20 @@ TEST(HttpServerTest, AnswersAndKeepsTheConnection) {
   EXPECT_EQ(server->counts().requests, 4u);
 }
 
+// RFC 9110 section 6.6.1: whoever has a clock says the time with every answer of 2xx, 3xx and 4xx.
+TEST(HttpServerTest, AnswersAreDated) {
+  ManualClock clock(784111777000000);
+  HttpServerOptions options;
+  options.clock = &clock;
+  auto server = StartServer(EchoRoutes(), options);
+  HttpClient client(server->port());
+  EXPECT_EQ(client.Ask("GET", "/hello").headers.at("date"), "Sun, 06 Nov 1994 08:49:37 GMT");
+  clock.Advance(std::chrono::hours(72));
+  EXPECT_EQ(client.Ask("GET", "/nothing").headers.at("date"), "Wed, 09 Nov 1994 08:49:37 GMT");
+  auto without = StartServer(EchoRoutes());
+  EXPECT_EQ(HttpClient(without->port()).Ask("GET", "/hello").headers.count("date"), 0u);
+}
+
 TEST(HttpServerTest, DecodesPathAndParameters) {
   auto server = StartServer(EchoRoutes());
   HttpClient client(server->port());
