@@ -12,6 +12,7 @@
 #include <cerrno>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
@@ -53,6 +54,19 @@ std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
 // RFC 9110 section 5.6.7: "Sun, 06 Nov 1994 08:49:37 GMT".
 std::string HttpDate(TimeMicros now_us) {
   return absl::FormatTime("%a, %d %b %Y %H:%M:%S GMT", absl::FromUnixMicros(now_us), absl::UTCTimeZone());
+}
+
+// RFC 9112 section 3.2.2: a target with a scheme, as proxies get it, names the host itself; the header Host counts for
+// nothing then. Cuts scheme and host off.
+void TakeHost(std::string_view* target, HttpFields* headers) {
+  constexpr std::string_view kScheme = "http://";
+  if (!absl::StartsWithIgnoreCase(ToAbsl(*target), ToAbsl(kScheme))) return;
+  target->remove_prefix(kScheme.size());
+  const size_t end = std::min(target->find_first_of("/?"), target->size());
+  for (auto& [name, value] : *headers) {
+    if (name == "host") value = target->substr(0, end);
+  }
+  target->remove_prefix(end);
 }
 
 std::string ChunkOf(std::string_view data) {
@@ -194,9 +208,9 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
     request->headers.emplace_back(std::move(name), View(field.value()));
   }
   if (second_host) return TextResponse(400, "the request has more than one Host header");
-  if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
-
   std::string_view target = View(message.target());
+  TakeHost(&target, &request->headers);
+  if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
   if (!target.starts_with('/')) return TextResponse(400, "the request target must be a path");
   const size_t question = target.find('?');
   const std::optional<std::string> path = PercentDecode(target.substr(0, question), false);

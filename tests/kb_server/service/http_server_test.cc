@@ -188,7 +188,22 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
     EXPECT_TRUE(client.Ended());
     EXPECT_EQ(good.Ask("GET", "/hello").status, 200);
   }
-  EXPECT_EQ(good.Ask("GET", "http://localhost/hello").status, 400);
+  EXPECT_EQ(good.Ask("GET", "hello").status, 400);
+}
+
+// RFC 9112 section 3.2.2: what a client says that takes the server for a proxy.
+TEST(HttpServerTest, TargetsWithAHostAreServed) {
+  auto server = StartServer(EchoRoutes());
+  HttpClient client(server->port());
+  const std::string own = absl::StrCat("localhost:", server->port());
+  EXPECT_EQ(client.Ask("GET", "http://" + own + "/hello").status, 200);
+  EXPECT_EQ(client.Ask("GET", "HTTP://" + own + "/a%20b?x=http://y/").body, "x=http://y/;\n");
+  EXPECT_EQ(client.Ask("GET", "http://" + own + "/hello", "Host: evil.example.org\r\n").status, 200);
+  EXPECT_EQ(client.Ask("GET", "http://evil.example.org/hello").status, 403) << "its host counts, not the header's";
+  EXPECT_EQ(client.Ask("GET", "http:///hello").status, 400);
+  EXPECT_EQ(client.Ask("GET", "https://" + own + "/hello").status, 400);
+  client.Send("GET http://" + own + "/hello HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(client.Receive().status, 400) << "HTTP/1.1 wants Host all the same";
 }
 
 TEST(HttpServerTest, BodyLimitHoldsAtTheLimitAndBeyond) {
