@@ -34,13 +34,19 @@ std::string_view View(beast::string_view text) {
 }
 
 // The refusal for a request that could not be read; nullopt where nobody is there to read an answer.
-std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
-                                      const HttpServerOptions& options) {
+// `has_target`: its first line was read.
+std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error, const HttpServerOptions& options,
+                                      bool has_target) {
   if (error == http::error::body_limit) {
     return TextResponse(413, absl::StrCat("the request body is larger than the limit http_body_bytes = ",
                                           options.body_bytes));
   }
-  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+  const bool long_header = error == http::error::header_limit || error == http::error::buffer_overflow;
+  if (long_header && !has_target) {  // RFC 9112 section 3
+    return TextResponse(414, absl::StrCat("the request target is longer than ", options.header_bytes,
+                                          " bytes; POST a long query instead"));
+  }
+  if (long_header) {
     return TextResponse(431,
                         absl::StrCat("the request header is larger than ", options.header_bytes, " bytes"));
   }
@@ -127,7 +133,7 @@ net::awaitable<bool> HttpConnection::ServeOne() {
   stream_.expires_after(shared_.options.idle_timeout);
   co_await http::async_read_header(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
   if (error) {
-    std::optional<HttpResponse> refusal = RefusalOf(error, shared_.options);
+    std::optional<HttpResponse> refusal = RefusalOf(error, shared_.options, !parser.get().target().empty());
     if (refusal) co_await RefuseAndClose(*std::move(refusal), 11);
     co_return false;
   }
@@ -192,7 +198,7 @@ net::awaitable<bool> HttpConnection::ReadBody(Parser& parser, MemoryUse& memory)
   }
   stream_.expires_never();
   if (!error && !refusal) co_return true;
-  if (error) refusal = RefusalOf(error, shared_.options);
+  if (error) refusal = RefusalOf(error, shared_.options, true);
   if (refusal) co_await RefuseAndClose(*std::move(refusal), parser.get().version());
   co_return false;
 }
@@ -234,7 +240,7 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   *handler = shared_.routes.Find(request->method, request->path, &refusal);
   if (*handler == nullptr) return refusal;
   if (parser.content_length() && *parser.content_length() > shared_.options.body_bytes) {
-    return RefusalOf(http::error::body_limit, shared_.options);
+    return RefusalOf(http::error::body_limit, shared_.options, true);
   }
   return std::nullopt;
 }

@@ -254,6 +254,12 @@ TEST(HttpServerTest, HeaderLimit) {
   EXPECT_EQ(client.Ask("GET", "/hello", "X-Long: " + std::string(1500, 'x') + "\r\n").status, 200);
   EXPECT_EQ(client.Ask("GET", "/hello", "X-Long: " + std::string(2000, 'x') + "\r\n").status, 431);
   EXPECT_TRUE(client.Ended());
+  HttpClient asks_much(server->port());
+  EXPECT_EQ(asks_much.Ask("GET", "/hello?x=" + std::string(1500, 'x')).status, 200);
+  const HttpReply refused = asks_much.Ask("GET", "/hello?x=" + std::string(2000, 'x'));
+  EXPECT_EQ(refused.status, 414);
+  EXPECT_EQ(refused.body, "the request target is longer than 2000 bytes; POST a long query instead\n");
+  EXPECT_TRUE(asks_much.Ended());
 }
 
 TEST(HttpServerTest, SlowClientsAreClosed) {
