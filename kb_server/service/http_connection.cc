@@ -214,6 +214,9 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
     request->headers.emplace_back(std::move(name), View(field.value()));
   }
   if (second_host) return TextResponse(400, "the request has more than one Host header");
+  if (message.version() < 11 && request->Header("host").empty()) {  // may be missing, and no browser is that old
+    request->headers.emplace_back("host", shared_.guard.OwnName());
+  }
   std::string_view target = View(message.target());
   TakeHost(&target, &request->headers);
   if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;

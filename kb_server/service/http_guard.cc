@@ -89,6 +89,10 @@ bool HttpGuard::IsAllowedOrigin(std::string_view origin, std::string_view host) 
   return asked && IsOwnName(*asked, secure ? kHttpsPort : kHttpPort);
 }
 
+std::string HttpGuard::OwnName() const {
+  return absl::StrCat("localhost:", port_);
+}
+
 std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const {
   const std::string host = request.Header("host");
   if (host.empty()) return TextResponse(400, "the request has no Host header");

@@ -30,6 +30,8 @@ class HttpGuard {
   // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
   // Origin that is not allowed.
   std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
+  // The host of requests that need not name one.
+  std::string OwnName() const;
 
  private:
   // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is given.

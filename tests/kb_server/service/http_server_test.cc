@@ -191,6 +191,18 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
   EXPECT_EQ(good.Ask("GET", "hello").status, 400);
 }
 
+// As health checks of load balancers ask.
+TEST(HttpServerTest, OldClientsNeedNotNameTheHost) {
+  auto server = StartServer(EchoRoutes());
+  HttpClient client(server->port());
+  client.Send("GET /hello HTTP/1.0\r\n\r\n");
+  EXPECT_EQ(client.Receive().body, "hello\n");
+  EXPECT_TRUE(client.Ended());
+  HttpClient other(server->port());
+  other.Send("GET /hello HTTP/1.0\r\nHost: evil.example.org\r\n\r\n");
+  EXPECT_EQ(other.Receive().status, 403);
+}
+
 // RFC 9112 section 3.2.2: what a client says that takes the server for a proxy.
 TEST(HttpServerTest, TargetsWithAHostAreServed) {
   auto server = StartServer(EchoRoutes());
