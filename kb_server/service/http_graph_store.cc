@@ -235,9 +235,9 @@ void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange 
   ports.updates->Submit(std::move(request), [change, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
     if (change->condition_failed) return exchange->Respond(TextResponse(412, std::string(outcome.status().message())));
     if (!outcome.ok()) return exchange->Respond(ErrorResponse(outcome.status()));
-    HttpResponse response =
-        OutcomeResponse(change->existed || exchange->request().method == "DELETE" ? 200 : 201, *outcome);
-    if (change->address.is_new) response.headers.emplace_back("Location", change->address.graph.lexical);
+    const bool made = !change->existed && outcome->added > 0;  // a graph without triples does not exist
+    HttpResponse response = OutcomeResponse(made ? 201 : 200, *outcome);
+    if (made && change->address.is_new) response.headers.emplace_back("Location", change->address.graph.lexical);
     exchange->Respond(std::move(response));
   });
 }

@@ -146,6 +146,18 @@ TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
   EXPECT_TRUE(other.body == taken.body);
 }
 
+TEST_F(GraphStoreTest, AGraphWithoutTriplesIsNotMade) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  for (const char* method : {"PUT", "POST"}) EXPECT_EQ(Ask(method, graph, kTurtle, "# nothing").status, 200) << method;
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "DELETE DATA { <urn:w:a> <urn:w:p> 1 }").status, 200);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  const HttpReply nowhere = Ask("POST", "/rdf-graphs", kTurtle, "# nothing");
+  EXPECT_EQ(nowhere.status, 200);
+  EXPECT_EQ(nowhere.headers.count("location"), 0u);
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "INSERT DATA { <urn:w:a> <urn:w:p> 1 }").status, 201);
+}
+
 TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
   StartServer();
   const auto status = [this](const std::string& method, const std::string& target,
