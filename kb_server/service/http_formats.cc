@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "kb_server/rdf/rdf_xml.h"
+#include "kb_server/rdf/serializer.h"
+
 namespace docent {
 namespace {
 
@@ -30,12 +34,20 @@ constexpr std::array<GraphType, 7> kGraphTypes = {{
     {"application/xml", "application/xml", RdfFormat::kRdfXml},
 }};
 
-template <typename Types>
-const typename Types::value_type* Choose(const Types& types, std::string_view accept) {
+template <typename Type>
+const Type* Choose(const std::vector<const Type*>& types, std::string_view accept) {
   std::vector<std::string_view> offered;
-  for (const auto& type : types) offered.push_back(type.asked);
+  for (const Type* type : types) offered.push_back(type->asked);
   const std::optional<size_t> chosen = ChooseMediaType(accept, offered);
-  return chosen ? &types[*chosen] : nullptr;
+  return chosen ? types[*chosen] : nullptr;
+}
+
+std::vector<const GraphType*> GraphTypes(bool with_rdf_xml) {
+  std::vector<const GraphType*> types;
+  for (const GraphType& type : kGraphTypes) {
+    if (with_rdf_xml || type.format != RdfFormat::kRdfXml) types.push_back(&type);
+  }
+  return types;
 }
 
 template <typename Types>
@@ -48,11 +60,28 @@ HttpResponse NotAcceptable(const Types& types) {
 }  // namespace
 
 const RowType* ChooseRowType(std::string_view accept) {
-  return Choose(kRowTypes, accept);
+  std::vector<const RowType*> types;
+  for (const RowType& type : kRowTypes) types.push_back(&type);
+  return Choose(types, accept);
 }
 const GraphType* ChooseGraphType(std::string_view accept) {
-  return Choose(kGraphTypes, accept);
+  return Choose(GraphTypes(true), accept);
 }
+
+GraphText WriteGraph(std::vector<TermQuad> triples, std::string_view accept,
+                     const std::vector<std::pair<std::string, std::string>>& prefixes) {
+  const GraphType* type = ChooseGraphType(accept);
+  if (type->format == RdfFormat::kRdfXml) {
+    absl::StatusOr<std::string> text = WriteRdfXml(triples, prefixes);
+    if (text.ok()) return {std::nullopt, type->told, *std::move(text)};
+    type = Choose(GraphTypes(false), accept);
+    if (type == nullptr) return {TextResponse(406, std::string(text.status().message())), {}, {}};
+  }
+  absl::StatusOr<std::string> text = SerializeRdf(std::move(triples), type->format, prefixes);
+  if (!text.ok()) return {ErrorResponse(text.status()), {}, {}};
+  return {std::nullopt, type->told, *std::move(text)};
+}
+
 HttpResponse NoRowType() {
   return NotAcceptable(kRowTypes);
 }

@@ -2,9 +2,14 @@
 #ifndef DOCENT_KB_SERVER_SERVICE_HTTP_FORMATS_H_
 #define DOCENT_KB_SERVER_SERVICE_HTTP_FORMATS_H_
 
+#include <optional>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "kb_server/rdf/parser.h"
+#include "kb_server/rdf/term.h"
 #include "kb_server/service/http_message.h"
 #include "kb_server/sparql/results.h"
 
@@ -24,6 +29,16 @@ struct GraphType {
 // For rows and booleans; for graphs. Null: none that we have. Without Accept: JSON, Turtle.
 const RowType* ChooseRowType(std::string_view accept);
 const GraphType* ChooseGraphType(std::string_view accept);
+// A graph as text of the type that a client likes best among those that can say all of it.
+struct GraphText {
+  std::optional<HttpResponse> refusal;  // 406: it accepts none such. The others are unset then
+  std::string_view told;                // as Content-Type
+  std::string text;
+};
+// RDF/XML has no way to write some predicates and characters: then it is what the client likes next. `triples` lie in no
+// graph; ChooseGraphType has found a type.
+GraphText WriteGraph(std::vector<TermQuad> triples, std::string_view accept,
+                     const std::vector<std::pair<std::string, std::string>>& prefixes);
 // 406, with what can be had.
 HttpResponse NoRowType();
 HttpResponse NoGraphType();

@@ -13,7 +13,6 @@
 #include "kb_server/base/diagnostic.h"
 #include "kb_server/base/memory_budget.h"
 #include "kb_server/rdf/iri.h"
-#include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/text_bytes.h"
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/service/history_port.h"
@@ -92,8 +91,8 @@ Address ReadAddress(const HttpRequest& http) {
 
 // Answers with a whole graph.
 void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
-  const GraphType* type = ChooseGraphType(exchange.request().Header("accept"));
-  if (type == nullptr) return exchange.Respond(NoGraphType());
+  const std::string accept = exchange.request().Header("accept");
+  if (ChooseGraphType(accept) == nullptr) return exchange.Respond(NoGraphType());
   const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
   Cancellation waiting(std::chrono::milliseconds(ports.limits.query_timeout_ms));
   absl::StatusOr<QueryGraph> read =
@@ -126,15 +125,15 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   }
   if (!fits) return too_long();
   HttpResponse head;
-  head.content_type = type->told;
   head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}, {"Vary", "Accept"}};
   version.reset();
-  absl::StatusOr<std::string> text = SerializeRdf(std::move(triples), type->format, sparql::WellKnownPrefixes());
-  if (!text.ok()) return exchange.Respond(ErrorResponse(text.status()));
-  memory.Release(memory.used() - std::min(memory.used(), text->size()));
-  const size_t seconds = text->size() / kSlowestBytesASecond;
+  GraphText answer = WriteGraph(std::move(triples), accept, sparql::WellKnownPrefixes());
+  if (answer.refusal) return exchange.Respond(*std::move(answer.refusal));
+  head.content_type = answer.told;
+  memory.Release(memory.used() - std::min(memory.used(), answer.text.size()));
+  const size_t seconds = answer.text.size() / kSlowestBytesASecond;
   Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) + std::chrono::seconds(seconds));
-  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(*std::move(text), &cancellation).IgnoreError();
+  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(std::move(answer.text), &cancellation).IgnoreError();
 }
 
 // What a body says.

@@ -6,7 +6,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "kb_server/rdf/serializer.h"
 #include "kb_server/rdf/text_bytes.h"
 #include "kb_server/service/history_port.h"
 #include "kb_server/service/http_formats.h"
@@ -125,14 +124,14 @@ class QueryAnswer {
 
   absl::Status Graph(sparql::PreparedQuery& prepared, const sparql::Query& query,
                      const sparql::PrepareOptions& options) {
-    const GraphType* type = ChooseGraphType(exchange_->request().Header("accept"));
-    if (type == nullptr) return Respond(NoGraphType());
+    const std::string accept = exchange_->request().Header("accept");
+    if (ChooseGraphType(accept) == nullptr) return Respond(NoGraphType());
     absl::StatusOr<std::vector<TermQuad>> triples =
         sparql::AnswerGraph(prepared, query, *graph_.dictionary, options, run_options_);
     if (!triples.ok()) return triples.status();
-    absl::StatusOr<std::string> text = SerializeRdf(*std::move(triples), type->format, query.prefixes);
-    if (!text.ok()) return text.status();
-    return LongAnswer(Head(type->told), exchange_.get(), ports_.workers).SendAll(*std::move(text), &cancellation_);
+    GraphText answer = WriteGraph(*std::move(triples), accept, query.prefixes);
+    if (answer.refusal) return Respond(*std::move(answer.refusal));
+    return LongAnswer(Head(answer.told), exchange_.get(), ports_.workers).SendAll(std::move(answer.text), &cancellation_);
   }
 
   HttpResponse Head(std::string_view content_type, std::string body = "") const {

@@ -49,6 +49,31 @@ TEST_F(GraphStoreTest, AnUpdateOverHttpSaysWhatItDid) {
   EXPECT_EQ(Update("CLEAR ALL", "?default-graph-uri=urn:x").status, 400);
 }
 
+// As Java and Python clients ask that like RDF/XML best and take others.
+TEST_F(GraphStoreTest, WhatRdfXmlCannotSayIsSaidOtherwise) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  const std::string construct = "/sparql?query=CONSTRUCT%20WHERE%20%7B%20%3Curn:w:a%3E%20?p%20?o%20%7D";
+  const std::string both = "Accept: application/rdf+xml, text/html;q=0.9, */*;q=0.1\r\n", xml = "Accept: application/rdf+xml\r\n";
+  for (const char* triple : {"<urn:w:a> <http://e/1> 2 .", "<urn:w:a> <urn:w:p> \"\\u0001\" ."}) {
+    ASSERT_LT(Ask("PUT", graph, kTurtle, triple).status, 300);
+    const HttpReply other = Ask("GET", graph, both);
+    EXPECT_EQ(other.status, 200) << other.body;
+    EXPECT_EQ(other.headers.at("content-type"), "text/turtle; charset=utf-8");
+    EXPECT_THAT(other.body, HasSubstr("<urn:w:a> "));
+    const HttpReply none = Ask("GET", graph, xml);
+    EXPECT_EQ(none.status, 406);
+    EXPECT_THAT(none.body, HasSubstr("use Turtle"));
+    EXPECT_EQ(Ask("GET", graph, xml + "Accept: application/n-triples;q=0.2\r\n").headers.at("content-type"), "application/n-triples");
+  }
+  ASSERT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 .").status, 200);
+  EXPECT_EQ(Ask("GET", graph, both).headers.at("content-type"), "application/rdf+xml");
+  EXPECT_EQ(Ask("GET", construct, both).status, 200);
+  ASSERT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <http://e/1> 2 .").status, 200);
+  EXPECT_EQ(Ask("GET", construct, both).headers.at("content-type"), "text/turtle; charset=utf-8");
+  EXPECT_EQ(Ask("GET", construct, xml).status, 406);
+}
+
 TEST_F(GraphStoreTest, AGraphsLife) {
   StartServer();
   const std::string graph = "/rdf-graphs?graph=urn:w:g";
