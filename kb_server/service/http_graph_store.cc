@@ -29,6 +29,8 @@ namespace docent {
 namespace {
 
 constexpr std::string_view kRoot = "/rdf-graphs";
+constexpr char kAcceptPatch[] = "Accept-Patch";  // RFC 5789 section 3.1
+constexpr char kPatchType[] = "application/sparql-update";
 constexpr size_t kTextOfQuad = 200;                      // of a graph that is read, roughly, without what its terms say
 constexpr size_t kSlowestBytesASecond = size_t{1} << 20;  // at which a client may take a graph, beyond the time of a query
 
@@ -103,7 +105,9 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   const std::optional<TermId> graph = dictionary->Find(address.graph);
   const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
   if (count == 0 && !address.is_default) {
-    return exchange.Respond(TextResponse(404, "there is no graph " + ToDisplay(address.graph)));
+    HttpResponse missing = TextResponse(404, "there is no graph " + ToDisplay(address.graph));
+    missing.headers.emplace_back(kAcceptPatch, kPatchType);
+    return exchange.Respond(std::move(missing));
   }
   const size_t limit = ports.limits.query_memory_bytes;
   MemoryUse memory(limit, ports.query_memory);  // until the client has it
@@ -125,7 +129,10 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   }
   if (!fits) return too_long();
   HttpResponse head;
-  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())}, {"Cache-Control", "no-cache"}, {"Vary", "Accept"}};
+  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())},
+                  {"Cache-Control", "no-cache"},
+                  {"Vary", "Accept"},
+                  {kAcceptPatch, kPatchType}};
   version.reset();
   GraphText answer = WriteGraph(std::move(triples), accept, sparql::WellKnownPrefixes());
   if (answer.refusal) return exchange.Respond(*std::move(answer.refusal));
@@ -290,8 +297,10 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
 
 void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
-  if (MediaTypeOnly(http.Header("content-type")) != "application/sparql-update") {
-    return exchange->Respond(TextResponse(415, "PATCH a graph with application/sparql-update"));
+  if (MediaTypeOnly(http.Header("content-type")) != kPatchType) {
+    HttpResponse refusal = TextResponse(415, absl::StrCat("PATCH a graph with ", kPatchType));
+    refusal.headers.emplace_back(kAcceptPatch, kPatchType);
+    return exchange->Respond(std::move(refusal));
   }
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = address.graph.lexical;

@@ -78,6 +78,7 @@ TEST_F(GraphStoreTest, AGraphsLife) {
   StartServer();
   const std::string graph = "/rdf-graphs?graph=urn:w:g";
   EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(Ask("GET", graph).headers.at("accept-patch"), "application/sparql-update") << "which makes it";
   EXPECT_EQ(Ask("DELETE", graph).status, 404);
   EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 1 , 2 .").status, 201);
   EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 , 3 .").status, 200);
@@ -89,6 +90,8 @@ TEST_F(GraphStoreTest, AGraphsLife) {
   EXPECT_THAT(reply.body, HasSubstr("\"5\""));
   EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 3);
   EXPECT_EQ(Ask("HEAD", graph).headers.at("content-type"), "text/turtle; charset=utf-8");
+  EXPECT_EQ(Ask("HEAD", graph).headers.at("accept-patch"), "application/sparql-update");
+  EXPECT_EQ(Ask("PATCH", graph, kTurtle, "").headers.at("accept-patch"), "application/sparql-update");
   EXPECT_EQ(Ask("DELETE", graph).status, 200);
   EXPECT_EQ(Ask("GET", graph).status, 404);
   EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
