@@ -44,7 +44,7 @@ const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& 
     methods = handlers_.find(path.substr(0, end) + "/*");
   }
   if (methods == handlers_.end()) {
-    *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path));
+    *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path, "; there are ", Paths()));
     return nullptr;
   }
   const auto handler = methods->second.find(method);
@@ -55,6 +55,15 @@ const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& 
   *refusal = TextResponse(405, absl::StrCat(path, " answers only ", allowed));
   refusal->headers.emplace_back("Allow", allowed);
   return nullptr;
+}
+
+std::string HttpRoutes::Paths() const {
+  std::string paths;
+  for (const auto& [path, ignored] : handlers_) {
+    if (path.ends_with('/') || path.ends_with("/*")) continue;  // of one that is named without them
+    absl::StrAppend(&paths, paths.empty() ? "" : ", ", path);
+  }
+  return paths;
 }
 
 struct HttpServer::Impl {

@@ -36,6 +36,8 @@ class HttpRoutes {
   const HttpHandler* Find(std::string_view method, const std::string& path, HttpResponse* refusal) const;
 
  private:
+  std::string Paths() const;
+
   std::map<std::string, std::map<std::string, HttpHandler, std::less<>>>
       handlers_;  // path → method → handler
 };

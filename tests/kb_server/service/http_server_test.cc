@@ -101,7 +101,7 @@ TEST(HttpServerTest, UnknownPathAndMethod) {
   HttpClient client(server->port());
   const HttpReply unknown = client.Ask("GET", "/nothing");
   EXPECT_EQ(unknown.status, 404);
-  EXPECT_EQ(unknown.body, "there is nothing at /nothing\n");
+  EXPECT_EQ(unknown.body, "there is nothing at /nothing; there are /a b, /hello, /length\n");
   const HttpReply method = client.Ask("DELETE", "/hello");
   EXPECT_EQ(method.status, 405);
   EXPECT_EQ(method.headers.at("allow"), "GET, HEAD");
