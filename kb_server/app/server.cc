@@ -230,6 +230,10 @@ absl::Status Server::StartGrpc() {
         absl::StrCat("cannot listen on ", settings_.grpc_address,
                      " for gRPC: the port is in use or not allowed; choose another with --grpc"));
   }
+  for (const char* service : {v1::Context::service_full_name(), v1::Ontologies::service_full_name(), v1::Workflows::service_full_name(),
+                              v1::RobotServices::service_full_name(), v1::Fleet::service_full_name()}) {
+    grpc_server_->GetHealthCheckService()->SetServingStatus(service, true);
+  }
   grpc_address_ = absl::StrCat(address->host, ":", port);
   return absl::OkStatus();
 }

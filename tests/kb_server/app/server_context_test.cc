@@ -420,16 +420,17 @@ TEST_F(ServerContextTest, GarbageOnThePortDoesNotTouchOtherClients) {
 TEST_F(ServerContextTest, HealthAndReflectionAnswer) {
   StartServer();
   grpc::internal::RpcMethod check("/grpc.health.v1.Health/Check", grpc::internal::RpcMethod::NORMAL_RPC);
-  grpc::ClientContext context;
-  Limit(&context);
-  grpc::ByteBuffer request, answer;
-  grpc::Slice empty;
-  request = grpc::ByteBuffer(&empty, 1);
-  grpc::Status status = CallRaw(channel_.get(), check, &context, request, &answer);
-  ASSERT_TRUE(status.ok()) << status.error_message();
+  grpc::ByteBuffer answer;
   grpc::Slice bytes;
-  ASSERT_TRUE(answer.DumpToSingleSlice(&bytes).ok());
-  EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size()), "\x08\x01") << "SERVING";
+  for (const char* request : {"", "\x0a\x11" "docent.v1.Context", "\x0a\x0f" "docent.v1.Fleet"}) {  // HealthCheckRequest.service
+    grpc::ClientContext context;
+    Limit(&context);
+    grpc::Slice slice{std::string(request)};
+    grpc::Status status = CallRaw(channel_.get(), check, &context, grpc::ByteBuffer(&slice, 1), &answer);
+    ASSERT_TRUE(status.ok()) << request << status.error_message();
+    ASSERT_TRUE(answer.DumpToSingleSlice(&bytes).ok());
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size()), "\x08\x01") << "SERVING";
+  }
 
   grpc::internal::RpcMethod info("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
                                  grpc::internal::RpcMethod::BIDI_STREAMING);
