@@ -29,6 +29,14 @@ bool IsBulk(const WriteBatch& batch) {
                      [](const QuadOperation& o) { return o.kind == QuadOperation::Kind::kAdd; });
 }
 
+// An operation as clients number them: "add[2]", "remove[0]".
+std::string PlaceOf(const WriteBatch& batch, size_t at) {
+  const QuadOperation::Kind kind = batch.operations[at].kind;
+  const auto number = std::count_if(batch.operations.begin(), batch.operations.begin() + static_cast<ptrdiff_t>(at),
+                                    [kind](const QuadOperation& o) { return o.kind == kind; });
+  return absl::StrCat(kind == QuadOperation::Kind::kAdd ? "add[" : "remove[", number, "]");
+}
+
 std::optional<TimeMicros> EndOfLifetime(TimeMicros from_us, uint64_t lifetime_ms) {
   if (lifetime_ms == 0 || lifetime_ms >= static_cast<uint64_t>(kNever / 1000)) return std::nullopt;
   TimeMicros end_us = from_us + static_cast<TimeMicros>(lifetime_ms) * 1000;
@@ -55,7 +63,7 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
     absl::Status status = CheckQuad(quad, limits_.term_bytes);
     if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
     if (status.ok() && IsServerGraph(quad.graph.lexical)) status = absl::InvalidArgumentError(kReserved);
-    if (!status.ok()) return At(absl::StrCat("operations[", i, "]"), status);
+    if (!status.ok()) return At(PlaceOf(batch, i), status);
   }
   for (size_t i = 0; i < batch.readings.size(); ++i) {
     absl::Status status = CheckTerm(batch.readings[i].value, limits_.term_bytes);

@@ -36,7 +36,7 @@ class BatchApplier {
   // `dictionary` must outlive the applier.
   BatchApplier(Dictionary& dictionary, const Limits& limits);
 
-  // The net change. INVALID_ARGUMENT naming the place ("operations[3]: subject: …", "readings[0]: …",
+  // The net change. INVALID_ARGUMENT naming the place ("add[3]: subject: …", "readings[0]: …",
   // "source: …"): a term that RDF does not allow (term_check.h), a graph that is no IRI or that the server
   // alone writes, a reading that no mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error
   // the graph is as it was and nothing was interned.

@@ -283,7 +283,7 @@ class FailingTurnTest : public ::testing::Test {
 
 TEST_F(FailingTurnTest, ABadTerm) {
   Fail(Tell({Fact("John", "docent:isAt", "Hall"), {Term::Literal("x"), Iri("p"), Iri("o"), Term()}}),
-       absl::StatusCode::kInvalidArgument, "operations[1]: subject");
+       absl::StatusCode::kInvalidArgument, "add[1]: subject");
   Fail(Tell({{Iri("s"), Iri("p"), Iri("o"), Term::Iri(std::string(kRunsGraph))}}),
        absl::StatusCode::kInvalidArgument, "graph");
   GoOn();
@@ -371,7 +371,7 @@ TEST_F(FailingTurnTest, DocumentsBesideABadTerm) {
       Put(Document::Kind::kRules, "near.rules", "RULE { ?a <urn:w:p> ?b } WHERE { ?b <urn:w:in> ?a }");
   batch.documents.push_back({Document::Kind::kCawl, Document::Action::kRemove, "Greeting", ""});
   batch.operations.push_back({QuadOperation::Kind::kAdd, Fact("John", "docent:isAt", Term::Iri("no IRI"))});
-  Fail(batch, absl::StatusCode::kInvalidArgument, "operations[");
+  Fail(batch, absl::StatusCode::kInvalidArgument, "add[");
   GoOn();
 }
 

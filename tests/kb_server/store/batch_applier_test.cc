@@ -294,13 +294,15 @@ TEST_F(BatchApplierTest, RollbackRestoresLifetimesAndStateProperties) {
 TEST_F(BatchApplierTest, BadTermsAreNamedAndNothingIsApplied) {
   WriteBatch batch = Batch("e:new e:p 1 . e:new e:p 2 .");
   batch.operations[1].quad.subject = Term::Literal("x");
-  EXPECT_THAT(Refusal(batch), HasSubstr("operations[1]: subject: the literal \"x\""));
+  EXPECT_THAT(Refusal(batch), HasSubstr("add[1]: subject: the literal \"x\""));
   batch.operations[1].quad.subject = Term::Iri("booth");
-  EXPECT_THAT(Refusal(batch), HasSubstr("operations[1]: subject: the IRI <booth> is relative"));
+  EXPECT_THAT(Refusal(batch), HasSubstr("add[1]: subject: the IRI <booth> is relative"));
   batch.operations[1].quad = {Term::Iri("urn:a"), Term::Blank("b"), Term::Iri("urn:a"), Term()};
-  EXPECT_THAT(Refusal(batch), HasSubstr("INVALID_ARGUMENT: operations[1]: predicate"));
+  EXPECT_THAT(Refusal(batch), HasSubstr("INVALID_ARGUMENT: add[1]: predicate"));
   batch.operations[1].quad = {Term::Iri("urn:a"), Term::Iri("urn:b"), Term::Iri("urn:a"), Term::Blank("g")};
-  EXPECT_THAT(Refusal(batch), HasSubstr("operations[1]: graph: it must be an IRI"));
+  EXPECT_THAT(Refusal(batch), HasSubstr("add[1]: graph: it must be an IRI"));
+  batch.operations[0].kind = QuadOperation::Kind::kRemove;
+  EXPECT_THAT(Refusal(batch), HasSubstr("add[0]: graph")) << "as the client numbers what it adds";
   for (std::string_view graph : {kInferredGraph, kRunsGraph}) {
     batch.operations[1].quad.graph = Term::Iri(std::string(graph));
     EXPECT_THAT(Refusal(batch), HasSubstr("the server alone writes"));
@@ -313,7 +315,7 @@ TEST_F(BatchApplierTest, BadTermsAreNamedAndNothingIsApplied) {
   EXPECT_THAT(Refusal(source), HasSubstr("source: the IRI <robot> is relative"));
   WriteBatch large = Batch("e:new e:p 1 .");
   large.operations[0].quad.object = Term::Literal(std::string(limits_.term_bytes + 1, 'x'));
-  EXPECT_THAT(Refusal(large), HasSubstr("RESOURCE_EXHAUSTED: operations[0]: object"));
+  EXPECT_THAT(Refusal(large), HasSubstr("RESOURCE_EXHAUSTED: add[0]: object"));
 }
 
 class ReadingTest : public BatchApplierTest {
