@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/algebra_walk.h"
+#include "reasoner/matching/comparison_form.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent {
@@ -13,21 +15,6 @@ using sparql::Algebra;
 using sparql::Expression;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::optional<Comparison> ComparisonOf(Expression::Kind kind, bool mirrored) {
-  switch (kind) {
-    case Expression::Kind::kLess:
-      return mirrored ? Comparison::kGreater : Comparison::kLess;
-    case Expression::Kind::kLessOrEqual:
-      return mirrored ? Comparison::kGreaterOrEqual : Comparison::kLessOrEqual;
-    case Expression::Kind::kGreater:
-      return mirrored ? Comparison::kLess : Comparison::kGreater;
-    case Expression::Kind::kGreaterOrEqual:
-      return mirrored ? Comparison::kLessOrEqual : Comparison::kGreaterOrEqual;
-    default:
-      return std::nullopt;
-  }
-}
 
 Expression::Kind KindOf(Comparison op) {
   switch (op) {
@@ -43,34 +30,14 @@ Expression::Kind KindOf(Comparison op) {
   return Expression::Kind::kLess;
 }
 
-bool IsInlineNumber(const Expression& expression) {
-  if (expression.kind != Expression::Kind::kTerm) return false;
-  const std::optional<TermId> id = InlineLiteral(expression.term);
-  return id && ViewNumber(*id).kind == NumberView::Kind::kNumber;
-}
-
 // ?variable op number, either way round.
 bool ReadThreshold(const Expression& expression, ThresholdForm& form) {
-  if (expression.arguments.size() != 2) return false;
-  for (const bool mirrored : {false, true}) {
-    const Expression& variable = *expression.arguments[mirrored ? 1 : 0];
-    const Expression& number = *expression.arguments[mirrored ? 0 : 1];
-    const std::optional<Comparison> op = ComparisonOf(expression.kind, mirrored);
-    if (!op || variable.kind != Expression::Kind::kVariable || !IsInlineNumber(number)) continue;
-    form.variable = variable.variable.name;
-    form.op = *op;
-    form.constant = number.term;
-    return true;
-  }
-  return false;
-}
-
-void CollectConjuncts(const Expression& expression, std::vector<const Expression*>& conjuncts) {
-  if (expression.kind != Expression::Kind::kAnd) {
-    conjuncts.push_back(&expression);
-    return;
-  }
-  for (const auto& argument : expression.arguments) CollectConjuncts(*argument, conjuncts);
+  const std::optional<NumberComparison> comparison = ReadNumberComparison(expression);
+  if (!comparison || !comparison->op) return false;
+  form.variable = comparison->variable->name;
+  form.op = *comparison->op;
+  form.constant = *comparison->number;
+  return true;
 }
 
 bool MayBeNumber(const Term& term) {
@@ -85,7 +52,7 @@ std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
   std::vector<const Expression*> conjuncts;
   const Algebra* base = &WithoutModifiers(*query.algebra);
   for (; base->kind == Algebra::Kind::kFilter; base = base->children[0].get()) {
-    CollectConjuncts(*base->expression, conjuncts);
+    sparql::CollectConjuncts(*base->expression, conjuncts);
   }
   ThresholdForm form;
   std::vector<const Expression*> others;

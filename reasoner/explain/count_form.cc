@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/term_id.h"
 #include "kb_server/sparql/algebra_walk.h"
 #include "reasoner/explain/condition_form.h"
-#include "reasoner/matching/number_range.h"
+#include "reasoner/matching/comparison_form.h"
 
 namespace docent::explain {
 namespace {
@@ -39,50 +38,22 @@ struct CountTest {
   Bounds bounds;
 };
 
-std::optional<double> NumberOf(const Expression& e) {
-  if (e.kind != Expression::Kind::kTerm) return std::nullopt;
-  const std::optional<TermId> id = InlineLiteral(e.term);
-  if (!id || ViewNumber(*id).kind != NumberView::Kind::kNumber) return std::nullopt;
-  return ViewNumber(*id).value;
-}
-
 std::optional<CountTest> CountTestOf(const Expression& e) {
-  using Kind = Expression::Kind;
-  if (e.arguments.size() != 2) return std::nullopt;
-  Kind kind = e.kind;
-  const Expression* variable = e.arguments[0].get();
-  std::optional<double> number = NumberOf(*e.arguments[1]);
-  if (!number) {
-    number = NumberOf(*variable);
-    variable = e.arguments[1].get();
-    kind = kind == Kind::kLess             ? Kind::kGreater
-           : kind == Kind::kGreater        ? Kind::kLess
-           : kind == Kind::kLessOrEqual    ? Kind::kGreaterOrEqual
-           : kind == Kind::kGreaterOrEqual ? Kind::kLessOrEqual
-                                           : kind;
-  }
-  if (!number || variable->kind != Kind::kVariable || std::abs(*number) > kMostCounted) return std::nullopt;
-  const int up = static_cast<int>(std::ceil(*number)), down = static_cast<int>(std::floor(*number));
-  CountTest test{variable->variable.name, {}};
-  switch (kind) {
-    case Kind::kGreaterOrEqual:
-      test.bounds.least = up;
-      break;
-    case Kind::kGreater:
-      test.bounds.least = down + 1;
-      break;
-    case Kind::kLess:
-      test.bounds.below = up;
-      break;
-    case Kind::kLessOrEqual:
-      test.bounds.below = down + 1;
-      break;
-    case Kind::kEqual:
-      if (up != down) return std::nullopt;
-      test.bounds = {up, up + 1};
-      break;
-    default:
-      return std::nullopt;
+  const std::optional<NumberComparison> comparison = ReadNumberComparison(e);
+  if (!comparison) return std::nullopt;
+  const double number = ViewNumber(*InlineLiteral(*comparison->number)).value;
+  if (std::abs(number) > kMostCounted) return std::nullopt;
+  const int up = static_cast<int>(std::ceil(number)), down = static_cast<int>(std::floor(number));
+  CountTest test{comparison->variable->name, {}};
+  if (!comparison->op) {
+    if (up != down) return std::nullopt;
+    test.bounds = {up, up + 1};
+  } else if (*comparison->op == Comparison::kGreaterOrEqual) {
+    test.bounds.least = up;
+  } else if (*comparison->op == Comparison::kGreater) {
+    test.bounds.least = down + 1;
+  } else {
+    test.bounds.below = *comparison->op == Comparison::kLess ? up : down + 1;
   }
   if (test.bounds.least > kMostCounted || test.bounds.below.value_or(1) > kMostCounted) return std::nullopt;
   return test;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "kb_server/sparql/algebra_walk.h"
 #include "reasoner/matching/body_plan.h"
+#include "reasoner/matching/comparison_form.h"
 
 namespace docent {
 namespace {
@@ -54,43 +56,6 @@ void InternConstants(const Algebra& algebra, Dictionary& dictionary) {
     if (aggregate.expression) InternConstants(*aggregate.expression, dictionary);
   }
   for (const auto& child : algebra.children) InternConstants(*child, dictionary);
-}
-
-std::optional<Comparison> ComparisonOf(Expression::Kind kind) {
-  switch (kind) {
-    case Expression::Kind::kLess:
-      return Comparison::kLess;
-    case Expression::Kind::kLessOrEqual:
-      return Comparison::kLessOrEqual;
-    case Expression::Kind::kGreater:
-      return Comparison::kGreater;
-    case Expression::Kind::kGreaterOrEqual:
-      return Comparison::kGreaterOrEqual;
-    default:
-      return std::nullopt;
-  }
-}
-
-Comparison Mirror(Comparison op) {
-  switch (op) {
-    case Comparison::kLess:
-      return Comparison::kGreater;
-    case Comparison::kLessOrEqual:
-      return Comparison::kGreaterOrEqual;
-    case Comparison::kGreater:
-      return Comparison::kLess;
-    case Comparison::kGreaterOrEqual:
-      return Comparison::kLessOrEqual;
-  }
-  return op;
-}
-
-void CollectConjuncts(const Expression& expression, std::vector<const Expression*>& conjuncts) {
-  if (expression.kind != Expression::Kind::kAnd) {
-    conjuncts.push_back(&expression);
-    return;
-  }
-  for (const auto& argument : expression.arguments) CollectConjuncts(*argument, conjuncts);
 }
 
 }  // namespace
@@ -150,7 +115,7 @@ class BodyBuilder {
             if (!scope.contains(v.name)) return false;
           }
         }
-        CollectConjuncts(*node.expression, filters_);
+        sparql::CollectConjuncts(*node.expression, filters_);
         return Flatten(*node.children[0], outermost);
       }
       default:
@@ -248,7 +213,7 @@ class BodyBuilder {
   void CollectTests(const Algebra& where) {
     for (const Algebra* node = &where; node->kind == Algebra::Kind::kFilter; node = node->children[0].get()) {
       std::vector<const Expression*> conjuncts;
-      CollectConjuncts(*node->expression, conjuncts);
+      sparql::CollectConjuncts(*node->expression, conjuncts);
       for (const Expression* conjunct : conjuncts) {
         if (const auto test = TestOf(*conjunct)) body_.tests_.push_back(*test);
       }
