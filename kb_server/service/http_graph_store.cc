@@ -152,6 +152,7 @@ struct Content {
 
 // `part`: its number among several.
 void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number, Content* content) {
+  if ((content->refusal = RefuseCharset(part.content_type))) return;
   const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
   if (!format && type == "application/octet-stream") format = FormatOfFile(part.file);  // of whoever knows no better
@@ -297,7 +298,9 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
 
 void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
-  if (MediaTypeOnly(http.Header("content-type")) != kPatchType) {
+  const std::string type = http.Header("content-type");
+  if (std::optional<HttpResponse> refusal = RefuseCharset(type)) return exchange->Respond(*std::move(refusal));
+  if (MediaTypeOnly(type) != kPatchType) {
     HttpResponse refusal = TextResponse(415, absl::StrCat("PATCH a graph with ", kPatchType));
     refusal.headers.emplace_back(kAcceptPatch, kPatchType);
     return exchange->Respond(std::move(refusal));

@@ -51,6 +51,9 @@ std::optional<HttpFields> ParseForm(std::string_view text);
 // "text/turtle; charset=UTF-8" → "text/turtle", in lower case.
 std::string MediaTypeOnly(std::string_view content_type);
 
+// 415 for "…; charset=UTF-16" and the like: SPARQL (protocol, section 2.1.3) and the RDF formats are UTF-8. nullopt: go on.
+std::optional<HttpResponse> RefuseCharset(std::string_view content_type);
+
 // Which of `offered` (media types without parameters, best first) a client wants that sent `accept` (RFC 9110
 // section 12.5.1: quality values; a more specific range wins over a wildcard; equal quality: the first
 // offered). An empty `accept` takes anything. nullopt: none of them.

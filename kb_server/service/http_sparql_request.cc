@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
 #include "kb_server/rdf/iri.h"
 
 namespace docent {
@@ -87,17 +85,6 @@ ReadSparqlRequest FromParameters(const HttpFields& parameters, bool has_body, Sp
   return {std::nullopt, std::move(request)};
 }
 
-// False for "…; charset=UTF-16" and the like: SPARQL is UTF-8 (protocol, section 2.1.3).
-bool IsUtf8(std::string_view content_type) {
-  std::string type = absl::AsciiStrToLower(ToAbsl(content_type));
-  type.erase(std::remove_if(type.begin(), type.end(), [](char c) { return c == ' ' || c == '"'; }),
-             type.end());
-  const size_t at = type.find("charset=");
-  if (at == std::string::npos) return true;
-  const std::string charset = type.substr(at + 8, type.find(';', at) - at - 8);
-  return charset == "utf-8" || charset == "utf8" || charset == "us-ascii";
-}
-
 }  // namespace
 
 std::string AddressOf(const HttpRequest& http) {
@@ -127,7 +114,7 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
   }
   const std::string given = http.Header("content-type");
   const std::string type = MediaTypeOnly(given);
-  if (!IsUtf8(given)) return Refused(415, "send UTF-8; this is " + given);
+  if (std::optional<HttpResponse> refusal = RefuseCharset(given)) return {std::move(refusal), {}};
   if (type == "application/sparql-query" || type == "application/sparql-update") {
     request.kind = type == "application/sparql-update" ? Kind::kUpdate : Kind::kQuery;
     request.text = http.body;

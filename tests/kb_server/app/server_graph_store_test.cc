@@ -197,6 +197,10 @@ TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
   EXPECT_EQ(status("GET", "/rdf-graphs?graph=relative"), 400);
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", kTurtle, "<a:a> <a:b"), 400);
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: image/png\r\n", "x"), 415);
+  const std::string latin = "; charset=ISO-8859-1\r\n";
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle" + latin, "<a:a> <a:b> '\xC3\xA9' ."), 415);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", "Content-Type: application/sparql-update" + latin, "CLEAR ALL"), 415);
+  EXPECT_EQ(status("POST", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle; charset=\"UTF-8\"\r\n", "# nothing"), 200);
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: application/trig\r\n",
                    "<g:g> { <a:a> <a:b> <a:c> }"),
             400);
