@@ -97,6 +97,7 @@ bool HasErrors(const Diagnostics& diagnostics) {
 
 std::string Render(const Diagnostics& diagnostics, std::string_view source) {
   std::string out;
+  if (source.starts_with("\xEF\xBB\xBF")) source.remove_prefix(3);  // columns do not count a byte order mark
   for (const Diagnostic& d : diagnostics) {
     if (!d.file.empty()) absl::StrAppend(&out, d.file, ":");
     if (d.span.line > 0)

@@ -174,7 +174,8 @@ size_t FindInvalidUtf8(std::string_view text) {
   return std::string_view::npos;
 }
 
-Lexer::Lexer(std::string_view text) : text_(text) {}
+// A byte order mark is not part of the text.
+Lexer::Lexer(std::string_view text) : text_(text), at_(text.starts_with("\xEF\xBB\xBF") ? 3 : 0) {}
 
 void Lexer::Advance(size_t bytes) {
   for (const size_t end = at_ + bytes; at_ < end; ++at_) {

@@ -181,6 +181,17 @@ TEST(SparqlParser, TextLimitHolds) {
   EXPECT_FALSE(ParseQuery("ASK { ?s ?p ?o } ", options).ok());
 }
 
+TEST(SparqlParser, AByteOrderMarkIsNotPartOfTheText) {
+  EXPECT_TRUE(Parse("\xEF\xBB\xBF" "ASK { ?s ?p ?o }").ok());
+  const std::string text = "\xEF\xBB\xBF" "ASK { ?s ?p }";
+  const Diagnostics errors = ErrorsOf(text);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].span.column, 13);
+  EXPECT_EQ(text[errors[0].span.offset], '}');
+  EXPECT_THAT(Render(errors, text), HasSubstr("  ASK { ?s ?p }\n              ^\n"));
+  EXPECT_FALSE(Parse("ASK \xEF\xBB\xBF{ ?s ?p ?o }").ok());
+}
+
 TEST(SparqlParser, BytesThatAreNotUtf8AreRefusedWithTheirPlace) {
   const Diagnostics errors = ErrorsOf("ASK {\n ?s ex:p \"\xff\" }");
   EXPECT_EQ(errors[0].span.line, 2);
