@@ -135,7 +135,8 @@ class Counted {
       if (!same) return std::nullopt;
       counted.keys_.push_back(key.variable);
     }
-    Mentioned(counted.pattern_, nullptr, counted.others_);
+    Mentioned(counted.pattern_, nullptr, counted.named_);
+    counted.others_ = counted.named_;
     for (const Variable& key : counted.keys_) counted.others_.erase(key.name);
     counted.others_.erase("");
     const bool star = aggregate.expression == nullptr;
@@ -172,7 +173,10 @@ class Counted {
     for (int i = 0; i < least; ++i) {
       std::map<std::string, std::string> names;
       ++copies_;
-      for (const std::string& name : others_) names[name] = copies_ == 1 ? name : absl::StrCat(name, std::string(1, mark), copies_);
+      for (const std::string& name : others_) {
+        std::string& own = names[name] = copies_ == 1 ? name : absl::StrCat(name, std::string(1, mark), copies_);
+        while (copies_ > 1 && named_.contains(own)) own += '_';
+      }
       copies.push_back(pattern_.Clone());
       Rename(*copies.back(), names);
       things.push_back(names[what_]);
@@ -195,7 +199,8 @@ class Counted {
 
   const Algebra& pattern_;
   std::vector<Variable> keys_;
-  Names others_;  // variables that are no keys
+  Names named_;   // variables of the pattern
+  Names others_;  // of them, those that are no keys
   std::string what_;
   int copies_ = 0;  // made so far
 };

@@ -41,6 +41,7 @@ TEST_F(CountForm, SaysTheSameOfEveryGraph) {
       "ASK { { SELECT ?b WHERE { ?v :at ?b } GROUP BY ?b HAVING (COUNT(?v) $0 $1) } }",
       "ASK { { SELECT (COUNT(?v) AS ?n) WHERE { ?v :at :B1 } } FILTER(?n $0 $1) }",
       "ASK { ?b a :Booth { SELECT (COUNT(DISTINCT ?b) AS ?n) WHERE { ?v :at ?b } HAVING (COUNT(DISTINCT ?b) $0 $1) } }",
+      "ASK { { SELECT ?v_2 (COUNT(DISTINCT ?v) AS ?n) WHERE { ?v :at ?v_2 ; :at ?v_3 } GROUP BY ?v_2 } FILTER(?n $0 $1) }",
       "ASK { ?v a :Visitor { SELECT ?b (COUNT(?v) AS ?n) WHERE { ?v :at ?b FILTER(?v != :V0) } GROUP BY ?b } FILTER(?n $0 $1) ?v :at ?b }"};
   std::mt19937 random(7);
   int written = 0, held = 0;
