@@ -15,30 +15,36 @@
 namespace docent {
 namespace {
 
-// The command that was given, as far as there is one, and how it is called: "docent ontology list".
+// The command that was given, as far as it was understood, and how it is called: "docent ontology list".
 struct GivenCommand {
   const CLI::App* app;
   std::string name = "docent";
-};
-GivenCommand CommandOf(const CLI::App& app) {
-  GivenCommand given{&app};
-  while (!given.app->get_subcommands().empty()) {
-    given.app = given.app->get_subcommands().front();
-    given.name += " " + given.app->get_name();
+
+  // The command below it that was given; false: there is none.
+  bool Descend() {
+    if (app->get_subcommands().empty()) return false;
+    app = app->get_subcommands().front();
+    name += " " + app->get_name();
+    return true;
   }
-  return given;
-}
+};
 
 // What is wrong with the arguments and what to do about it. CLI11 says of a word that is no command only that a command is
 // missing, and of an option that there is none that it was not expected.
 std::string WhatIsWrong(const CLI::App& app, const CLI::ParseError& error) {
-  const GivenCommand given = CommandOf(app);
+  GivenCommand given{&app};
+  while (given.app->remaining().empty() && given.Descend()) {
+  }
   const std::string help = "`" + given.name + " --help`";
-  const std::vector<std::string> left = app.remaining(/*recurse=*/true);
+  std::vector<std::string> left = given.app->remaining();
+  std::erase(left, "--");
   if (left.empty()) return given.name + ": " + error.what() + "; " + help + " tells more";
   std::vector<std::string> known;
   if (left.front().starts_with('-')) {
     const std::string option = left.front().substr(0, left.front().find('='));
+    for (GivenCommand below = given; below.Descend();) {
+      if (below.app->get_option_no_throw(option) != nullptr) return given.name + ": " + option + " belongs behind `" + below.name + "`";
+    }
     for (const CLI::Option* o : given.app->get_options()) {
       for (const std::string& name : o->get_lnames()) known.push_back("--" + name);
     }

@@ -1,5 +1,6 @@
 #include "kb_server/app/server.h"
 
+#include <array>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -219,21 +220,20 @@ absl::Status Server::StartGrpc() {
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // a port in use is an error, not shared
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
   builder.SetMaxReceiveMessageSize(static_cast<int>(settings_.limits.grpc_message_bytes));
-  builder.RegisterService(context_service_.get());
-  builder.RegisterService(ontologies_service_.get());
-  builder.RegisterService(workflows_service_.get());
-  builder.RegisterService(robot_services_service_.get());
-  builder.RegisterService(fleet_service_.get());
+  const std::array<std::pair<const char*, grpc::Service*>, 5> services = {
+      {{v1::Context::service_full_name(), context_service_.get()},
+       {v1::Ontologies::service_full_name(), ontologies_service_.get()},
+       {v1::Workflows::service_full_name(), workflows_service_.get()},
+       {v1::RobotServices::service_full_name(), robot_services_service_.get()},
+       {v1::Fleet::service_full_name(), fleet_service_.get()}}};
+  for (const auto& [name, service] : services) builder.RegisterService(service);
   grpc_server_ = builder.BuildAndStart();
   if (grpc_server_ == nullptr || port == 0) {
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", settings_.grpc_address,
                      " for gRPC: the port is in use or not allowed; choose another with --grpc"));
   }
-  for (const char* service : {v1::Context::service_full_name(), v1::Ontologies::service_full_name(), v1::Workflows::service_full_name(),
-                              v1::RobotServices::service_full_name(), v1::Fleet::service_full_name()}) {
-    grpc_server_->GetHealthCheckService()->SetServingStatus(service, true);
-  }
+  for (const auto& [name, service] : services) grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
   grpc_address_ = absl::StrCat(address->host, ":", port);
   return absl::OkStatus();
 }

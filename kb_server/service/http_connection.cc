@@ -43,7 +43,7 @@ std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error, co
   }
   const bool long_header = error == http::error::header_limit || error == http::error::buffer_overflow;
   if (long_header && !has_target) {  // RFC 9112 section 3
-    return TextResponse(414, absl::StrCat("the request target is longer than ", options.header_bytes,
+    return TextResponse(414, absl::StrCat("the request line is longer than ", options.header_bytes,
                                           " bytes; POST a long query instead"));
   }
   if (long_header) {
@@ -63,16 +63,17 @@ std::string HttpDate(TimeMicros now_us) {
 }
 
 // RFC 9112 section 3.2.2: a target with a scheme, as proxies get it, names the host itself; the header Host counts for
-// nothing then. Cuts scheme and host off.
-void TakeHost(std::string_view* target, HttpFields* headers) {
+// nothing then. Cuts scheme and host off; of a target without a path "/" is left (RFC 9110 section 4.2.3).
+std::string TakeHost(std::string_view target, HttpFields* headers) {
   constexpr std::string_view kScheme = "http://";
-  if (!absl::StartsWithIgnoreCase(ToAbsl(*target), ToAbsl(kScheme))) return;
-  target->remove_prefix(kScheme.size());
-  const size_t end = std::min(target->find_first_of("/?"), target->size());
+  if (!absl::StartsWithIgnoreCase(ToAbsl(target), ToAbsl(kScheme))) return std::string(target);
+  target.remove_prefix(kScheme.size());
+  const size_t end = std::min(target.find_first_of("/?"), target.size());
   for (auto& [name, value] : *headers) {
-    if (name == "host") value = target->substr(0, end);
+    if (name == "host") value = target.substr(0, end);
   }
-  target->remove_prefix(end);
+  target.remove_prefix(end);
+  return Concat(target.starts_with('/') ? "" : "/", target);
 }
 
 std::string ChunkOf(std::string_view data) {
@@ -217,8 +218,8 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   if (message.version() < 11 && request->Header("host").empty()) {  // may be missing, and no browser is that old
     request->headers.emplace_back("host", shared_.guard.OwnName());
   }
-  std::string_view target = View(message.target());
-  TakeHost(&target, &request->headers);
+  const std::string whole = TakeHost(View(message.target()), &request->headers);
+  const std::string_view target = whole;
   if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
   if (!target.starts_with('/')) return TextResponse(400, "the request target must be a path");
   const size_t question = target.find('?');

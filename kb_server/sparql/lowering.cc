@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kb_server/sparql/algebra_walk.h"
 #include "kb_server/sparql/function_registry.h"
 #include "kb_server/sparql/text.h"
 
@@ -37,15 +38,6 @@ bool HasExists(const Expression& e) {
     if (HasExists(*argument)) return true;
   }
   return false;
-}
-
-std::vector<const Expression*> Conjuncts(const Expression& e) {
-  if (e.kind != Expression::Kind::kAnd) return {&e};
-  std::vector<const Expression*> out;
-  for (const ExpressionPtr& argument : e.arguments) {
-    for (const Expression* part : Conjuncts(*argument)) out.push_back(part);
-  }
-  return out;
 }
 
 }  // namespace
@@ -284,7 +276,9 @@ PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef
   PlanNodePtr child = Lower(*a.children[0], scope, graph, false);
   PlanNodePtr filter;
   std::vector<std::pair<PlanExpressionPtr, SlotSet>> rest;
-  for (const Expression* e : Conjuncts(*a.expression)) {
+  std::vector<const Expression*> conjuncts;
+  CollectConjuncts(*a.expression, conjuncts);
+  for (const Expression* e : conjuncts) {
     SlotSet reads = Reads(*e, scope, graph);
     PlanExpressionPtr lowered = Lower(*e, scope, graph);
     if (HasExists(*e) || !PushFilter(*child, lowered, reads)) rest.emplace_back(std::move(lowered), std::move(reads));

@@ -13,7 +13,10 @@
 namespace docent {
 namespace {
 
-constexpr char kReserved[] = "graph: it is one of those that the server alone writes";
+absl::Status Reserved(const std::string& graph) {
+  return absl::InvalidArgumentError(absl::StrCat("graph: <", graph, "> is one of those that the server alone writes"));
+}
+
 // A lifetime that ends later than this (the year 2554) never ends.
 constexpr TimeMicros kNever = TimeMicros{1} << 54;
 
@@ -29,7 +32,7 @@ bool IsBulk(const WriteBatch& batch) {
                      [](const QuadOperation& o) { return o.kind == QuadOperation::Kind::kAdd; });
 }
 
-// An operation as clients number them: "add[2]", "remove[0]".
+// An operation as clients number them: "add[2]", "remove[0]". Facts of a text count on.
 std::string PlaceOf(const WriteBatch& batch, size_t at) {
   const QuadOperation::Kind kind = batch.operations[at].kind;
   const auto number = std::count_if(batch.operations.begin(), batch.operations.begin() + static_cast<ptrdiff_t>(at),
@@ -56,13 +59,13 @@ absl::Status BatchApplier::Check(const WriteBatch& batch) const {
   if (!batch.source.empty()) {
     const Term source = Term::Iri(batch.source);
     if (absl::Status s = CheckTerm(source, limits_.term_bytes); !s.ok()) return At("source", s);
-    if (IsServerGraph(source.lexical)) return At("source", absl::InvalidArgumentError(kReserved));
+    if (IsServerGraph(source.lexical)) return At("source", Reserved(source.lexical));
   }
   for (size_t i = 0; i < batch.operations.size(); ++i) {
     const TermQuad& quad = batch.operations[i].quad;
     absl::Status status = CheckQuad(quad, limits_.term_bytes);
     if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
-    if (status.ok() && IsServerGraph(quad.graph.lexical)) status = absl::InvalidArgumentError(kReserved);
+    if (status.ok() && IsServerGraph(quad.graph.lexical)) status = Reserved(quad.graph.lexical);
     if (!status.ok()) return At(PlaceOf(batch, i), status);
   }
   for (size_t i = 0; i < batch.readings.size(); ++i) {

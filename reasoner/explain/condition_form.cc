@@ -80,27 +80,6 @@ Clause Merge(const Clause& to, const Clause& from) {
   return out;
 }
 
-// Every variable that is mentioned anywhere in `node` but below `except`.
-void MentionedBeside(const Algebra& node, const Algebra* except, std::set<std::string>& names) {
-  if (&node == except) return;
-  const auto add = [&names](const PatternTerm& term) {
-    if (term.IsVariable() && !term.variable().name.empty()) names.insert(term.variable().name);
-  };
-  for (const sparql::TriplePattern& triple : node.triples) {
-    add(triple.subject);
-    add(triple.predicate);
-    add(triple.object);
-  }
-  add(node.subject);
-  add(node.object);
-  add(node.name);
-  for (const sparql::Variable& v : node.variables) names.insert(v.name);
-  if (node.expression) {
-    for (const sparql::Variable& v : sparql::MentionedVariables(*node.expression)) names.insert(v.name);
-  }
-  for (const auto& child : node.children) MentionedBeside(*child, except, names);
-}
-
 class Builder {
  public:
   Builder(const Algebra& whole, Dictionary& dictionary, TermId default_graph, PathForm paths)
@@ -527,6 +506,31 @@ sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, co
   all->name = named ? PatternTerm::Of(sparql::Variable{graph_name}) : PatternTerm::Of(dictionary.Decode(part.graph.constant));
   all->children.push_back(part.pattern->Clone());
   return all;
+}
+
+void MentionedBeside(const Algebra& node, const Algebra* except, std::set<std::string>& names) {
+  if (&node == except) return;
+  const auto add = [&names](const std::string& name) {
+    if (!name.empty()) names.insert(name);
+  };
+  const auto term = [&add](const PatternTerm& t) {
+    if (t.IsVariable()) add(t.variable().name);
+  };
+  for (const sparql::TriplePattern& triple : node.triples) {
+    term(triple.subject);
+    term(triple.predicate);
+    term(triple.object);
+  }
+  term(node.subject);
+  term(node.object);
+  term(node.name);
+  add(node.variable.name);
+  for (const sparql::Variable& v : node.variables) add(v.name);
+  ForEachExpression(node, [&](const Expression& e) {
+    if (e.kind == Expression::Kind::kVariable) add(e.variable.name);
+    if (e.pattern) MentionedBeside(*e.pattern, except, names);
+  });
+  for (const auto& child : node.children) MentionedBeside(*child, except, names);
 }
 
 int Clause::Find(const std::string& name) const {

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,9 @@ struct AtomTerm {
 struct Atom {
   std::array<AtomTerm, 4> terms;
 };
+
+// Every variable that is mentioned anywhere in `node` but below `except` (null: nothing).
+void MentionedBeside(const sparql::Algebra& node, const sparql::Algebra* except, std::set<std::string>& names);
 
 struct Clause;
 

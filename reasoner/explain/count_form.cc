@@ -59,29 +59,6 @@ std::optional<CountTest> CountTestOf(const Expression& e) {
   return test;
 }
 
-// Every variable of `node`, but for what stands in `except`.
-void Mentioned(const Algebra& node, const Algebra* except, Names& names) {
-  if (&node == except) return;
-  const auto add = [&names](const PatternTerm& term) {
-    if (term.IsVariable()) names.insert(term.variable().name);
-  };
-  for (const sparql::TriplePattern& triple : node.triples) {
-    add(triple.subject);
-    add(triple.predicate);
-    add(triple.object);
-  }
-  add(node.subject);
-  add(node.object);
-  add(node.name);
-  names.insert(node.variable.name);
-  for (const Variable& v : node.variables) names.insert(v.name);
-  ForEachExpression(node, [&](const Expression& e) {
-    if (e.kind == Expression::Kind::kVariable) names.insert(e.variable.name);
-    if (e.pattern) Mentioned(*e.pattern, except, names);
-  });
-  for (const AlgebraPtr& child : node.children) Mentioned(*child, except, names);
-}
-
 void Rename(Algebra& node, const std::map<std::string, std::string>& to) {
   const auto rename = [&to](std::string& name) {
     if (const auto found = to.find(name); found != to.end()) name = found->second;
@@ -101,6 +78,12 @@ void Rename(Algebra& node, const std::map<std::string, std::string>& to) {
     if (e.kind == Expression::Kind::kVariable) rename(e.variable.name);
   });
   for (const AlgebraPtr& child : node.children) Rename(*child, to);
+}
+
+Names ShownBy(const Algebra& node) {
+  Names names;
+  for (const Variable& v : sparql::InScopeVariables(node)) names.insert(v.name);
+  return names;
 }
 
 // A conjunction of triple patterns and filters, whose solutions come once each.
@@ -127,18 +110,21 @@ ExpressionPtr VariableNamed(const std::string& name) {
 class Counted {
  public:
   // nullopt: counts of `group` cannot be written out.
-  static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate) {
+  static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate, const Names& shown) {
     Counted counted(*group.children[0]);
     if (aggregate.function != sparql::Aggregate::Function::kCount || !IsPlain(counted.pattern_)) return std::nullopt;
     for (const sparql::GroupKey& key : group.group_keys) {
       const bool same = key.expression->kind == Expression::Kind::kVariable && key.expression->variable.name == key.variable.name;
       if (!same) return std::nullopt;
       counted.keys_.push_back(key.variable);
+      if (shown.contains(key.variable.name)) counted.shown_.push_back(key.variable);
     }
-    Mentioned(counted.pattern_, nullptr, counted.named_);
+    MentionedBeside(counted.pattern_, nullptr, counted.named_);
     counted.others_ = counted.named_;
     for (const Variable& key : counted.keys_) counted.others_.erase(key.name);
-    counted.others_.erase("");
+    // what only a filter mentions is no part of what is counted
+    const Names bound = ShownBy(counted.pattern_);
+    if (!std::includes(bound.begin(), bound.end(), counted.others_.begin(), counted.others_.end())) return std::nullopt;
     const bool star = aggregate.expression == nullptr;
     if (!star && aggregate.expression->kind != Expression::Kind::kVariable) return std::nullopt;
     if (counted.others_.empty() || (star && counted.others_.size() != 1)) return std::nullopt;
@@ -148,7 +134,7 @@ class Counted {
     return counted;
   }
 
-  // { SELECT keys { … } } with a solution for each group within the bounds.
+  // { SELECT the keys shown { … } } with a solution for each group within the bounds.
   AlgebraPtr Within(const Bounds& bounds) {
     // a group that there is has one; without keys there is always one
     const int least = std::max(bounds.least, keys_.empty() ? 0 : 1);
@@ -159,7 +145,7 @@ class Counted {
       body->expression->pattern = AtLeast(*bounds.below, '_');  // shown to people as it is
     }
     AlgebraPtr select = Over(Algebra::Kind::kProject, std::move(body));
-    select->variables = keys_;
+    select->variables = shown_;
     return select;
   }
 
@@ -189,16 +175,19 @@ class Counted {
     for (size_t i = 0; i < things.size(); ++i) {
       for (size_t j = i + 1; j < things.size(); ++j) {
         all = Over(Algebra::Kind::kFilter, std::move(all));
-        all->expression = std::make_unique<Expression>(Expression::Kind::kNotEqual, SourceSpan{});
-        all->expression->arguments.push_back(VariableNamed(things[i]));
-        all->expression->arguments.push_back(VariableNamed(things[j]));
+        auto same = std::make_unique<Expression>(Expression::Kind::kBuiltin, SourceSpan{});  // terms are counted, not values
+        same->builtin = sparql::Builtin::kSameTerm;
+        same->arguments.push_back(VariableNamed(things[i]));
+        same->arguments.push_back(VariableNamed(things[j]));
+        all->expression = std::make_unique<Expression>(Expression::Kind::kNot, SourceSpan{});
+        all->expression->arguments.push_back(std::move(same));
       }
     }
     return all;
   }
 
   const Algebra& pattern_;
-  std::vector<Variable> keys_;
+  std::vector<Variable> keys_, shown_;
   Names named_;   // variables of the pattern
   Names others_;  // of them, those that are no keys
   std::string what_;
@@ -209,7 +198,7 @@ class Counted {
 struct Chain {
   const Algebra* group = nullptr;
   std::map<std::string, const sparql::Aggregate*> counts;  // by name, those of SELECT (COUNT(?x) AS ?name), too
-  std::vector<const Expression*> having;
+  std::vector<const Algebra*> having;
 };
 
 std::optional<Chain> ChainOf(const Algebra& top) {
@@ -220,7 +209,7 @@ std::optional<Chain> ChainOf(const Algebra& top) {
     if (at->kind == Algebra::Kind::kExtend) {
       extends.push_back(at);
     } else if (at->kind == Algebra::Kind::kFilter) {
-      chain.having.push_back(at->expression.get());
+      chain.having.push_back(at);
     } else if (at->kind != Algebra::Kind::kProject) {
       return std::nullopt;
     }
@@ -245,10 +234,14 @@ class Rewriter {
   AlgebraPtr Copy(const Algebra& node, const std::vector<const Expression*>& filters) {
     if (AlgebraPtr written = Written(node, filters)) return written;
     AlgebraPtr copy = node.Clone();
+    // there it matters how often a solution comes
+    if (node.kind == Algebra::Kind::kGroup || node.kind == Algebra::Kind::kSlice || node.kind == Algebra::Kind::kService) return copy;
     std::vector<const Expression*> inner;
     if (node.kind == Algebra::Kind::kFilter || node.kind == Algebra::Kind::kJoin) inner = filters;
     if (node.kind == Algebra::Kind::kFilter) sparql::CollectConjuncts(*node.expression, inner);
-    for (size_t i = 0; i < node.children.size(); ++i) copy->children[i] = Copy(*node.children[i], inner);
+    // what may be absent is shown to people as it was written
+    const bool first = node.kind == Algebra::Kind::kMinus || node.kind == Algebra::Kind::kLeftJoin;
+    for (size_t i = 0; i < (first ? 1 : node.children.size()); ++i) copy->children[i] = Copy(*node.children[i], inner);
     if (node.kind != Algebra::Kind::kFilter) return copy;
     std::vector<const Expression*> own;
     sparql::CollectConjuncts(*node.expression, own);
@@ -275,14 +268,19 @@ class Rewriter {
     const std::optional<Chain> chain = ChainOf(top);
     if (!chain) return nullptr;
     std::vector<const Expression*> conjuncts;
-    for (const Expression* e : chain->having) sparql::CollectConjuncts(*e, conjuncts);
+    for (const Algebra* filter : chain->having) {
+      if (!SeesItsCounts(*filter, *chain)) return nullptr;
+      sparql::CollectConjuncts(*filter->expression, conjuncts);
+    }
     const size_t own = conjuncts.size();
     conjuncts.insert(conjuncts.end(), filters.begin(), filters.end());
     std::map<const sparql::Aggregate*, Bounds> bounds;
     std::set<const Expression*> used;
+    const Names shown = ShownBy(top);
     for (size_t i = 0; i < conjuncts.size(); ++i) {
       const std::optional<CountTest> test = CountTestOf(*conjuncts[i]);
-      const auto count = test ? chain->counts.find(test->name) : chain->counts.end();
+      const bool sees = test && (i < own || shown.contains(test->name));
+      const auto count = sees ? chain->counts.find(test->name) : chain->counts.end();
       if (count == chain->counts.end()) {
         if (i < own) return nullptr;  // HAVING asks for something else
         continue;
@@ -294,13 +292,21 @@ class Rewriter {
       used.insert(conjuncts[i]);
     }
     if (bounds.size() != 1 || IsUsedOtherwise(top, *chain, used)) return nullptr;
-    std::optional<Counted> counted = Counted::Of(*chain->group, *bounds.begin()->first);
+    std::optional<Counted> counted = Counted::Of(*chain->group, *bounds.begin()->first, shown);
     const Bounds& within = bounds.begin()->second;
     if (!counted || within.below.value_or(1) < 1) return nullptr;
     used_.insert(used.begin(), used.end());
     return counted->Within(within);
   }
 
+  // Whether what a filter of the chain asks about by a name that SELECT gave is shown to it.
+  static bool SeesItsCounts(const Algebra& filter, const Chain& chain) {
+    const Names shown = ShownBy(*filter.children[0]);
+    const std::vector<Variable> asked = sparql::MentionedVariables(*filter.expression);
+    return std::all_of(asked.begin(), asked.end(), [&](const Variable& v) {
+      return v.IsHidden() || !chain.counts.contains(v.name) || shown.contains(v.name);
+    });
+  }
   // Whether anything but those conjuncts looks at a count.
   bool IsUsedOtherwise(const Algebra& top, const Chain& chain, const std::set<const Expression*>& used) const {
     Names names;
@@ -316,7 +322,7 @@ class Rewriter {
         if (used.contains(e)) continue;
         Algebra alone(Algebra::Kind::kFilter);
         alone.expression = e->Clone();
-        Mentioned(alone, nullptr, names);
+        MentionedBeside(alone, nullptr, names);
       }
       return MentionedBut(*node.children[0], top, used, names);
     }
@@ -324,7 +330,7 @@ class Rewriter {
       for (const AlgebraPtr& child : node.children) MentionedBut(*child, top, used, names);
       return;
     }
-    Mentioned(node, &top, names);
+    MentionedBeside(node, &top, names);
   }
 
   const Algebra& whole_;

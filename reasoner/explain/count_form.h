@@ -1,9 +1,9 @@
 // Counts that are only compared with a number, as patterns that say the same: what why-not can reason about.
 //
 //   { SELECT ?b (COUNT(?v) AS ?n) { ?v :at ?b } GROUP BY ?b } FILTER(?n >= 2)
-//     → { SELECT ?b { ?v :at ?b . ?v_2 :at ?b FILTER(?v != ?v_2) } }
+//     → { SELECT ?b { ?v :at ?b . ?v_2 :at ?b FILTER(!sameTerm(?v, ?v_2)) } }
 //   … FILTER(?n < 2)
-//     → { SELECT ?b { ?v :at ?b FILTER NOT EXISTS { ?v_3 :at ?b . ?v_4 :at ?b FILTER(?v_3 != ?v_4) } } }
+//     → { SELECT ?b { ?v :at ?b FILTER NOT EXISTS { ?v_3 :at ?b . ?v_4 :at ?b FILTER(!sameTerm(?v_3, ?v_4)) } } }
 //
 // Pure functions; any thread.
 #ifndef DOCENT_REASONER_EXPLAIN_COUNT_FORM_H_

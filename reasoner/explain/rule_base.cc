@@ -26,6 +26,18 @@ bool IsOnePattern(const Clause& clause) {
   return static_cast<size_t>(variables) == clause.names.size();
 }
 
+// Whether the head has a variable that `written` does not show: a count.
+bool LosesHead(const Rule& rule, const sparql::Algebra& written) {
+  const std::vector<sparql::Variable> shown = sparql::InScopeVariables(written);
+  const auto lost = [&](const sparql::PatternTerm& term) {
+    return term.IsVariable() && std::none_of(shown.begin(), shown.end(),
+                                             [&](const sparql::Variable& v) { return v.name == term.variable().name; });
+  };
+  return std::any_of(rule.head.begin(), rule.head.end(), [&](const sparql::TriplePattern& head) {
+    return lost(head.subject) || lost(head.predicate) || lost(head.object);
+  });
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector<RuleText>& sets,
@@ -51,7 +63,8 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
 absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary) {
   rules_.push_back({RuleLabel(set, rule, number), set, rule.span.line});
   const sparql::AlgebraPtr written = WithoutCounts(*rule.body.algebra);
-  absl::Status status = AddClauses(rule, *rule.body.algebra, true, written == nullptr, dictionary);
+  const bool tells = written == nullptr || LosesHead(rule, *written);
+  absl::Status status = AddClauses(rule, *rule.body.algebra, true, tells, dictionary);
   if (status.ok() && written != nullptr) status = AddClauses(rule, *written, false, true, dictionary);
   return status;
 }

@@ -114,7 +114,7 @@ bool Body::FlatPlan::TestSeeded(Run& run) const {
       return column == Trigger::kNoColumn || !row_[column].IsNone();
     });
     if (!seeded) continue;
-    if (!Exists(*filter.exists, *run.options.version)) return false;
+    if (!run.Step() || !Exists(*filter.exists, *run.options.version)) return false;
     run.decided |= uint64_t{1} << i;
   }
   return true;
@@ -199,9 +199,10 @@ absl::Status Body::FlatPlan::EvaluateRest(const sparql::RunOptions& run, absl::S
     for (size_t i = 0; i < row_.size(); ++i) {
       if (!row_[i].IsNone() && !TestBound(static_cast<int16_t>(i))) return absl::OkStatus();
     }
-    if (filters != Filters::kNone && !TestSeeded(state)) return absl::OkStatus();
   }
-  Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
+  if (filters_.empty() || filters == Filters::kNone || TestSeeded(state)) {
+    Join(state, static_cast<uint32_t>((uint64_t{1} << patterns_.size()) - 1) & ~matched);
+  }
   state.Poll(false);
   return state.status;
 }

@@ -276,6 +276,7 @@ class Starting(StageTest):
         self.assert_refused(self.docent("serv", "--data", "x"), 2, "`docent serv`", "did you mean `docent serve`?")
         self.assert_refused(self.docent("ontology", "reload", "m.ttl"), 2, "`docent ontology reload`", "did you mean `docent ontology load`?")
         self.assert_refused(self.docent("serve", "--adta", "x"), 2, "docent serve: there is no option --adta; did you mean --data?")
+        self.assert_refused(self.docent("--data", "x", "serve"), 2, "docent: --data belongs behind `docent serve`")
         self.assert_refused(self.docent("query", "--no-such-thing=1", "ASK {}"), 2, "no option --no-such-thing; `docent query --help` lists them")
         self.assert_refused(self.docent("query", "ASK {}", "ASK {}"), 2, "one argument too many: ASK {}; `docent query --help`")
         self.assert_refused(self.docent("load"), 2, "docent load: ", "required", "`docent load --help`")

@@ -80,6 +80,14 @@ TEST(CheckFilesTest, WhatRulesDeriveFromOtherFilesIsLookedAt) {
   EXPECT_THAT(text, HasSubstr("told in o.ttl:2:"));
 }
 
+TEST(CheckFilesTest, UnusedPrefixesOfRulesAndQueriesAreNamed) {
+  FileChecker checker;
+  EXPECT_THAT(Text(checker.CheckRules("f.rules", "PREFIX : <http://e/>\nPREFIX x: <http://x/>\nRULE { ?a :p 1 } WHERE { ?a :q 1 }")),
+              HasSubstr("unused-prefix f.rules:2:8: warning: the prefix x: is not used"));
+  EXPECT_THAT(Text(checker.CheckQuery("f.rq", "PREFIX x: <http://x/> ASK { ?a ?b 1 }")), HasSubstr("unused-prefix f.rq:1:8: warning"));
+  EXPECT_THAT(Text(checker.CheckQuery("g.rq", "PREFIX x: <http://x/> ASK { ?a x:b 1 }")), Not(HasSubstr("unused-prefix")));
+}
+
 TEST(CheckFilesTest, ACheckAmongTheGivenRulesIsFollowed) {
   const std::string rules = "PREFIX : <http://e/>\nRULE { } WHERE { ?x :speed ?v FILTER(?v > 3) }";
   FileChecker checker;

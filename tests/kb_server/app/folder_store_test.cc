@@ -140,7 +140,7 @@ TEST_F(FolderStoreTest, RefusalsAreOneClearLine) {
     TermQuad reserved = Fact("a", "p", "b");
     reserved.graph = Term::Iri(std::string(kInferredGraph));
     absl::Status status = store->Apply({{kAdd, Default(Fact("a", "p", "c"))}, {kAdd, reserved}});
-    EXPECT_THAT(std::string(status.message()), HasSubstr("operations[1]: graph:"));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("add[1]: graph:"));
     EXPECT_EQ(*store->Size(), 0u);
     ASSERT_TRUE(store->Apply({{kAdd, Default(Fact("a", "p", "c"))}}).ok());
   }

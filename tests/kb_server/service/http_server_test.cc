@@ -213,6 +213,8 @@ TEST(HttpServerTest, TargetsWithAHostAreServed) {
   EXPECT_EQ(client.Ask("GET", "http://" + own + "/hello", "Host: evil.example.org\r\n").status, 200);
   EXPECT_EQ(client.Ask("GET", "http://evil.example.org/hello").status, 403) << "its host counts, not the header's";
   EXPECT_EQ(client.Ask("GET", "http:///hello").status, 400);
+  EXPECT_EQ(client.Ask("GET", "http://" + own).status, 404) << "without a path, that is /";
+  EXPECT_EQ(client.Ask("GET", "http://" + own + "?x=1").status, 404);
   EXPECT_EQ(client.Ask("GET", "https://" + own + "/hello").status, 400);
   client.Send("GET http://" + own + "/hello HTTP/1.1\r\n\r\n");
   EXPECT_EQ(client.Receive().status, 400) << "HTTP/1.1 wants Host all the same";
@@ -270,7 +272,7 @@ TEST(HttpServerTest, HeaderLimit) {
   EXPECT_EQ(asks_much.Ask("GET", "/hello?x=" + std::string(1500, 'x')).status, 200);
   const HttpReply refused = asks_much.Ask("GET", "/hello?x=" + std::string(2000, 'x'));
   EXPECT_EQ(refused.status, 414);
-  EXPECT_EQ(refused.body, "the request target is longer than 2000 bytes; POST a long query instead\n");
+  EXPECT_EQ(refused.body, "the request line is longer than 2000 bytes; POST a long query instead\n");
   EXPECT_TRUE(asks_much.Ended());
 }
 

@@ -285,6 +285,13 @@ TEST_F(WhyNotSets, WhatACountLacksIsToldOrWithdrawn) {
   EXPECT_THAT(Sets(ask("?n > 3")), ElementsAre("+urn:docent:example:v at B"));
 }
 
+TEST_F(WhyNotSets, ARuleThatTellsTheCountIsFollowed) {
+  Rules("r.rules", absl::StrCat("RULE { ?b :visitors ?n } WHERE { ?b :open :Yes . ", kVisitorsOfABooth, " FILTER(?n >= 2) }"));
+  Tell({"v1 at B", "v2 at B"});
+  EXPECT_THAT(Sets("ASK { :B :visitors 2 }"), Contains("+B open Yes"));
+  EXPECT_FALSE(answer_.whole);
+}
+
 TEST_F(WhyNotSets, WhatTheCountOfARuleLacksIsTold) {
   Rules("crowd.rules", absl::StrCat("RULE { ?b :state :Crowded } WHERE { ", kVisitorsOfABooth, " FILTER(?n >= 3) }\n",
                                     "RULE { ?b :state :Empty } WHERE { ?b a :Booth FILTER NOT EXISTS { ", kVisitorsOfABooth,
