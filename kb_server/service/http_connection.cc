@@ -218,8 +218,7 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   if (message.version() < 11 && request->Header("host").empty()) {  // may be missing, and no browser is that old
     request->headers.emplace_back("host", shared_.guard.OwnName());
   }
-  const std::string whole = TakeHost(View(message.target()), &request->headers);
-  const std::string_view target = whole;
+  const std::string target = TakeHost(View(message.target()), &request->headers);
   if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
   if (!target.starts_with('/')) return TextResponse(400, "the request target must be a path");
   const size_t question = target.find('?');
@@ -232,7 +231,7 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   }
   if (!path || !parameters) return TextResponse(400, "the request target has a broken %-escape");
   request->path = *path;
-  request->raw_path = std::string(target.substr(0, question));
+  request->raw_path = target.substr(0, question);
   request->parameters = *std::move(parameters);
 
   const std::string encoding = request->Header("content-encoding");

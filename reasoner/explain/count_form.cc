@@ -201,6 +201,7 @@ struct Chain {
   std::vector<const Algebra*> having;
 };
 
+// nullopt: `top` is no such sub-SELECT, or computes of its counts.
 std::optional<Chain> ChainOf(const Algebra& top) {
   Chain chain;
   std::vector<const Algebra*> extends;
@@ -259,12 +260,6 @@ class Rewriter {
  private:
   // The sub-SELECT at `top` without its counts; null: it stays as it is.
   AlgebraPtr Written(const Algebra& top, const std::vector<const Expression*>& filters) {
-    if (top.kind != Algebra::Kind::kProject && top.kind != Algebra::Kind::kGroup && top.kind != Algebra::Kind::kExtend &&
-        top.kind != Algebra::Kind::kFilter)
-      return nullptr;
-    const Algebra* end = &top;
-    while (end->kind != Algebra::Kind::kGroup && end->children.size() == 1) end = end->children[0].get();
-    if (end->kind != Algebra::Kind::kGroup) return nullptr;
     const std::optional<Chain> chain = ChainOf(top);
     if (!chain) return nullptr;
     std::vector<const Expression*> conjuncts;
@@ -320,9 +315,7 @@ class Rewriter {
       sparql::CollectConjuncts(*node.expression, conjuncts);
       for (const Expression* e : conjuncts) {
         if (used.contains(e)) continue;
-        Algebra alone(Algebra::Kind::kFilter);
-        alone.expression = e->Clone();
-        MentionedBeside(alone, nullptr, names);
+        for (const Variable& v : sparql::MentionedVariables(*e)) names.insert(v.name);
       }
       return MentionedBut(*node.children[0], top, used, names);
     }
