@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "kb_server/store/quad.h"
 #include "kb_server/store/quad_tree.h"
@@ -26,10 +27,16 @@ inline constexpr auto kWords = [] {
   return words;
 }();
 
+// Word by word: a processor waits for words just stored that are loaded two at a time, as a copy of the quad would be.
+inline uint64_t WordAt(const Quad& quad, int position) {
+  uint64_t word;
+  std::memcpy(&word, reinterpret_cast<const char*>(&quad) + static_cast<size_t>(position) * sizeof(word), sizeof(word));
+  return word;
+}
+
 inline QuadTree::Key KeyOf(const Quad& quad, IndexOrder order) {
-  const auto ids = std::bit_cast<std::array<uint64_t, 4>>(quad);
   const auto& positions = kPositions[static_cast<size_t>(order)];
-  return {ids[positions[0]], ids[positions[1]], ids[positions[2]], ids[positions[3]]};
+  return {WordAt(quad, positions[0]), WordAt(quad, positions[1]), WordAt(quad, positions[2]), WordAt(quad, positions[3])};
 }
 
 inline Quad QuadOf(const QuadTree::Key& key, IndexOrder order) {
