@@ -122,6 +122,7 @@ class QuadTree::Iterator {
   void EnterLeaf(const Leaf* leaf, const Key& from);
   void SetLimit();
   void DescendFrom(int level, const Node* node, const Key& target);
+  bool IsBeneath(int level, const Key& target) const;
 
   struct Step {
     const Inner* node;

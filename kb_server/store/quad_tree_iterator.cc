@@ -45,6 +45,14 @@ void QuadTree::Iterator::DescendFrom(int level, const Node* node, const Key& tar
   EnterLeaf(static_cast<const Leaf*>(node), target);
 }
 
+// Whether `target` is known to belong beneath path_[level] by its parent's separators, of which the first and the last child
+// have one only. Requires level > 0.
+bool QuadTree::Iterator::IsBeneath(int level, const Key& target) const {
+  const auto& [parent, index] = path_[level - 1];
+  return index > 0 && index + 1 < parent->count && !Inner::IsGreater(parent->keys[index], target) &&
+         Inner::IsGreater(parent->keys[index + 1], target);
+}
+
 void QuadTree::Iterator::EnterLeaf(const Leaf* leaf, const Key& from) {
   leaf_ = leaf;
   position_ = leaf->LowerBound(from, 0, leaf->count);
@@ -63,7 +71,9 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
   const bool here = height_ == 0 || (!leaf_->GreaterAt(0, first) && !leaf_->LessAt(leaf_->count - 1, first));
   if (!here) {
     ++descents_;
-    DescendFrom(0, path_[0].node, first);
+    int level = height_ - 1;
+    while (level > 0 && !IsBeneath(level, first)) --level;
+    DescendFrom(level, path_[level].node, first);
     return;
   }
   // Lookups that rise slowly find their place beside the last one.
