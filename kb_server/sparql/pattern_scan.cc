@@ -5,39 +5,30 @@
 
 namespace docent::sparql {
 
-bool PatternScan::OpenGraph(const GraphRef& graph, const TermId* row, QuadPattern* quad) {
+void PatternScan::PrepareGraph(const GraphRef& graph, bool bound) {
   const DatasetIds& dataset = context_->dataset;
+  sees_ = true;
   only_ = nullptr;
   except_ = TermId();
+  graph_ = TermId();
   merge_ = false;
-  if (graph.kind == GraphRef::Kind::kDefault) {
+  if (graph.kind == GraphRef::Kind::kNamed) {
     if (dataset.is_explicit) {
-      if (dataset.default_graphs.empty()) return false;
-      if (dataset.default_graphs.size() == 1) {
-        quad->graph = dataset.default_graphs[0];
-        return true;
-      }
-      only_ = &dataset.default_graphs;
+      only_ = &dataset.named_graphs;
     } else if (dataset.strict) {
-      quad->graph = dataset.default_graph;
-      return true;
+      except_ = dataset.unnamed_graph;
     }
-    merge_ = true;
-    return true;
+    if (!bound) AssignTo(graph.name.slot, 3);
+    return;
   }
-  if (dataset.is_explicit) {
-    only_ = &dataset.named_graphs;
-  } else if (dataset.strict) {
-    except_ = dataset.unnamed_graph;
+  if (dataset.is_explicit ? dataset.default_graphs.size() == 1 : dataset.strict) {
+    graph_ = dataset.is_explicit ? dataset.default_graphs[0] : dataset.default_graph;
+    sees_ = graph_.tag() != TermId::Tag::kLocal;
+    return;
   }
-  const TermId bound =
-      graph.name.constant >= 0 ? context_->constants[graph.name.constant] : row[graph.name.slot];
-  if (bound.IsNone()) {
-    assigns_[assigned_++] = {graph.name.slot, 3};
-    return true;
-  }
-  quad->graph = bound;
-  return GraphAllowed(bound);
+  if (dataset.is_explicit) only_ = &dataset.default_graphs;
+  sees_ = !dataset.is_explicit || !only_->empty();
+  merge_ = true;
 }
 
 bool PatternScan::GraphAllowed(TermId graph) const {
@@ -45,27 +36,39 @@ bool PatternScan::GraphAllowed(TermId graph) const {
   return graph != except_;
 }
 
+void PatternScan::Prepare(const PlanPattern& pattern, unsigned bound) {
+  bound_ = bound;
+  assigned_ = 0;
+  equals_ = 0;
+  PrepareGraph(pattern.graph, (bound & 8) != 0);
+  for (int i = 0; i < 3; ++i) {
+    if ((bound & 1u << i) == 0) AssignTo(pattern.terms[i].slot, i);
+  }
+  checks_ = only_ != nullptr || !except_.IsNone() || equals_ > 0;
+}
+
 void PatternScan::Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context) {
   context_ = &context;
   valid_ = false;
-  assigned_ = 0;
-  equals_ = 0;
-  QuadPattern quad;
-  if (!OpenGraph(pattern.graph, row, &quad) || quad.graph.tag() == TermId::Tag::kLocal) return;
-  TermId* const positions[] = {&quad.subject, &quad.predicate, &quad.object};
-  for (int i = 0; i < 3; ++i) {
-    const PlanTerm& term = pattern.terms[i];
+  unsigned bound = 0;
+  bool known = true;  // to the store, every term
+  const auto value = [&](const PlanTerm& term, unsigned bit) {
     const TermId id = term.slot < 0 ? context.constants[term.constant] : row[term.slot];
-    if (id.IsNone()) {
-      AssignTo(term.slot, i);
-    } else if (id.tag() == TermId::Tag::kLocal) {
-      return;  // the store knows no such term
-    } else {
-      *positions[i] = id;
-    }
+    bound |= id.IsNone() ? 0 : bit;
+    known &= id.tag() != TermId::Tag::kLocal;
+    return id;
+  };
+  QuadPattern quad = {value(pattern.terms[0], 1), value(pattern.terms[1], 2), value(pattern.terms[2], 4), TermId()};
+  const bool named = pattern.graph.kind == GraphRef::Kind::kNamed;
+  if (named) quad.graph = value(pattern.graph.name, 8);
+  if (bound != bound_) Prepare(pattern, bound);
+  if (!known || !sees_) return;
+  if (!named) {
+    quad.graph = graph_;
+  } else if (!quad.graph.IsNone() && !GraphAllowed(quad.graph)) {
+    return;
   }
   context.version->Rescan(quad, &cursor_);
-  checks_ = only_ != nullptr || !except_.IsNone() || equals_ > 0;
   if (checks_) last_ = Quad{};
   valid_ = true;
   first_ = true;
@@ -125,9 +128,9 @@ uint64_t PatternScan::Count(TermId* row) {
 }
 
 void PatternScan::Close(TermId* row) {
+  if (!valid_) return;
   valid_ = false;
   for (int k = 0; k < assigned_; ++k) row[assigns_[k].slot] = TermId();
-  assigned_ = 0;
 }
 
 }  // namespace docent::sparql

@@ -20,14 +20,21 @@ class PatternScan {
   // Instead of Next, right after Open: how many matches there are.
   uint64_t Count(TermId* row);
   void Close(TermId* row);
-  // The version may be another one from now on.
-  void Forget() { cursor_.Forget(); }
+  // The version and the dataset may be others from now on.
+  void Forget() {
+    cursor_.Forget();
+    bound_ = kNothingYet;
+  }
   // How many Opens found their matches elsewhere than beside the last ones.
   uint64_t descents() const { return cursor_.descents(); }
 
  private:
-  // What a pattern outside GRAPH, inside GRAPH <iri> or GRAPH ?g may match; false: nothing.
-  bool OpenGraph(const GraphRef& graph, const TermId* row, QuadPattern* quad);
+  static constexpr unsigned kNothingYet = ~0u;
+
+  // What all rows that bind these terms (a bit each: 1, 2, 4, and 8 for the graph's name) have in common.
+  void Prepare(const PlanPattern& pattern, unsigned bound);
+  // What a pattern outside GRAPH or inside it may match.
+  void PrepareGraph(const GraphRef& graph, bool bound);
   bool GraphAllowed(TermId graph) const;
   // Whether what the cursor stands at is a match, where `checks_`.
   bool Passes();
@@ -41,11 +48,16 @@ class PatternScan {
 
   EvaluationContext* context_ = nullptr;
   QuadCursor cursor_;
-  Quad last_;  // the last one allowed, where `checks_` and `merge_`
   bool valid_ = false;
   bool first_ = false;
+  Quad last_;  // the last one allowed, where `checks_` and `merge_`
+
+  // From Prepare.
+  unsigned bound_ = kNothingYet;               // what it was for
+  bool sees_ = false;                          // there is a graph to look at
   bool checks_ = false;                        // not everything that the cursor finds is a match
   bool merge_ = false;                         // the same triple in several graphs is one match
+  TermId graph_;                               // the only one, where no name says which
   const std::vector<TermId>* only_ = nullptr;  // graphs allowed; null: all
   TermId except_;                              // graph not allowed
   std::array<Assign, 4> assigns_;

@@ -22,20 +22,20 @@ bool GraphVersion::Contains(const Quad& quad) const {
 }
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
-  const IndexOrder order = pattern.graph.IsNone() ? OrderWithoutGraph(BoundIn(pattern)) : OrderFor(pattern);
-  const KeyRange range = RangeOf(pattern, order);
+  const unsigned bound = BoundIn(pattern);
+  const IndexOrder order = OrderFor(pattern, bound);
+  const KeyRange range = RangeOf(pattern, bound, order);
   if (!range.exact) return ScanInOrder(pattern, order).Valid();
   return tree(order).ContainsAny(range.first, range.last);
 }
 
-IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
-  const unsigned bound = BoundIn(pattern);
+IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern, unsigned bound) const {
   const IndexOrder order = OrderWithoutGraph(bound);
   if (pattern.graph.IsNone()) return order;
   if (IsExact(bound, IndexOrder::kGspo)) return IndexOrder::kGspo;
   if (IsExact(bound, order)) return order;
   // Neither covers all that is bound: walk the shorter run.
-  const KeyRange without = RangeOf(pattern, order), within = RangeOf(pattern, IndexOrder::kGspo);
+  const KeyRange without = RangeOf(pattern, bound, order), within = RangeOf(pattern, bound, IndexOrder::kGspo);
   bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <
                      tree(order).CountRange(without.first, without.last);
   return graph_first ? IndexOrder::kGspo : order;
@@ -43,23 +43,24 @@ IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern) const {
 
 QuadCursor GraphVersion::Scan(const QuadPattern& pattern) const {
   QuadCursor cursor;
-  Open(pattern, OrderFor(pattern), &cursor);
+  Rescan(pattern, &cursor);
   return cursor;
 }
 
 QuadCursor GraphVersion::ScanInOrder(const QuadPattern& pattern, IndexOrder order) const {
   QuadCursor cursor;
-  Open(pattern, order, &cursor);
+  Open(pattern, BoundIn(pattern), order, &cursor);
   return cursor;
 }
 
 void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const {
-  Open(pattern, OrderFor(pattern), cursor);
+  const unsigned bound = BoundIn(pattern);
+  Open(pattern, bound, OrderFor(pattern, bound), cursor);
 }
 
-void GraphVersion::Open(const QuadPattern& pattern, IndexOrder order, QuadCursor* cursor) const {
+void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const {
   const QuadTree& over = tree(order);
-  const KeyRange range = RangeOf(pattern, order);
+  const KeyRange range = RangeOf(pattern, bound, order);
   if (cursor->tree_ == &over) {
     cursor->iterator_.Restart(range.first, range.last);
   } else {
@@ -74,21 +75,23 @@ void GraphVersion::Open(const QuadPattern& pattern, IndexOrder order, QuadCursor
 }
 
 uint64_t GraphVersion::Count(const QuadPattern& pattern) const {
-  const IndexOrder order = OrderWithoutGraph(BoundIn(pattern));
-  KeyRange without = RangeOf(pattern, order);
+  const unsigned bound = BoundIn(pattern);
+  const IndexOrder order = OrderWithoutGraph(bound);
+  KeyRange without = RangeOf(pattern, bound, order);
   if (without.exact && pattern.graph.IsNone()) {
     if (pattern.subject.IsNone() && pattern.predicate.IsNone() && pattern.object.IsNone()) return size();
     return tree(order).CountRange(without.first, without.last);
   }
-  KeyRange within = RangeOf(pattern, IndexOrder::kGspo);
+  KeyRange within = RangeOf(pattern, bound, IndexOrder::kGspo);
   uint64_t in_graph = tree(IndexOrder::kGspo).CountRange(within.first, within.last);
   if (within.exact) return in_graph;
   return std::min(in_graph, tree(order).CountRange(without.first, without.last));
 }
 
 std::vector<Quad> GraphVersion::Sample(const QuadPattern& pattern, size_t n) const {
-  const IndexOrder order = OrderFor(pattern);
-  const KeyRange range = RangeOf(pattern, order);
+  const unsigned bound = BoundIn(pattern);
+  const IndexOrder order = OrderFor(pattern, bound);
+  const KeyRange range = RangeOf(pattern, bound, order);
   std::vector<Quad> sample;
   if (!range.exact || size() == 0) return sample;
   const QuadTree& over = tree(order);

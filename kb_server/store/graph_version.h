@@ -73,9 +73,10 @@ class GraphVersion {
   // For the writer: shares all nodes.
   GraphVersion(const GraphVersion&) = default;
 
-  IndexOrder OrderFor(const QuadPattern& pattern) const;
+  // bound: as BoundIn tells.
+  IndexOrder OrderFor(const QuadPattern& pattern, unsigned bound) const;
   // The cursor is of this version, or of none.
-  void Open(const QuadPattern& pattern, IndexOrder order, QuadCursor* cursor) const;
+  void Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const;
   const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
 
   std::array<QuadTree, kIndexOrders> trees_;  // by IndexOrder

@@ -73,15 +73,14 @@ inline bool IsExact(unsigned bound, IndexOrder order) {
   return kWholePrefixes[bound] == kPrefixes[static_cast<size_t>(order)][bound];
 }
 
-// The keys of `order` that agree with the pattern's bound words up to the first unbound one.
+// The keys of `order` that agree with the pattern's bound words (BoundIn) up to the first unbound one.
 struct KeyRange {
   QuadTree::Key first;
   QuadTree::Key last;
   bool exact;  // no word after the first unbound one is bound
 };
 
-inline KeyRange RangeOf(const QuadPattern& p, IndexOrder order) {
-  const unsigned bound = BoundIn(p);
+inline KeyRange RangeOf(const QuadPattern& p, unsigned bound, IndexOrder order) {
   const int prefix = kPrefixes[static_cast<size_t>(order)][bound];
   const QuadTree::Key key = KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, order);
   KeyRange range;
