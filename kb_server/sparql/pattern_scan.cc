@@ -45,6 +45,7 @@ void PatternScan::Prepare(const PlanPattern& pattern, unsigned bound) {
     if ((bound & 1u << i) == 0) AssignTo(pattern.terms[i].slot, i);
   }
   checks_ = only_ != nullptr || !except_.IsNone() || equals_ > 0;
+  path_ = GraphVersion::PathFor(bound | (graph_.IsNone() ? 0 : 8));
 }
 
 void PatternScan::Open(const PlanPattern& pattern, const TermId* row, EvaluationContext& context) {
@@ -68,7 +69,11 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
   } else if (!quad.graph.IsNone() && !GraphAllowed(quad.graph)) {
     return;
   }
-  context.version->Rescan(quad, &cursor_);
+  if (path_) {
+    context.version->Rescan(quad, *path_, &cursor_);
+  } else {
+    context.version->Rescan(quad, &cursor_);
+  }
   if (checks_) last_ = Quad{};
   valid_ = true;
   first_ = true;

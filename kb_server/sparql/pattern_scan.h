@@ -3,6 +3,7 @@
 #define DOCENT_KB_SERVER_SPARQL_PATTERN_SCAN_H_
 
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "kb_server/sparql/evaluation_context.h"
@@ -60,6 +61,7 @@ class PatternScan {
   TermId graph_;                               // the only one, where no name says which
   const std::vector<TermId>* only_ = nullptr;  // graphs allowed; null: all
   TermId except_;                              // graph not allowed
+  std::optional<AccessPath> path_;             // none: it depends on the terms
   std::array<Assign, 4> assigns_;
   int assigned_ = 0;  // how many of them
   std::array<std::pair<int, int>, 4> equal_;  // positions that must hold the same term

@@ -1,6 +1,7 @@
 #include "kb_server/store/graph_version.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 
 #include "kb_server/store/index_order.h"
@@ -58,9 +59,27 @@ void GraphVersion::Rescan(const QuadPattern& pattern, QuadCursor* cursor) const 
   Open(pattern, bound, OrderFor(pattern, bound), cursor);
 }
 
+void GraphVersion::Rescan(const QuadPattern& pattern, const AccessPath& path, QuadCursor* cursor) const {
+  Place(RangeOf(pattern, path), path.order, cursor);
+}
+
+std::optional<AccessPath> GraphVersion::PathFor(unsigned bound) {
+  for (const IndexOrder order : {OrderWithoutGraph(bound), IndexOrder::kGspo}) {
+    if (IsExact(bound, order)) return AccessPath{order, std::popcount(bound)};
+  }
+  return std::nullopt;
+}
+
 void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const {
-  const QuadTree& over = tree(order);
   const KeyRange range = RangeOf(pattern, bound, order);
+  Place(range, order, cursor);
+  if (range.exact) return;
+  cursor->pattern_ = pattern;
+  cursor->Settle();
+}
+
+void GraphVersion::Place(const KeyRange& range, IndexOrder order, QuadCursor* cursor) const {
+  const QuadTree& over = tree(order);
   if (cursor->tree_ == &over) {
     cursor->iterator_.Restart(range.first, range.last);
   } else {
@@ -69,9 +88,6 @@ void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder o
     over.Range(range.first, range.last, &cursor->iterator_);
   }
   cursor->filter_ = !range.exact;
-  if (range.exact) return;
-  cursor->pattern_ = pattern;
-  cursor->Settle();
 }
 
 uint64_t GraphVersion::Count(const QuadPattern& pattern) const {

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,10 @@ class GraphVersion {
   // *cursor = Scan(pattern), quicker where the cursor is of this version already and the matches lie near those of its
   // last pattern. The version must not have changed since the cursor was made. A new or forgotten cursor will do, too.
   void Rescan(const QuadPattern& pattern, QuadCursor* cursor) const;
+  // The same for patterns that bind just the positions that `path` was made for.
+  void Rescan(const QuadPattern& pattern, const AccessPath& path, QuadCursor* cursor) const;
+  // Of all patterns that bind these positions (as BoundIn tells); none where no index has all their matches side by side.
+  static std::optional<AccessPath> PathFor(unsigned bound);
   // As Scan, in a given order; what the order's prefix does not cover is filtered (for merge joins). In kGspo
   // the copies of a triple are not adjacent.
   QuadCursor ScanInOrder(const QuadPattern& pattern, IndexOrder order) const;
@@ -76,6 +81,7 @@ class GraphVersion {
   // bound: as BoundIn tells.
   IndexOrder OrderFor(const QuadPattern& pattern, unsigned bound) const;
   // The cursor is of this version, or of none.
+  void Place(const KeyRange& range, IndexOrder order, QuadCursor* cursor) const;
   void Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const;
   const QuadTree& tree(IndexOrder order) const { return trees_[static_cast<size_t>(order)]; }
 

@@ -73,6 +73,12 @@ inline bool IsExact(unsigned bound, IndexOrder order) {
   return kWholePrefixes[bound] == kPrefixes[static_cast<size_t>(order)][bound];
 }
 
+// Where the matches of all patterns that bind the same positions (BoundIn) are neighbours, and no others among them.
+struct AccessPath {
+  IndexOrder order = IndexOrder::kSpog;
+  int prefix = 0;  // words of a key that are bound; the others are free
+};
+
 // The keys of `order` that agree with the pattern's bound words (BoundIn) up to the first unbound one.
 struct KeyRange {
   QuadTree::Key first;
@@ -90,6 +96,22 @@ inline KeyRange RangeOf(const QuadPattern& p, unsigned bound, IndexOrder order) 
     range.last[i] = key[i] | free;
   }
   range.exact = IsExact(bound, order);
+  return range;
+}
+
+inline KeyRange RangeOf(const QuadPattern& p, const AccessPath& path) {
+  static constexpr auto kFree = [] {
+    std::array<QuadTree::Key, 5> free{};
+    for (int prefix = 0; prefix < 4; ++prefix) {
+      for (int word = prefix; word < 4; ++word) free[prefix][word] = ~uint64_t{0};
+    }
+    return free;
+  }();
+  const QuadTree::Key& free = kFree[path.prefix];
+  KeyRange range;
+  range.first = KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, path.order);  // what is free is none, that is 0
+  for (int i = 0; i < 4; ++i) range.last[i] = range.first[i] | free[i];
+  range.exact = true;
   return range;
 }
 

@@ -79,7 +79,9 @@ void QuadTree::Iterator::Restart(const Key& first, const Key& last) {
   // Lookups that rise slowly find their place beside the last one.
   constexpr int kClose = 8;
   int from = 0, to = leaf_->count;
-  if (position_ < to && leaf_->LessAt(position_, first)) {
+  if (position_ < to && !leaf_->LessAt(position_, first)) {
+    to = position_;
+  } else if (position_ < to) {
     from = position_ + 1;
     if (from + kClose < to && !leaf_->LessAt(from + kClose, first)) to = from + kClose;
   }
