@@ -22,7 +22,7 @@ namespace {
 constexpr double kMatchesALookup = 1, kMatchesADescent = 3;
 // What a table may cost for each lookup that was made, since the estimate of those to come may be wrong.
 constexpr double kMatchesALookupMade = 8;
-constexpr uint64_t kFewLookups = 64;  // below, a table is never worth it
+constexpr uint64_t kFewLookups = 3;  // below, a table is never worth it
 
 class BgpOperator final : public Operator {
  public:
