@@ -18,14 +18,13 @@ constexpr size_t kMaxErrors = 20;  // more in one text are of no use to a person
 Grammar::Grammar(std::string_view text, const ParseOptions& options)
     : options_(options), lexer_(text), base_iri_(options.base_iri) {}
 
-const Token& Grammar::ReadAhead(size_t ahead) {
-  if (ahead == 1 && now_ == nullptr) ReadAhead(0);
-  Token* const place = now_ == &ahead_[0] ? &ahead_[1] : &ahead_[0];
-  while ((::new (place) Token(lexer_.Next()))->kind == TokenKind::kError) {  // made in its place
-    Error(place->span, std::string(place->text), std::string(place->prefix));
-  }
-  (ahead == 0 ? now_ : next_) = place;
-  return *place;
+const Token* Grammar::Read(Token* place) {
+  while ((::new (place) Token(lexer_.Next()))->kind == TokenKind::kError) ReportError(*place);  // made in its place
+  return place;
+}
+
+void Grammar::ReportError(const Token& token) {
+  Error(token.span, std::string(token.text), std::string(token.prefix));
 }
 
 bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
@@ -34,9 +33,9 @@ bool Grammar::Expect(std::string_view punctuation, std::string_view where) {
   return false;
 }
 
-bool Grammar::ExpectWord(std::string_view keyword, std::string_view where) {
+bool Grammar::ExpectWord(const Keyword& keyword, std::string_view where) {
   if (AcceptWord(keyword)) return true;
-  Expected(Concat({keyword, " ", where}));
+  Expected(Concat({keyword.text, " ", where}));
   return false;
 }
 

@@ -21,7 +21,6 @@
 #include "kb_server/sparql/lexer.h"
 #include "kb_server/sparql/name_numbers.h"
 #include "kb_server/sparql/parser.h"
-#include "kb_server/sparql/text.h"
 #include "kb_server/sparql/update_algebra.h"
 
 namespace docent::sparql {
@@ -54,8 +53,10 @@ class Grammar {
 
   // tokens
   const Token& Peek(size_t ahead = 0) {  // ahead: 0 or 1
-    const Token* token = ahead == 0 ? now_ : next_;
-    return token != nullptr ? *token : ReadAhead(ahead);
+    if (ahead == 0) return now_ != nullptr ? *now_ : *(now_ = Read(&ahead_[0]));
+    if (next_ != nullptr) return *next_;
+    next_ = Read(&Peek() == &ahead_[0] ? &ahead_[1] : &ahead_[0]);
+    return *next_;
   }
   Token Take() {
     const Token token = Peek();
@@ -63,23 +64,20 @@ class Grammar {
     return token;
   }
   bool At(std::string_view punctuation) { return Peek().Is(punctuation); }
-  bool AtWord(std::string_view keyword, size_t ahead = 0) {
-    const Token& token = Peek(ahead);
-    return token.kind == TokenKind::kWord && EqualsIgnoreCase(token.text, keyword);
-  }
+  bool AtWord(const Keyword& keyword, size_t ahead = 0) { return Peek(ahead).IsWord(keyword); }
   bool Accept(std::string_view punctuation) {
     const bool there = At(punctuation);
     if (there) Drop();
     return there;
   }
-  bool AcceptWord(std::string_view keyword) {
+  bool AcceptWord(const Keyword& keyword) {
     const bool there = AtWord(keyword);
     if (there) Drop();
     return there;
   }
   // Reports "expected … here" if the next token is another.
   bool Expect(std::string_view punctuation, std::string_view where);
-  bool ExpectWord(std::string_view keyword, std::string_view where);
+  bool ExpectWord(const Keyword& keyword, std::string_view where);
 
   void Error(const SourceSpan& span, std::string message, std::string hint = "");
   // "expected WHAT, not TOKEN" at the next token.
@@ -224,7 +222,9 @@ class Grammar {
   ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
   friend class ProductionParser;
 
-  const Token& ReadAhead(size_t ahead);
+  // The next token that is none of the kind kError.
+  const Token* Read(Token* place);
+  void ReportError(const Token& token);  // of the kind kError
   // Takes the token that was peeked at. Its place is used again for the next one that is read.
   void Drop() {
     now_ = next_;

@@ -127,7 +127,7 @@ ExpressionPtr Grammar::PrimaryExpression() {
     case TokenKind::kPrefixedName:
       return IriOrFunction();
     case TokenKind::kWord:
-      if (!EqualsIgnoreCase(token.text, "true") && !EqualsIgnoreCase(token.text, "false"))
+      if (!token.IsWord("true") && !token.IsWord("false"))
         return BuiltinCall();
       break;
     case TokenKind::kPunctuation:
@@ -157,18 +157,18 @@ ExpressionPtr Grammar::BracketedExpression() {
 
 ExpressionPtr Grammar::BuiltinCall() {
   const Token word = Peek();
-  if (EqualsIgnoreCase(word.text, "EXISTS")) {
+  if (word.IsWord("EXISTS")) {
     Take();
     return ExistsCall(false);
   }
-  if (EqualsIgnoreCase(word.text, "NOT") && AtWord("EXISTS", 1)) {
+  if (word.IsWord("NOT") && AtWord("EXISTS", 1)) {
     Take();
     Take();
     return ExistsCall(true);
   }
   if (const auto aggregate = FindAggregate(word.text)) return AggregateCall(*aggregate);
   const BuiltinInfo* info = FindBuiltin(word.text);
-  if (info == nullptr && EqualsIgnoreCase(word.text, "NOT")) {
+  if (info == nullptr && word.IsWord("NOT")) {
     Error(word.span, Concat({"'", word.text, "' stands before EXISTS and IN alone"}), "the opposite of an expression is written with '!'");
     return nullptr;
   }

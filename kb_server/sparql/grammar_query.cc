@@ -367,7 +367,7 @@ bool Grammar::LimitOffsetClauses(Modifiers* out) {
   bool has_offset = false;
   while (AtWord("LIMIT") || AtWord("OFFSET")) {
     const Token word = Take();
-    const bool limit = EqualsIgnoreCase(word.text, "LIMIT");
+    const bool limit = word.IsWord("LIMIT");
     if (limit ? out->limit.has_value() : std::exchange(has_offset, true)) {
       Error(word.span, Concat({word.text, " stands twice"}));
       return false;

@@ -93,7 +93,7 @@ bool Grammar::TriplesSameSubject(TriplesSink* sink) {
 bool Grammar::AtPlainVerb() {
   const Token& verb = Peek();
   const bool iri = verb.kind == TokenKind::kIri || verb.kind == TokenKind::kPrefixedName;
-  if (!iri && !(verb.kind == TokenKind::kWord && verb.text == "a")) return false;
+  if (!iri && !verb.IsA()) return false;
   const Token& next = Peek(1);
   return next.kind != TokenKind::kPunctuation || std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
 }
@@ -107,7 +107,7 @@ bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
       verb.Set(Variable{std::string(Peek().text)});
       Drop();
     } else if (sink->template_mode || AtPlainVerb()) {
-      if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+      if (Peek().IsA()) {
         Drop();
         *verb.SetIri() = std::string(kRdfType);
       } else if (!IriText(verb.SetIri())) {
@@ -128,7 +128,7 @@ bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
     const Token& next = Peek();
     const bool verb_follows = next.kind == TokenKind::kVariable || next.kind == TokenKind::kIri ||
                               next.kind == TokenKind::kPrefixedName ||
-                              (next.kind == TokenKind::kWord && next.text == "a") || next.Is("^") ||
+                              next.IsA() || next.Is("^") ||
                               next.Is("!") || next.Is("(");
     if (!verb_follows) return true;
   }
@@ -300,7 +300,7 @@ std::optional<Path> Grammar::PathPrimary() {
     return path;
   }
   if (Accept("!")) return PathNegatedSet();
-  if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+  if (Peek().IsA()) {
     Take();
     return PathOf(Term::Iri(std::string(kRdfType)));
   }
@@ -319,7 +319,7 @@ std::optional<Path> Grammar::PathNegatedSet() {
   const auto one = [&]() -> bool {
     const bool inverse = Accept("^");
     std::optional<Term> iri;
-    if (Peek().kind == TokenKind::kWord && Peek().text == "a") {
+    if (Peek().IsA()) {
       Take();
       iri = Term::Iri(std::string(kRdfType));
     } else {

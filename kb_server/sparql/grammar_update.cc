@@ -56,7 +56,7 @@ bool Grammar::Update1(UpdateOperation* operation) {
   if (AtWord("DELETE") && AtWord("WHERE", 1)) return DeleteWhere(operation);
   if (AtWord("INSERT") || AtWord("DELETE") || AtWord("WITH")) return Modify(operation);
   if (AtWord("LOAD")) return Load(operation);
-  for (const auto& [word, kind] : {std::pair{"CLEAR", Kind::kClear}, {"DROP", Kind::kDrop}}) {
+  for (const auto& [word, kind] : {std::pair{Keyword("CLEAR"), Kind::kClear}, {Keyword("DROP"), Kind::kDrop}}) {
     if (!AcceptWord(word)) continue;
     operation->kind = kind;
     operation->silent = AcceptWord("SILENT");
@@ -68,7 +68,7 @@ bool Grammar::Update1(UpdateOperation* operation) {
     return GraphRef(&operation->target);
   }
   for (const auto& [word, kind] :
-       {std::pair{"COPY", Kind::kCopy}, {"MOVE", Kind::kMove}, {"ADD", Kind::kAdd}}) {
+       {std::pair{Keyword("COPY"), Kind::kCopy}, {Keyword("MOVE"), Kind::kMove}, {Keyword("ADD"), Kind::kAdd}}) {
     if (!AcceptWord(word)) continue;
     operation->kind = kind;
     operation->silent = AcceptWord("SILENT");

@@ -1,11 +1,12 @@
 #include "kb_server/sparql/lexer.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <optional>
 #include <utility>
+
+#include "kb_server/sparql/ascii_run.h"
 
 namespace docent::sparql {
 namespace {
@@ -23,27 +24,6 @@ uint32_t HexValue(char c) {
   return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10;
 }
 
-// What an ASCII character may be part of; others are of no class.
-enum : uint8_t { kInName = 1, kInIri = 2, kLetter = 4, kPunctuationMark = 8, kBetweenTokens = 16 };
-constexpr std::array<uint8_t, 256> kClasses = [] {
-  std::array<uint8_t, 256> classes{};
-  for (int c = 0; c < 128; ++c) {
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    const auto is_one_of = [c](std::string_view set) { return set.find(static_cast<char>(c)) != std::string_view::npos; };
-    if (letter) classes[c] |= kLetter;
-    if (letter || (c >= '0' && c <= '9') || c == '_' || c == '-') classes[c] |= kInName;
-    if (c > 0x20 && !is_one_of("<>\"{}|^`\\")) classes[c] |= kInIri;
-    if (c > 0 && is_one_of(" \t\r\n#")) classes[c] |= kBetweenTokens;
-    if (c > 0 && is_one_of("{}()[].,;=<>!*/+-|^?")) classes[c] |= kPunctuationMark;
-  }
-  return classes;
-}();
-bool Is(char c, uint8_t part) {
-  return (kClasses[static_cast<uint8_t>(c)] & part) != 0;
-}
-bool IsWordChar(char c) {
-  return Is(c, kInName) && c != '-';
-}
 
 // The code point at `at` of valid UTF-8 and its length.
 std::pair<uint32_t, size_t> CodePointAt(std::string_view text, size_t at) {
@@ -146,23 +126,13 @@ bool AppendUtf8(uint32_t code, std::string* out) {
 }
 
 size_t FindInvalidUtf8(std::string_view text) {
-  for (size_t i = 0; i < text.size();) {
-    uint64_t eight;  // mostly ASCII
-    if (i + sizeof(eight) <= text.size()) {
-      std::memcpy(&eight, text.data() + i, sizeof(eight));
-      constexpr uint64_t kOnes = 0x0101010101010101, kHigh = 0x8080808080808080;
-      if (((eight | (eight - kOnes)) & kHigh) == 0) {  // no byte above 0x7F, and none that is 0
-        i += sizeof(eight);
-        continue;
-      }
-    }
+  for (size_t i = AsciiEnd(text, 0); i < text.size(); i = AsciiEnd(text, i)) {
     const uint8_t lead = static_cast<uint8_t>(text[i]);
-    const size_t length = lead < 0x80                   ? 1
-                          : lead >= 0xC2 && lead < 0xE0 ? 2
+    const size_t length = lead >= 0xC2 && lead < 0xE0   ? 2
                           : (lead & 0xF0) == 0xE0       ? 3
                           : lead >= 0xF0 && lead < 0xF5 ? 4
                                                         : 0;
-    if (lead == 0 || length == 0 || i + length > text.size()) return i;
+    if (length == 0 || i + length > text.size()) return i;
     for (size_t k = 1; k < length; ++k) {
       if ((static_cast<uint8_t>(text[i + k]) & 0xC0) != 0x80) return i;
     }
@@ -175,22 +145,18 @@ size_t FindInvalidUtf8(std::string_view text) {
 }
 
 // A byte order mark is not part of the text.
-Lexer::Lexer(std::string_view text) : text_(text), at_(text.starts_with("\xEF\xBB\xBF") ? 3 : 0) {}
+Lexer::Lexer(std::string_view text)
+    : text_(text), at_(text.starts_with("\xEF\xBB\xBF") ? 3 : 0), line_begin_(at_) {}
 
 void Lexer::Advance(size_t bytes) {
   for (const size_t end = at_ + bytes; at_ < end; ++at_) {
     const uint8_t c = static_cast<uint8_t>(text_[at_]);
     if (c == '\n') {
-      ++line_;
-      column_ = 1;
-    } else if ((c & 0xC0) != 0x80) {
-      ++column_;
+      BeginLine(at_ + 1);
+    } else if ((c & 0xC0) == 0x80) {
+      ++line_begin_;
     }
   }
-}
-
-SourceSpan Lexer::SpanOf(size_t length) const {
-  return {line_, column_, at_, length};
 }
 
 Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
@@ -202,13 +168,28 @@ Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::str
 Token Lexer::MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
   const Token token{kind, 0, SpanOf(length), text, prefix};
   at_ += length;
-  column_ += static_cast<int>(length);
   return token;
 }
 
 Token Lexer::MakeMark(size_t length) {
-  Token token = MakeAscii(TokenKind::kPunctuation, length, text_.substr(at_, length));
-  token.mark = Token::MarkOf(token.text);
+  const std::string_view text(text_.data() + at_, length);
+  const Token token{TokenKind::kPunctuation, Token::MarkOf(text), SpanOf(length), text, {}};
+  at_ += length;
+  return token;
+}
+
+Token Lexer::MakeWord(size_t length) {
+  const std::string_view text(text_.data() + at_, length);
+  uint64_t code;
+  if (at_ + sizeof(code) <= text_.size()) {  // as Keyword::CodeOf, for all letters together
+    std::memcpy(&code, text.data(), sizeof(code));
+    code |= 0x2020202020202020;
+    if (length < sizeof(code)) code &= (uint64_t{1} << 8 * length) - 1;
+  } else {
+    code = Keyword::CodeOf(text);
+  }
+  const Token token{TokenKind::kWord, code, SpanOf(length), text, {}};
+  at_ += length;
   return token;
 }
 
@@ -218,36 +199,31 @@ Token Lexer::Error(size_t length, std::string message, std::string_view hint) {
 
 void Lexer::SkipSpaceAndComments() {
   size_t at = at_;
-  int column = column_;
-  for (; at < text_.size(); ++at) {
-    const char c = text_[at];
-    if (c == ' ' || c == '\t' || c == '\r') {
-      ++column;
-    } else if (c == '\n') {
-      ++line_;
-      column = 1;
-    } else if (c == '#') {
+  for (; at < text_.size() && Is(text_[at], kBetweenTokens); ++at) {
+    if (text_[at] == '\n') {
+      BeginLine(at + 1);
+    } else if (text_[at] == '#') {
       const size_t end = std::min(text_.find_first_of("\n\r", at), text_.size());
-      for (; at < end; ++at) column += (static_cast<uint8_t>(text_[at]) & 0xC0) != 0x80;
+      for (; at < end; ++at) line_begin_ += (static_cast<uint8_t>(text_[at]) & 0xC0) == 0x80;
       --at;
-    } else {
-      break;
     }
   }
   at_ = at;
-  column_ = column;
 }
 
 Token Lexer::Next() {
-  if (at_ < text_.size() && text_[at_] == ' ') {  // what stands before most tokens
+  const auto after = [this](size_t bytes) { return at_ + bytes < text_.size() ? text_[at_ + bytes] : '\0'; };
+  char c = after(0);
+  if (c == ' ') {  // what stands before most tokens
     ++at_;
-    ++column_;
+    c = after(0);
   }
-  if (at_ < text_.size() && Is(text_[at_], kBetweenTokens)) SkipSpaceAndComments();
-  if (at_ >= text_.size()) return MakeAscii(TokenKind::kEnd, 0, "");
-  const char c = text_[at_];
+  if (Is(c, kBetweenTokens)) {
+    SkipSpaceAndComments();
+    c = after(0);
+  }
   if (Is(c, kLetter)) return LexWordOrName();
-  const auto next = [this] { return at_ + 1 < text_.size() ? text_[at_ + 1] : '\0'; };
+  if (Is(c, kMarkAlone)) return MakeMark(1);
   switch (c) {
     case '?':
     case '$':
@@ -255,36 +231,40 @@ Token Lexer::Next() {
     case '<':
       return LexIriOrPunctuation();
     case ':':
+      return LexLocalName(0);
     case '\\':
-      return LexWordOrName();
+      return LexWideName(at_);
     case '"':
     case '\'':
       return LexString();
     case '@':
       return LexLanguage();
     case '_':
-      return next() == ':' ? LexBlankLabel() : LexPunctuation();
+      return after(1) == ':' ? LexBlankLabel() : LexPunctuation();
     case '.':
-      return IsDigit(next()) ? LexNumber() : LexPunctuation();
+      return IsDigit(after(1)) ? LexNumber() : LexPunctuation();
+    case '\0':  // none stands in a text
+      return MakeAscii(TokenKind::kEnd, 0, "");
     default:
       break;
   }
   if (IsDigit(c)) return LexNumber();
-  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWordOrName();
+  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWideName(at_);
   return LexPunctuation();
 }
 
 Token Lexer::LexVariable() {
-  const size_t begin = at_ + 1;
-  size_t end = begin;
-  while (end < text_.size() && IsWordChar(text_[end])) ++end;  // [166] VARNAME
-  const bool goes_on = end < text_.size() && (static_cast<uint8_t>(text_[end]) >= 0x80 || text_[end] == '\\');
-  if (!goes_on) {
-    if (end == begin) return LexPunctuation();
-    return MakeAscii(TokenKind::kVariable, end - at_, text_.substr(begin, end - begin));
-  }
+  const size_t begin = at_ + 1, end = WordEnd(text_, begin);  // [166] VARNAME
+  const char after = end < text_.size() ? text_[end] : ' ';
+  if (static_cast<uint8_t>(after) >= 0x80 || after == '\\') return LexWideVariable();
+  if (end == begin) return LexPunctuation();
+  return MakeAscii(TokenKind::kVariable, end - at_, {text_.data() + begin, end - begin});
+}
+
+// A variable whose name holds more than ASCII letters, digits and '_', or escapes.
+Token Lexer::LexWideVariable() {
   std::string name;
-  end = begin;
+  size_t end = at_ + 1;
   while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
     const bool never_first = c->code == 0xB7 || (c->code >= 0x300 && c->code <= 0x36F) || (c->code >= 0x203F && c->code <= 0x2040);
     if (!IsNameChar(c->code) || c->code == '-' || (name.empty() && never_first)) break;
@@ -308,11 +288,13 @@ Token Lexer::LexLanguage() {
 
 // `<…>` is an IRI if it holds nothing that an IRI may not hold, and '<' else.
 Token Lexer::LexIriOrPunctuation() {
-  size_t i = at_ + 1;
-  while (i < text_.size() && Is(text_[i], kInIri)) ++i;
-  if (i < text_.size() && text_[i] == '>') {
-    return MakeAscii(TokenKind::kIri, i + 1 - at_, text_.substr(at_ + 1, i - at_ - 1));
-  }
+  const size_t begin = at_ + 1, end = IriEnd(text_, begin);
+  if (end == text_.size() || text_[end] != '>') return LexWideIriOrPunctuation(end);
+  return MakeAscii(TokenKind::kIri, end + 1 - at_, {text_.data() + begin, end - begin});
+}
+
+// The same from where something else than an ASCII character of an IRI stands.
+Token Lexer::LexWideIriOrPunctuation(size_t i) {
   bool escaped = false;
   for (; i < text_.size(); ++i) {
     const char c = text_[i];
@@ -417,29 +399,37 @@ Token Lexer::LexBlankLabel() {
   return Make(TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
 }
 
+// What begins with an ASCII letter.
 Token Lexer::LexWordOrName() {
-  size_t end = at_;
-  while (end < text_.size() && Is(text_[end], kInName)) ++end;
+  const size_t end = WordEnd(text_, at_ + 1);
   const char after = end < text_.size() ? text_[end] : ' ';
+  if (after == ' ') return MakeWord(end - at_);
   if (after == ':') return LexLocalName(end - at_);
+  return LexWideName(end);
+}
+
+// The same, or what begins with another character of a name, when `end` is where the ASCII letters, digits and '_' end.
+Token Lexer::LexWideName(size_t end) {
+  const size_t name_end = NameEnd(text_, end);
+  const char after = name_end < text_.size() ? text_[name_end] : ' ';
+  if (after == ':') return LexLocalName(name_end - at_);
   const bool goes_on = after == '.' || after == '\\' || static_cast<uint8_t>(after) >= 0x80;
   if (goes_on) {
     if (std::optional<Token> name = LexNameWithWidePrefix()) return *name;
   }
-  for (end = at_; end < text_.size() && IsWordChar(text_[end]);) ++end;
   if (end == text_.size() || text_[end] != '\\') {
-    if (end > at_) return MakeAscii(TokenKind::kWord, end - at_, text_.substr(at_, end - at_));
-    const size_t length = CodePointAt(text_, at_).second;
-    return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+    return end > at_ ? MakeWord(end - at_) : Misplaced();
   }
   std::string word;  // a keyword with escapes
   end = at_;
-  for (std::optional<CodePoint> c; (c = CodePointOrEscape(text_, end)) && c->code < 0x80 && IsWordChar(static_cast<char>(c->code));) {
+  for (std::optional<CodePoint> c; (c = CodePointOrEscape(text_, end)) && c->code < 0x80 && Is(static_cast<char>(c->code), kInWord);) {
     word.push_back(static_cast<char>(c->code));
     end += c->length;
   }
   if (end == at_) return Error(1, "'\\' cannot stand here");
-  return Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
+  Token token = Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
+  token.code = Keyword::CodeOf(token.text);
+  return token;
 }
 
 // A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; nothing if what begins here is none.
@@ -461,17 +451,14 @@ std::optional<Token> Lexer::LexNameWithWidePrefix() {
 }
 
 Token Lexer::LexLocalName(size_t prefix_length) {
-  const std::string_view prefix = text_.substr(at_, prefix_length);
+  const std::string_view prefix(text_.data() + at_, prefix_length);
   const size_t begin = at_ + prefix_length + 1;
-  size_t end = begin;
-  if (end < text_.size() && text_[end] != '-') {
-    while (end < text_.size() && Is(text_[end], kInName)) ++end;
-  }
+  const size_t end = begin < text_.size() && text_[begin] != '-' ? NameEnd(text_, begin) : begin;
   const char next = end < text_.size() ? text_[end] : ' ';
   if (static_cast<uint8_t>(next) >= 0x80 || next == '.' || next == '%' || next == '\\' || next == ':') {
     return LexEscapedLocalName(begin, prefix);
   }
-  return MakeAscii(TokenKind::kPrefixedName, end - at_, text_.substr(begin, end - begin), prefix);
+  return MakeAscii(TokenKind::kPrefixedName, end - at_, {text_.data() + begin, end - begin}, prefix);
 }
 
 // [169] PN_LOCAL from `begin` on
@@ -528,7 +515,11 @@ Token Lexer::LexPunctuation() {
   if (doubled || (next == '=' && (c == '!' || c == '<' || c == '>'))) {
     return MakeMark(2);
   }
-  if (Is(c, kPunctuationMark)) return MakeMark(1);
+  return Is(c, kPunctuationMark) ? MakeMark(1) : Misplaced();
+}
+
+// An error: no token begins with this character.
+Token Lexer::Misplaced() {
   const size_t length = CodePointAt(text_, at_).second;
   return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
 }

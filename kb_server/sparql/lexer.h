@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/sparql/text.h"
 
 namespace docent::sparql {
 
@@ -29,20 +30,46 @@ enum class TokenKind {
   kError,         // text: what is wrong; prefix: hint
 };
 
+// A word of the grammar, whatever the case of its letters.
+class Keyword {
+ public:
+  // The first eight letters, digits and '_' in lower case as a number: it tells most words from each other.
+  static constexpr uint64_t CodeOf(std::string_view word) {
+    uint64_t code = 0;
+    for (size_t i = 0; i < word.size() && i < sizeof(code); ++i) {
+      code |= static_cast<uint64_t>(static_cast<uint8_t>(word[i]) | 0x20) << 8 * i;
+    }
+    return code;
+  }
+
+  template <size_t size>
+  consteval Keyword(const char (&text)[size]) : Keyword(std::string_view(text, size - 1)) {}
+  constexpr explicit Keyword(std::string_view text) : code(CodeOf(text)), text(text) {}
+
+  uint64_t code;
+  std::string_view text;
+};
+
 // Lives as long as the lexer that made it: its texts lie in the query's text, or, where there were escapes, in the lexer.
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  uint16_t mark = 0;  // kPunctuation: MarkOf its text
+  uint64_t code = 0;  // kPunctuation: MarkOf its text; kWord: Keyword::CodeOf it. No two of them have one code
   SourceSpan span;
   std::string_view text;
   std::string_view prefix;
 
   // Punctuation of one or two characters as a number.
-  static constexpr uint16_t MarkOf(std::string_view text) {
-    return static_cast<uint16_t>(static_cast<uint8_t>(text[0]) |
+  static constexpr uint64_t MarkOf(std::string_view text) {
+    return static_cast<uint64_t>(static_cast<uint8_t>(text[0]) |
                                  (text.size() > 1 ? static_cast<uint8_t>(text[1]) << 8 : 0));
   }
-  bool Is(std::string_view punctuation) const { return mark == MarkOf(punctuation); }
+  bool Is(std::string_view punctuation) const { return code == MarkOf(punctuation); }
+  // The predicate "a", a keyword whose case counts.
+  bool IsA() const { return code == 'a' && text[0] == 'a'; }
+  bool IsWord(const Keyword& keyword) const {
+    return code == keyword.code &&
+           (keyword.text.size() <= sizeof(code) || EqualsIgnoreCase(text, keyword.text));
+  }
 };
 
 class Lexer {
@@ -56,26 +83,38 @@ class Lexer {
  private:
   void SkipSpaceAndComments();
   void Advance(size_t bytes);
-  SourceSpan SpanOf(size_t length) const;
+  void BeginLine(size_t at) {
+    ++line_;
+    line_begin_ = at;
+  }
+  SourceSpan SpanOf(size_t length) const {
+    return {line_, static_cast<int>(at_ - line_begin_) + 1, at_, length};
+  }
   Token Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   // The same where all of it is ASCII without a line's end.
   Token MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   // Punctuation of so many characters.
   Token MakeMark(size_t length);
+  // A word without escapes.
+  Token MakeWord(size_t length);
   Token Error(size_t length, std::string message, std::string_view hint = {});
   // The same text in the lexer's keeping.
   std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
   Token LexString();
   Token LexNumber();
   Token LexWordOrName();
+  Token LexWideName(size_t end);
   Token LexVariable();
+  Token LexWideVariable();
   Token LexLanguage();
   Token LexIriOrPunctuation();
+  Token LexWideIriOrPunctuation(size_t i);
   std::optional<Token> LexNameWithWidePrefix();
   Token LexLocalName(size_t prefix_length);
   Token LexBlankLabel();
   Token LexEscapedLocalName(size_t begin, std::string_view prefix);
   Token LexPunctuation();
+  Token Misplaced();
   Token LexEscapedIri(size_t length);
 
   std::string_view text_;
@@ -83,7 +122,7 @@ class Lexer {
   size_t at_ = 0;
   size_t no_prefix_before_ = 0;  // no prefix with more than ASCII letters begins between at_ and there
   int line_ = 1;
-  int column_ = 1;
+  size_t line_begin_;  // where the line begins, and beyond by each byte since that begins no character
 };
 
 // Offset of the first byte that is not UTF-8 or is U+0000; npos if there is none.

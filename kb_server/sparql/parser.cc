@@ -124,10 +124,10 @@ std::optional<std::string> ProductionParser::String() {
   return impl_->grammar.String();
 }
 bool ProductionParser::AcceptKeyword(std::string_view keyword) {
-  return impl_->grammar.AcceptWord(keyword);
+  return impl_->grammar.AcceptWord(Keyword(keyword));
 }
 bool ProductionParser::AtKeyword(std::string_view keyword) const {
-  return impl_->grammar.AtWord(keyword);
+  return impl_->grammar.AtWord(Keyword(keyword));
 }
 bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
   return impl_->grammar.Accept(punctuation);
