@@ -42,6 +42,14 @@ class PatternTerm {
     return PatternTerm(std::move(variable), span);
   }
   PatternTerm() = default;
+  PatternTerm(const PatternTerm&) = default;
+  PatternTerm& operator=(const PatternTerm&) = default;
+  PatternTerm(PatternTerm&& other) noexcept : span(other.span) { Move(&other); }
+  PatternTerm& operator=(PatternTerm&& other) noexcept {
+    span = other.span;
+    if (this != &other) Move(&other);
+    return *this;
+  }
 
   bool IsVariable() const { return std::holds_alternative<Variable>(what_); }
   // Requires IsVariable().
@@ -66,6 +74,16 @@ class PatternTerm {
   template <typename What>
   PatternTerm(What what, const SourceSpan& span) : span(span), what_(std::move(what)) {}
   static const Term& NoTerm();
+  // Parsing moves each term once or twice: a branch for each kind costs a part of what the variant's own visitor does.
+  void Move(PatternTerm* from) {
+    if (Variable* variable = std::get_if<Variable>(&from->what_)) {
+      what_.emplace<Variable>(std::move(*variable));
+    } else if (Term* term = std::get_if<Term>(&from->what_)) {
+      what_.emplace<Term>(std::move(*term));
+    } else {
+      what_.emplace<std::monostate>();
+    }
+  }
 
   std::variant<std::monostate, Variable, Term> what_;
 };

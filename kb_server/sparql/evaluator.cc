@@ -29,7 +29,7 @@ class Program {
  public:
   Program(const Dictionary& dictionary, const PrepareOptions& options)
       : dictionary_(dictionary),
-        options_(options),
+        strict_(options.default_graph == DefaultGraph::kStrict),
         context(dictionary, options.functions, options.memory_bytes, options.all_memory) {}
 
   // The constants that the dictionary did not have at first are looked for again when it has grown.
@@ -65,9 +65,8 @@ class Program {
                   int default_graph, int with = -1) {
     DatasetIds& d = context.dataset;
     d.is_explicit = is_explicit;
-    const bool strict = options_.default_graph == DefaultGraph::kStrict;
-    d.strict = strict || with >= 0;
-    d.unnamed_graph = strict ? context.constants[default_graph] : TermId();
+    d.strict = strict_ || with >= 0;
+    d.unnamed_graph = strict_ ? context.constants[default_graph] : TermId();
     d.default_graph = with >= 0 ? context.constants[with] : d.unnamed_graph;
     const auto ids = [this](const std::vector<int>& numbers) {
       std::vector<TermId> out;
@@ -88,7 +87,7 @@ class Program {
 
  private:
   const Dictionary& dictionary_;
-  PrepareOptions options_;
+  const bool strict_;  // the default graph
   std::vector<size_t> unresolved_;
   size_t resolved_at_ = 0;
 
@@ -125,7 +124,8 @@ struct PreparedQuery::Impl {
   size_t slots = 0;
   PlanNodePtr plan;  // lowered; arranged once `root` stands
   std::unique_ptr<Operator> root;
-  std::vector<TermId> base, out, row;
+  std::vector<TermId> ids;  // the rows:
+  absl::Span<TermId> base, out, row;
   bool running = false;
   bool begun = false;    // the operators may keep what a run made
   bool measure = false;  // the next plan counts rows and time
@@ -170,9 +170,10 @@ void PreparedQuery::Impl::Plan(const GraphVersion& version) {
   program.planned_size = version.size();
   program.context.version = &version;
   ArrangePlan(plan, bound, program.context, {options.reorder_joins});
-  base.assign(slots, TermId());
-  out.assign(slots, TermId());
-  row.assign(columns.size(), TermId());
+  ids.assign(2 * slots + columns.size(), TermId());
+  base = absl::MakeSpan(ids.data(), slots);
+  out = absl::MakeSpan(base.end(), slots);
+  row = absl::MakeSpan(out.end(), columns.size());
   root = BuildOperator(*plan, {&program.context, slots, base.data(), measure});
 }
 

@@ -86,6 +86,7 @@ class Grammar {
 
   const std::vector<std::pair<std::string, std::string>>& prefixes() const { return prefixes_; }
   const Diagnostics& diagnostics() const { return diagnostics_; }
+  Diagnostics TakeDiagnostics() { return std::move(diagnostics_); }
   bool failed() const { return !diagnostics_.empty(); }
 
  private:
@@ -185,6 +186,8 @@ class Grammar {
   bool AtPlainVerb();
   // The last triple takes *subject; so with *verb below.
   bool PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink);  // [77] [83]
+  bool Property(PatternTerm* subject, TriplesSink* sink);              // a verb and its objects
+  bool Verb(PatternTerm* out);                                         // [78]
   // `path` null: the predicate is *verb.
   bool ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink);
   // These fill *out, an empty term; false: an error was reported.

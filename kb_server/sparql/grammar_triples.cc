@@ -100,38 +100,57 @@ bool Grammar::AtPlainVerb() {
 
 bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
   while (true) {
-    std::optional<Path> path;
-    PatternTerm verb;
-    verb.span = Peek().span;
-    if (Peek().kind == TokenKind::kVariable) {
-      verb.Set(Variable{std::string(Peek().text)});
-      Drop();
-    } else if (sink->template_mode || AtPlainVerb()) {
-      if (Peek().IsA()) {
-        Drop();
-        *verb.SetIri() = std::string(kRdfType);
-      } else if (!IriText(verb.SetIri())) {
-        return false;
-      }
-    } else {
-      path = ParsePath();
-      if (!path) return false;
-      if (path->kind == Path::Kind::kIri) {  // one in parentheses
-        verb.Set(std::move(path->iri));
-        path.reset();
-      }
-    }
-    if (!ObjectList(subject, path ? &*path : nullptr, &verb, sink)) return false;
+    if (!Property(subject, sink)) return false;
     if (!Accept(";")) return true;
     while (Accept(";")) {
     }
     const Token& next = Peek();
     const bool verb_follows = next.kind == TokenKind::kVariable || next.kind == TokenKind::kIri ||
-                              next.kind == TokenKind::kPrefixedName ||
-                              next.IsA() || next.Is("^") ||
+                              next.kind == TokenKind::kPrefixedName || next.IsA() || next.Is("^") ||
                               next.Is("!") || next.Is("(");
     if (!verb_follows) return true;
   }
+}
+
+bool Grammar::Property(PatternTerm* subject, TriplesSink* sink) {
+  if (Peek().kind != TokenKind::kVariable && !sink->template_mode && !AtPlainVerb()) {
+    PatternTerm verb;
+    verb.span = Peek().span;
+    std::optional<Path> path = ParsePath();
+    if (!path) return false;
+    if (path->kind != Path::Kind::kIri) return ObjectList(subject, &*path, &verb, sink);
+    verb.Set(std::move(path->iri));  // one in parentheses
+    return ObjectList(subject, nullptr, &verb, sink);
+  }
+  if (sink->triples.empty()) sink->triples.reserve(4);
+  TriplePattern& triple = sink->triples.emplace_back();  // read in its place
+  const bool verb = Verb(&triple.predicate);
+  const bool brackets = verb && (At("(") || At("["));
+  if (!verb || brackets || !CountTriple() || !VarOrTerm(sink, &triple.object)) {
+    PatternTerm before_brackets = std::move(triple.predicate);
+    sink->triples.pop_back();
+    return brackets && ObjectList(subject, nullptr, &before_brackets, sink);
+  }
+  const bool more_objects = At(",");
+  Give(subject, more_objects || At(";"), &triple.subject);
+  if (!more_objects) return true;
+  Drop();
+  PatternTerm again = triple.predicate;
+  return ObjectList(subject, nullptr, &again, sink);
+}
+
+bool Grammar::Verb(PatternTerm* out) {
+  const Token& token = Peek();
+  out->span = token.span;
+  if (token.kind == TokenKind::kVariable) {
+    out->Set(Variable{std::string(token.text)});
+    Drop();
+    return true;
+  }
+  if (!token.IsA()) return IriText(out->SetIri());
+  Drop();
+  out->SetIri()->assign(kRdfType.data(), kRdfType.size());
+  return true;
 }
 
 bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink) {
@@ -147,7 +166,6 @@ bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* ve
       }
       continue;
     }
-    if (sink->triples.empty()) sink->triples.reserve(8);
     TriplePattern& triple = sink->triples.emplace_back();
     if (!VarOrTerm(sink, &triple.object)) {
       sink->triples.pop_back();

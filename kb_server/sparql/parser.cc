@@ -50,7 +50,7 @@ ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
   }
   Grammar grammar(text, options);
   const bool whole = grammar.QueryUnit(&parsed.query);
-  parsed.diagnostics = grammar.diagnostics();
+  parsed.diagnostics = grammar.TakeDiagnostics();
   if (!whole) parsed.query = Query();
   return parsed;
 }

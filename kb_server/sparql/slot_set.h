@@ -11,6 +11,17 @@ namespace docent::sparql {
 
 class SlotSet {
  public:
+  SlotSet() = default;
+  SlotSet(const SlotSet& other) : first_(other.first_) { CopyMore(other); }
+  SlotSet(SlotSet&&) = default;
+  SlotSet& operator=(const SlotSet& other) {
+    first_ = other.first_;
+    CopyMore(other);
+    return *this;
+  }
+  SlotSet& operator=(SlotSet&&) = default;
+  ~SlotSet() = default;
+
   void Add(int slot) { WordOf(slot) |= Bit(slot); }
   void Remove(int slot) {
     if (Contains(slot)) WordOf(slot) &= ~Bit(slot);
@@ -28,6 +39,7 @@ class SlotSet {
 
   SlotSet& operator|=(const SlotSet& other) {
     first_ |= other.first_;
+    if (other.more_.empty()) return *this;
     if (other.more_.size() > more_.size()) more_.resize(other.more_.size());
     for (size_t i = 0; i < other.more_.size(); ++i) more_[i] |= other.more_[i];
     return *this;
@@ -58,6 +70,9 @@ class SlotSet {
   static uint64_t Bit(int slot) { return uint64_t{1} << (slot % 64); }
   static void AddMembers(uint64_t word, int begin, std::vector<int>* out) {
     for (uint64_t w = word; w != 0; w &= w - 1) out->push_back(begin + __builtin_ctzll(w));
+  }
+  void CopyMore(const SlotSet& other) {
+    if (!more_.empty() || !other.more_.empty()) more_ = other.more_;
   }
   uint64_t& WordOf(int slot) {
     if (slot < 64) return first_;
