@@ -1,7 +1,6 @@
 #include "kb_server/sparql/grammar.h"
 
 #include <algorithm>
-#include <new>
 #include <utility>
 
 #include "kb_server/rdf/iri.h"
@@ -19,7 +18,7 @@ Grammar::Grammar(std::string_view text, const ParseOptions& options)
     : options_(options), lexer_(text), base_iri_(options.base_iri) {}
 
 const Token* Grammar::Read(Token* place) {
-  while ((::new (place) Token(lexer_.Next()))->kind == TokenKind::kError) ReportError(*place);  // made in its place
+  for (lexer_.Next(place); place->kind == TokenKind::kError; lexer_.Next(place)) ReportError(*place);
   return place;
 }
 

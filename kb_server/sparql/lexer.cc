@@ -159,26 +159,23 @@ void Lexer::Advance(size_t bytes) {
   }
 }
 
-Token Lexer::Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
-  const Token token{kind, 0, SpanOf(length), text, prefix};
+void Lexer::Put(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
+  *out = {kind, 0, SpanOf(length), text, prefix};
   Advance(length);
-  return token;
 }
 
-Token Lexer::MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
-  const Token token{kind, 0, SpanOf(length), text, prefix};
+void Lexer::PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
+  *out = {kind, 0, SpanOf(length), text, prefix};
   at_ += length;
-  return token;
 }
 
-Token Lexer::MakeMark(size_t length) {
+void Lexer::PutMark(Token* out, size_t length) {
   const std::string_view text(text_.data() + at_, length);
-  const Token token{TokenKind::kPunctuation, Token::MarkOf(text), SpanOf(length), text, {}};
+  *out = {TokenKind::kPunctuation, Token::MarkOf(text), SpanOf(length), text, {}};
   at_ += length;
-  return token;
 }
 
-Token Lexer::MakeWord(size_t length) {
+void Lexer::PutWord(Token* out, size_t length) {
   const std::string_view text(text_.data() + at_, length);
   uint64_t code;
   if (at_ + sizeof(code) <= text_.size()) {  // as Keyword::CodeOf, for all letters together
@@ -188,13 +185,12 @@ Token Lexer::MakeWord(size_t length) {
   } else {
     code = Keyword::CodeOf(text);
   }
-  const Token token{TokenKind::kWord, code, SpanOf(length), text, {}};
+  *out = {TokenKind::kWord, code, SpanOf(length), text, {}};
   at_ += length;
-  return token;
 }
 
-Token Lexer::Error(size_t length, std::string message, std::string_view hint) {
-  return Make(TokenKind::kError, length, Keep(std::move(message)), hint);
+void Lexer::Error(Token* out, size_t length, std::string message, std::string_view hint) {
+  Put(out, TokenKind::kError, length, Keep(std::move(message)), hint);
 }
 
 void Lexer::SkipSpaceAndComments() {
@@ -211,7 +207,7 @@ void Lexer::SkipSpaceAndComments() {
   at_ = at;
 }
 
-Token Lexer::Next() {
+void Lexer::Next(Token* out) {
   const auto after = [this](size_t bytes) { return at_ + bytes < text_.size() ? text_[at_ + bytes] : '\0'; };
   char c = after(0);
   if (c == ' ') {  // what stands before most tokens
@@ -220,49 +216,49 @@ Token Lexer::Next() {
   }
   if (Is(c, kBetweenTokens)) {
     SkipSpaceAndComments();
-    c = after(0);
+    return Next(out);
   }
-  if (Is(c, kLetter)) return LexWordOrName();
-  if (Is(c, kMarkAlone)) return MakeMark(1);
+  if (Is(c, kLetter)) return LexWordOrName(out);
+  if (Is(c, kMarkAlone)) return PutMark(out, 1);
   switch (c) {
     case '?':
     case '$':
-      return LexVariable();
+      return LexVariable(out);
     case '<':
-      return LexIriOrPunctuation();
+      return LexIriOrPunctuation(out);
     case ':':
-      return LexLocalName(0);
+      return LexLocalName(out, 0);
     case '\\':
-      return LexWideName(at_);
+      return LexWideName(out, at_);
     case '"':
     case '\'':
-      return LexString();
+      return LexString(out);
     case '@':
-      return LexLanguage();
+      return LexLanguage(out);
     case '_':
-      return after(1) == ':' ? LexBlankLabel() : LexPunctuation();
+      return after(1) == ':' ? LexBlankLabel(out) : LexPunctuation(out);
     case '.':
-      return IsDigit(after(1)) ? LexNumber() : LexPunctuation();
+      return IsDigit(after(1)) ? LexNumber(out) : LexPunctuation(out);
     case '\0':  // none stands in a text
-      return MakeAscii(TokenKind::kEnd, 0, "");
+      return PutAscii(out, TokenKind::kEnd, 0, "");
     default:
       break;
   }
-  if (IsDigit(c)) return LexNumber();
-  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWideName(at_);
-  return LexPunctuation();
+  if (IsDigit(c)) return LexNumber(out);
+  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWideName(out, at_);
+  return LexPunctuation(out);
 }
 
-Token Lexer::LexVariable() {
+void Lexer::LexVariable(Token* out) {
   const size_t begin = at_ + 1, end = WordEnd(text_, begin);  // [166] VARNAME
   const char after = end < text_.size() ? text_[end] : ' ';
-  if (static_cast<uint8_t>(after) >= 0x80 || after == '\\') return LexWideVariable();
-  if (end == begin) return LexPunctuation();
-  return MakeAscii(TokenKind::kVariable, end - at_, {text_.data() + begin, end - begin});
+  if (static_cast<uint8_t>(after) >= 0x80 || after == '\\') return LexWideVariable(out);
+  if (end == begin) return LexPunctuation(out);
+  return PutAscii(out, TokenKind::kVariable, end - at_, {text_.data() + begin, end - begin});
 }
 
 // A variable whose name holds more than ASCII letters, digits and '_', or escapes.
-Token Lexer::LexWideVariable() {
+void Lexer::LexWideVariable(Token* out) {
   std::string name;
   size_t end = at_ + 1;
   while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
@@ -271,45 +267,45 @@ Token Lexer::LexWideVariable() {
     AppendUtf8(c->code, &name);
     end += c->length;
   }
-  if (name.empty()) return LexPunctuation();
-  return Make(TokenKind::kVariable, end - at_, Keep(std::move(name)));
+  if (name.empty()) return LexPunctuation(out);
+  return Put(out, TokenKind::kVariable, end - at_, Keep(std::move(name)));
 }
 
-Token Lexer::LexLanguage() {
+void Lexer::LexLanguage(Token* out) {
   size_t end = at_ + 1;
   while (end < text_.size() && IsAlpha(text_[end])) ++end;
-  if (end == at_ + 1) return Error(1, "a language tag needs letters after '@'", "write it like \"text\"@en");
+  if (end == at_ + 1) return Error(out, 1, "a language tag needs letters after '@'", "write it like \"text\"@en");
   while (end + 1 < text_.size() && text_[end] == '-' && (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
     ++end;
     while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
   }
-  return MakeAscii(TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
+  return PutAscii(out, TokenKind::kLanguage, end - at_, text_.substr(at_ + 1, end - at_ - 1));
 }
 
 // `<…>` is an IRI if it holds nothing that an IRI may not hold, and '<' else.
-Token Lexer::LexIriOrPunctuation() {
+void Lexer::LexIriOrPunctuation(Token* out) {
   const size_t begin = at_ + 1, end = IriEnd(text_, begin);
-  if (end == text_.size() || text_[end] != '>') return LexWideIriOrPunctuation(end);
-  return MakeAscii(TokenKind::kIri, end + 1 - at_, {text_.data() + begin, end - begin});
+  if (end == text_.size() || text_[end] != '>') return LexWideIriOrPunctuation(out, end);
+  return PutAscii(out, TokenKind::kIri, end + 1 - at_, {text_.data() + begin, end - begin});
 }
 
 // The same from where something else than an ASCII character of an IRI stands.
-Token Lexer::LexWideIriOrPunctuation(size_t i) {
+void Lexer::LexWideIriOrPunctuation(Token* out, size_t i) {
   bool escaped = false;
   for (; i < text_.size(); ++i) {
     const char c = text_[i];
     if (Is(c, kInIri) || static_cast<uint8_t>(c) >= 0x80) continue;
     if (c == '>') {
       const size_t length = i + 1 - at_;
-      return escaped ? LexEscapedIri(length) : Make(TokenKind::kIri, length, text_.substr(at_ + 1, length - 2));
+      return escaped ? LexEscapedIri(out, length) : Put(out, TokenKind::kIri, length, text_.substr(at_ + 1, length - 2));
     }
     if (c != '\\' || !CodePointEscape(text_, i)) break;
     escaped = true;
   }
-  return LexPunctuation();
+  return LexPunctuation(out);
 }
 
-Token Lexer::LexString() {
+void Lexer::LexString(Token* out) {
   const char quote = text_[at_];
   const bool is_long = text_.substr(at_, 3) == std::string(3, quote);
   const size_t begin = at_ + (is_long ? 3 : 1);
@@ -319,7 +315,7 @@ Token Lexer::LexString() {
   std::optional<std::pair<size_t, std::string>> bad_escape;  // where, what
   while (true) {
     if (i >= text_.size() || (!is_long && (text_[i] == '\n' || text_[i] == '\r'))) {
-      return Error(i - at_, "this string is not closed",
+      return Error(out, i - at_, "this string is not closed",
                    is_long ? "end it with three quotes"
                            : "end it with the same quote on the same line, or use \"\"\"");
     }
@@ -344,17 +340,16 @@ Token Lexer::LexString() {
   }
   const size_t length = i + (is_long ? 3 : 1) - at_;
   if (bad_escape) {
-    return Error(
-        length,
+    return Error(out, length,
         "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
         "a backslash itself is written \\\\");
   }
-  if (rest == begin) return Make(TokenKind::kString, length, text_.substr(begin, i - begin));
+  if (rest == begin) return Put(out, TokenKind::kString, length, text_.substr(begin, i - begin));
   value.append(text_.substr(rest, i - rest));
-  return Make(TokenKind::kString, length, Keep(std::move(value)));
+  return Put(out, TokenKind::kString, length, Keep(std::move(value)));
 }
 
-Token Lexer::LexNumber() {
+void Lexer::LexNumber(Token* out) {
   size_t end = at_;
   TokenKind kind = TokenKind::kInteger;
   while (end < text_.size() && IsDigit(text_[end])) ++end;
@@ -379,10 +374,10 @@ Token Lexer::LexNumber() {
     end += length;
     kind = TokenKind::kDouble;
   }
-  return MakeAscii(kind, end - at_, text_.substr(at_, end - at_));
+  return PutAscii(out, kind, end - at_, text_.substr(at_, end - at_));
 }
 
-Token Lexer::LexBlankLabel() {
+void Lexer::LexBlankLabel(Token* out) {
   size_t end = at_ + 2;
   size_t good = end;  // a label does not end with '.'
   while (end < text_.size()) {
@@ -395,30 +390,30 @@ Token Lexer::LexBlankLabel() {
     end += length;
     if (code != '.') good = end;
   }
-  if (good == at_ + 2) return Error(2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
-  return Make(TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
+  if (good == at_ + 2) return Error(out, 2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
+  return Put(out, TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
 }
 
 // What begins with an ASCII letter.
-Token Lexer::LexWordOrName() {
+void Lexer::LexWordOrName(Token* out) {
   const size_t end = WordEnd(text_, at_ + 1);
   const char after = end < text_.size() ? text_[end] : ' ';
-  if (after == ' ') return MakeWord(end - at_);
-  if (after == ':') return LexLocalName(end - at_);
-  return LexWideName(end);
+  if (after == ' ') return PutWord(out, end - at_);
+  if (after == ':') return LexLocalName(out, end - at_);
+  return LexWideName(out, end);
 }
 
 // The same, or what begins with another character of a name, when `end` is where the ASCII letters, digits and '_' end.
-Token Lexer::LexWideName(size_t end) {
+void Lexer::LexWideName(Token* out, size_t end) {
   const size_t name_end = NameEnd(text_, end);
   const char after = name_end < text_.size() ? text_[name_end] : ' ';
-  if (after == ':') return LexLocalName(name_end - at_);
+  if (after == ':') return LexLocalName(out, name_end - at_);
   const bool goes_on = after == '.' || after == '\\' || static_cast<uint8_t>(after) >= 0x80;
   if (goes_on) {
-    if (std::optional<Token> name = LexNameWithWidePrefix()) return *name;
+    if (LexNameWithWidePrefix(out)) return;
   }
   if (end == text_.size() || text_[end] != '\\') {
-    return end > at_ ? MakeWord(end - at_) : Misplaced();
+    return end > at_ ? PutWord(out, end - at_) : Misplaced(out);
   }
   std::string word;  // a keyword with escapes
   end = at_;
@@ -426,43 +421,43 @@ Token Lexer::LexWideName(size_t end) {
     word.push_back(static_cast<char>(c->code));
     end += c->length;
   }
-  if (end == at_) return Error(1, "'\\' cannot stand here");
-  Token token = Make(TokenKind::kWord, end - at_, Keep(std::move(word)));
-  token.code = Keyword::CodeOf(token.text);
-  return token;
+  if (end == at_) return Error(out, 1, "'\\' cannot stand here");
+  Put(out, TokenKind::kWord, end - at_, Keep(std::move(word)));
+  out->code = Keyword::CodeOf(out->text);
 }
 
-// A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; nothing if what begins here is none.
-std::optional<Token> Lexer::LexNameWithWidePrefix() {
-  if (at_ < no_prefix_before_) return std::nullopt;
+// A prefixed name whose prefix holds more than ASCII letters, digits, '_' and '-'; false if what begins here is none.
+bool Lexer::LexNameWithWidePrefix(Token* out) {
+  if (at_ < no_prefix_before_) return false;
   std::string prefix;
   size_t end = at_;
   while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
     if (c->code == ':') {
       if (!prefix.empty() && prefix.back() == '.') break;
-      return LexEscapedLocalName(end + c->length, Keep(std::move(prefix)));
+      LexEscapedLocalName(out, end + c->length, Keep(std::move(prefix)));
+      return true;
     }
     if (!(prefix.empty() ? IsNameStart(c->code) : IsNameChar(c->code) || c->code == '.')) break;
     AppendUtf8(c->code, &prefix);
     end += c->length;
   }
   no_prefix_before_ = end;  // what begins later in this run of characters comes to the same end
-  return std::nullopt;
+  return false;
 }
 
-Token Lexer::LexLocalName(size_t prefix_length) {
+void Lexer::LexLocalName(Token* out, size_t prefix_length) {
   const std::string_view prefix(text_.data() + at_, prefix_length);
   const size_t begin = at_ + prefix_length + 1;
   const size_t end = begin < text_.size() && text_[begin] != '-' ? NameEnd(text_, begin) : begin;
   const char next = end < text_.size() ? text_[end] : ' ';
   if (static_cast<uint8_t>(next) >= 0x80 || next == '.' || next == '%' || next == '\\' || next == ':') {
-    return LexEscapedLocalName(begin, prefix);
+    return LexEscapedLocalName(out, begin, prefix);
   }
-  return MakeAscii(TokenKind::kPrefixedName, end - at_, {text_.data() + begin, end - begin}, prefix);
+  return PutAscii(out, TokenKind::kPrefixedName, end - at_, {text_.data() + begin, end - begin}, prefix);
 }
 
 // [169] PN_LOCAL from `begin` on
-Token Lexer::LexEscapedLocalName(size_t begin, std::string_view prefix) {
+void Lexer::LexEscapedLocalName(Token* out, size_t begin, std::string_view prefix) {
   std::string local;
   size_t end = begin;
   size_t good_end = end, good_size = 0;  // the name does not end with '.'
@@ -489,10 +484,10 @@ Token Lexer::LexEscapedLocalName(size_t begin, std::string_view prefix) {
     good_size = local.size();
   }
   local.resize(good_size);
-  return Make(TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), prefix);
+  return Put(out, TokenKind::kPrefixedName, good_end - at_, Keep(std::move(local)), prefix);
 }
 
-Token Lexer::LexEscapedIri(size_t length) {
+void Lexer::LexEscapedIri(Token* out, size_t length) {
   std::string iri;
   for (size_t i = at_ + 1; i + 1 < at_ + length;) {
     if (text_[i] != '\\') {
@@ -502,26 +497,26 @@ Token Lexer::LexEscapedIri(size_t length) {
     const auto escape = CodePointEscape(text_, i);  // it is one: seen before
     const bool allowed = escape->first >= 0x80 || Is(static_cast<char>(escape->first), kInIri);
     if (!allowed || !AppendUtf8(escape->first, &iri)) {
-      return Error(length, "an escape in this IRI is not a character that an IRI may hold");
+      return Error(out, length, "an escape in this IRI is not a character that an IRI may hold");
     }
     i += escape->second;
   }
-  return Make(TokenKind::kIri, length, Keep(std::move(iri)));
+  return Put(out, TokenKind::kIri, length, Keep(std::move(iri)));
 }
 
-Token Lexer::LexPunctuation() {
+void Lexer::LexPunctuation(Token* out) {
   const char c = text_[at_], next = at_ + 1 < text_.size() ? text_[at_ + 1] : '\0';
   const bool doubled = c == next && (c == '^' || c == '&' || c == '|');
   if (doubled || (next == '=' && (c == '!' || c == '<' || c == '>'))) {
-    return MakeMark(2);
+    return PutMark(out, 2);
   }
-  return Is(c, kPunctuationMark) ? MakeMark(1) : Misplaced();
+  return Is(c, kPunctuationMark) ? PutMark(out, 1) : Misplaced(out);
 }
 
 // An error: no token begins with this character.
-Token Lexer::Misplaced() {
+void Lexer::Misplaced(Token* out) {
   const size_t length = CodePointAt(text_, at_).second;
-  return Error(length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
+  return Error(out, length, "'" + std::string(text_.substr(at_, length)) + "' cannot stand here");
 }
 
 }  // namespace docent::sparql

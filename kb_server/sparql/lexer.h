@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <list>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -77,8 +76,13 @@ class Lexer {
   // `text` must outlive it and be valid UTF-8 (see FindInvalidUtf8).
   explicit Lexer(std::string_view text);
 
-  // The next token; kEnd for ever after the last.
-  Token Next();
+  // Writes the next token; kEnd for ever after the last.
+  void Next(Token* out);
+  Token Next() {
+    Token token;
+    Next(&token);
+    return token;
+  }
 
  private:
   void SkipSpaceAndComments();
@@ -90,32 +94,31 @@ class Lexer {
   SourceSpan SpanOf(size_t length) const {
     return {line_, static_cast<int>(at_ - line_begin_) + 1, at_, length};
   }
-  Token Make(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  // These write the token of that many bytes that begins here, and go on behind it. So do those below.
+  void Put(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   // The same where all of it is ASCII without a line's end.
-  Token MakeAscii(TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
-  // Punctuation of so many characters.
-  Token MakeMark(size_t length);
-  // A word without escapes.
-  Token MakeWord(size_t length);
-  Token Error(size_t length, std::string message, std::string_view hint = {});
+  void PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  void PutMark(Token* out, size_t length);  // punctuation
+  void PutWord(Token* out, size_t length);  // without escapes
+  void Error(Token* out, size_t length, std::string message, std::string_view hint = {});
   // The same text in the lexer's keeping.
   std::string_view Keep(std::string text) { return kept_.emplace_back(std::move(text)); }
-  Token LexString();
-  Token LexNumber();
-  Token LexWordOrName();
-  Token LexWideName(size_t end);
-  Token LexVariable();
-  Token LexWideVariable();
-  Token LexLanguage();
-  Token LexIriOrPunctuation();
-  Token LexWideIriOrPunctuation(size_t i);
-  std::optional<Token> LexNameWithWidePrefix();
-  Token LexLocalName(size_t prefix_length);
-  Token LexBlankLabel();
-  Token LexEscapedLocalName(size_t begin, std::string_view prefix);
-  Token LexPunctuation();
-  Token Misplaced();
-  Token LexEscapedIri(size_t length);
+  void LexString(Token* out);
+  void LexNumber(Token* out);
+  void LexWordOrName(Token* out);
+  void LexWideName(Token* out, size_t end);
+  void LexVariable(Token* out);
+  void LexWideVariable(Token* out);
+  void LexLanguage(Token* out);
+  void LexIriOrPunctuation(Token* out);
+  void LexWideIriOrPunctuation(Token* out, size_t i);
+  bool LexNameWithWidePrefix(Token* out);
+  void LexLocalName(Token* out, size_t prefix_length);
+  void LexBlankLabel(Token* out);
+  void LexEscapedLocalName(Token* out, size_t begin, std::string_view prefix);
+  void LexPunctuation(Token* out);
+  void Misplaced(Token* out);
+  void LexEscapedIri(Token* out, size_t length);
 
   std::string_view text_;
   std::list<std::string> kept_;  // texts of tokens with escapes

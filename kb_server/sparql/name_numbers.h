@@ -21,7 +21,7 @@ class NameNumbers {
   // Null: `name` has no number.
   int* Find(std::string_view name) {
     for (size_t i = 0; i < count_; ++i) {
-      if (Same(few_[i].name, name)) return &few_[i].number;
+      if (few_[i].Is(name)) return &few_[i].number;
     }
     if (rest_.empty()) return nullptr;
     const auto it = rest_.find(name);
@@ -37,24 +37,23 @@ class NameNumbers {
   }
 
  private:
-  // Most differ in size or in the first character.
-  static bool Same(std::string_view a, std::string_view b) {
-    return a.size() == b.size() && (a.empty() || (a[0] == b[0] && a == b));
-  }
   void Put(std::string_view name, int number) {
     if (count_ < kFew) {
-      few_[count_].name = name;
-      few_[count_++].number = number;
+      few_[count_++] = {name.data(), name.size(), number};
     } else {
       rest_.emplace(name, number);
     }
   }
 
   static constexpr size_t kFew = 16;  // so many are found soonest by looking at each
-  struct Entry {
-    Entry() {}  // sets nothing: what is beyond count_ is never read
-    std::string_view name;
+  struct Entry {  // of plain members, for nothing is to be set: what is beyond count_ is never read
+    const char* name;
+    size_t size;
     int number;
+    // Most differ in size or in the first character.
+    bool Is(std::string_view other) const {
+      return size == other.size() && (size == 0 || (*name == other[0] && std::string_view(name, size) == other));
+    }
   };
   std::array<Entry, kFew> few_;
   size_t count_ = 0;
