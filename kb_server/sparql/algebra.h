@@ -60,6 +60,7 @@ class PatternTerm {
     return term != nullptr ? *term : NoTerm();
   }
   void Set(Variable variable) { what_.emplace<Variable>(std::move(variable)); }
+  void SetVariable(std::string_view name) { what_.emplace<Variable>(std::string(name)); }
   void Set(Term term) { what_.emplace<Term>(std::move(term)); }
   // Makes it the IRI that the caller writes into what is returned.
   std::string* SetIri() { return &what_.emplace<Term>().lexical; }

@@ -138,10 +138,12 @@ void Grammar::SkipPastBrace() {
 }
 
 bool Grammar::Resolve(const Token& iri, std::string* out) {
-  if (IsAbsoluteIri(iri.text)) {
-    *out = std::string(iri.text);
-    return true;
-  }
+  if (!IsAbsoluteIri(iri.text)) return ResolveRelative(iri, out);
+  *out = std::string(iri.text);
+  return true;
+}
+
+bool Grammar::ResolveRelative(const Token& iri, std::string* out) {
   if (base_iri_.empty()) {
     Error(iri.span, Concat({"<", iri.text, "> is relative and no BASE is known"}),
           iri.text.find(':') == std::string::npos
@@ -154,18 +156,25 @@ bool Grammar::Resolve(const Token& iri, std::string* out) {
 }
 
 bool Grammar::Expand(const Token& name, std::string* out) {
-  const auto expand = [&](const std::string& iri) {
-    out->reserve(iri.size() + name.text.size());
-    out->append(iri).append(name.text);
-    return true;
-  };
-  if (const int* declared = declared_.Find(name.prefix))
-    return expand(prefixes_[static_cast<size_t>(*declared)].second);
-  std::vector<std::string> names;
-  for (const auto& [prefix, iri] : options_.prefixes) {
-    if (prefix == name.prefix) return expand(iri);
-    names.push_back(prefix);
+  const std::string* iri = nullptr;
+  if (const int* declared = declared_.Find(name.prefix)) {
+    iri = &prefixes_[static_cast<size_t>(*declared)].second;
+  } else {
+    for (const auto& [prefix, known] : options_.prefixes) {
+      if (prefix == name.prefix) iri = &known;
+      if (iri != nullptr) break;
+    }
+    if (iri == nullptr) return Undeclared(name);
   }
+  out->reserve(iri->size() + name.text.size());
+  out->append(*iri);
+  out->append(name.text.data(), name.text.size());
+  return true;
+}
+
+bool Grammar::Undeclared(const Token& name) {
+  std::vector<std::string> names;
+  for (const auto& [prefix, iri] : options_.prefixes) names.push_back(prefix);
   std::set<std::string_view> declared;
   for (const auto& [prefix, iri] : prefixes_) declared.insert(prefix);
   names.insert(names.end(), declared.begin(), declared.end());

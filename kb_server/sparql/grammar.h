@@ -159,6 +159,7 @@ class Grammar {
     std::vector<ExpressionPtr> filters;
   };
   bool GroupWithFilter(Group* group);
+  void Unclosed(const SourceSpan& opened);  // the error at a group without '}'
   bool GroupElement(OpenGroup* group);
   bool TriplesBlock(OpenGroup* group);     // [55]
   bool OptionalElement(OpenGroup* group);  // [57]
@@ -195,6 +196,7 @@ class Grammar {
   bool Collection(TriplesSink* sink, PatternTerm* out);             // [102]
   bool BlankNodePropertyList(TriplesSink* sink, PatternTerm* out);  // [99]
   bool VarOrTerm(TriplesSink* sink, PatternTerm* out);              // [106]
+  bool OtherTerm(TriplesSink* sink, PatternTerm* out);
   bool LabelledBlank(const Token& token, bool template_mode, PatternTerm* out);
   std::optional<PatternTerm> VarOrIri();                                // [107]
   PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
@@ -253,7 +255,9 @@ class Grammar {
   std::optional<Term> NumericLiteral();
   bool IriText(std::string* out);  // [136], absolute
   bool Resolve(const Token& iri, std::string* out);
+  bool ResolveRelative(const Token& iri, std::string* out);
   bool Expand(const Token& name, std::string* out);
+  bool Undeclared(const Token& name);  // the error; false
   std::string Describe(const Token& token) const;
 
   const ParseOptions& options_;

@@ -39,8 +39,7 @@ bool Grammar::GroupWithFilter(Group* group) {
   in_aggregate_ = outer_in_aggregate;
   ++bgp_;
   if (!Accept("}")) {
-    Error(Peek().span, "expected '}' to close the group opened in line " + std::to_string(span.line) +
-                           ", column " + std::to_string(span.column) + ", not " + Describe(Peek()));
+    Unclosed(span);
     return false;
   }
   group->pattern = open.pattern ? std::move(open.pattern) : std::make_unique<Algebra>(Kind::kBgp, span);
@@ -51,6 +50,11 @@ bool Grammar::GroupWithFilter(Group* group) {
     group->filter->arguments = std::move(open.filters);
   }
   return true;
+}
+
+void Grammar::Unclosed(const SourceSpan& opened) {
+  Error(Peek().span, "expected '}' to close the group opened in line " + std::to_string(opened.line) +
+                         ", column " + std::to_string(opened.column) + ", not " + Describe(Peek()));
 }
 
 // Goes on where the next element can begin: after a '.', before '}', or after the ')' that ends a broken

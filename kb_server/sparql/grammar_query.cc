@@ -41,22 +41,24 @@ bool Grammar::Prologue() {
       if (!Resolve(iri, &base)) return false;
       base_iri_ = std::move(base);
     } else if (AcceptWord("PREFIX")) {
-      const Token name = Peek();
+      const Token& name = Peek();
       if (name.kind != TokenKind::kPrefixedName || !name.text.empty()) {
         Expected("a prefix ending with ':' after PREFIX", "PREFIX ex: <http://example.org/>");
         return false;
       }
-      Take();
-      if (Peek().kind != TokenKind::kIri) {
+      const std::string_view prefix = name.prefix;  // it lives as long as the lexer
+      Drop();
+      const Token& iri = Peek();
+      if (iri.kind != TokenKind::kIri) {
         Expected("an IRI in <> after the prefix");
         return false;
       }
-      const Token iri = Take();
+      if (prefixes_.empty()) prefixes_.reserve(4);
       std::string resolved;
       if (!Resolve(iri, &resolved)) return false;
-      if (prefixes_.empty()) prefixes_.reserve(8);
-      declared_.Set(name.prefix, static_cast<int>(prefixes_.size()));  // tokens live as long as the lexer
-      prefixes_.emplace_back(name.prefix, std::move(resolved));
+      Drop();
+      declared_.Set(prefix, static_cast<int>(prefixes_.size()));
+      prefixes_.emplace_back(prefix, std::move(resolved));
     } else {
       return true;
     }
@@ -134,7 +136,7 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
     select.all = true;
     return true;
   }
-  select.items.reserve(4);
+  select.items.reserve(2);
   while (Peek().kind == TokenKind::kVariable || At("(")) {
     SelectItem& item = select.items.emplace_back();
     item.span = Peek().span;
@@ -149,7 +151,7 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
       item.variable.name = Take().text;
       if (!Expect(")", "after the variable")) return false;
     } else {
-      item.variable.name = Peek().text;
+      item.variable.name = std::string(Peek().text);
       Drop();
     }
   }

@@ -143,13 +143,13 @@ bool Grammar::Verb(PatternTerm* out) {
   const Token& token = Peek();
   out->span = token.span;
   if (token.kind == TokenKind::kVariable) {
-    out->Set(Variable{std::string(token.text)});
+    out->SetVariable(token.text);
     Drop();
     return true;
   }
   if (!token.IsA()) return IriText(out->SetIri());
   Drop();
-  out->SetIri()->assign(kRdfType.data(), kRdfType.size());
+  *out->SetIri() = std::string(kRdfType);
   return true;
 }
 
@@ -214,14 +214,19 @@ bool Grammar::BlankNodePropertyList(TriplesSink* sink, PatternTerm* out) {
 bool Grammar::VarOrTerm(TriplesSink* sink, PatternTerm* out) {
   const Token& token = Peek();
   out->span = token.span;
+  if (token.kind == TokenKind::kVariable) {
+    out->SetVariable(token.text);
+    Drop();
+    return true;
+  }
+  const bool iri = token.kind == TokenKind::kIri || token.kind == TokenKind::kPrefixedName;
+  return iri ? IriText(out->SetIri()) : OtherTerm(sink, out);
+}
+
+// One that is neither variable nor IRI.
+bool Grammar::OtherTerm(TriplesSink* sink, PatternTerm* out) {
+  const Token& token = Peek();
   switch (token.kind) {
-    case TokenKind::kVariable:
-      out->Set(Variable{std::string(token.text)});
-      Drop();
-      return true;
-    case TokenKind::kIri:
-    case TokenKind::kPrefixedName:
-      return IriText(out->SetIri());
     case TokenKind::kBlankLabel: {
       const Token label = Take();
       return LabelledBlank(label, sink->template_mode, out);

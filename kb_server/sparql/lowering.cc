@@ -394,14 +394,15 @@ PlanNodePtr Lowering::LowerGroup(const Algebra& a, Scope& scope, const GraphRef&
 }
 
 PlanNodePtr Lowering::LowerProject(const Algebra& a, Scope& scope, const GraphRef& graph, bool top) {
-  Scope inner;
+  std::optional<Scope> inner;  // of a sub-SELECT
+  if (!top) inner.emplace();
   SlotSet columns;
   for (const Variable& v : a.variables) {
     const int slot = SlotOf(v.name, scope);
-    if (!top) inner.Add(v.name, slot);
+    if (inner) inner->Add(v.name, slot);
     columns.Add(slot);
   }
-  PlanNodePtr node = Over(Plan::kProject, Lower(*a.children[0], top ? scope : inner, graph, false));
+  PlanNodePtr node = Over(Plan::kProject, Lower(*a.children[0], inner ? *inner : scope, graph, false));
   node->columns = columns.List();
   node->certain = node->certain.And(columns);
   node->possible = node->possible.And(columns);
