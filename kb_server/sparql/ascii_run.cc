@@ -79,6 +79,12 @@ size_t IriEnd(std::string_view text, size_t at) {
   return RunEnd<InIri>(text, at);
 }
 size_t AsciiEnd(std::string_view text, size_t at) {
+  for (std::array<SixteenBytes, 4> some; at + sizeof(some) <= text.size(); at += sizeof(some)) {  // a text is read whole
+    std::memcpy(&some, text.data() + at, sizeof(some));
+    const auto others = ~((some[0] > 0) & (some[1] > 0) & (some[2] > 0) & (some[3] > 0));
+    const auto [low, high] = std::bit_cast<std::array<uint64_t, 2>>(others);
+    if ((low | high) != 0) break;
+  }
   return RunEnd<Ascii>(text, at);
 }
 

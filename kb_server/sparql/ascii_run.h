@@ -8,7 +8,7 @@
 
 namespace docent::sparql {
 
-// What an ASCII character may be part of; others are of no class.
+// What an ASCII character may be part of; others are but part of a local name.
 enum CharacterClass : uint8_t {
   kInWord = 1,          // letters, digits, '_'
   kInName = 2,          // these and '-'
@@ -17,6 +17,7 @@ enum CharacterClass : uint8_t {
   kPunctuationMark = 16,
   kMarkAlone = 32,     // whatever follows
   kBetweenTokens = 64,  // spaces, line ends, and what begins a comment
+  kInLocalName = 128,   // [169] PN_LOCAL may go on with it, or with what is not ASCII
 };
 inline constexpr std::array<uint8_t, 256> kCharacterClasses = [] {
   std::array<uint8_t, 256> classes{};
@@ -27,10 +28,12 @@ inline constexpr std::array<uint8_t, 256> kCharacterClasses = [] {
     if (letter || (c >= '0' && c <= '9') || c == '_') classes[c] |= kInWord | kInName;
     if (c == '-') classes[c] |= kInName;
     if (c > 0x20 && !is_one_of("<>\"{}|^`\\")) classes[c] |= kInIri;
+    if (is_one_of(".%\\:")) classes[c] |= kInLocalName;
     if (is_one_of(" \t\r\n#")) classes[c] |= kBetweenTokens;
     if (is_one_of("{}()[].,;=<>!*/+-|^?")) classes[c] |= kPunctuationMark;
     if (is_one_of("{}()[],;=*/+-")) classes[c] |= kMarkAlone;
   }
+  for (int c = 128; c < 256; ++c) classes[c] = kInLocalName;
   return classes;
 }();
 inline bool Is(char c, CharacterClass part) {

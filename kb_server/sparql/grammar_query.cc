@@ -273,6 +273,7 @@ AlgebraPtr Grammar::WhereClause() {
 }
 
 bool Grammar::SolutionModifier(Modifiers* out) {
+  if (Peek().kind != TokenKind::kWord) return true;  // all of them begin with one
   return GroupClause(out) && HavingClause(out) && OrderClause(out) && LimitOffsetClauses(out) &&
          ValuesClause(out);
 }
@@ -440,9 +441,11 @@ AlgebraPtr Grammar::ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers
 // Section 18.2.4 and 18.2.5, in its order.
 AlgebraPtr Grammar::ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                                    std::vector<Aggregate> aggregates, std::vector<Variable>* projection) {
+  const bool computed =
+      select != nullptr && std::any_of(select->items.begin(), select->items.end(),
+                                       [](const SelectItem& item) { return item.expression != nullptr; });
   std::set<std::string> in_scope;  // that (expression AS ?name) may not name
-  if (select != nullptr && std::any_of(select->items.begin(), select->items.end(),
-                                       [](const SelectItem& item) { return item.expression != nullptr; })) {
+  if (computed) {
     for (Variable& v : InScopeVariables(*where)) in_scope.insert(std::move(v.name));
   }
   AlgebraPtr a = std::move(where);

@@ -82,9 +82,10 @@ bool Grammar::LabelledBlank(const Token& token, bool template_mode, PatternTerm*
 }
 
 bool Grammar::TriplesSameSubject(TriplesSink* sink) {
-  const bool complete = (At("(") && !Peek(1).Is(")")) || (At("[") && !Peek(1).Is("]"));  // ( 1 2 ), [ :p 5 ]
+  const bool brackets = At("(") || At("[");
+  const bool complete = brackets && !Peek(1).Is(At("(") ? ")" : "]");  // ( 1 2 ), [ :p 5 ]
   PatternTerm subject;
-  if (!GraphNode(sink, &subject)) return false;
+  if (brackets ? !GraphNode(sink, &subject) : !VarOrTerm(sink, &subject)) return false;
   if (complete && (At(".") || At("}"))) return true;
   return PropertyListNotEmpty(&subject, sink);
 }

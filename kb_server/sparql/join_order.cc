@@ -44,13 +44,6 @@ bool HasCall(const PlanExpression& e) {
                      [](const PlanExpressionPtr& a) { return HasCall(*a); });
 }
 
-// One position is open: each of its values makes one triple, or few where several graphs have it.
-bool HasOneOpen(const PlanPattern& pattern) {
-  const auto open = std::count_if(std::begin(pattern.terms), std::end(pattern.terms),
-                                  [](const PlanTerm& term) { return term.slot >= 0; });
-  return open == 1 && pattern.graph.name.slot < 0;
-}
-
 }  // namespace
 
 JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContext& context)
@@ -63,7 +56,7 @@ JoinOrder::JoinOrder(PlanNode& bgp, const SlotSet& bound, const EvaluationContex
   for (size_t p = 0; p < patterns_.size(); ++p) {
     Pattern& pattern = patterns_[p];
     const double n = std::max(pattern.matches, 1.0);
-    const bool distinct = n <= 2 || HasOneOpen(bgp.patterns[p]);
+    const bool distinct = n <= 2 || pattern.one_open;
     for (int i = 0; i < pattern.used; ++i) {
       Use& use = pattern.uses[i];
       if ((shared_ >> use.variable & 1) != 0)
@@ -102,6 +95,8 @@ void JoinOrder::Count(PlanPattern& pattern, Pattern* out) {
     if (known) pattern.matches = static_cast<double>(context_.version->Count(quad));
   }
   out->matches = pattern.matches;
+  out->one_open = (pattern.terms[0].slot >= 0) + (pattern.terms[1].slot >= 0) + (pattern.terms[2].slot >= 0) == 1 &&
+                  pattern.graph.name.slot < 0;
   const PlanTerm* terms[] = {&pattern.terms[0], &pattern.terms[1], &pattern.terms[2], &pattern.graph.name};
   for (int i = 0; i < 4; ++i) {
     if (terms[i]->slot < 0) continue;
@@ -118,8 +113,8 @@ void JoinOrder::Count(PlanPattern& pattern, Pattern* out) {
 // The number of values of subject and object from a few matches: those of which a value has c are 1/c of a
 // value each.
 void JoinOrder::Refine(const PlanPattern& pattern, Pattern* out) const {
+  if (out->matches < 8 || out->one_open || pattern.terms[1].constant < 0) return;
   const QuadPattern quad = Constants(pattern);
-  if (out->matches < 8 || quad.predicate.IsNone() || HasOneOpen(pattern)) return;
   std::vector<Quad> sample;
   for (int i = 0; i < out->used; ++i) {
     Use& use = out->uses[i];
@@ -189,26 +184,29 @@ void JoinOrder::Extend(const Pattern& pattern, const Step& step, State* state) c
 }
 
 JoinOrder::Order JoinOrder::Greedy(State* end) const {
-  const size_t n = patterns_.size();
-  absl::InlinedVector<size_t, 16> rest(n);
-  for (size_t i = 0; i < n; ++i) rest[i] = i;
-  Order order;
-  order.reserve(n);
+  Order order = AsWritten();
   Begin(end);
-  while (!rest.empty()) {
-    auto best = rest.begin();
-    Step best_step = Estimate(*end, patterns_[*best]);
-    for (auto i = best + 1; i != rest.end(); ++i) {
-      const Step step = Estimate(*end, patterns_[*i]);
+  for (auto next = order.begin(); next != order.end(); ++next) {  // the rest stands in the order as written
+    auto best = next;
+    Step best_step = Estimate(*end, patterns_[best->pattern]);
+    for (auto i = next + 1; i != order.end(); ++i) {
+      const Step step = Estimate(*end, patterns_[i->pattern]);
       if (step.rows > best_step.rows || (step.rows == best_step.rows && step.cost >= best_step.cost))
         continue;
       best = i;
       best_step = step;
     }
-    order.push_back({*best, best_step.rows});
-    Extend(patterns_[*best], best_step, end);
-    rest.erase(best);
+    const Place place = {best->pattern, best_step.rows};
+    std::copy_backward(next, best, best + 1);
+    *next = place;
+    Extend(patterns_[place.pattern], best_step, end);
   }
+  return order;
+}
+
+JoinOrder::Order JoinOrder::AsWritten() const {
+  Order order(patterns_.size());
+  for (size_t i = 0; Place& place : order) place.pattern = i++;
   return order;
 }
 
@@ -274,8 +272,7 @@ double JoinOrder::Arrange(bool reorder) {
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
     // Those of which samples tell more.
-    const auto unsure = std::count_if(bgp_.patterns.begin(), bgp_.patterns.end(),
-                                      [](const PlanPattern& p) { return !HasOneOpen(p); });
+    const auto unsure = std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
     if (end.cost > 4 * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
       const bool programmed = n <= kMaxProgrammed && (n > 2 || !filters_.empty());  // of two: the rarer first
@@ -286,18 +283,17 @@ double JoinOrder::Arrange(bool reorder) {
       }
     }
   } else {
-    for (size_t i = 0; i < n; ++i) order.push_back({i, 0});
+    order = AsWritten();
     Follow(&order);
   }
-  std::vector<PlanPattern> arranged;
-  arranged.reserve(n);
+  const absl::InlinedVector<PlanPattern, 4> written(bgp_.patterns.begin(), bgp_.patterns.end());
   double rows = 1;
-  for (const Place& place : order) {
-    arranged.push_back(bgp_.patterns[place.pattern]);
-    arranged.back().estimate = place.rows / rows;
-    rows = place.rows;
+  for (size_t i = 0; i < n; ++i) {
+    PlanPattern& pattern = bgp_.patterns[i];
+    pattern = written[order[i].pattern];
+    pattern.estimate = order[i].rows / rows;
+    rows = order[i].rows;
   }
-  bgp_.patterns = std::move(arranged);
   return rows;
 }
 

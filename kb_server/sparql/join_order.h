@@ -45,6 +45,7 @@ class JoinOrder {
     const Use* end() const { return uses.data() + used; }
     std::array<Use, 4> uses;
     int used = 0;            // so many of them
+    bool one_open = false;   // each of its values makes one triple, or few where several graphs have it
     uint64_t variables = 0;  // as bits
   };
   struct Filter {
@@ -77,6 +78,7 @@ class JoinOrder {
   Step Estimate(const State& state, const Pattern& pattern) const;
   // Takes that step.
   void Extend(const Pattern& pattern, const Step& step, State* state) const;
+  Order AsWritten() const;
   Order Greedy(State* end) const;
   Order Programmed() const;
   // Sets the rows of an order.

@@ -450,9 +450,7 @@ void Lexer::LexLocalName(Token* out, size_t prefix_length) {
   const size_t begin = at_ + prefix_length + 1;
   const size_t end = begin < text_.size() && text_[begin] != '-' ? NameEnd(text_, begin) : begin;
   const char next = end < text_.size() ? text_[end] : ' ';
-  if (static_cast<uint8_t>(next) >= 0x80 || next == '.' || next == '%' || next == '\\' || next == ':') {
-    return LexEscapedLocalName(out, begin, prefix);
-  }
+  if (Is(next, kInLocalName)) return LexEscapedLocalName(out, begin, prefix);
   return PutAscii(out, TokenKind::kPrefixedName, end - at_, {text_.data() + begin, end - begin}, prefix);
 }
 
