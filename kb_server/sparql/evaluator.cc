@@ -34,7 +34,7 @@ class Program {
 
   // The constants that the dictionary did not have at first are looked for again when it has grown.
   // True if one was found.
-  bool ResolveConstants(const std::vector<const Term*>& terms) {
+  bool ResolveConstants(absl::Span<const Term* const> terms) {
     const bool first = context.constants.size() != terms.size();
     if (!first && unresolved_.empty()) return false;
     const size_t size = dictionary_.size();
@@ -117,7 +117,7 @@ struct PreparedQuery::Impl {
   std::vector<int> columns;      // slots of `names`
   std::vector<int> bound_slots;  // of options.bound
   SlotSet bound;
-  std::vector<const Term*> constants;  // of the query
+  ConstantTerms constants;  // of the query
   std::vector<int> from, from_named;
   int default_graph = 0;
   int with = -1;
@@ -255,7 +255,9 @@ bool PreparedQuery::Next() {
     p.End();
     return false;
   }
-  for (size_t i = 0; i < p.columns.size(); ++i) p.row[i] = p.out[p.columns[i]];
+  const TermId* const out = p.out.data();
+  TermId* row = p.row.data();
+  for (const int column : p.columns) *row++ = out[column];
   return true;
 }
 
@@ -383,7 +385,7 @@ struct PreparedExpression::Impl {
   PrepareOptions options;
   ExpressionPtr source;  // plans point into it
   PlanExpressionPtr expression;
-  std::vector<const Term*> constants;  // of `source`
+  ConstantTerms constants;  // of `source`
   int default_graph = 0;
   SlotSet bound;
   std::vector<TermId> base;

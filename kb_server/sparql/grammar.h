@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/lexer.h"
 #include "kb_server/sparql/name_numbers.h"
@@ -114,7 +115,7 @@ class Grammar {
   };
   struct SelectClause {
     bool distinct = false, reduced = false, all = false;
-    std::vector<SelectItem> items;
+    absl::InlinedVector<SelectItem, 2> items;
     SourceSpan span;
   };
   struct Modifiers {
@@ -128,6 +129,8 @@ class Grammar {
     std::optional<uint64_t> limit;
     AlgebraPtr values;
   };
+  bool BaseDeclaration();                           // [5]
+  bool PrefixDeclaration();                         // [6]
   bool SelectQuery(Query* query);                   // [7]
   bool ConstructQuery(Query* query);                // [10]
   bool DescribeQuery(Query* query);                 // [11]

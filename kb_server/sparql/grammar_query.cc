@@ -31,38 +31,50 @@ AlgebraPtr Extend(AlgebraPtr child, Variable variable, ExpressionPtr expression)
 
 bool Grammar::Prologue() {
   while (true) {
-    if (AcceptWord("BASE")) {
-      if (Peek().kind != TokenKind::kIri) {
-        Expected("an IRI in <> after BASE");
-        return false;
-      }
-      const Token iri = Take();
-      std::string base;
-      if (!Resolve(iri, &base)) return false;
-      base_iri_ = std::move(base);
-    } else if (AcceptWord("PREFIX")) {
-      const Token& name = Peek();
-      if (name.kind != TokenKind::kPrefixedName || !name.text.empty()) {
-        Expected("a prefix ending with ':' after PREFIX", "PREFIX ex: <http://example.org/>");
-        return false;
-      }
-      const std::string_view prefix = name.prefix;  // it lives as long as the lexer
-      Drop();
-      const Token& iri = Peek();
-      if (iri.kind != TokenKind::kIri) {
-        Expected("an IRI in <> after the prefix");
-        return false;
-      }
-      if (prefixes_.empty()) prefixes_.reserve(4);
-      std::string resolved;
-      if (!Resolve(iri, &resolved)) return false;
-      Drop();
-      declared_.Set(prefix, static_cast<int>(prefixes_.size()));
-      prefixes_.emplace_back(prefix, std::move(resolved));
+    const Token& word = Peek();
+    if (word.IsWord("PREFIX")) {
+      if (!PrefixDeclaration()) return false;
+    } else if (word.IsWord("BASE")) {
+      if (!BaseDeclaration()) return false;
     } else {
       return true;
     }
   }
+}
+
+bool Grammar::BaseDeclaration() {
+  Drop();
+  if (Peek().kind != TokenKind::kIri) {
+    Expected("an IRI in <> after BASE");
+    return false;
+  }
+  std::string base;
+  if (!Resolve(Peek(), &base)) return false;
+  Drop();
+  base_iri_ = std::move(base);
+  return true;
+}
+
+bool Grammar::PrefixDeclaration() {
+  Drop();
+  const Token& name = Peek();
+  if (name.kind != TokenKind::kPrefixedName || !name.text.empty()) {
+    Expected("a prefix ending with ':' after PREFIX", "PREFIX ex: <http://example.org/>");
+    return false;
+  }
+  const std::string_view prefix = name.prefix;  // it lives as long as the lexer
+  Drop();
+  if (Peek().kind != TokenKind::kIri) {
+    Expected("an IRI in <> after the prefix");
+    return false;
+  }
+  std::string resolved;
+  if (!Resolve(Peek(), &resolved)) return false;
+  Drop();
+  if (prefixes_.empty()) prefixes_.reserve(4);
+  declared_.Set(prefix, static_cast<int>(prefixes_.size()));
+  prefixes_.emplace_back(prefix, std::move(resolved));
+  return true;
 }
 
 bool Grammar::QueryUnit(Query* query) {
@@ -136,7 +148,6 @@ bool Grammar::ParseSelectClause(SelectClause* out) {
     select.all = true;
     return true;
   }
-  select.items.reserve(2);
   while (Peek().kind == TokenKind::kVariable || At("(")) {
     SelectItem& item = select.items.emplace_back();
     item.span = Peek().span;

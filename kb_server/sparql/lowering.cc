@@ -59,15 +59,14 @@ int Lowering::SlotOf(const std::string& variable, Scope& scope) {
 
 int Lowering::ConstantOf(const Term& term) {
   constexpr size_t kFew = 16;  // so few are found soonest by looking at each
-  if (constants_.size() <= kFew) {
-    size_t place = 0;
-    while (place < constants_.size() && *constants_[place] != term) ++place;
-    if (place == constants_.size()) {
-      if (place == 0) constants_.reserve(kFew / 2);
-      constants_.push_back(&term);
-    }
-    return static_cast<int>(place);
-  }
+  if (constants_.size() > kFew) return ConstantOfMany(term);
+  size_t place = 0;
+  while (place < constants_.size() && *constants_[place] != term) ++place;
+  if (place == constants_.size()) constants_.push_back(&term);
+  return static_cast<int>(place);
+}
+
+int Lowering::ConstantOfMany(const Term& term) {
   if (constant_numbers_.empty()) {
     for (size_t i = 0; i < constants_.size(); ++i) constant_numbers_.emplace(*constants_[i], static_cast<int>(i));
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/function_registry.h"
@@ -15,6 +16,9 @@
 #include "kb_server/sparql/plan.h"
 
 namespace docent::sparql {
+
+// The constants of a query by number.
+using ConstantTerms = absl::InlinedVector<const Term*, 8>;
 
 class Lowering {
  public:
@@ -34,13 +38,14 @@ class Lowering {
   const absl::Status& status() const { return status_; }
   size_t slots() const { return static_cast<size_t>(next_slot_); }
   // The constants by number, when all is lowered; the lowering has none afterwards.
-  std::vector<const Term*> TakeConstants() { return std::move(constants_); }
+  ConstantTerms TakeConstants() { return std::move(constants_); }
   int ConstantOf(const Term& term);  // which must live as long as what is lowered
   const SlotSet& bound() const { return bound_; }
 
  private:
   using Scope = NameNumbers;  // of variables: their slots
 
+  int ConstantOfMany(const Term& term);
   int SlotOf(const std::string& variable, Scope& scope);
   PlanTerm TermOf(const PatternTerm& term, Scope& scope);
   PlanNodePtr Lower(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
@@ -65,7 +70,7 @@ class Lowering {
   Scope root_;
   SlotSet bound_;
   int next_slot_ = 0;
-  std::vector<const Term*> constants_;
+  ConstantTerms constants_;
   absl::flat_hash_map<Term, int> constant_numbers_;  // where there are many
   absl::Status status_;
 };

@@ -12,11 +12,13 @@ namespace docent::sparql {
 class SlotSet {
  public:
   SlotSet() = default;
-  SlotSet(const SlotSet& other) : first_(other.first_) { CopyMore(other); }
+  SlotSet(const SlotSet& other) : first_(other.first_) {
+    if (!other.more_.empty()) more_ = other.more_;
+  }
   SlotSet(SlotSet&&) = default;
   SlotSet& operator=(const SlotSet& other) {
     first_ = other.first_;
-    CopyMore(other);
+    if (!more_.empty() || !other.more_.empty()) more_ = other.more_;
     return *this;
   }
   SlotSet& operator=(SlotSet&&) = default;
@@ -70,9 +72,6 @@ class SlotSet {
   static uint64_t Bit(int slot) { return uint64_t{1} << (slot % 64); }
   static void AddMembers(uint64_t word, int begin, std::vector<int>* out) {
     for (uint64_t w = word; w != 0; w &= w - 1) out->push_back(begin + __builtin_ctzll(w));
-  }
-  void CopyMore(const SlotSet& other) {
-    if (!more_.empty() || !other.more_.empty()) more_ = other.more_;
   }
   uint64_t& WordOf(int slot) {
     if (slot < 64) return first_;
