@@ -68,15 +68,14 @@ class Program {
     d.strict = strict_ || with >= 0;
     d.unnamed_graph = strict_ ? context.constants[default_graph] : TermId();
     d.default_graph = with >= 0 ? context.constants[with] : d.unnamed_graph;
-    const auto ids = [this](const std::vector<int>& numbers) {
-      std::vector<TermId> out;
+    const auto set = [this](const std::vector<int>& numbers, std::vector<TermId>* ids) {
+      ids->clear();
       for (const int n : numbers) {
-        if (context.constants[n] != kUnknownTerm) out.push_back(context.constants[n]);
+        if (context.constants[n] != kUnknownTerm) ids->push_back(context.constants[n]);
       }
-      return out;
     };
-    d.default_graphs = ids(from);
-    d.named_graphs = ids(named);
+    set(from, &d.default_graphs);
+    set(named, &d.named_graphs);
   }
 
   bool SizeChangedMuch(const GraphVersion& version) const {

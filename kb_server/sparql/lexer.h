@@ -32,7 +32,7 @@ enum class TokenKind {
 // A word of the grammar, whatever the case of its letters.
 class Keyword {
  public:
-  // The first eight letters, digits and '_' in lower case as a number: it tells most words from each other.
+  // The first eight letters, digits and '_' in lower case as a number. Words of less than eight that share it are equal.
   static constexpr uint64_t CodeOf(std::string_view word) {
     uint64_t code = 0;
     for (size_t i = 0; i < word.size() && i < sizeof(code); ++i) {
@@ -67,7 +67,7 @@ struct Token {
   bool IsA() const { return code == 'a' && text[0] == 'a'; }
   bool IsWord(const Keyword& keyword) const {
     return code == keyword.code &&
-           (keyword.text.size() <= sizeof(code) || EqualsIgnoreCase(text, keyword.text));
+           (keyword.text.size() < sizeof(code) || EqualsIgnoreCase(text, keyword.text));
   }
 };
 

@@ -100,6 +100,17 @@ TEST(SparqlParser, MissingBraceNamesTheOneThatIsOpen) {
               HasSubstr("close the group opened in line 1, column 5"));
 }
 
+TEST(SparqlParser, AWordThatBeginsAsAKeywordIsNone) {
+  for (const std::string word : {"SELECTS", "SELECT_", "DESCRIBEs", "CONSTRUCTS", "CONSTRUCS", "AS", "ASKS"}) {
+    EXPECT_THAT(ErrorsOf(word + " ?s { ?s ex:p 1 }")[0].message, HasSubstr("expected SELECT")) << word;
+  }
+  for (const std::string word : {"OPTIONALS", "OPTIONA", "OPTIONA_", "FILTERS", "A", "A_"}) {
+    EXPECT_EQ(ErrorsOf("ASK { ?s ex:p 1 . " + word + " { ?s ex:q 1 } }")[0].span.column, 19) << word;
+  }
+  EXPECT_EQ(AlgebraOf("aSk { ?s ex:p 1 optIonAL { ?s ex:q 1 } }"), AlgebraOf("ASK { ?s ex:p 1 OPTIONAL { ?s ex:q 1 } }"));
+  EXPECT_EQ(ErrorsOf("ASK { ?s A 1 }")[0].span.column, 10);  // but for "a"
+}
+
 TEST(SparqlParser, SeveralMistakesAreReportedTogether) {
   const Diagnostics errors =
       ErrorsOf("SELECT ?s {\n ?s foo:p ?o .\n ?s ex:p .\n FILTER(STRLN(?s) > 1)\n ?s bar:q 1 }");
