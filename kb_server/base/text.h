@@ -3,6 +3,7 @@
 #ifndef DOCENT_KB_SERVER_BASE_TEXT_H_
 #define DOCENT_KB_SERVER_BASE_TEXT_H_
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,12 @@ inline absl::string_view ToAbsl(std::string_view text) {
 // And back.
 inline std::string_view FromAbsl(absl::string_view text) {
   return std::string_view(text.data(), text.size());
+}
+
+// *out = text, of a text that is no part of *out. Quicker where the text before was as long, as names of one kind often are.
+inline void Overwrite(std::string* out, std::string_view text) {
+  if (out->size() != text.size()) out->resize(text.size());
+  std::copy(text.begin(), text.end(), out->begin());
 }
 
 // The pieces one after the other: absl::StrCat for std::string_view, std::string and literals (numbers not).

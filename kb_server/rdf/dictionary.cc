@@ -342,17 +342,14 @@ Term Dictionary::Decode(TermId id) const {
 }
 
 void Dictionary::DecodeTo(TermId id, Term* out) const {
-  if (!id.InDictionary()) {
-    *out = DecodeInline(id);
-    return;
-  }
+  if (!id.InDictionary()) return DecodeInlineTo(id, out);
   const Impl& owner = impl_->OwnerOf(id.payload());
   const Entry& entry = owner.At(id.payload());
   out->kind = id.IsIri() ? TermKind::kIri : id.IsBlank() ? TermKind::kBlank : TermKind::kLiteral;
-  out->lexical = entry.view();
+  Overwrite(&out->lexical, entry.view());
   out->datatype.clear();
   out->language.clear();
-  if (out->kind != TermKind::kLiteral || entry.qualifier == 0) return;
+  if (entry.qualifier == 0 || !id.IsLiteral()) return;
   (entry.is_language != 0 ? out->language : out->datatype) = owner.entries[entry.qualifier - 1].view();
 }
 

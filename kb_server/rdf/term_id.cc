@@ -1,16 +1,16 @@
 #include "kb_server/rdf/term_id.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <limits>
 #include <string>
 
-#include "absl/strings/ascii.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "kb_server/base/text.h"
 #include "kb_server/rdf/vocabulary.h"
 
 namespace docent {
@@ -50,22 +50,29 @@ std::optional<int64_t> ParseCanonicalInteger(std::string_view text) {
 }
 
 std::optional<TermId> EncodeInteger(std::string_view text) {
-  std::optional<int64_t> value = ParseCanonicalInteger(text);
-  if (!value || *value < -kIntegerLimit || *value >= kIntegerLimit) return std::nullopt;
-  return TermId::Make(Tag::kInteger, static_cast<uint64_t>(*value));
+  const std::optional<int64_t> value = ParseCanonicalInteger(text);
+  return value ? InlineIntegerId(*value) : std::nullopt;
 }
 
-std::string FormatDecimal(InlineDecimalValue value) {
-  std::string digits = absl::StrCat(std::abs(value.mantissa));
-  if (value.scale > 0) {
-    size_t scale = static_cast<size_t>(value.scale);
-    if (digits.size() <= scale) digits.insert(0, scale + 1 - digits.size(), '0');
-    digits.insert(digits.size() - scale, 1, '.');
+// What follows writes lexical forms at `out`, and returns their end; there is room in an InlineBuffer.
+char* WriteDecimal(InlineDecimalValue value, char* out) {
+  const uint64_t mantissa = static_cast<uint64_t>(value.mantissa);
+  if (value.mantissa < 0) *out++ = '-';
+  char* end = std::to_chars(out, out + 20, value.mantissa < 0 ? 0 - mantissa : mantissa).ptr;
+  if (value.scale == 0) return end;
+  const std::ptrdiff_t missing = value.scale + 1 - (end - out);  // zeros before the first digit
+  if (missing > 0) {
+    std::copy_backward(out, end, end + missing);
+    std::fill(out, out + missing, '0');
+    end += missing;
   }
-  return value.mantissa < 0 ? "-" + digits : digits;
+  char* const point = end - value.scale;
+  std::copy_backward(point, end, end + 1);
+  *point = '.';
+  return end + 1;
 }
 
-// Of a text that FormatDecimal writes, with a mantissa in [-limit, limit).
+// Of a text that WriteDecimal writes, with a mantissa in [-limit, limit).
 std::optional<InlineDecimalValue> ParsePlain(std::string_view text, int64_t limit, int64_t max_scale) {
   std::array<char, 40> digits;
   size_t count = 0;
@@ -85,15 +92,14 @@ std::optional<InlineDecimalValue> ParsePlain(std::string_view text, int64_t limi
   if (error != std::errc() || end != digits.data() + count || scale > max_scale) return std::nullopt;
   if (mantissa < -limit || mantissa >= limit) return std::nullopt;
   const InlineDecimalValue value{mantissa, static_cast<int>(scale)};
-  if (FormatDecimal(value) != text) return std::nullopt;
+  InlineBuffer buffer;
+  if (std::string_view(buffer.data(), WriteDecimal(value, buffer.data())) != text) return std::nullopt;
   return value;
 }
 
 std::optional<TermId> EncodeDecimal(std::string_view text) {
   const std::optional<InlineDecimalValue> value = ParsePlain(text, kMantissaLimit, kMaxScale);
-  if (!value) return std::nullopt;
-  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value->mantissa) << kScaleBits |
-                                         static_cast<uint64_t>(value->scale));
+  return value ? InlineDecimalId(*value) : std::nullopt;
 }
 
 std::optional<TermId> EncodePlainDouble(std::string_view text, bool is_float) {
@@ -109,32 +115,36 @@ InlineDecimalValue PlainDouble(TermId id) {
 
 // XML Schema 1.0 part 2, section 3.2.5.2: one digit before the point, at least one after it, "E", no plus
 // sign.
-std::string FormatDouble(double value) {
-  if (std::isnan(value)) return "NaN";
-  if (std::isinf(value)) return value > 0 ? "INF" : "-INF";
+char* WriteDouble(double value, char* out) {
+  const auto write = [&out](std::string_view text) { return std::copy(text.begin(), text.end(), out); };
+  if (std::isnan(value)) return write("NaN");
+  if (std::isinf(value)) return write(value > 0 ? "INF" : "-INF");
   std::array<char, 40> buffer;
-  char* end =
+  const char* end =
       std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
-  std::string_view text(buffer.data(), static_cast<size_t>(end - buffer.data()));
-  size_t e = text.find('e');
-  std::string out(text.substr(0, e));
-  if (out.find('.') == std::string::npos) out += ".0";
-  out += 'E';
-  int exponent = 0;
-  std::string_view power = text.substr(e + 1);
-  if (power.starts_with('+')) power.remove_prefix(1);
-  std::from_chars(power.data(), power.data() + power.size(), exponent);
-  absl::StrAppend(&out, exponent);
-  return out;
+  const std::string_view text(buffer.data(), static_cast<size_t>(end - buffer.data()));
+  const size_t e = text.find('e');
+  out = write(text.substr(0, e));
+  if (text.find('.') == std::string_view::npos) out = write(".0");
+  out = write("E");
+  std::string_view power = text.substr(e + 1);  // at least two digits
+  if (power.starts_with('-')) out = write("-");
+  power.remove_prefix(1);
+  if (power.size() > 1 && power[0] == '0') power.remove_prefix(1);
+  return write(power);
 }
 
 enum class DoubleForm : uint8_t { kCanonical, kFixed, kScientific };
 
-std::string FormatShortest(double value, DoubleForm form) {
-  if (form == DoubleForm::kCanonical) return FormatDouble(value);
-  std::array<char, 80> buffer;
+char* WriteShortest(double value, DoubleForm form, char* out) {
+  if (form == DoubleForm::kCanonical) return WriteDouble(value, out);
   const auto format = form == DoubleForm::kFixed ? std::chars_format::fixed : std::chars_format::scientific;
-  return std::string(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr);
+  return std::to_chars(out, out + InlineBuffer().size(), value, format).ptr;
+}
+
+bool IsWritten(double value, DoubleForm form, std::string_view text) {
+  InlineBuffer buffer;
+  return std::string_view(buffer.data(), WriteShortest(value, form, buffer.data())) == text;
 }
 
 std::optional<TermId> EncodeNearDouble(std::string_view text, double value) {
@@ -144,7 +154,7 @@ std::optional<TermId> EncodeNearDouble(std::string_view text, double value) {
   const DoubleForm form = text.find('E') != std::string_view::npos   ? DoubleForm::kCanonical
                           : text.find('e') != std::string_view::npos ? DoubleForm::kScientific
                                                                      : DoubleForm::kFixed;
-  if (FormatShortest(value, form) != text) return std::nullopt;
+  if (!IsWritten(value, form, text)) return std::nullopt;
   const uint64_t code = static_cast<uint64_t>(form) * kPowers + static_cast<uint64_t>(power);
   return TermId::Make(Tag::kNearDouble, bits >> 63 << 59 | code << 52 | (bits & ((uint64_t{1} << 52) - 1)));
 }
@@ -172,7 +182,7 @@ std::optional<TermId> EncodeDouble(std::string_view text) {
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   }
   const uint64_t bits = std::bit_cast<uint64_t>(value);
-  if ((bits & 15) == 0 && FormatDouble(value) == text) return TermId::Make(Tag::kDouble, bits >> 4);
+  if ((bits & 15) == 0 && IsWritten(value, DoubleForm::kCanonical, text)) return TermId::Make(Tag::kDouble, bits >> 4);
   return EncodeNearDouble(text, value);
 }
 
@@ -289,31 +299,78 @@ std::optional<TermId> EncodeDateTime(std::string_view text) {
                                           static_cast<uint64_t>(time->digits) << 1 | (zone ? 1 : 0));
 }
 
-std::string FormatDate(int64_t days) {
-  Civil date = CivilFromDays(days);
-  return absl::StrFormat("%04d-%02d-%02d", date.year, date.month, date.day);
+char* WriteDigits(int64_t value, int width, char* out) {
+  for (char* at = out + width; at != out; value /= 10) *--at = static_cast<char>('0' + value % 10);
+  return out + width;
 }
 
-std::string FormatLocalTime(const LocalTime& time) {
-  int64_t days = time.time_us / kDayMicros - (time.time_us % kDayMicros < 0 ? 1 : 0);
-  int64_t of_day_us = time.time_us - days * kDayMicros;
-  int64_t seconds = of_day_us / 1'000'000;
-  std::string out = FormatDate(days);
-  absl::StrAppendFormat(&out, "T%02d:%02d:%02d", seconds / 3600, seconds / 60 % 60, seconds % 60);
-  if (time.digits > 0) {
-    absl::StrAppend(&out, ".", absl::StrFormat("%06d", of_day_us % 1'000'000).substr(0, static_cast<size_t>(time.digits)));
-  }
-  return out;
+char* WriteDate(int64_t days, char* out) {
+  const Civil date = CivilFromDays(days);
+  out = WriteDigits(date.year, 4, out);
+  *out++ = '-';
+  out = WriteDigits(date.month, 2, out);
+  *out++ = '-';
+  return WriteDigits(date.day, 2, out);
 }
 
-std::string FormatDateTime(TermId id) {
+char* WriteLocalTime(const LocalTime& time, char* out) {
+  const int64_t days = time.time_us / kDayMicros - (time.time_us % kDayMicros < 0 ? 1 : 0);
+  const int64_t of_day_us = time.time_us - days * kDayMicros;
+  const int64_t seconds = of_day_us / 1'000'000;
+  out = WriteDate(days, out);
+  *out++ = 'T';
+  out = WriteDigits(seconds / 3600, 2, out);
+  *out++ = ':';
+  out = WriteDigits(seconds / 60 % 60, 2, out);
+  *out++ = ':';
+  out = WriteDigits(seconds % 60, 2, out);
+  if (time.digits == 0) return out;
+  *out++ = '.';
+  WriteDigits(of_day_us % 1'000'000, 6, out);
+  return out + time.digits;
+}
+
+char* WriteDateTime(TermId id, char* out) {
   const InlineTimeValue time = InlineTime(id);
   if (id.tag() == Tag::kDateTime) {
-    return FormatLocalTime({time.local_us, static_cast<int64_t>(id.payload() >> 1 & 7)}) + (time.zone_minutes ? "Z" : "");
+    out = WriteLocalTime({time.local_us, static_cast<int64_t>(id.payload() >> 1 & 7)}, out);
+    if (time.zone_minutes) *out++ = 'Z';
+    return out;
   }
+  out = WriteLocalTime({time.local_us, static_cast<int64_t>(id.payload() & 3) * 3}, out);
   const int zone = std::abs(*time.zone_minutes);
-  return FormatLocalTime({time.local_us, static_cast<int64_t>(id.payload() & 3) * 3}) +
-         absl::StrFormat("%c%02d:%02d", *time.zone_minutes < 0 ? '-' : '+', zone / 60, zone % 60);
+  *out++ = *time.zone_minutes < 0 ? '-' : '+';
+  out = WriteDigits(zone / 60, 2, out);
+  *out++ = ':';
+  return WriteDigits(zone % 60, 2, out);
+}
+
+char* WriteInline(TermId id, char* out) {
+  switch (id.tag()) {
+    case Tag::kInteger:
+      return std::to_chars(out, out + InlineBuffer().size(), InlineInteger(id)).ptr;
+    case Tag::kDecimal:
+      return WriteDecimal(InlineDecimal(id), out);
+    case Tag::kDouble:
+      return WriteDouble(InlineDouble(id), out);
+    case Tag::kPlainDouble:
+      return WriteDecimal(PlainDouble(id), out);
+    case Tag::kNearDouble:
+      return WriteShortest(NearDouble(id), NearForm(id), out);
+    case Tag::kBoolean: {
+      const std::string_view text = InlineBoolean(id) ? "true" : "false";
+      return std::copy(text.begin(), text.end(), out);
+    }
+    case Tag::kDate:
+      out = WriteDate(SignExtend(id.payload(), 60) >> 1, out);
+      if ((id.payload() & 1) != 0) *out++ = 'Z';
+      return out;
+    case Tag::kDateTime:
+    case Tag::kZonedDateTime:
+      return WriteDateTime(id, out);
+    default:
+      return out;
+  }
 }
 
 }  // namespace
@@ -355,39 +412,32 @@ std::string_view InlineDatatype(TermId id) {
   }
 }
 
+std::string_view WriteInlineText(TermId id, InlineBuffer* buffer) {
+  return {buffer->data(), WriteInline(id, buffer->data())};
+}
+
+void DecodeInlineTo(TermId id, Term* out) {
+  InlineBuffer buffer;
+  out->kind = TermKind::kLiteral;
+  Overwrite(&out->lexical, WriteInlineText(id, &buffer));
+  Overwrite(&out->datatype, InlineDatatype(id));
+  out->language.clear();
+}
+
 Term DecodeInline(TermId id) {
-  std::string lexical;
-  switch (id.tag()) {
-    case Tag::kInteger:
-      lexical = absl::StrCat(InlineInteger(id));
-      break;
-    case Tag::kDecimal:
-      lexical = FormatDecimal(InlineDecimal(id));
-      break;
-    case Tag::kDouble:
-      lexical = FormatDouble(InlineDouble(id));
-      break;
-    case Tag::kPlainDouble:
-      lexical = FormatDecimal(PlainDouble(id));
-      break;
-    case Tag::kNearDouble:
-      lexical = FormatShortest(NearDouble(id), NearForm(id));
-      break;
-    case Tag::kBoolean:
-      lexical = InlineBoolean(id) ? "true" : "false";
-      break;
-    case Tag::kDate:
-      lexical = FormatDate(SignExtend(id.payload(), 60) >> 1);
-      if ((id.payload() & 1) != 0) lexical += 'Z';
-      break;
-    case Tag::kDateTime:
-    case Tag::kZonedDateTime:
-      lexical = FormatDateTime(id);
-      break;
-    default:
-      break;
-  }
-  return Term::Literal(std::move(lexical), std::string(InlineDatatype(id)));
+  Term term;
+  DecodeInlineTo(id, &term);
+  return term;
+}
+
+std::optional<TermId> InlineIntegerId(int64_t value) {
+  if (value < -kIntegerLimit || value >= kIntegerLimit) return std::nullopt;
+  return TermId::Make(Tag::kInteger, static_cast<uint64_t>(value));
+}
+
+std::optional<TermId> InlineDecimalId(InlineDecimalValue value) {
+  if (value.mantissa < -kMantissaLimit || value.mantissa >= kMantissaLimit || value.scale > kMaxScale) return std::nullopt;
+  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value.mantissa) << kScaleBits | static_cast<uint64_t>(value.scale));
 }
 
 int64_t InlineInteger(TermId id) {

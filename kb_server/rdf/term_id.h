@@ -8,6 +8,7 @@
 #ifndef DOCENT_KB_SERVER_RDF_TERM_ID_H_
 #define DOCENT_KB_SERVER_RDF_TERM_ID_H_
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -76,6 +77,10 @@ class TermId {
 std::optional<TermId> InlineLiteral(const Term& term);
 // The term of an id with an inline tag (kInteger … kZonedDateTime), exactly as it came in.
 Term DecodeInline(TermId id);
+void DecodeInlineTo(TermId id, Term* out);
+// Its lexical form alone, written into `buffer`, which the result views.
+using InlineBuffer = std::array<char, 64>;
+std::string_view WriteInlineText(TermId id, InlineBuffer* buffer);
 // The IRI of the datatype of an id with an inline tag.
 std::string_view InlineDatatype(TermId id);
 
@@ -90,6 +95,9 @@ struct InlineDecimalValue {
   int scale;
 };
 InlineDecimalValue InlineDecimal(TermId id);
+// The other way: the id of the literal that is written with exactly these digits; nullopt if it needs the dictionary.
+std::optional<TermId> InlineIntegerId(int64_t value);
+std::optional<TermId> InlineDecimalId(InlineDecimalValue value);
 // kDate (its first instant), kDateTime and kZonedDateTime: what the clock of its zone shows, as if that were UTC.
 struct InlineTimeValue {
   TimeMicros local_us;

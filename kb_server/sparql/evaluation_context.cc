@@ -64,7 +64,8 @@ std::string EvaluationContext::LexicalOf(const Value& value) const {
   if (id.IsNone()) return value.Lexical();
   if (id.InDictionary()) return std::string(dictionary.Lexical(id));
   if (id.tag() == TermId::Tag::kLocal) return local_terms_[id.payload()].lexical;
-  return DecodeInline(id).lexical;
+  InlineBuffer buffer;
+  return std::string(WriteInlineText(id, &buffer));
 }
 
 uint64_t EvaluationContext::Random() {

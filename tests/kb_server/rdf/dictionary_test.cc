@@ -54,6 +54,31 @@ TEST(DictionaryTest, InlineLiteralsMakeNoEntry) {
   EXPECT_EQ(dictionary.Find(Term::Integer(3)), dictionary.Intern(Term::Integer(3)));
 }
 
+TEST(DictionaryTest, OneTermIsDecodedIntoAfterTheOther) {
+  Dictionary dictionary;
+  const Term terms[] = {Term::Iri("http://a.example/a-long-one"),
+                        Term::Literal("1.50", std::string(kXsdDecimal)),
+                        Term::LangString("text", "en-gb"),
+                        Term::Literal(""),
+                        Term::Literal("007", std::string(kXsdInteger)),
+                        Term::Literal("2014-02-28T23:59:59.050+05:45", std::string(kXsdDateTime)),
+                        Term::Literal("x", "http://a.example/a-datatype"),
+                        Term::Blank("b"),
+                        Term::Integer(-3),
+                        Term::Literal("-INF", std::string(kXsdDouble)),
+                        Term::Iri("http://a.example/b")};
+  std::vector<TermId> ids;
+  for (const Term& term : terms) ids.push_back(dictionary.Intern(term));
+  Term decoded;
+  for (size_t a = 0; a < ids.size(); ++a) {
+    for (size_t b = 0; b < ids.size(); ++b) {
+      dictionary.DecodeTo(ids[a], &decoded);
+      dictionary.DecodeTo(ids[b], &decoded);
+      EXPECT_EQ(decoded, terms[b]) << "after " << ToNTriples(terms[a]);
+    }
+  }
+}
+
 TEST(DictionaryTest, DatatypeAndLanguage) {
   Dictionary dictionary;
   EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Literal("x"))), kXsdString);

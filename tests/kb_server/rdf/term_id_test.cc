@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "kb_server/rdf/vocabulary.h"
 
@@ -111,6 +112,23 @@ TEST(TermIdTest, EveryCoordinateFitsHoweverItIsWritten) {
     }
     ExpectInline(std::to_string(std::abs(value) + 1), kXsdDouble);
   }
+}
+
+TEST(TermIdTest, NumbersHaveTheIdsOfTheirTexts) {
+  for (const int64_t value : {int64_t{0}, int64_t{-1}, (int64_t{1} << 59) - 1, -(int64_t{1} << 59)}) {
+    EXPECT_EQ(InlineIntegerId(value), InlineLiteral(Typed(std::to_string(value), kXsdInteger))) << value;
+  }
+  EXPECT_EQ(InlineIntegerId(int64_t{1} << 59), std::nullopt);
+  EXPECT_EQ(InlineIntegerId(-(int64_t{1} << 59) - 1), std::nullopt);
+  const std::pair<InlineDecimalValue, std::string> decimals[] = {
+      {{0, 0}, "0"},      {{0, 2}, "0.00"},    {{5, 1}, "0.5"},  {{-5, 3}, "-0.005"},
+      {{150, 2}, "1.50"}, {{-1200, 0}, "-1200"}, {{1, 31}, "0.0000000000000000000000000000001"}};
+  for (const auto& [value, text] : decimals) {
+    EXPECT_EQ(InlineDecimalId(value), InlineLiteral(Typed(text, kXsdDecimal))) << text;
+  }
+  EXPECT_EQ(InlineDecimalId({1, 32}), std::nullopt);
+  EXPECT_EQ(InlineDecimalId({int64_t{1} << 54, 0}), std::nullopt);
+  EXPECT_TRUE(InlineDecimalId({-(int64_t{1} << 54), 31}));
 }
 
 TEST(TermIdTest, Booleans) {
