@@ -20,6 +20,8 @@ using Tag = TermId::Tag;
 
 constexpr int kScaleBits = 5;
 constexpr int64_t kMaxScale = (1 << kScaleBits) - 1;
+static_assert(InlineDecimal(TermId::Make(Tag::kDecimal, (1 << kScaleBits) + kMaxScale)).mantissa == 1);
+static_assert(InlineDecimal(TermId::Make(Tag::kDecimal, (1 << kScaleBits) + kMaxScale)).scale == kMaxScale);
 constexpr int64_t kMantissaLimit = int64_t{1} << 54;  // 55 bits, two's complement
 constexpr int64_t kIntegerLimit = int64_t{1} << 59;   // 60 bits, two's complement
 constexpr int64_t kTimeLimit = int64_t{1} << 55;      // 56 bits, two's complement
@@ -440,10 +442,6 @@ std::optional<TermId> InlineDecimalId(InlineDecimalValue value) {
   return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value.mantissa) << kScaleBits | static_cast<uint64_t>(value.scale));
 }
 
-int64_t InlineInteger(TermId id) {
-  return SignExtend(id.payload(), 60);
-}
-
 double InlineDouble(TermId id) {
   if (id.tag() == Tag::kDouble) return std::bit_cast<double>(id.payload() << 4);
   if (id.tag() == Tag::kNearDouble) return NearDouble(id);
@@ -453,18 +451,6 @@ double InlineDouble(TermId id) {
   const InlineDecimalValue plain = PlainDouble(id);
   const double value = static_cast<double>(plain.mantissa) / kTens[static_cast<size_t>(plain.scale)];
   return InlineIsFloat(id) ? static_cast<double>(static_cast<float>(value)) : value;
-}
-
-bool InlineIsFloat(TermId id) {
-  return (id.payload() & 1) != 0;
-}
-
-bool InlineBoolean(TermId id) {
-  return id.payload() != 0;
-}
-
-InlineDecimalValue InlineDecimal(TermId id) {
-  return {SignExtend(id.payload(), 60) >> kScaleBits, static_cast<int>(id.payload() & kMaxScale)};
 }
 
 InlineTimeValue InlineTime(TermId id) {

@@ -85,16 +85,18 @@ std::string_view WriteInlineText(TermId id, InlineBuffer* buffer);
 std::string_view InlineDatatype(TermId id);
 
 // The value of an inline id without its text, for evaluation. Each requires the tag that it names.
-int64_t InlineInteger(TermId id);  // kInteger
-double InlineDouble(TermId id);    // kDouble, kPlainDouble (a float's value is rounded to float), kNearDouble
-bool InlineIsFloat(TermId id);     // kPlainDouble
-bool InlineBoolean(TermId id);     // kBoolean
+constexpr int64_t InlineInteger(TermId id) { return static_cast<int64_t>(id.bits() << 4) >> 4; }  // kInteger
+double InlineDouble(TermId id);  // kDouble, kPlainDouble (a float's value is rounded to float), kNearDouble
+constexpr bool InlineIsFloat(TermId id) { return (id.bits() & 1) != 0; }       // kPlainDouble
+constexpr bool InlineBoolean(TermId id) { return id.payload() != 0; }          // kBoolean
 // kDecimal: the value is mantissa / 10^scale, 0 <= scale <= 31.
 struct InlineDecimalValue {
   int64_t mantissa;
   int scale;
 };
-InlineDecimalValue InlineDecimal(TermId id);
+constexpr InlineDecimalValue InlineDecimal(TermId id) {
+  return {static_cast<int64_t>(id.bits() << 4) >> 9, static_cast<int>(id.bits() & 31)};
+}
 // The other way: the id of the literal that is written with exactly these digits; nullopt if it needs the dictionary.
 std::optional<TermId> InlineIntegerId(int64_t value);
 std::optional<TermId> InlineDecimalId(InlineDecimalValue value);

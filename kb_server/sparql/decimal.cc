@@ -12,8 +12,7 @@ constexpr int kMaxScale = 36;
 
 // value * 10^digits
 std::optional<Int128> ScaleUp(Int128 value, int digits) {
-  static constexpr std::array<int64_t, 5> kPowers = {1, 10, 100, 1000, 10000};
-  if (value == static_cast<int64_t>(value) && digits < std::ssize(kPowers)) return value * kPowers[digits];
+  if (value == static_cast<int64_t>(value) && digits < std::ssize(kPowersOfTen)) return value * kPowersOfTen[digits];
   for (int i = 0; i < digits; ++i) {
     if (__builtin_mul_overflow(value, static_cast<Int128>(10), &value)) return std::nullopt;
   }

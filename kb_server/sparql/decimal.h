@@ -4,6 +4,7 @@
 #ifndef DOCENT_KB_SERVER_SPARQL_DECIMAL_H_
 #define DOCENT_KB_SERVER_SPARQL_DECIMAL_H_
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -34,6 +35,13 @@ struct Decimal {
   Decimal Ceiling() const;
   Decimal Round() const;
 };
+
+// 10^0 to the largest that fits.
+inline constexpr std::array<int64_t, 19> kPowersOfTen = [] {
+  std::array<int64_t, 19> powers = {1};
+  for (size_t i = 1; i < powers.size(); ++i) powers[i] = powers[i - 1] * 10;
+  return powers;
+}();
 
 std::optional<Decimal> Add(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b);

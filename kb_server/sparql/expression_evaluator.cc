@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <utility>
 
+#include "kb_server/sparql/number.h"
 #include "kb_server/sparql/operators.h"
 
 namespace docent::sparql {
@@ -26,13 +28,15 @@ const Value& Operand(PlanExpression& e, const TermId* row, EvaluationContext& co
   return scratch;
 }
 
+// None: the operand is to be evaluated.
+TermId IdOf(const PlanExpression& e, const TermId* row) {
+  return e.kind == Kind::kVariable ? row[e.slot] : e.kind == Kind::kTerm ? e.constant.id() : TermId();
+}
+
 // Ids that settle `=` without reading the terms: the same term (a literal may be NaN or invalid, so only
 // others), or two different IRIs.
 std::optional<bool> EqualByIds(const PlanExpression& a, const PlanExpression& b, const TermId* row) {
-  const auto id_of = [row](const PlanExpression& e) {
-    return e.kind == Kind::kVariable ? row[e.slot] : e.kind == Kind::kTerm ? e.constant.id() : TermId();
-  };
-  const TermId x = id_of(a), y = id_of(b);
+  const TermId x = IdOf(a, row), y = IdOf(b, row);
   if (x.IsIri() && y.IsIri()) return x == y;
   return std::nullopt;
 }
@@ -42,9 +46,25 @@ bool WorkedOn(const Value& a, const Value& b, EvaluationContext& context) {
   return context.Worked(std::min(a.text().size(), b.text().size()));
 }
 
+// The operand's number where it is a constant or stands in the variable's id.
+Number NumberOf(const PlanExpression& e, const TermId* row) {
+  return e.kind == Kind::kVariable ? Number::Of(row[e.slot]) : Number::Of(e.constant);
+}
+
+// Of two numbers that stand there already, which most comparisons are about; nullopt: at least one is to be evaluated.
+std::optional<std::partial_ordering> CompareByIds(const PlanExpression& a, const PlanExpression& b, const TermId* row) {
+  if (const auto order = CompareExact(IdOf(a, row), IdOf(b, row))) return *order;
+  const Number x = NumberOf(a, row);
+  if (x.IsNone()) return std::nullopt;
+  const Number y = NumberOf(b, row);
+  if (y.IsNone()) return std::nullopt;
+  return Compare(x, y);
+}
+
 std::optional<bool> Equal(PlanExpression& a, PlanExpression& b, const TermId* row,
                           EvaluationContext& context) {
   if (const std::optional<bool> settled = EqualByIds(a, b, row)) return settled;
+  if (const auto order = CompareByIds(a, b, row)) return *order == 0;
   Value x, y;
   const Value& left = Operand(a, row, context, x);
   const Value& right = Operand(b, row, context, y);
@@ -52,8 +72,22 @@ std::optional<bool> Equal(PlanExpression& a, PlanExpression& b, const TermId* ro
   return ValuesEqual(left, right);
 }
 
+bool Holds(Kind kind, std::partial_ordering order) {
+  switch (kind) {
+    case Kind::kLess:
+      return order < 0;
+    case Kind::kGreater:
+      return order > 0;
+    case Kind::kLessOrEqual:
+      return order <= 0;
+    default:
+      return order >= 0;
+  }
+}
+
 std::optional<bool> Ordered(Kind kind, PlanExpression& a, PlanExpression& b, const TermId* row,
                             EvaluationContext& context) {
+  if (const auto order = CompareByIds(a, b, row)) return Holds(kind, *order);
   Value x, y;
   bool unordered = false;
   const Value& left = Operand(a, row, context, x);
@@ -62,16 +96,7 @@ std::optional<bool> Ordered(Kind kind, PlanExpression& a, PlanExpression& b, con
   const std::optional<int> order = CompareValues(left, right, &unordered);
   if (unordered) return false;  // NaN is neither less nor greater
   if (!order) return std::nullopt;
-  switch (kind) {
-    case Kind::kLess:
-      return *order < 0;
-    case Kind::kGreater:
-      return *order > 0;
-    case Kind::kLessOrEqual:
-      return *order <= 0;
-    default:
-      return *order >= 0;
-  }
+  return Holds(kind, *order <=> 0);
 }
 
 // a = b || a = c …: true if one is, else an error if one comparison is an error

@@ -5,6 +5,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "kb_server/rdf/vocabulary.h"
+#include "kb_server/sparql/number.h"
 #include "kb_server/sparql/text.h"
 #include "kb_server/sparql/value.h"
 
@@ -23,14 +24,9 @@ int CompareText(std::string_view a, std::string_view b) {
 
 // Both numeric. NaN: unordered.
 std::optional<int> CompareNumbers(const Value& a, const Value& b) {
-  if (a.IsExact() && b.IsExact()) return Compare(a.decimal(), b.decimal());
-  double x = a.AsDouble(), y = b.AsDouble();
-  if (a.type() != Type::kDouble && b.type() != Type::kDouble) {  // promoted to float
-    x = static_cast<float>(x);
-    y = static_cast<float>(y);
-  }
-  if (std::isnan(x) || std::isnan(y)) return std::nullopt;
-  return x < y ? -1 : x > y ? 1 : 0;
+  const std::partial_ordering order = Compare(Number::Of(a), Number::Of(b));
+  if (order == std::partial_ordering::unordered) return std::nullopt;
+  return order < 0 ? -1 : order > 0 ? 1 : 0;
 }
 
 // The rank of the kinds in ORDER BY.
@@ -156,6 +152,19 @@ std::optional<int> CompareValues(const Value& a, const Value& b, bool* unordered
     default:
       return std::nullopt;
   }
+}
+
+std::optional<int> CompareIdsForOrder(TermId a, TermId b, const Dictionary& dictionary) {
+  if ((a.IsIri() && b.IsIri()) || (a.IsBlank() && b.IsBlank())) {
+    return CompareText(dictionary.Lexical(a), dictionary.Lexical(b));
+  }
+  const Number x = Number::Of(a);
+  if (x.IsNone()) return std::nullopt;
+  const Number y = Number::Of(b);
+  if (y.IsNone()) return std::nullopt;
+  const std::partial_ordering order = Compare(x, y);
+  if (order == std::partial_ordering::unordered) return static_cast<int>(!x.IsNan()) - static_cast<int>(!y.IsNan());
+  return order < 0 ? -1 : order > 0 ? 1 : 0;
 }
 
 int CompareForOrder(const Value& a, const Value& b) {

@@ -4,6 +4,7 @@
 
 #include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluator.h"
+#include "kb_server/sparql/number.h"
 
 namespace docent::sparql {
 namespace {
@@ -56,6 +57,63 @@ TEST(Decimal, ComparesNumbersOfAnyScale) {
   EXPECT_GT(Compare(*Decimal::Parse("99999999999999999999999999999999999999"),
                     *Decimal::Parse("0.000000000000000000000000000000000001")),
             0);
+}
+
+// Whatever way it is compared, by its id or by its value, a number stands in one place.
+TEST(Number, ComparesAsItsValueDoes) {
+  Dictionary dictionary;
+  std::vector<Term> terms = {Term::Iri("http://a"),
+                             Term::Blank("b"),
+                             Term::Literal("1"),
+                             Term::LangString("1", "en"),
+                             Term::Boolean(true),
+                             Term::Literal("2014-02-28", std::string(kXsdDate)),
+                             Term::Literal("2014-02-28Z", std::string(kXsdDate)),
+                             Term::Literal("007", std::string(kXsdInteger)),
+                             Term::Literal("+7.0", std::string(kXsdDecimal)),
+                             Term::Literal("x", std::string(kXsdInteger))};
+  for (const char* text : {"0", "-1", "7", "100", "576460752303423487", "-576460752303423488", "9223372036854775807"}) {
+    terms.push_back(Term::Literal(text, std::string(kXsdInteger)));
+    terms.push_back(Term::Literal(text, std::string(kXsdDecimal)));
+    terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
+    terms.push_back(Term::Literal(text, std::string(kXsdFloat)));
+  }
+  for (const char* text : {"7.0", "7.00", "-0.0", "0.10", "0.1", "6.9999", "0.0000000000000000000000000000001", "-18014398509481984",
+                           "0.0000000000018014398509481984", "100.5"}) {
+    terms.push_back(Term::Literal(text, std::string(kXsdDecimal)));
+    terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
+    terms.push_back(Term::Literal(text, std::string(kXsdFloat)));
+  }
+  for (const char* text : {"NaN", "INF", "-INF", "-0.0E0", "1.0E-1", "7.0E0", "1.0E300", "0.12345678901234567"}) {
+    terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
+  }
+  int compared = 0;
+  for (const Term& first : terms) {
+    for (const Term& second : terms) {
+      const TermId a = dictionary.Intern(first), b = dictionary.Intern(second);
+      const Value x = Value::OfTerm(first), y = Value::OfTerm(second);
+      SCOPED_TRACE(ToNTriples(first) + " " + ToNTriples(second));
+      const auto sign = [](int order) { return (order > 0) - (order < 0); };
+      if (const auto order = CompareForOrder(a, b, dictionary)) {
+        EXPECT_EQ(sign(*order), sign(CompareForOrder(x, y)));
+        ++compared;
+      }
+      bool unordered = false;
+      const std::optional<int> expected = CompareValues(x, y, &unordered);
+      if (const auto order = CompareExact(a, b)) {
+        EXPECT_EQ(*order, expected.value() <=> 0);
+      }
+      const Number m = Number::Of(a), n = Number::Of(b);
+      if (m.IsNone() || n.IsNone()) continue;
+      const std::partial_ordering order = Compare(m, n);
+      EXPECT_EQ(order == std::partial_ordering::unordered, unordered);
+      if (expected) {
+        EXPECT_EQ(order, *expected <=> 0);
+      }
+      EXPECT_EQ(order == 0, ValuesEqual(x, y).value());
+    }
+  }
+  EXPECT_GT(compared, 1500);
 }
 
 TEST(Value, IntegersBeyond32BitsAreExact) {
