@@ -1,6 +1,5 @@
-// GROUP BY with aggregates (SPARQL 1.1 section 18.5.1) and ORDER BY (section 15.1).
+// GROUP BY with aggregates (SPARQL 1.1 section 18.5.1).
 #include <algorithm>
-#include <deque>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -262,132 +261,10 @@ class GroupOperator final : public Operator {
   bool collected_ = false;
 };
 
-class OrderByOperator final : public Operator {
- public:
-  OrderByOperator(PlanNode& node, const BuildContext& build)
-      : node_(node),
-        context_(*build.context),
-        width_(build.slots),
-        child_(BuildOperator(*node.children[0], build)) {
-    for (auto& [expression, descending] : node.order) PrepareExpression(*expression, build);
-  }
-  void Start(const TermId* in) override {
-    Clear();
-    kept_.LetGo(context_);
-    next_ = 0;
-    sorted_ = false;
-    child_->Start(in);
-  }
-  bool Next(TermId* out) override {
-    if (!sorted_) Sort();
-    if (next_ >= rows_.size() || !context_.Poll()) return false;
-    const Row& row = *rows_[next_++];
-    std::copy(row.slots.begin(), row.slots.end(), out);
-    return true;
-  }
-  void Forget() override {
-    Clear();
-    child_->Forget();
-    for (auto& [expression, descending] : node_.order) ForgetExpression(*expression);
-  }
-
- private:
-  struct Row {
-    std::vector<TermId> slots;
-    std::vector<Value> keys;
-    uint64_t number = 0;  // rows that are equal keep their order
-  };
-
-  void Clear() {
-    Empty(&rows_);
-    memory_.clear();
-  }
-
-  void Sort() {
-    sorted_ = true;
-    const auto before = [this](const Row* a, const Row* b) { return Before(*a, *b); };
-    Row* row = NewRow();
-    for (uint64_t number = 0; child_->Next(row->slots.data()) && context_.Poll(); ++number) {
-      row->number = number;
-      if (!node_.limit || rows_.size() < *node_.limit) {
-        EvaluateKeys(*row, 0);
-        if (!kept_.Add(BytesOf(*row), context_)) return;
-        rows_.push_back(row);
-        if (node_.limit) std::push_heap(rows_.begin(), rows_.end(), before);
-        row = NewRow();
-      } else if (!rows_.empty() && GoesBefore(*row, *rows_.front())) {  // the heap's top is the last of the first rows
-        std::pop_heap(rows_.begin(), rows_.end(), before);
-        std::swap(rows_.back(), row);
-        kept_.LetGo(BytesOf(*row), context_);
-        if (!kept_.Add(BytesOf(*rows_.back()), context_)) return;
-        std::push_heap(rows_.begin(), rows_.end(), before);
-      }
-    }
-    // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
-    std::stable_sort(rows_.begin(), rows_.end(),
-                     [&](const Row* a, const Row* b) { return context_.Poll() && Before(*a, *b); });
-  }
-
-  static size_t BytesOf(const Row& row) {
-    size_t bytes = sizeof(Row) + row.slots.size() * sizeof(TermId) + row.keys.size() * sizeof(Value);
-    for (const Value& key : row.keys) bytes += key.owned_bytes();
-    return bytes;
-  }
-
-  Row* NewRow() {
-    Row& row = memory_.emplace_back();
-    row.slots.resize(width_);
-    row.keys.resize(node_.order.size());
-    return &row;
-  }
-
-  void EvaluateKeys(Row& row, size_t from) {
-    for (size_t i = from; i < row.keys.size(); ++i) {
-      row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
-    }
-  }
-
-  // The same as Before, of a row without keys that comes after `last`; it gets them if it goes before. Most do not, and the
-  // first key tells.
-  bool GoesBefore(Row& row, const Row& last) {
-    for (size_t i = 0; i < row.keys.size(); ++i) {
-      row.keys[i] = Evaluate(*node_.order[i].first, row.slots.data(), context_);
-      const int order = CompareForOrder(row.keys[i], last.keys[i]);
-      if (order == 0) continue;
-      const bool before = node_.order[i].second ? order > 0 : order < 0;
-      if (before) EvaluateKeys(row, i + 1);
-      return before;
-    }
-    return false;
-  }
-
-  bool Before(const Row& a, const Row& b) const {
-    for (size_t i = 0; i < node_.order.size(); ++i) {
-      const int order = CompareForOrder(a.keys[i], b.keys[i]);
-      if (order != 0) return node_.order[i].second ? order > 0 : order < 0;
-    }
-    return a.number < b.number;
-  }
-
-  PlanNode& node_;
-  EvaluationContext& context_;
-  size_t width_;
-  std::unique_ptr<Operator> child_;
-  std::deque<Row> memory_;
-  KeptMemory kept_;
-  std::vector<Row*> rows_;
-  size_t next_ = 0;
-  bool sorted_ = false;
-};
-
 }  // namespace
 
 std::unique_ptr<Operator> BuildGroup(PlanNode& node, const BuildContext& build) {
   return std::make_unique<GroupOperator>(node, build);
-}
-
-std::unique_ptr<Operator> BuildOrderBy(PlanNode& node, const BuildContext& build) {
-  return std::make_unique<OrderByOperator>(node, build);
 }
 
 }  // namespace docent::sparql

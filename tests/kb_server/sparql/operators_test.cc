@@ -95,6 +95,31 @@ TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
             std::vector<std::string>(by_place.begin(), by_place.begin() + 120));
 }
 
+// Keys of all kinds, in both directions: what ids tell, and what needs values.
+TEST(SparqlOperators, FirstRowsOfMixedKeysAreThoseOfAWholeSort) {
+  std::string data;
+  const char* const values[] = {"%", "%.0", "\"0%\"^^xsd:integer", "\"%.5E0\"^^xsd:double", "\"%\"", "\"%\"@en", "ex:v%", "_:b%",
+                                "\"NaN\"^^xsd:double", "\"20%%-01-01\"^^xsd:date", "true", "\"%.25\"^^xsd:float"};
+  for (int i = 0; i < 600; ++i) {
+    std::string value = values[i * 7 % 12];
+    for (size_t at; (at = value.find('%')) != std::string::npos;) value.replace(at, 1, std::to_string(10 + i * 31 % 80));
+    data += "ex:s" + std::to_string(i) + " ex:v " + value + " . ex:s" + std::to_string(i) + " ex:w " + std::to_string(i % 5) + " .\n";
+  }
+  TestGraph g(data);
+  for (const char* order : {"?v", "DESC(?v)", "?w DESC(?v)", "DESC(?w) ?v", "?none ?v", "STR(?v) ?w", "DESC(?w + 1) STRLEN(STR(?v)) ?v",
+                            "DESC(?copy) ?w"}) {
+    const std::string query =
+        std::string("SELECT ?s ?v { ?s ex:v ?v ; ex:w ?w BIND(CONCAT(STR(?v), STR(?w)) AS ?copy) } ORDER BY ") + order;
+    const std::vector<std::string> all = g.Rows(query, {}, true);
+    ASSERT_EQ(all.size(), 600u);
+    for (const size_t limit : {1, 3, 70, 200, 599}) {
+      EXPECT_EQ(g.Rows(query + " LIMIT " + std::to_string(limit), {}, true),
+                std::vector<std::string>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(limit)))
+          << query;
+    }
+  }
+}
+
 TEST(SparqlOperators, FirstRowsNeedTheMemoryOfTheFirstRowsOnly) {
   TestGraph g(People(3000));
   PrepareOptions little;
