@@ -43,6 +43,21 @@ bool Compatible(const Value& a, const Value& b) {
          (a.type() == Type::kLangString && EqualsIgnoreCase(a.language(), b.language()));
 }
 
+// CONTAINS, STRSTARTS or STRENDS.
+bool Holds(Builtin test, std::string_view text, std::string_view part) {
+  if (test == Builtin::kContains) return Find(text, part) != std::string_view::npos;
+  return test == Builtin::kStrStarts ? text.starts_with(part) : text.ends_with(part);
+}
+
+// The text of a plain string that stands in the query or the dictionary.
+std::optional<std::string_view> PlainText(const PlanExpression& e, const TermId* row, const Dictionary& dictionary) {
+  if (e.kind == Expression::Kind::kTerm && e.constant.type() == Type::kString) return e.constant.text();
+  if (e.kind != Expression::Kind::kVariable || row[e.slot].tag() != TermId::Tag::kLiteral) return std::nullopt;
+  const Dictionary::LiteralView literal = dictionary.Literal(row[e.slot]);
+  if (!literal.datatype.empty() || !literal.language.empty()) return std::nullopt;
+  return literal.lexical;
+}
+
 int64_t LengthInCodePoints(std::string_view text) {
   int64_t n = 0;
   for (const char c : text) n += IsContinuation(c) ? 0 : 1;
@@ -111,6 +126,15 @@ std::string EncodeForUri(std::string_view text) {
 
 }  // namespace
 
+std::optional<bool> TestPlainTexts(const PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  constexpr size_t kShort = 4096;  // bytes; of longer ones memory is asked for, as of all functions
+  const auto text = PlainText(*e.arguments[0], row, context.dictionary);
+  if (!text) return std::nullopt;
+  const auto part = PlainText(*e.arguments[1], row, context.dictionary);
+  if (!part || text->size() + part->size() > kShort || !context.Worked(text->size() + part->size())) return std::nullopt;
+  return Holds(e.builtin, *text, *part);
+}
+
 Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& a, EvaluationContext& context) {
   (void)context;
   if (e.builtin == Builtin::kConcat) return CallConcat(a);
@@ -136,11 +160,9 @@ Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluati
   const std::string_view other = a[1].text();
   switch (e.builtin) {
     case Builtin::kContains:
-      return Value::Boolean(Find(text, other) != std::string_view::npos);
     case Builtin::kStrStarts:
-      return Value::Boolean(text.substr(0, other.size()) == other);
     case Builtin::kStrEnds:
-      return Value::Boolean(text.ends_with(other));
+      return Value::Boolean(Holds(e.builtin, text, other));
     case Builtin::kStrBefore: {
       const size_t at = Find(text, other);
       return at == std::string_view::npos ? Value::String("")

@@ -236,6 +236,11 @@ std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, Evalua
       if (!in) return std::nullopt;
       return !*in;
     }
+    case Kind::kBuiltin:
+      if (e.builtin == Builtin::kContains || e.builtin == Builtin::kStrStarts || e.builtin == Builtin::kStrEnds) {
+        if (const std::optional<bool> holds = TestPlainTexts(e, row, context)) return holds;
+      }
+      return EffectiveBooleanValue(Evaluate(e, row, context));
     case Kind::kExists:
       return Exists(e, row, context);
     case Kind::kNotExists:

@@ -19,6 +19,9 @@ inline bool Passes(PlanExpression& e, const TermId* row, EvaluationContext& cont
 // One of the functions of section 17.4 on evaluated arguments; not BOUND, COALESCE, IF, which see their
 // arguments first.
 Value CallBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
+// CONTAINS, STRSTARTS or STRENDS, as most calls are: of two plain strings of moderate length that stand in the query or in the
+// dictionary, and need no values. nullopt: the call is another.
+std::optional<bool> TestPlainTexts(const PlanExpression& e, const TermId* row, EvaluationContext& context);
 // The groups of builtins, one file each.
 Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);
 Value CallTermBuiltin(PlanExpression& e, const std::vector<Value>& arguments, EvaluationContext& context);

@@ -95,6 +95,27 @@ TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
             std::vector<std::string>(by_place.begin(), by_place.begin() + 120));
 }
 
+// Texts of the dictionary, of the query and computed ones, with and without language.
+TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
+  TestGraph g("ex:a ex:n \"abc\" . ex:b ex:n \"abc\"@en . ex:c ex:n \"\" . ex:d ex:n 12 . ex:e ex:n ex:abc . ex:f ex:n \"abc\"^^ex:t . "
+              "ex:g ex:n \"bc\" . ex:a ex:part \"b\" . ex:b ex:part \"b\"@en . ex:c ex:part \"b\"@fr .");
+  const auto rows = [&g](const std::string& filter) { return g.Rows("SELECT ?s { ?s ex:n ?n FILTER(" + filter + ") } ORDER BY ?s", {}, true); };
+  using Rows = std::vector<std::string>;
+  EXPECT_EQ(rows("CONTAINS(?n, \"b\")"), (Rows{"a", "b", "g"}));
+  EXPECT_EQ(rows("!CONTAINS(?n, \"b\")"), (Rows{"c"}));
+  EXPECT_EQ(rows("CONTAINS(?n, \"\")"), (Rows{"a", "b", "c", "g"}));
+  EXPECT_EQ(rows("STRSTARTS(?n, \"ab\")"), (Rows{"a", "b"}));
+  EXPECT_EQ(rows("STRENDS(?n, \"bc\")"), (Rows{"a", "b", "g"}));
+  EXPECT_EQ(rows("STRENDS(\"abcd bc\", ?n)"), (Rows{"c", "g"}));
+  EXPECT_EQ(rows("CONTAINS(?n, \"b\"@en)"), (Rows{"b"}));
+  EXPECT_EQ(rows("CONTAINS(?n, \"abcd\")"), (Rows{}));
+  EXPECT_EQ(rows("CONTAINS(?n, ?none)"), (Rows{}));
+  EXPECT_EQ(rows("CONTAINS(STR(?n), \"1\") || CONTAINS(?n, \"g\")"), (Rows{"d"}));
+  EXPECT_EQ(g.Rows("SELECT ?s { ?s ex:n ?n ; ex:part ?p FILTER(CONTAINS(?n, ?p)) } ORDER BY ?s", {}, true), (Rows{"a", "b"}));
+  EXPECT_EQ(g.Rows("SELECT ?s { ?s ex:n ?n BIND(CONCAT(?n, \"x\") AS ?x) FILTER(STRENDS(?x, \"cx\")) } ORDER BY ?s", {}, true),
+            (Rows{"a", "b", "g"}));
+}
+
 // Keys of all kinds, in both directions: what ids tell, and what needs values.
 TEST(SparqlOperators, FirstRowsOfMixedKeysAreThoseOfAWholeSort) {
   std::string data;
