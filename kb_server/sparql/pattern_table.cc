@@ -20,10 +20,10 @@ std::vector<int> SlotsOf(const PlanPattern& pattern) {
 }  // namespace
 
 bool PatternTable::Fits(const TermId* row) const {
-  return ready_ &&
-         std::all_of(key_slots_.begin(), key_slots_.end(), [row](int slot) { return !row[slot].IsNone(); }) &&
-         std::all_of(value_slots_.begin(), value_slots_.end(),
-                     [row](int slot) { return row[slot].IsNone(); });
+  bool fits = ready_;
+  for (const int slot : key_slots_) fits &= !row[slot].IsNone();
+  for (const int slot : value_slots_) fits &= row[slot].IsNone();
+  return fits;
 }
 
 bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
@@ -45,8 +45,7 @@ bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
   PatternScan scan;
   scan.Open(pattern, match.data(), context);
   while (scan.Next(match.data())) {
-    for (size_t i = 0; i < key_.size(); ++i) key_[i] = match[key_slots_[i]];
-    const auto [number, added] = keys_.Insert(key_.data());
+    const auto [number, added] = keys_.Insert(KeyOf(match.data()));
     const uint32_t entry = static_cast<uint32_t>(next_.size());
     if (added) {
       first_.push_back(entry);
@@ -70,9 +69,14 @@ bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
   return ready_;
 }
 
-void PatternTable::Open(const TermId* row) {
+const TermId* PatternTable::KeyOf(const TermId* row) {
+  if (key_slots_.size() == 1) return row + key_slots_[0];
   for (size_t i = 0; i < key_.size(); ++i) key_[i] = row[key_slots_[i]];
-  const uint32_t number = keys_.Find(key_.data());
+  return key_.data();
+}
+
+void PatternTable::Open(const TermId* row) {
+  const uint32_t number = keys_.Find(KeyOf(row));
   at_ = number == RowSet::npos ? kEnd : first_[number];
   given_ = false;
 }

@@ -29,6 +29,9 @@ class PatternTable {
  private:
   static constexpr uint32_t kEnd = ~uint32_t{0};
 
+  // The values of the key's slots, one after the other.
+  const TermId* KeyOf(const TermId* row);
+
   RowSet keys_{0};
   std::vector<int> key_slots_, value_slots_;
   std::vector<TermId> values_;           // value_slots_.size() each

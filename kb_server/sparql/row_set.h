@@ -32,24 +32,25 @@ class RowSet {
   // The number of the row (in order of first insertion) and whether it is new. `row` holds `width` ids.
   std::pair<uint32_t, bool> Insert(const TermId* row) {
     if ((size_ + 1) * 2 > heads_.size()) Grow();
-    const uint64_t hash = Hash(row);
-    for (size_t i = hash & (heads_.size() - 1);; i = (i + 1) & (heads_.size() - 1)) {
+    const size_t mask = heads_.size() - 1;
+    for (size_t i = Hash(row) & mask;; i = (i + 1) & mask) {
       const uint32_t at = heads_[i];
       if (at == 0) {
         heads_[i] = ++size_;
-        cells_.insert(cells_.end(), row, row + width_);
+        for (size_t n = 0; n < width_; ++n) cells_.push_back(row[n]);
         return {size_ - 1, true};
       }
-      if (std::equal(row, row + width_, Row(at - 1))) return {at - 1, false};
+      if (Is(at - 1, row)) return {at - 1, false};
     }
   }
   // The number of the row, or npos.
   uint32_t Find(const TermId* row) const {
     if (size_ == 0) return npos;
-    for (size_t i = Hash(row) & (heads_.size() - 1);; i = (i + 1) & (heads_.size() - 1)) {
+    const size_t mask = heads_.size() - 1;
+    for (size_t i = Hash(row) & mask;; i = (i + 1) & mask) {
       const uint32_t at = heads_[i];
       if (at == 0) return npos;
-      if (std::equal(row, row + width_, Row(at - 1))) return at - 1;
+      if (Is(at - 1, row)) return at - 1;
     }
   }
   // Makes room for so many rows.
@@ -70,14 +71,22 @@ class RowSet {
   static constexpr uint32_t npos = ~uint32_t{0};
 
  private:
-  uint64_t Hash(const TermId* row) const {  // the finaliser of MurmurHash3, a word after the other
-    uint64_t hash = width_;
+  bool Is(uint32_t number, const TermId* row) const {
+    const TermId* const cells = Row(number);
     for (size_t i = 0; i < width_; ++i) {
-      hash ^= row[i].bits();
-      hash = (hash ^ (hash >> 33)) * 0xFF51AFD7ED558CCD;
-      hash = (hash ^ (hash >> 33)) * 0xC4CEB9FE1A85EC53;
+      if (cells[i] != row[i]) return false;
     }
-    return hash ^ (hash >> 33);
+    return true;
+  }
+  // Both halves of the product of two words tell of all their bits (the mixing step of wyhash, Wang Yi 2019).
+  uint64_t Hash(const TermId* row) const {
+    __extension__ using Product = unsigned __int128;
+    uint64_t hash = 0x9E3779B97F4A7C15;
+    for (size_t i = 0; i < width_; ++i) {
+      const Product product = Product{hash ^ row[i].bits()} * 0xD1B54A32D192ED03;
+      hash = static_cast<uint64_t>(product) ^ static_cast<uint64_t>(product >> 64);
+    }
+    return hash;
   }
   void Grow() { Rehash(std::max<size_t>(16, heads_.size() * 2)); }
   void Rehash(size_t heads) {
