@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 namespace docent::sparql {
@@ -19,14 +20,6 @@ std::optional<Int128> ScaleUp(Int128 value, int digits) {
   return value;
 }
 
-Decimal Normalised(Decimal d) {
-  while (d.scale > 0 && d.mantissa % 10 == 0) {
-    d.mantissa /= 10;
-    --d.scale;
-  }
-  return d;
-}
-
 // Both at the larger of the two scales.
 std::optional<std::pair<Int128, Int128>> Align(const Decimal& a, const Decimal& b) {
   const int scale = std::max(a.scale, b.scale);
@@ -42,6 +35,20 @@ Int128 FloorDivide(Int128 value, Int128 by) {
 }
 
 }  // namespace
+
+Decimal Normalised(Decimal d) {
+  while (d.scale > 0 && d.mantissa == static_cast<int64_t>(d.mantissa)) {  // whose division is much quicker
+    const int64_t mantissa = static_cast<int64_t>(d.mantissa);
+    if (mantissa % 10 != 0) return d;
+    d.mantissa = mantissa / 10;
+    --d.scale;
+  }
+  while (d.scale > 0 && d.mantissa % 10 == 0) {
+    d.mantissa /= 10;
+    --d.scale;
+  }
+  return d;
+}
 
 std::optional<Decimal> Decimal::Parse(std::string_view text) {
   const bool negative = !text.empty() && text[0] == '-';
@@ -75,18 +82,32 @@ std::optional<Decimal> Decimal::ParseInteger(std::string_view text) {
 }
 
 std::string Decimal::ToString() const {
+  __extension__ using Unsigned = unsigned __int128;
+  constexpr uint64_t kHalf = 10'000'000'000'000'000'000u;  // 19 digits: what is above them fits into 64 bits, too
   const Decimal d = Normalised(*this);
-  std::string digits;
-  const bool negative = d.mantissa < 0;
-  for (Int128 rest = d.mantissa; rest != 0; rest /= 10) {
-    const int digit = static_cast<int>(rest % 10);
-    digits.push_back(static_cast<char>('0' + (digit < 0 ? -digit : digit)));
+  const Unsigned mantissa = d.mantissa < 0 ? 0 - static_cast<Unsigned>(d.mantissa) : static_cast<Unsigned>(d.mantissa);
+  std::array<char, 48> digits;
+  char* const begin = digits.data();
+  char* end = std::to_chars(begin, begin + 20, static_cast<uint64_t>(mantissa < kHalf ? mantissa : mantissa / kHalf)).ptr;
+  if (mantissa >= kHalf) {
+    uint64_t low = static_cast<uint64_t>(mantissa % kHalf);
+    char* const low_begin = end;
+    end += 19;
+    for (char* at = end; at != low_begin; low /= 10) *--at = static_cast<char>('0' + low % 10);
   }
-  while (static_cast<int>(digits.size()) <= d.scale) digits.push_back('0');
-  if (d.scale > 0) digits.insert(static_cast<size_t>(d.scale), 1, '.');
-  if (negative) digits.push_back('-');
-  std::reverse(digits.begin(), digits.end());
-  return digits;
+  const size_t count = static_cast<size_t>(end - begin), scale = static_cast<size_t>(d.scale);
+  std::string out;
+  out.reserve(std::max(count, scale + 1) + 2);
+  if (d.mantissa < 0) out += '-';
+  if (count <= scale) {
+    out += "0.";
+    out.append(scale - count, '0');
+    return out.append(begin, count);
+  }
+  out.append(begin, count - scale);
+  if (scale == 0) return out;
+  out += '.';
+  return out.append(end - scale, scale);
 }
 
 double Decimal::ToDouble() const {

@@ -43,6 +43,8 @@ inline constexpr std::array<int64_t, 19> kPowersOfTen = [] {
   return powers;
 }();
 
+// Without zeros at the end of its digits after the point.
+Decimal Normalised(Decimal d);
 std::optional<Decimal> Add(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Subtract(const Decimal& a, const Decimal& b);
 std::optional<Decimal> Multiply(const Decimal& a, const Decimal& b);

@@ -1,5 +1,7 @@
 #include "kb_server/sparql/evaluation_context.h"
 
+#include <utility>
+
 #include "kb_server/rdf/text_bytes.h"
 
 namespace docent::sparql {
@@ -32,6 +34,25 @@ TermId EvaluationContext::Encode(const Term& term) {
   if (term.IsLiteral()) {
     if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
   }
+  const std::optional<TermId> id = FindTerm(term);
+  return id ? *id : AddLocal(term);
+}
+
+TermId EvaluationContext::EncodeComputed(const Value& value) {
+  if (!value.IsExact() || !value.text().empty()) return Encode(value.ToTerm());
+  const Decimal number = Normalised(value.decimal());
+  const int64_t mantissa = static_cast<int64_t>(number.mantissa);
+  std::optional<TermId> id;
+  if (mantissa == number.mantissa) {
+    id = value.type() == Value::Type::kInteger ? InlineIntegerId(mantissa) : InlineDecimalId({mantissa, number.scale});
+  }
+  if (id) return *id;
+  Term term = value.ToTerm();
+  id = FindTerm(term);
+  return id ? *id : AddLocal(std::move(term));
+}
+
+std::optional<TermId> EvaluationContext::FindTerm(const Term& term) {
   Worked(term.lexical.size());
   // The own table first: a term that the dictionary learns while this run goes on stands in no version that
   // it sees, and must keep the id that it has got.
@@ -39,11 +60,14 @@ TermId EvaluationContext::Encode(const Term& term) {
     const auto it = local_ids_.find(term);
     if (it != local_ids_.end()) return it->second;
   }
-  if (const std::optional<TermId> id = dictionary.Find(term)) return *id;
+  return dictionary.Find(term);
+}
+
+TermId EvaluationContext::AddLocal(Term term) {
   Charge(2 * (sizeof(Term) + TextBytes(term)) + 32);
   const TermId id = TermId::Make(TermId::Tag::kLocal, local_terms_.size());
-  local_terms_.push_back(term);
   local_ids_.emplace(term, id);
+  local_terms_.push_back(std::move(term));
   return id;
 }
 

@@ -4,6 +4,7 @@
 #define DOCENT_KB_SERVER_SPARQL_EVALUATION_CONTEXT_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,7 +89,7 @@ class EvaluationContext {
 
   // The id of a term: the dictionary's, inline, or a local one of this run.
   TermId Encode(const Term& term);
-  TermId Encode(const Value& value) { return value.id().IsNone() ? Encode(value.ToTerm()) : value.id(); }
+  TermId Encode(const Value& value) { return value.id().IsNone() ? EncodeComputed(value) : value.id(); }
   void DecodeTo(TermId id, Term* out) const {
     return id.tag() == TermId::Tag::kLocal ? DecodeLocalTo(id, out) : dictionary.DecodeTo(id, out);
   }
@@ -122,6 +123,10 @@ class EvaluationContext {
   static constexpr size_t kBytesAPoll = 1 << 20;
   static constexpr size_t kFewTerms = 64;  // so many places are kept for the next run
 
+  TermId EncodeComputed(const Value& value);
+  // Of terms that do not fit into an id: one that is known, and one that is not.
+  std::optional<TermId> FindTerm(const Term& term);
+  TermId AddLocal(Term term);
   void DecodeLocalTo(TermId id, Term* out) const;
   bool WorkedNow();
   bool Refuse(size_t more);

@@ -165,6 +165,7 @@ class GroupOperator final : public Operator {
     for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
     for (auto& aggregate : node.aggregates) {
       if (aggregate.expression) PrepareExpression(*aggregate.expression, build);
+      counts_rows_.push_back(CountsRows(aggregate, *node.children[0]));
     }
   }
   void Start(const TermId* in) override {
@@ -211,22 +212,27 @@ class GroupOperator final : public Operator {
     child_->Start(in_.data());
     if (counts_) {
       const uint64_t rows = child_->Count(row.data());
-      for (Accumulator& total : GroupOf({})) total.AddRows(rows);
+      Accumulator* const totals = GroupOf(key);
+      for (size_t i = 0; i < counts_rows_.size(); ++i) totals[i].AddRows(rows);
       return;
     }
     const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
                                     [](const auto& a) { return a.distinct && !a.expression; });
     while (child_->Next(row.data()) && context_.Poll()) {
       for (size_t i = 0; i < key.size(); ++i) key[i] = KeyOf(*node_.keys[i].second, row.data());
-      whole.clear();
+      if (wholes) whole.clear();
       for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
-      std::vector<Accumulator>& group = GroupOf(key);
-      for (size_t i = 0; i < node_.aggregates.size(); ++i) {
-        group[i].Add(node_.aggregates[i], row.data(), whole, context_, kept_);
+      Accumulator* const group = GroupOf(key);
+      for (size_t i = 0; i < counts_rows_.size(); ++i) {
+        if (counts_rows_[i] != 0) {
+          group[i].AddRows(1);
+        } else {
+          group[i].Add(node_.aggregates[i], row.data(), whole, context_, kept_);
+        }
       }
     }
     // Without GROUP BY there is one group even of nothing (section 18.5.1, Group with a constant key).
-    if (groups_.empty() && node_.keys.empty()) GroupOf({});
+    if (groups_.empty() && node_.keys.empty()) GroupOf(key);
   }
 
   TermId KeyOf(PlanExpression& key, const TermId* row) {
@@ -235,16 +241,17 @@ class GroupOperator final : public Operator {
     return value.IsError() ? TermId() : context_.Encode(value);
   }
 
-  std::vector<Accumulator>& GroupOf(const std::vector<TermId>& key) {
+  // Its accumulators, one for each aggregate.
+  Accumulator* GroupOf(const std::vector<TermId>& key) {
     // Rows of a group often come together, as the index has them.
-    if (last_ < groups_.size() && std::equal(key.begin(), key.end(), keys_.Row(last_))) return groups_[last_];
+    if (last_ < groups_.size() && keys_.Is(last_, key.data())) return groups_[last_].data();
     const auto [number, added] = keys_.Insert(key.data());
     last_ = number;
     if (added) {
       kept_.Add(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator), context_);
       groups_.emplace_back(node_.aggregates.size());
     }
-    return groups_[number];
+    return groups_[number].data();
   }
 
   PlanNode& node_;
@@ -253,7 +260,8 @@ class GroupOperator final : public Operator {
   std::unique_ptr<Operator> child_;
   std::vector<int> all_;
   RowSet keys_;        // of the groups, by number
-  const bool counts_;  // how many rows there are is all that matters
+  std::vector<char> counts_rows_;  // each aggregate: CountsRows
+  const bool counts_;              // how many rows there are is all that matters
   std::vector<std::vector<Accumulator>> groups_;
   KeptMemory kept_;
   uint32_t last_ = 0;  // group that a row went to last

@@ -58,6 +58,14 @@ class RowSet {
     cells_.reserve(rows * width_);
     if (rows * 2 > heads_.size()) Rehash(std::bit_ceil(rows * 2));
   }
+  // Whether the row of that number is the same.
+  bool Is(uint32_t number, const TermId* row) const {
+    const TermId* const cells = Row(number);
+    for (size_t i = 0; i < width_; ++i) {
+      if (cells[i] != row[i]) return false;
+    }
+    return true;
+  }
   const TermId* Row(uint32_t number) const { return cells_.data() + number * width_; }
   uint32_t size() const { return size_; }
   // What one more row costs, about.
@@ -71,13 +79,6 @@ class RowSet {
   static constexpr uint32_t npos = ~uint32_t{0};
 
  private:
-  bool Is(uint32_t number, const TermId* row) const {
-    const TermId* const cells = Row(number);
-    for (size_t i = 0; i < width_; ++i) {
-      if (cells[i] != row[i]) return false;
-    }
-    return true;
-  }
   // Both halves of the product of two words tell of all their bits (the mixing step of wyhash, Wang Yi 2019).
   uint64_t Hash(const TermId* row) const {
     __extension__ using Product = unsigned __int128;

@@ -95,6 +95,25 @@ TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
             std::vector<std::string>(by_place.begin(), by_place.begin() + 120));
 }
 
+// A computed number is the same term as one that was told, if it is written as the computed one is; one that fits into no id
+// is a term, too.
+TEST(SparqlOperators, ComputedNumbersAreTerms) {
+  TestGraph g("ex:a ex:n 3 . ex:b ex:n 3.0 . ex:c ex:n 1.50 . ex:d ex:n 1.5 . ex:e ex:n 0 . ex:f ex:n \"003\"^^xsd:integer .");
+  using Rows = std::vector<std::string>;
+  const auto same = [&g](const std::string& e) { return g.Rows("SELECT ?s { BIND(" + e + " AS ?n) ?s ex:n ?n } ORDER BY ?s", {}, true); };
+  EXPECT_EQ(same("1 + 2"), (Rows{"a"}));
+  EXPECT_EQ(same("1.0 + 2"), (Rows{}));  // "3"^^xsd:decimal
+  EXPECT_EQ(same("3.0 / 2"), (Rows{"d"}));
+  EXPECT_EQ(same("-(-1.50)"), (Rows{"d"}));
+  EXPECT_EQ(same("2 - 2"), (Rows{"e"}));
+  EXPECT_EQ(same("xsd:integer(\"3\")"), (Rows{"a"}));
+  EXPECT_EQ(g.Rows("SELECT ?x { VALUES (?a ?b) { (1 3) (-2 3) (576460752303423487 1) (576460752303423488 1) } BIND(?a / ?b AS ?x) }", {}, true),
+            (Rows{"0.333333333333333333", "-0.666666666666666666", "576460752303423487", "576460752303423488"}));
+  EXPECT_EQ(g.Rows("SELECT ?x { VALUES ?a { 576460752303423487 -576460752303423489 9223372036854775807 } BIND(?a + 1 AS ?x) }", {}, true),
+            (Rows{"576460752303423488", "-576460752303423488", "9223372036854775808"}));
+  EXPECT_EQ(g.Rows("SELECT (AVG(?n) AS ?m) (SUM(?n) AS ?t) (COUNT(?n) AS ?c) (COUNT(*) AS ?r) { ?s ex:n ?n }", {}, true), (Rows{"2 12 6 6"}));
+}
+
 // Texts of the dictionary, of the query and computed ones, with and without language.
 TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
   TestGraph g("ex:a ex:n \"abc\" . ex:b ex:n \"abc\"@en . ex:c ex:n \"\" . ex:d ex:n 12 . ex:e ex:n ex:abc . ex:f ex:n \"abc\"^^ex:t . "

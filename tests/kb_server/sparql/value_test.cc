@@ -21,7 +21,13 @@ TEST(Decimal, ReadsAndWritesExactly) {
   EXPECT_EQ(Decimal::Parse("-00012.500")->ToString(), "-12.5");
   EXPECT_EQ(Decimal::Parse("+.5")->ToString(), "0.5");
   EXPECT_EQ(Decimal::Parse("5.")->ToString(), "5");
-  EXPECT_EQ(Decimal::Parse("12345678901234567890123456789")->ToString(), "12345678901234567890123456789");
+  for (const char* text : {"0", "-1", "0.5", "-0.05", "9999999999999999999", "10000000000000000000", "-10000000000000000001.5",
+                           "12345678901234567890123456789", "170141183460469231731687303715884105727", "0.000000000000000000000000000000000001",
+                           "-1.70141183460469231731687303715884105"}) {
+    EXPECT_EQ(Decimal::Parse(text)->ToString(), text);
+  }
+  EXPECT_EQ(Decimal::Parse("100000000000000000000.500")->ToString(), "100000000000000000000.5");
+  EXPECT_EQ(Decimal::Parse("0.000")->ToString(), "0");
   for (const char* bad : {"", "-", ".", "1e3", "1.2.3", "abc", "99999999999999999999999999999999999999999"}) {
     EXPECT_FALSE(Decimal::Parse(bad)) << bad;
   }
