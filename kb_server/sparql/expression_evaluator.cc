@@ -250,6 +250,12 @@ std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, Evalua
   }
 }
 
+TermId EvaluateToId(PlanExpression& e, const TermId* row, EvaluationContext& context) {
+  if (e.kind == Kind::kVariable && row[e.slot] != kUnknownTerm) return row[e.slot];
+  const Value value = Evaluate(e, row, context);
+  return value.IsError() ? TermId() : context.Encode(value);
+}
+
 Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context) {
   switch (e.kind) {
     case Kind::kVariable: {

@@ -10,6 +10,8 @@ namespace docent::sparql {
 // The value of `e` on `row`, an error value where it has none. `e` changes inside (EXISTS operators, compiled
 // regular expressions).
 Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context);
+// The id of the value, none where it is an error.
+TermId EvaluateToId(PlanExpression& e, const TermId* row, EvaluationContext& context);
 // The effective boolean value; nullopt is an error.
 std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, EvaluationContext& context);
 // As FILTER takes it: an error is false.

@@ -218,11 +218,12 @@ class GroupOperator final : public Operator {
     }
     const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
                                     [](const auto& a) { return a.distinct && !a.expression; });
+    Accumulator* group = nullptr;  // of the row before: rows of a group often come together, as the index has them
     while (child_->Next(row.data()) && context_.Poll()) {
-      for (size_t i = 0; i < key.size(); ++i) key[i] = KeyOf(*node_.keys[i].second, row.data());
+      for (size_t i = 0; i < key.size(); ++i) key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
       if (wholes) whole.clear();
       for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
-      Accumulator* const group = GroupOf(key);
+      if (group == nullptr || !keys_.Is(last_, key.data())) group = GroupOf(key);
       for (size_t i = 0; i < counts_rows_.size(); ++i) {
         if (counts_rows_[i] != 0) {
           group[i].AddRows(1);
@@ -235,16 +236,8 @@ class GroupOperator final : public Operator {
     if (groups_.empty() && node_.keys.empty()) GroupOf(key);
   }
 
-  TermId KeyOf(PlanExpression& key, const TermId* row) {
-    if (key.kind == Expression::Kind::kVariable) return row[key.slot];
-    const Value value = Evaluate(key, row, context_);
-    return value.IsError() ? TermId() : context_.Encode(value);
-  }
-
   // Its accumulators, one for each aggregate.
   Accumulator* GroupOf(const std::vector<TermId>& key) {
-    // Rows of a group often come together, as the index has them.
-    if (last_ < groups_.size() && keys_.Is(last_, key.data())) return groups_[last_].data();
     const auto [number, added] = keys_.Insert(key.data());
     last_ = number;
     if (added) {

@@ -114,9 +114,8 @@ class ExtendOperator final : public Operator {
   bool Next(TermId* out) override {
     while (child_->Next(out)) {
       if (!context_.Poll()) return false;
-      const Value value = Evaluate(*node_.expression, out, context_);
-      if (value.IsError()) return true;  // the variable stays as it is
-      const TermId id = context_.Encode(value);
+      const TermId id = EvaluateToId(*node_.expression, out, context_);
+      if (id.IsNone()) return true;  // an error: the variable stays as it is
       TermId& slot = out[node_.slot];
       if (!slot.IsNone() && slot != id) continue;
       slot = id;
