@@ -64,7 +64,8 @@ class OrderByOperator final : public Operator {
     // Empty until one is needed. Those of variables are evaluated when their ids do not tell the order.
     std::vector<Value> keys;
     uint64_t number = 0;  // rows that are equal keep their order
-    size_t counted = 0;   // bytes, in kept_
+    size_t counted = 0;   // bytes of keys, in kept_
+    bool stays = false;   // it is in rows_
   };
 
   void Clear() {
@@ -82,13 +83,13 @@ class OrderByOperator final : public Operator {
     for (uint64_t number = 0; child_->Next(row->slots.data()) && context_.Poll(); ++number) {
       row->number = number;
       if (last != nullptr && !GoesBefore(*row, *last)) {
-        for (Value& key : row->keys) key = Value();
+        ForgetKeys(*row);
         continue;
       }
       if (last == nullptr) EvaluateKeys(*row, 0);
-      if (!Count(*row)) return;
+      if (!CountKeys(*row)) return;
+      row->stays = true;
       rows_.push_back(row);
-      surplus_bytes_ += row->counted;
       if (node_.limit && rows_.size() > *node_.limit && (rows_.size() >= most || surplus_bytes_ > kSurplusBytes)) last = Cut();
       row = NewRow();
     }
@@ -100,27 +101,31 @@ class OrderByOperator final : public Operator {
   // Only the first rows, as many as are asked for, stay. Their last.
   Row* Cut() {
     const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(*node_.limit);
-    if (end == rows_.begin()) return nullptr;  // LIMIT 0, which nobody asks for a row
-    std::nth_element(rows_.begin(), end - 1, rows_.end(), [this](Row* a, Row* b) { return Before(*a, *b); });
+    const bool none = end == rows_.begin();
+    if (!none) std::nth_element(rows_.begin(), end - 1, rows_.end(), [this](Row* a, Row* b) { return Before(*a, *b); });
     for (auto it = end; it != rows_.end(); ++it) {
-      Row& row = **it;
-      kept_.LetGo(std::exchange(row.counted, 0), context_);
-      for (Value& key : row.keys) key = Value();
-      spare_.push_back(&row);
+      ForgetKeys(**it);
+      (*it)->stays = false;
+      spare_.push_back(*it);
     }
     rows_.erase(end, rows_.end());
     surplus_bytes_ = 0;
-    return rows_.back();
+    return none ? nullptr : rows_.back();
   }
 
-  // Of a row that is kept, what it has grown or shrunk by since.
-  bool Count(Row& row) {
-    size_t bytes = sizeof(Row) + row.slots.size() * sizeof(TermId) + row.keys.size() * sizeof(Value);
+  // Of a row that stays, the keys that it has got since.
+  bool CountKeys(Row& row) {
+    if (row.keys.empty()) return true;
+    size_t bytes = row.keys.size() * sizeof(Value);
     for (const Value& key : row.keys) bytes += key.owned_bytes();
-    const size_t counted = std::exchange(row.counted, bytes);
-    if (bytes > counted) return kept_.Add(bytes - counted, context_);
-    if (bytes < counted) kept_.LetGo(counted - bytes, context_);
-    return true;
+    surplus_bytes_ += bytes - row.counted;
+    return kept_.Add(bytes - std::exchange(row.counted, bytes), context_);
+  }
+
+  // A row whose keys go, and with them what was counted of them.
+  void ForgetKeys(Row& row) {
+    for (Value& key : row.keys) key = Value();
+    if (row.counted > 0) kept_.LetGo(std::exchange(row.counted, 0), context_);
   }
 
   Row* NewRow() {
@@ -131,6 +136,7 @@ class OrderByOperator final : public Operator {
     }
     Row& row = memory_.emplace_back();
     row.slots.resize(width_);
+    kept_.Add(sizeof(Row) + width_ * sizeof(TermId), context_);  // beyond the limit, the next Poll tells
     return &row;
   }
 
@@ -149,7 +155,7 @@ class OrderByOperator final : public Operator {
   const Value& KeyOf(Row& row, size_t i) {
     if (keys_[i].slot >= 0 && (row.keys.empty() || row.keys[i].IsError())) {
       EvaluateKey(row, i);
-      if (row.counted > 0) Count(row);
+      if (row.stays) CountKeys(row);
     }
     return row.keys[i];
   }
