@@ -71,7 +71,8 @@ bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
 
 const TermId* PatternTable::KeyOf(const TermId* row) {
   if (key_slots_.size() == 1) return row + key_slots_[0];
-  for (size_t i = 0; i < key_.size(); ++i) key_[i] = row[key_slots_[i]];
+  const int* slot = key_slots_.data();
+  for (TermId& id : key_) id = row[*slot++];
   return key_.data();
 }
 
@@ -90,7 +91,7 @@ bool PatternTable::Next(TermId* row, EvaluationContext& context) {
     return false;
   }
   const TermId* values = values_.data() + at_ * value_slots_.size();
-  for (size_t i = 0; i < value_slots_.size(); ++i) row[value_slots_[i]] = values[i];
+  for (const int slot : value_slots_) row[slot] = *values++;
   at_ = next_[at_];
   given_ = true;
   return true;
