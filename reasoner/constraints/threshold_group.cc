@@ -1,6 +1,7 @@
 #include "reasoner/constraints/threshold_group.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "kb_server/rdf/vocabulary.h"
@@ -142,11 +143,13 @@ absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId co
   if (!level.ok()) return level.status();
   member.level = *level;
   members_.emplace(place, member);
+  settled_at_.reset();
   return absl::OkStatus();
 }
 
 void ThresholdGroup::RemoveMember(ConstraintId id, TermId constant) {
   members_.erase(PlaceOf(id, constant));
+  settled_at_.reset();
 }
 
 bool ThresholdGroup::Holds(ConstraintId id, TermId constant) const {
@@ -161,20 +164,35 @@ absl::StatusOr<bool> ThresholdGroup::Admits(ConstraintId id, TermId constant, Te
   return comparer_.Compare(value, found->second.op, constant, run);
 }
 
+ThresholdGroup::Members::iterator ThresholdGroup::FirstFrom(double low) {
+  if (!settled_at_ || low == -kInfinity) return members_.lower_bound({low, ConstraintId()});
+  Members::iterator it = *settled_at_;
+  while (it != members_.begin()) {
+    const Members::iterator before = std::prev(it);
+    if (before->first.first < low) break;
+    it = before;
+  }
+  return it;
+}
+
 absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
                                      absl::FunctionRef<void(ConstraintId, bool level)> visit) {
   const double extreme = Extreme();
   const double low = irregular_changed_ ? -kInfinity : std::min(extreme, settled_extreme_);
   const double high = irregular_changed_ ? kInfinity : std::max(extreme, settled_extreme_);
-  for (auto it = members_.lower_bound({low, ConstraintId()}); it != members_.end() && it->first.first <= high;
-       ++it) {
-    const absl::StatusOr<bool> level = LevelOf(it->first, it->second, extreme, run);
+  Members::iterator it = FirstFrom(low);
+  Members::iterator settled_at = it;
+  while (it != members_.end() && it->first.first <= high) {
+    auto& [place, member] = *it++;
+    if (place.first < extreme) settled_at = it;
+    const absl::StatusOr<bool> level = LevelOf(place, member, extreme, run);
     if (!level.ok()) return level.status();
-    if (*level == it->second.level) continue;
-    it->second.level = *level;
-    visit(it->first.second, *level);
+    if (*level == member.level) continue;
+    member.level = *level;
+    visit(place.second, *level);
   }
   settled_extreme_ = extreme;
+  settled_at_ = settled_at;
   irregular_changed_ = false;
   return absl::OkStatus();
 }

@@ -80,16 +80,21 @@ class ThresholdGroup {
     bool level = false;
   };
   using Place = std::pair<double, ConstraintId>;
+  using Members = absl::btree_map<Place, Member>;
 
   static Place PlaceOf(ConstraintId id, TermId constant) { return {ViewNumber(constant).value, id}; }
   double Extreme() const;
+  // The first with a number not below `low`, which is at most settled_extreme_.
+  Members::iterator FirstFrom(double low);
   absl::StatusOr<bool> LevelOf(const Place& place, const Member& member, double extreme,
                                const sparql::RunOptions& run) const;
 
   const bool above_;
   const Dictionary& dictionary_;
   NumberComparer& comparer_;
-  absl::btree_map<Place, Member> members_;
+  Members members_;
+  // The first with a number not below settled_extreme_, where known: the next extreme is most often near.
+  std::optional<Members::iterator> settled_at_;
   absl::btree_set<std::pair<double, TermId>> numbers_;  // keys whose double says where they stand
   absl::btree_set<TermId>
       irregular_;  // other numeric keys (xsd:float, numbers too long for an id): tried one by one
