@@ -131,6 +131,7 @@ uint32_t Condition::NewSlot(const Key& key) {
 
 void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
   Witness& witness = witnesses_[slot];
+  if (!witness.watches.empty() && row == absl::MakeConstSpan(witness.row)) return;  // it was kept
   indexes_.RemoveAll(witness.watches);
   witness.row.assign(row.begin(), row.end());
   Watch(slot);
@@ -144,6 +145,11 @@ void Condition::DropSlot(uint32_t slot, const Key& key) {
   if (!has_keys() || slots_ == nullptr) return;
   slots_->free.push_back(slot);
   slots_->taken.erase(key);
+}
+
+void Condition::ForgetKept() {
+  indexes_.RemoveAll(witnesses_[0].watches);
+  witnesses_[0].row.clear();
 }
 
 void Condition::Watch(uint32_t slot) {
@@ -187,7 +193,7 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
     edit.was_present = true;
     edit.is_present = is_present;
     edit.key = key;
-    edit.before = std::move(witnesses_[slot].row);
+    edit.before = witnesses_[slot].row;
   };
   std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < key.size(); ++i) {
@@ -214,8 +220,17 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
     }
   }
   note(false);
-  DropSlot(slot, key);
+  if (KeepsWitness(trigger)) {
+    present_ = 0;
+  } else {
+    DropSlot(slot, key);
+  }
   return absl::OkStatus();
+}
+
+bool Condition::KeepsWitness(uint16_t trigger) const {
+  return !has_keys() && trigger != WatchIndexes::kSomeTrigger &&
+         body_->triggers()[trigger].polarity == Polarity::kNegative;
 }
 
 bool Condition::Narrows(uint32_t trigger) const {

@@ -68,6 +68,9 @@ class Condition {
   // The witness `slot` may be broken: looks for another with its key. `trigger`: of which it has lost a match, or gained
   // one; or kSomeTrigger.
   absl::Status Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits);
+  // A change matched what the witness watches, and the condition does not hold: it was kept in vain.
+  bool keeps_witness() const { return !has_keys_ && present_ == 0; }
+  void ForgetKept();
   // Whether Probe has anything to go by: what a change that matches `trigger` binds, or a constant of the query.
   // Otherwise it is a whole evaluation, which costs more the larger the graph is.
   bool narrows(uint32_t trigger) const { return (whole_ & (1u << std::min(trigger, 31u))) == 0; }
@@ -130,6 +133,9 @@ class Condition {
   void SetRow(uint32_t slot, absl::Span<const TermId> row);
   void DropSlot(uint32_t slot, const Key& key);
   void Watch(uint32_t slot);
+  // Whether the witness and its watches stay when it is broken so. Most often it is the same again when what the query
+  // says must not be has gone.
+  bool KeepsWitness(uint16_t trigger) const;
   // Of its pattern, with the constants of the shape in it.
   QuadPattern ConstantsOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
@@ -168,7 +174,8 @@ class Condition {
   Body* const body_;
   WatchIndexes& indexes_;
   Shape* shape_ = nullptr;
-  absl::InlinedVector<Witness, 1> witnesses_;  // without keys: the first, while present_
+  // Without keys: the first, while present_; or kept after it was broken, if it has watches.
+  absl::InlinedVector<Witness, 1> witnesses_;
   Shape::Constants constants_;                 // what tells this condition from others of the shape
 };
 

@@ -53,7 +53,11 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
 absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
   for (const auto& [number, witness, trigger] : broken) {
     const uint32_t slot = witness & ~WatchIndexes::kIsWitness;
-    Condition& condition = *conditions[number];
+    Condition& condition = conditions[number];
+    if (condition.keeps_witness()) {
+      condition.ForgetKept();
+      continue;
+    }
     if (condition.stamp(slot) == counters.updates) continue;
     condition.stamp(slot) = counters.updates;
     ++counters.evaluations;

@@ -109,6 +109,56 @@ TEST_F(ConstraintSetTest, NegationHasItsOwnEdges) {
   EXPECT_THAT(Turn({"r1 task t3"}), ElementsAre("1 fell"));
 }
 
+// The witness of a condition that a negation made fall is kept until something is known against it.
+TEST_F(ConstraintSetTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
+  Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
+  EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 fell"));
+  EXPECT_THAT(Turn({}, {"r1 at hall"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"r1 task t1"}), IsEmpty());
+  EXPECT_THAT(Turn({"r1 at room"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"r1 task t2"}), ElementsAre("1 fell"));
+  EXPECT_THAT(Turn({"r1 task t3"}), IsEmpty());
+  EXPECT_THAT(Turn({"r1 at yard"}, {"r1 at room"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"r1 task t2"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"r1 task t3"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({"r1 task t4"}), ElementsAre("1 fell"));
+  EXPECT_THAT(Turn({}, {"r1 task t4"}), ElementsAre("1 rose"));
+  EXPECT_THAT(Turn({}, {"r1 at yard"}), ElementsAre("1 fell"));
+}
+
+TEST_F(ConstraintSetTest, AKeptWitnessOutlivesARollback) {
+  Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
+  EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
+  Commit();
+  EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 fell"));
+  EXPECT_THAT(Turn({"r1 at yard"}, {"r1 at hall"}), IsEmpty());
+  Rollback();
+  EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 fell"));
+  Commit();
+  EXPECT_THAT(Turn({}, {"r1 task t1"}), ElementsAre("1 rose"));
+  Rollback();
+  EXPECT_THAT(Turn({}, {"r1 at hall"}), IsEmpty());
+  EXPECT_THAT(Turn({}, {"r1 task t1"}), IsEmpty());
+  EXPECT_THAT(Turn({"r1 at yard"}), ElementsAre("1 rose"));
+}
+
+TEST_F(ConstraintSetTest, AMovingExtremeFlipsTheThresholdsThatItCrosses) {
+  for (int i = 1; i <= 30; ++i) Register("ASK { ?r :load ?l FILTER(?l > " + std::to_string(i) + ") }");
+  EXPECT_EQ(Turn({"a load 20.5"}).size(), 20u);
+  EXPECT_THAT(Turn({"b load 21.5"}), ElementsAre("21 rose"));
+  EXPECT_THAT(Turn({}, {"b load 21.5"}), ElementsAre("21 fell"));
+  EXPECT_EQ(Turn({"c load 12"}, {"a load 20.5"}).size(), 9u) << "12 to 20 fall";
+  EXPECT_THAT(Turn({"d load 13"}), ElementsAre("12 rose"));
+  Register("ASK { ?r :load ?l FILTER(?l > 12.5) }");
+  set_.Remove(ConstraintId(12));
+  EXPECT_THAT(Turn({}, {"d load 13"}), ElementsAre("31 fell"));
+  Commit();
+  EXPECT_THAT(Turn({"e load 15"}), ElementsAre("13 rose", "14 rose", "31 rose"));
+  EXPECT_EQ(Turn({}, {"e load 15", "c load 12"}).size(), 14u);
+  EXPECT_EQ(Turn({"f load 99"}).size(), 30u);
+}
+
 TEST_F(ConstraintSetTest, MinusOptionalUnionAndExists) {
   const ConstraintId minus = Register("ASK { ?x :p ?y MINUS { ?x :q ?z } }");
   const ConstraintId no_label = Register("ASK { ?x :p ?y OPTIONAL { ?x :label ?l } FILTER(!BOUND(?l)) }");
