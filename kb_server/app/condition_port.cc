@@ -101,7 +101,7 @@ std::vector<ConditionRequest> ConditionPort::Requests() const {
   return requests;
 }
 
-void ConditionPort::Take(const std::vector<ConstraintChange>& changes, TimeMicros now_us) {
+void ConditionPort::Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us) {
   for (const ConstraintChange& change : changes) {
     if (TakeLasting(change, now_us)) continue;
     auto it = handles_.find(change.id);

@@ -56,7 +56,7 @@ class ConditionPort final : public ConditionView {
   // What is armed now, in order of the handles.
   std::vector<ConditionRequest> Requests() const;
   // Adds the edges of these changes to the next round's.
-  void Take(const std::vector<ConstraintChange>& changes, TimeMicros now_us);
+  void Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
   // `cancellation` (null: none) ends Solutions of this round early; the turn is then to be refused, since the engine goes on.
   void BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);

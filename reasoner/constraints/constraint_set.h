@@ -30,6 +30,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/rdf/dictionary.h"
@@ -98,10 +99,11 @@ class ConstraintSet {
   // Ends following; unknown ids are ignored.
   void Remove(ConstraintId id);
 
-  // `delta` leads from the version of the last Update to `version`. The changes, in order of id.
-  // An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
-  absl::StatusOr<std::vector<ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
-                                                       TimeMicros now_us = 0, Cancellation* cancellation = nullptr);
+  // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
+  // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
+  absl::StatusOr<absl::Span<const ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
+                                                            TimeMicros now_us = 0,
+                                                            Cancellation* cancellation = nullptr);
 
   // Whether it holds as of the last Update. False for an unknown id.
   bool Holds(ConstraintId id) const;

@@ -109,7 +109,8 @@ struct ConstraintSet::Impl {
   // The edits from `begin` on are those of this update: each condition that was touched knows its own.
   void LinkEdits(size_t begin);
   void Settle(const GraphVersion& version);
-  absl::Status CollectChanges(std::vector<ConstraintChange>& changes);
+  // Into changes.
+  absl::Status CollectChanges();
   // Which keys came and went.
   void TellBindings(uint32_t number, const Touched& touched, ConstraintChange& change) const;
   // The groups of a condition follow its keys. `visit` gets what changed.
@@ -147,6 +148,8 @@ struct ConstraintSet::Impl {
   Condition::Edits edits;
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
+
+  std::vector<ConstraintChange> changes;  // of the last Update
 
   // of the running Update
   std::vector<Touched> touched;  // a condition knows its place

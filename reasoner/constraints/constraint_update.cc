@@ -201,12 +201,12 @@ void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, Co
   SortBindings(change.disappeared, dictionary);
 }
 
-absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& changes) {
+absl::Status ConstraintSet::Impl::CollectChanges() {
   using Edge = ConstraintChange::Edge;
   for (const Touched& touch : touched) {
     if (!touch.edited()) continue;
     const uint32_t number = touch.condition;
-    const Shared& condition = *conditions[number];
+    const Shared& condition = conditions[number];
     const bool holds = condition.holds(), edge = holds != touch.held;
     for (const ConstraintId id : condition.followers) {
       if ((!edge && !condition.has_keys()) || IsRemoved(id)) continue;
@@ -231,9 +231,9 @@ absl::Status ConstraintSet::Impl::CollectChanges(std::vector<ConstraintChange>& 
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
-                                                                    const Delta& delta, TimeMicros now_us,
-                                                                    Cancellation* cancellation) {
+absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
+                                                                         const Delta& delta, TimeMicros now_us,
+                                                                         Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
@@ -244,12 +244,11 @@ absl::StatusOr<std::vector<ConstraintChange>> ConstraintSet::Update(const GraphV
   if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
   impl.LinkEdits(begin);
   impl.Settle(version);
-  std::vector<ConstraintChange> changes;
-  if (impl.edits.size() > begin) changes.reserve(1);  // most often it is one
-  if (status.ok()) status = impl.CollectChanges(changes);
+  impl.changes.clear();
+  if (status.ok()) status = impl.CollectChanges();
   if (!status.ok()) return status;
-  impl.counters.changes += changes.size();
-  return changes;
+  impl.counters.changes += impl.changes.size();
+  return absl::MakeConstSpan(impl.changes);
 }
 
 void ConstraintSet::Commit() {
