@@ -56,31 +56,30 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
                                                    const RegisterOptions& options, std::string fingerprint) {
   const std::optional<ShapeForm> form = SplitConstants(query);
   std::string shape_name = form ? Fingerprint(form->shared, {}) : "";
-  const bool reused = !free_numbers.empty();
-  const uint32_t number = reused ? free_numbers.back() : static_cast<uint32_t>(conditions.size());
-  absl::StatusOr<std::unique_ptr<Shared>> condition = nullptr;
-  if (form) condition = BorrowBody(number, *form, shape_name, options);
-  if (!condition.ok()) return condition.status();
-  const bool borrowed = *condition != nullptr;
+  const uint32_t number = conditions.Next();
+  Shared* condition = nullptr;
+  if (form) {
+    const absl::StatusOr<Shared*> borrower = BorrowBody(*form, shape_name, options);
+    if (!borrower.ok()) return borrower.status();
+    condition = *borrower;
+  }
+  const bool borrowed = condition != nullptr;
   if (!borrowed) {
     auto body = Body::Compile(query, dictionary, functions);
     if (!body.ok()) return body.status();
     auto keys = KeyColumns(**body, options.key_variables);
     if (!keys.ok()) return keys.status();
-    *condition = std::make_unique<Shared>(number, *std::move(body), *std::move(keys), indexes);
+    condition = &conditions.Make(number, *std::move(body), *std::move(keys), indexes);
   }
+  Shared& shared = *condition;
   Condition::Edits first;
   const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
-  if (absl::Status status = (*condition)->Refresh(run, first); !status.ok()) return status;
-  if (reused) {
-    free_numbers.pop_back();
-  } else {
-    conditions.emplace_back();
+  if (absl::Status status = shared.Refresh(run, first); !status.ok()) {
+    conditions.Remove(number);
+    return status;
   }
-  if ((*condition)->body().is_volatile()) volatile_conditions.push_back(number);
+  if (shared.body().is_volatile()) volatile_conditions.push_back(number);
   by_fingerprint.emplace(fingerprint, number);
-  conditions[number] = *std::move(condition);
-  Shared& shared = *conditions[number];
   shared.fingerprint = std::move(fingerprint);
   shared.shape = std::move(shape_name);
   if (form) JoinShape(number, *form, borrowed, now);
@@ -88,9 +87,9 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   return number;
 }
 
-absl::StatusOr<std::unique_ptr<ConstraintSet::Impl::Shared>> ConstraintSet::Impl::BorrowBody(uint32_t number, const ShapeForm& form,
-                                                                           const std::string& shape_name,
-                                                                           const RegisterOptions& options) {
+absl::StatusOr<ConstraintSet::Impl::Shared*> ConstraintSet::Impl::BorrowBody(const ShapeForm& form,
+                                                                             const std::string& shape_name,
+                                                                             const RegisterOptions& options) {
   const auto like = alike.find(shape_name);
   if (like == alike.end() || !like->second.shape) return nullptr;
   Shape& shape = *shapes[*like->second.shape];
@@ -99,11 +98,11 @@ absl::StatusOr<std::unique_ptr<ConstraintSet::Impl::Shared>> ConstraintSet::Impl
   if (!keys.ok()) return keys.status();
   Shape::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
-  return std::make_unique<Shared>(number, &shape, std::move(constants), *std::move(keys), indexes);
+  return &conditions.Make(conditions.Next(), &shape, std::move(constants), *std::move(keys), indexes);
 }
 
 void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
-  Shared& shared = *conditions[number];
+  Shared& shared = conditions[number];
   Alike& like = alike[shared.shape];
   ++like.count;
   if (like.hopeless || borrowed) return;
@@ -122,9 +121,9 @@ void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool
   }
   for (auto& [alone, values] : std::exchange(like.alone, {})) {
     if (like.hopeless) continue;
-    conditions[alone]->SetShape(shapes[*like.shape].get(), std::move(values));
+    conditions[alone].SetShape(shapes[*like.shape].get(), std::move(values));
     if (alone == number) continue;  // its maker arms it
-    conditions[alone]->Arm(&now);
+    conditions[alone].Arm(&now);
     journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
   }
 }
@@ -182,7 +181,7 @@ absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl
   const absl::StatusOr<std::optional<uint32_t>> number = GroupCondition(*form, now, options);
   if (!number.ok()) return number.status();
   if (!*number) return std::nullopt;
-  Shared& shared = *conditions[**number];
+  Shared& shared = conditions[**number];
   const bool above = ThresholdGroup::IsAbove(form->op);
   if (!shared.groups) shared.groups = std::make_unique<Groups>();
   std::unique_ptr<ThresholdGroup>& group = (*shared.groups)[above];
@@ -212,7 +211,7 @@ absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, c
     const absl::StatusOr<uint32_t> number = impl_->FindOrMake(ask, now, options);
     if (!number.ok()) return number.status();
     follower.condition = *number;
-    impl_->conditions[*number]->followers.push_back(id);
+    impl_->conditions[*number].followers.push_back(id);
   }
   ++impl_->next_id;
   impl_->followers.emplace(id, follower);
@@ -229,14 +228,14 @@ void ConstraintSet::Remove(ConstraintId id) {
 }
 
 ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {
-  return *(*conditions[follower.condition]->groups)[follower.threshold->above];
+  return *(*conditions[follower.condition].groups)[follower.threshold->above];
 }
 
 void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   const auto found = followers.find(id);
   const Follower follower = found->second;
   followers.erase(found);
-  Shared& shared = *conditions[follower.condition];
+  Shared& shared = conditions[follower.condition];
   if (follower.threshold) {
     GroupOf(follower).RemoveMember(id, follower.threshold->constant);
   } else {
@@ -246,14 +245,13 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   std::erase(volatile_conditions, follower.condition);
   by_fingerprint.erase(shared.fingerprint);
   const std::string shape = std::move(shared.shape);
-  conditions[follower.condition].reset();
+  conditions.Remove(follower.condition);
   LeaveShape(shape, follower.condition);
-  free_numbers.push_back(follower.condition);
 }
 
 bool ConstraintSet::Impl::Holds(ConstraintId id, const Follower& follower) const {
   if (follower.threshold) return GroupOf(follower).Holds(id, follower.threshold->constant);
-  return conditions[follower.condition]->holds();
+  return conditions[follower.condition].holds();
 }
 
 bool ConstraintSet::Holds(ConstraintId id) const {
@@ -269,7 +267,7 @@ std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
     if (impl_->Holds(id, found->second)) bindings.emplace_back();
     return bindings;
   }
-  const Condition& condition = *impl_->conditions[found->second.condition];
+  const Condition& condition = impl_->conditions[found->second.condition];
   for (const Condition::Key& key : condition.Present()) bindings.push_back(impl_->BindingOf(condition, key));
   SortBindings(bindings, impl_->dictionary);
   return bindings;
@@ -281,7 +279,7 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
   const Impl::Follower& follower = found->second;
-  Condition& condition = *impl_->conditions[follower.condition];
+  Condition& condition = impl_->conditions[follower.condition];
   const std::vector<Body::Column>& columns = condition.body().columns();
   std::vector<TermId> seed = condition.Seed();
   std::vector<std::pair<size_t, TermId>> wanted;  // column and value

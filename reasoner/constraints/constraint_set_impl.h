@@ -14,6 +14,7 @@
 #include "absl/container/inlined_vector.h"
 #include "reasoner/constraints/condition.h"
 #include "reasoner/constraints/constraint_set.h"
+#include "reasoner/constraints/numbered_places.h"
 #include "reasoner/constraints/shape.h"
 #include "reasoner/constraints/threshold_group.h"
 
@@ -84,9 +85,9 @@ struct ConstraintSet::Impl {
                                                     const GraphVersion& now, const RegisterOptions& options);
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
-  // A condition with the body of its shape; null: the shape has none to lend.
-  absl::StatusOr<std::unique_ptr<Shared>> BorrowBody(uint32_t number, const ShapeForm& form,
-                                                        const std::string& shape_name, const RegisterOptions& options);
+  // Makes a condition with the body of its shape; null: the shape has none to lend.
+  absl::StatusOr<Shared*> BorrowBody(const ShapeForm& form, const std::string& shape_name,
+                                     const RegisterOptions& options);
   // Counts the condition among those like it. Gives it its shape, if there are enough of them.
   void JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now);
   void LeaveShape(const std::string& shape, uint32_t number);
@@ -130,7 +131,6 @@ struct ConstraintSet::Impl {
   const sparql::FunctionRegistry* functions;
   NumberComparer comparer;
   const GraphVersion no_graph;  // comparisons of numbers read none
-  std::vector<uint32_t> free_numbers;
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;
   absl::flat_hash_map<std::string, Alike> alike;               // by fingerprint of the shape
   absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
@@ -141,7 +141,7 @@ struct ConstraintSet::Impl {
   // What every Update looks at.
   WatchIndexes indexes;                        // before shapes and conditions: they take their watches out
   std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
-  std::vector<std::unique_ptr<Shared>> conditions;  // by number; null: free; after shapes: they leave theirs
+  NumberedPlaces<Shared> conditions;           // after shapes: they leave theirs
   std::vector<uint32_t> volatile_conditions;
   Counters counters;
   // Since the last Commit.

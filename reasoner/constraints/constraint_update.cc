@@ -9,7 +9,7 @@
 namespace docent {
 
 ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
-  Condition& condition = *conditions[number];
+  Condition& condition = conditions[number];
   if (condition.touched_in() != counters.updates) {
     condition.touched_in() = counters.updates;
     condition.touched_at() = static_cast<uint32_t>(touched.size());
@@ -73,7 +73,7 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
       if (absl::Status status = ProbeShape(rise, run); !status.ok()) return status;
       continue;
     }
-    Condition& condition = *conditions[rise.owner];
+    Condition& condition = conditions[rise.owner];
     Touched& touch = Touch(rise.owner);
     touch.probed = true;
     if (touch.full_done || condition.IgnoresRise()) continue;
@@ -105,11 +105,11 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {
                                              Touch(number);
-                                             conditions[number]->Offer(row, edits);
+                                             conditions[number].Offer(row, edits);
                                            });
   if (!found.ok() || *found) return found.status();
   for (const uint32_t number : shape.Waiting()) {
-    Condition& condition = *conditions[number];
+    Condition& condition = conditions[number];
     Touched& touch = Touch(number);
     if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;
@@ -125,7 +125,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   for (const uint32_t number : volatile_conditions) {
     Touch(number);
     ++counters.evaluations;
-    const absl::Status status = Whole([&] { return conditions[number]->Refresh(run, edits); });
+    const absl::Status status = Whole([&] { return conditions[number].Refresh(run, edits); });
     if (!status.ok()) return status;
   }
   return absl::OkStatus();
@@ -134,7 +134,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
 void ConstraintSet::Impl::LinkEdits(size_t begin) {
   for (size_t i = begin; i < edits.size(); ++i) {
     const auto at = static_cast<uint32_t>(i);
-    Touched& touch = touched[conditions[edits[i].condition]->touched_at()];  // who looked at it has touched it
+    Touched& touch = touched[conditions[edits[i].condition].touched_at()];  // who looked at it has touched it
     edits[i].next = Touched::kNone;
     (touch.edited() ? edits[touch.last].next : touch.first) = at;
     touch.last = at;
@@ -144,7 +144,7 @@ void ConstraintSet::Impl::LinkEdits(size_t begin) {
 // Watches and groups follow the new state.
 void ConstraintSet::Impl::Settle(const GraphVersion& version) {
   for (const Touched& touch : touched) {
-    Shared& condition = *conditions[touch.condition];
+    Shared& condition = conditions[touch.condition];
     const bool failed = touch.probed && !touch.edited();
     if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
       journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
@@ -178,7 +178,7 @@ Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Conditi
 }
 
 void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, ConstraintChange& change) const {
-  const Condition& condition = *conditions[number];
+  const Condition& condition = conditions[number];
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
     if (edit.is_present == edit.was_present) return;
@@ -268,7 +268,7 @@ void ConstraintSet::Rollback() {
   impl_->removals = 0;
   std::vector<uint32_t> changed;
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
-    Impl::Shared& shared = *impl_->conditions[edit->condition];
+    Impl::Shared& shared = impl_->conditions[edit->condition];
     shared.Undo(*edit);
     changed.push_back(edit->condition);
     if (!shared.groups) continue;
@@ -290,11 +290,11 @@ void ConstraintSet::Rollback() {
     }
   }
   for (const uint32_t number : changed) {
-    if (!impl_->conditions[number]) continue;
+    if (!impl_->conditions.Has(number)) continue;
     // What a single watched pattern relied on is not known of the version that it goes back to.
-    impl_->conditions[number]->Arm(nullptr);
+    impl_->conditions[number].Arm(nullptr);
     // It succeeded for these very keys before.
-    impl_->RelevelGroups(*impl_->conditions[number], [](ConstraintId, bool) {}).IgnoreError();
+    impl_->RelevelGroups(impl_->conditions[number], [](ConstraintId, bool) {}).IgnoreError();
   }
 }
 
