@@ -172,6 +172,7 @@ absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
 Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Condition::Key& key) const {
   Binding binding;
   for (size_t i = 0; i < key.size(); ++i) {
+  binding.reserve(key.size());
     if (!key[i].IsNone()) binding.emplace_back(condition.columns()[condition.keys()[i]].name, key[i]);
   }
   return binding;
@@ -182,7 +183,9 @@ void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, Co
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
     if (edit.is_present == edit.was_present) return;
-    (edit.is_present ? change.appeared : change.disappeared).push_back(BindingOf(condition, edit.key));
+    std::vector<Binding>& told = edit.is_present ? change.appeared : change.disappeared;
+    told = std::vector<Binding>(1);
+    told[0] = BindingOf(condition, edit.key);
     return;
   }
   // The first edit of a key tells what was before; what is now, the condition knows.
