@@ -187,13 +187,13 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
 
 absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
   const Key key = KeyOf(witnesses_[slot].row);
-  const auto note = [&](bool is_present) {
+  const auto note = [&](bool is_present) -> Edit& {
     Edit& edit = edits.emplace_back();
     edit.condition = number_;
     edit.was_present = true;
     edit.is_present = is_present;
     edit.key = key;
-    edit.before = witnesses_[slot].row;
+    return edit;
   };
   std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < key.size(); ++i) {
@@ -201,7 +201,10 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
   }
   // What lost a match has most often no other.
   bool found = false;
-  if (trigger != WatchIndexes::kSomeTrigger && HasNoMatch(trigger, seed, *run.version)) {
+  const bool known = trigger != WatchIndexes::kSomeTrigger;
+  if (known && Body::RejectsAll(body_->triggers()[trigger], seed)) {
+    // what must not be is there
+  } else if (known && HasNoMatch(trigger, seed, *run.version)) {
     blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
   } else {
     Row after;
@@ -214,15 +217,17 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
     if (!status.ok()) return status;
     if (found && after == witnesses_[slot].row) return status;
     if (found) {
-      note(true);
+      note(true).before = std::move(witnesses_[slot].row);
       SetRow(slot, after);
       return status;
     }
   }
-  note(false);
+  Edit& edit = note(false);
   if (KeepsWitness(trigger)) {
+    edit.before = witnesses_[slot].row;
     present_ = 0;
   } else {
+    edit.before = std::move(witnesses_[slot].row);
     DropSlot(slot, key);
   }
   return absl::OkStatus();

@@ -74,7 +74,7 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
       continue;
     }
     Condition& condition = conditions[rise.owner];
-    Touched& touch = Touch(rise.owner);
+    Touched& touch = touched[condition.touched_at()];
     touch.probed = true;
     if (touch.full_done || condition.IgnoresRise()) continue;
     ++counters.evaluations;

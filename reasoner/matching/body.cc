@@ -84,6 +84,8 @@ class BodyBuilder {
       column.seedable = analysis.seedable.contains(column.name);
       column.certain = analysis.certain.contains(column.name);
     }
+    body_.all_seedable_ = std::all_of(body_.columns_.begin(), body_.columns_.end(),
+                                      [](const Body::Column& column) { return column.seedable; });
     CollectTests(where);
     AddTriggers(analysis);
     if (flat) NumberPatterns();
@@ -259,6 +261,19 @@ class BodyBuilder {
     }
   }
 
+  // The triggers that match what a NOT EXISTS of the outermost filters asks for with the same variables given.
+  void MarkRejecting(const Body::Pattern& pattern) {
+    for (Trigger& trigger : body_.triggers_) {
+      const QuadPattern& own = trigger.match.constants;
+      const std::array<TermId, 3> constants = {own.subject, own.predicate, own.object};
+      if (trigger.polarity == Polarity::kNegative && trigger.match.equal == 0 && own.graph.IsNone() &&
+          constants == pattern.constants &&
+          std::equal(pattern.columns.begin(), pattern.columns.end(), trigger.columns.begin())) {
+        trigger.rejects = true;
+      }
+    }
+  }
+
   static uint8_t EqualPositions(const std::array<const PatternTerm*, 4>& terms) {
     static constexpr std::array<std::array<int, 3>, 6> kPairs = {{{0, 1, MatchPattern::kSubjectPredicate},
                                                                   {0, 2, MatchPattern::kSubjectObject},
@@ -289,6 +304,7 @@ class BodyBuilder {
       filter.test = TestOf(*conjunct);
       filter.terms = TermTestOf(*conjunct);
       filter.exists = ExistsTestOf(*conjunct);
+      if (filter.exists && filter.exists->negated) MarkRejecting(filter.exists->pattern);
       filter.source = conjunct->Clone();
       for (const sparql::Variable& v : sparql::MentionedVariables(*conjunct)) {
         filter.columns.push_back(static_cast<int16_t>(body_.ColumnOf(v.name)));
@@ -363,6 +379,7 @@ MatchPattern Body::Instantiate(const Trigger& trigger, absl::Span<const TermId> 
 }
 
 absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
+  if (all_seedable_) return EvaluateSeeded(run, seed, visit);
   bool ignored = false;
   for (size_t i = 0; i < columns_.size(); ++i)
     ignored = ignored || (!seed[i].IsNone() && !columns_[i].seedable);
@@ -374,6 +391,18 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
   return EvaluateSeeded(run, usable, visit);
 }
 
+// nullopt: there is more to do than to look for that.
+std::optional<QuadPattern> Body::OnlyOther(const Trigger& trigger, absl::Span<const TermId> seed) const {
+  if (has_filters_ || patterns_.size() != 2) return std::nullopt;
+  const Pattern& other = patterns_[1 - static_cast<size_t>(trigger.pattern)];
+  const auto at = [&](int i) {
+    return other.columns[i] == Trigger::kNoColumn ? other.constants[i] : seed[other.columns[i]];
+  };
+  const QuadPattern bound{at(0), at(1), at(2), TermId()};
+  if (bound.subject.IsNone() || bound.predicate.IsNone() || bound.object.IsNone()) return std::nullopt;
+  return bound;
+}
+
 absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                 Visitor visit) {
   if (!flat() || trigger.pattern < 0) return Evaluate(run, seed, visit);
@@ -382,6 +411,12 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   }
   for (const NumberTest& test : tests_) {
     if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
+  }
+  if (const std::optional<QuadPattern> other = OnlyOther(trigger, seed)) {
+    if (run.version->ContainsMatch(*other)) visit(seed);
+    if (run.cancellation == nullptr) return absl::OkStatus();
+    run.cancellation->Spend(1);
+    return run.cancellation->Check();
   }
   return plan_->EvaluateRest(run, seed, uint32_t{1} << trigger.pattern, Filters::kAll, visit);
 }

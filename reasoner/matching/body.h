@@ -44,6 +44,8 @@ struct Trigger {
   bool required = false;  // every solution contains a match
   // Which of a flat body's patterns this is (see Body::flat); -1 for those inside EXISTS and NOT EXISTS.
   int8_t pattern = -1;
+  // It is all that a NOT EXISTS of a flat body's filters asks for: what it matches is in no solution.
+  bool rejects = false;
 };
 
 // ?a < 5, 5 <= ?a, ?a >= ?b: a comparison that ids may be able to decide.
@@ -108,6 +110,15 @@ class Body {
     return {at(0, own.subject), at(1, own.predicate), at(2, own.object), at(3, own.graph)};
   }
 
+  // Whether a match of the trigger under `seed` leaves no solution that agrees with `seed`.
+  static bool RejectsAll(const Trigger& trigger, absl::Span<const TermId> seed) {
+    if (!trigger.rejects) return false;
+    for (const int16_t column : trigger.columns) {
+      if (column != Trigger::kNoColumn && seed[column].IsNone()) return false;
+    }
+    return true;
+  }
+
   // Calls `visit` for each solution that agrees with `seed` (one id a column, none where open), until it
   // returns false. A row has one id a column; computed values are interned. Rows may repeat. `run` as for
   // PreparedQuery.
@@ -133,6 +144,8 @@ class Body {
   class GeneralPlan;
 
   Body();
+  // What is left of a flat body when `trigger` has matched, where it is one pattern of which `seed` gives all.
+  std::optional<QuadPattern> OnlyOther(const Trigger& trigger, absl::Span<const TermId> seed) const;
   absl::Status EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
 
   std::vector<Column> columns_;
@@ -140,6 +153,7 @@ class Body {
   std::vector<NumberTest> tests_;  // necessary conditions of every solution
   bool is_volatile_ = false;
   bool has_filters_ = false;
+  bool all_seedable_ = false;  // columns
   std::vector<int16_t> filter_columns_;
   std::vector<Pattern> patterns_;  // empty: not flat
   std::unique_ptr<Plan> plan_;

@@ -127,6 +127,16 @@ TEST_F(ConstraintSetTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
   EXPECT_THAT(Turn({}, {"r1 at yard"}), ElementsAre("1 fell"));
 }
 
+TEST_F(ConstraintSetTest, ANegationAboutAKeyTakesThatKeyAlone) {
+  Register("ASK { ?r :at ?p FILTER NOT EXISTS { ?r :task ?t } FILTER NOT EXISTS { ?p :closed ?c } }", {"r"});
+  EXPECT_THAT(Turn({"r1 at hall", "r1 at room", "r2 at hall"}), ElementsAre("1 rose +{r=r1} +{r=r2}"));
+  EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 bindings -{r=r1}"));
+  EXPECT_THAT(Turn({}, {"r1 task t1"}), ElementsAre("1 bindings +{r=r1}"));
+  EXPECT_THAT(Turn({"hall closed now"}), ElementsAre("1 bindings -{r=r2}")) << "r1 is in the room, too";
+  EXPECT_THAT(Turn({"room closed now"}), ElementsAre("1 fell -{r=r1}"));
+  EXPECT_THAT(Turn({"r1 task t2"}, {"hall closed now"}), ElementsAre("1 rose +{r=r2}"));
+}
+
 TEST_F(ConstraintSetTest, AKeptWitnessOutlivesARollback) {
   Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
   EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
