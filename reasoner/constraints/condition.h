@@ -33,6 +33,8 @@ class Condition {
   using Row = absl::InlinedVector<TermId, 4>;
 
   using Keys = absl::InlinedVector<int16_t, 2>;
+  // Of an object that begins with it: the bytes that every update looks at which concerns it.
+  static constexpr size_t kLooksFrom = 64, kLooksTo = 256;
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
   Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes);
   // A member of `shape`, with the shape's body and these constants in it. `shape` must outlive the condition.
@@ -157,7 +159,7 @@ class Condition {
   const Keys keys_;
   std::unique_ptr<Slots> slots_;
   const std::unique_ptr<Body> own_;  // null: the body is the shape's
-  // and three, with what a derived class begins with, that always are.
+  // and three, with what a derived class begins with, that always are (kLooksFrom to kLooksTo).
   uint64_t touched_in_ = 0;
   uint32_t touched_at_ = 0;
   const uint32_t number_;

@@ -30,11 +30,12 @@ void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
   const PatternIndex& index = added ? indexes.on_add : indexes.on_remove;
   index.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
     ++counters.candidates;
+    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
+    if (!shape) conditions.Fetch(reference.owner, Condition::kLooksFrom, Condition::kLooksTo);
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
       broken.push_back(reference);
       return;
     }
-    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
     int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
@@ -171,8 +172,8 @@ absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
 
 Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Condition::Key& key) const {
   Binding binding;
-  for (size_t i = 0; i < key.size(); ++i) {
   binding.reserve(key.size());
+  for (size_t i = 0; i < key.size(); ++i) {
     if (!key[i].IsNone()) binding.emplace_back(condition.columns()[condition.keys()[i]].name, key[i]);
   }
   return binding;
