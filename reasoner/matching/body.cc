@@ -412,6 +412,10 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   for (const NumberTest& test : tests_) {
     if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
   }
+  if (!has_filters_ && patterns_.size() == 1) {
+    visit(seed);
+    return absl::OkStatus();
+  }
   if (const std::optional<QuadPattern> other = OnlyOther(trigger, seed)) {
     if (run.version->ContainsMatch(*other)) visit(seed);
     if (run.cancellation == nullptr) return absl::OkStatus();
