@@ -100,7 +100,7 @@ struct ConstraintSet::Impl {
   // Counts an evaluation that no change narrows, and how long it takes.
   absl::Status Whole(absl::FunctionRef<absl::Status()> evaluate);
   Touched& Touch(uint32_t number);
-  // Who is concerned by the change: into broken, rises, shape_rises and touched.
+  // Who is concerned by the change: into broken, rises and touched; the shapes count theirs.
   void Gather(const Delta& delta);
   void GatherOf(const Quad& quad, bool added);
   absl::Status RecheckBroken(const sparql::RunOptions& run);
@@ -155,7 +155,6 @@ struct ConstraintSet::Impl {
   std::vector<Touched> touched;  // a condition knows its place
   std::vector<Rise> rises;
   std::vector<PatternIndex::Reference> broken;
-  absl::flat_hash_map<uint32_t, int> shape_rises;  // shape → changes that its watches matched
 };
 
 }  // namespace docent

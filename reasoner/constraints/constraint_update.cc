@@ -36,7 +36,8 @@ void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
       broken.push_back(reference);
       return;
     }
-    int& count = shape ? shape_rises[reference.owner] : Touch(reference.owner).rises;
+    int& count = shape ? shapes[reference.owner & ~WatchIndexes::kIsShape]->RisesIn(counters.updates)
+                       : Touch(reference.owner).rises;
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
   });
@@ -46,7 +47,6 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
-  if (!shape_rises.empty()) shape_rises.clear();
   for (const Quad& quad : delta.added) GatherOf(quad, true);
   for (const Quad& quad : delta.removed) GatherOf(quad, false);
 }
@@ -97,11 +97,11 @@ absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
 }
 
 absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::RunOptions& run) {
-  int& count = shape_rises[rise.owner];
+  Shape& shape = *shapes[rise.owner & ~WatchIndexes::kIsShape];
+  int& count = shape.RisesIn(counters.updates);
   if (count < 0) return absl::OkStatus();  // evaluated whole
   const bool whole = count > kMaxProbes;
   if (whole) count = -1;
-  Shape& shape = *shapes[rise.owner & ~WatchIndexes::kIsShape];
   ++counters.evaluations;
   absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {

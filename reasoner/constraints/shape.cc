@@ -103,7 +103,11 @@ std::optional<ShapeForm> SplitConstants(const sparql::Query& query) {
 }
 
 Shape::Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes)
-    : number_(number), body_(std::move(body)), indexes_(indexes) {}
+    : number_(number),
+      body_(std::move(body)),
+      all_certain_(std::all_of(body_->columns().begin(), body_->columns().end(),
+                               [](const Body::Column& column) { return column.certain; })),
+      indexes_(indexes) {}
 
 Shape::~Shape() {
   Unwatch();
@@ -213,9 +217,12 @@ std::vector<uint32_t> Shape::Waiting() const {
 
 absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
                                   Visitor visit) {
-  seed_.assign(body_->columns().size(), TermId());
-  if (quad != nullptr) body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
-  for (size_t i = 0; i < seed_.size(); ++i) {
+  if (quad != nullptr) {
+    body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
+  } else {
+    ClearSeed(body_->columns().size(), seed_);
+  }
+  for (size_t i = 0; !all_certain_ && i < seed_.size(); ++i) {
     if (!body_->columns()[i].certain) seed_[i] = TermId();
   }
   size_t solutions = 0;

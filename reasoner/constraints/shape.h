@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -76,6 +77,12 @@ class Shape {
   absl::StatusOr<bool> Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
                              Visitor visit);
 
+  // For the caller's own use: the changes of this update that its watches matched; 0 at first.
+  int& RisesIn(uint64_t update) {
+    if (std::exchange(rises_in_, update) != update) rises_ = 0;
+    return rises_;
+  }
+
  private:
   Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
   void Watch();
@@ -84,6 +91,7 @@ class Shape {
 
   const uint32_t number_;
   const std::unique_ptr<Body> body_;
+  const bool all_certain_;  // columns of body_
   WatchIndexes& indexes_;
   std::vector<int16_t> parameters_;  // columns of body_
   std::vector<int16_t> columns_;     // of body_, for each of a member's
@@ -92,6 +100,8 @@ class Shape {
   size_t waiting_ = 0;
   bool lends_body_ = false;
   bool shares_any_ = false;
+  uint64_t rises_in_ = 0;
+  int rises_ = 0;
   std::vector<WatchIndexes::Watch> watches_;
   std::vector<TermId> seed_;  // scratch
   Constants found_;                 // scratch
