@@ -105,28 +105,32 @@ int Condition::SlotOf(const Key& key) const {
   return -1;
 }
 
-uint32_t Condition::NewSlot(const Key& key) {
-  ++present_;
-  if (!has_keys()) {
-    if (witnesses_.empty()) witnesses_.emplace_back();
-    return 0;
-  }
+int Condition::NewSlot(const Key& key) {
   uint32_t slot = 0;
-  if (slots_ == nullptr) {
-    while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
-  } else if (!slots_->free.empty()) {
-    slot = slots_->free.back();
-    slots_->free.pop_back();
+  if (slots_ != nullptr) {
+    const auto [taken, is_new] = slots_->taken.try_emplace(key);
+    if (!is_new) return -1;
+    if (slots_->free.empty()) {
+      slot = static_cast<uint32_t>(witnesses_.size());
+    } else {
+      slot = slots_->free.back();
+      slots_->free.pop_back();
+    }
+    taken->second = slot;
   } else {
-    slot = static_cast<uint32_t>(witnesses_.size());
+    if (Has(key)) return -1;
+    if (has_keys()) {
+      while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
+    }
   }
+  ++present_;
   if (slot == witnesses_.size()) witnesses_.emplace_back();
   if (slots_ == nullptr && slot == kFewWitnesses) {
     slots_ = std::make_unique<Slots>();
     for (uint32_t i = 0; i < slot; ++i) slots_->taken.emplace(KeyOf(witnesses_[i].row), i);
+    slots_->taken.emplace(key, slot);
   }
-  if (slots_ != nullptr) slots_->taken.emplace(key, slot);
-  return slot;
+  return static_cast<int>(slot);
 }
 
 void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
@@ -165,8 +169,9 @@ void Condition::Watch(uint32_t slot) {
 
 bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
   Key key = KeyOf(row);
-  if (Has(key)) return false;
-  SetRow(NewSlot(key), row);
+  const int slot = NewSlot(key);
+  if (slot < 0) return false;
+  SetRow(static_cast<uint32_t>(slot), row);
   Edit& edit = edits.emplace_back();
   edit.condition = number_;
   edit.is_present = true;
@@ -186,13 +191,13 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
 }
 
 absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
-  const Key key = KeyOf(witnesses_[slot].row);
+  Key key = KeyOf(witnesses_[slot].row);
   const auto note = [&](bool is_present) -> Edit& {
     Edit& edit = edits.emplace_back();
     edit.condition = number_;
     edit.was_present = true;
     edit.is_present = is_present;
-    edit.key = key;
+    edit.key = std::move(key);
     return edit;
   };
   std::vector<TermId>& seed = BeginSeed();
@@ -228,7 +233,7 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
     present_ = 0;
   } else {
     edit.before = std::move(witnesses_[slot].row);
-    DropSlot(slot, key);
+    DropSlot(slot, edit.key);
   }
   return absl::OkStatus();
 }
@@ -293,7 +298,7 @@ absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
 void Condition::Undo(const Edit& edit) {
   const int slot = SlotOf(edit.key);
   if (edit.was_present) {
-    SetRow(slot < 0 ? NewSlot(edit.key) : static_cast<uint32_t>(slot), edit.before);
+    SetRow(static_cast<uint32_t>(slot < 0 ? NewSlot(edit.key) : slot), edit.before);
   } else {
     DropSlot(static_cast<uint32_t>(slot), edit.key);
   }

@@ -129,7 +129,7 @@ class Condition {
   Key KeyOf(absl::Span<const TermId> row) const;
   bool HasKey(absl::Span<const TermId> row, const Key& key) const;
   int SlotOf(const Key& key) const;  // -1: there is no witness with it
-  uint32_t NewSlot(const Key& key);
+  int NewSlot(const Key& key);            // -1: there is a witness with it
   // Takes `row` as witness of its key unless it has one. True if it is new.
   bool Take(absl::Span<const TermId> row, Edits& edits);
   void SetRow(uint32_t slot, absl::Span<const TermId> row);

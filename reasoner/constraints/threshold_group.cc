@@ -167,7 +167,7 @@ absl::StatusOr<bool> ThresholdGroup::Admits(ConstraintId id, TermId constant, Te
 ThresholdGroup::Members::iterator ThresholdGroup::FirstFrom(double low) {
   if (!settled_at_ || low == -kInfinity) return members_.lower_bound({low, ConstraintId()});
   Members::iterator it = *settled_at_;
-  while (it != members_.begin()) {
+  while (low < settled_extreme_ && it != members_.begin()) {
     const Members::iterator before = std::prev(it);
     if (before->first.first < low) break;
     it = before;
