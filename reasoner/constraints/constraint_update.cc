@@ -43,7 +43,7 @@ void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
   });
 }
 
-void ConstraintSet::Impl::Gather(const Delta& delta) {
+inline void ConstraintSet::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
@@ -51,7 +51,7 @@ void ConstraintSet::Impl::Gather(const Delta& delta) {
   for (const Quad& quad : delta.removed) GatherOf(quad, false);
 }
 
-absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
+inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
   for (const auto& [number, witness, trigger] : broken) {
     const uint32_t slot = witness & ~WatchIndexes::kIsWitness;
     Condition& condition = conditions[number];
@@ -132,7 +132,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   return absl::OkStatus();
 }
 
-void ConstraintSet::Impl::LinkEdits(size_t begin) {
+inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
   for (size_t i = begin; i < edits.size(); ++i) {
     const auto at = static_cast<uint32_t>(i);
     Touched& touch = touched[conditions[edits[i].condition].touched_at()];  // who looked at it has touched it
