@@ -18,6 +18,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
+#include "absl/types/span.h"
 #include "kb_server/app/condition_evidence.h"
 #include "kb_server/sparql/algebra.h"
 #include "reasoner/constraints/constraint_set.h"
