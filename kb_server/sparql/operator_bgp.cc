@@ -19,7 +19,7 @@ namespace {
 
 // An index lookup costs about as much as putting so many matches into a table (measured with `docent-bench kb`): one beside
 // the last one, and one that descends the tree.
-constexpr double kMatchesALookup = 2, kMatchesADescent = 6;
+constexpr double kMatchesALookup = 1, kMatchesADescent = 6;
 // What a table may cost for each lookup that was made, since the estimate of those to come may be wrong.
 constexpr double kMatchesALookupMade = 8;
 constexpr uint64_t kFewLookups = 3;  // below, a table is never worth it
