@@ -174,6 +174,7 @@ class Materialiser {
   bool ghosts_in_graph_ = false;
   std::vector<Triple> rederivable_;  // in the running stratum and all after it
   std::vector<Triple> unproven_;     // taken away, but not for what may come back
+  absl::flat_hash_set<Triple> put_off_;  // of rederivable_: taken away, made again, and of a later stratum
   struct CheckRow {
     uint32_t rule;
     std::vector<TermId> row;

@@ -243,7 +243,12 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   }
   for (const HeadTriple& head : rule.head) {
     Triple triple;
-    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple) || !MayMake(rule, triple, phase)) continue;
+    if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
+    if (!MayMake(rule, triple, phase)) {
+      // What it is made of may be there as it was before the turn, so that a later stratum sees no change.
+      if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second) rederivable_.push_back(triple);
+      continue;
+    }
     if (!Collect(rule, triple, phase)) return false;
   }
   return true;

@@ -487,5 +487,15 @@ TEST(ReasonerRulesKnown, APremiseThatComesBack) {
   EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{}, {"a l b"}}, {}}}), "");
 }
 
+// It lies above its premise, which goes and comes again by something that is made in the same turn.
+TEST(ReasonerRulesKnown, WhatRestsOnWhatIsMadeAnewIsMadeAnewToo) {
+  const std::string rules = std::string(kSub) +
+    "RULE { ?x :b ?y } WHERE { ?x :c ?y }\n"
+    "RULE { ?x :a :v } WHERE { ?x :b ?y }\n"
+    "RULE { ?x :i ?y } WHERE { ?x :a ?y }\n"
+    "RULE { ?x :i ?y } WHERE { ?x :h ?y }\n";
+  EXPECT_EQ(Try(rules, {{{{"x c y1"}, {}}, {}}, {{{"x c y2"}, {"x c y1"}}, {}}}), "");
+}
+
 }  // namespace
 }  // namespace docent
