@@ -6,12 +6,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "kb_server/sparql/evaluator.h"
-#include "reasoner/rules/negation_order.h"
 
 namespace docent {
 namespace {
 
-constexpr int kMostPasses = 16;  // axioms are there after one
+constexpr int kMostPasses = 16;   // axioms are there after one
+constexpr int kAskingPasses = 8;  // then what the graph answers does not matter to the order
 
 }  // namespace
 
@@ -183,14 +183,14 @@ absl::Status Materialiser::Maintain() {
   CompareRules();
   ReadTold();
   if (absl::Status status = SettleTold(); !status.ok()) return status;
-  PlaceNegation().status().IgnoreError();  // by the axioms as they are yet; below by those that stay
+  PlaceNegation(AskAxioms::kGraph).status().IgnoreError();  // by the axioms as they are yet; below by those that stay
   if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
   for (stratum_ = 0; stratum_ < program_.stratum_count; ++stratum_) {
     if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     if (stratum_ != program_.first_entangled || program_.ordered.empty()) continue;
     // Axioms came and went: by those that are there now the facts of this stratum may be others, though no axioms.
-    absl::StatusOr<bool> moved = PlaceNegation();
-    for (int passes = 0; moved.ok() && *moved; moved = PlaceNegation()) {
+    absl::StatusOr<bool> moved = PlaceNegation(AskAxioms::kGraph);
+    for (int passes = 0; moved.ok() && *moved; moved = PlaceNegation(passes < kAskingPasses ? AskAxioms::kGraph : AskAxioms::kNothing)) {
       if (++passes > kMostPasses) return absl::InternalError("rules with negation find no order; the batch was not applied");
       TakeBackEarly();
       if (absl::Status status = MaintainStratum(); !status.ok()) return status;
@@ -206,10 +206,14 @@ absl::Status Materialiser::MaintainStratum() {
   return status.ok() ? Add(stratum_) : status;
 }
 
-absl::StatusOr<bool> Materialiser::PlaceNegation() {
-  if (program_.ordered.empty() || program_.placed_for == context_.schema.changes()) return false;
-  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema, context_.dictionary);
+absl::StatusOr<bool> Materialiser::PlaceNegation(AskAxioms ask) {
+  if (program_.ordered.empty()) return false;
+  if (program_.placed_for == context_.schema.changes() && KnowsAnswers(program_.order(), graph())) return false;
+  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema, graph(), context_.dictionary, asked_, ask);
   if (!order.ok()) return order.status();
+  if (stratum_ >= 0) {
+    for (const auto& [about, answers] : order->asked) asked_[about] = answers;
+  }
   program_.placed_for = context_.schema.changes();
   return program_.Place(*std::move(order));
 }

@@ -29,6 +29,7 @@
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_writer.h"
 #include "reasoner/rules/inconsistency.h"
+#include "reasoner/rules/negation_order.h"
 #include "reasoner/rules/proof_search.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_program.h"
@@ -92,7 +93,7 @@ class Materialiser {
 
   void ReadTold();
   absl::Status SettleTold();
-  absl::StatusOr<bool> PlaceNegation();  // whether the order is another one
+  absl::StatusOr<bool> PlaceNegation(AskAxioms ask);  // whether the order is another one
   absl::Status MaintainStratum();
   void TakeBackEarly();
   void CompareRules();
@@ -181,6 +182,7 @@ class Materialiser {
   };
   std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
 
+  AxiomAnswers asked_;                // by all orders since the axioms were there
   std::vector<Triple> came_;          // in all rounds
   std::vector<Triple> round_;         // new in the last round
   std::vector<Triple> candidates_;    // for the next

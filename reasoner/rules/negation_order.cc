@@ -10,12 +10,15 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/container/inlined_vector.h"
 #include "absl/strings/str_cat.h"
+#include "reasoner/rules/schema_words.h"
 #include "reasoner/rules/stratification.h"
 
 namespace docent {
 namespace {
 
 constexpr size_t kManyPatterns = 1000;  // from here on they forget their objects
+constexpr size_t kManyAxioms = 4000;    // from here on those of axioms do, and their subjects
+constexpr size_t kManyAnswers = 100;    // more are as good as any
 constexpr size_t kItself = ~size_t{0};
 constexpr uint32_t kNone = ~uint32_t{0};
 
@@ -30,7 +33,7 @@ struct Taker {
 
 // What a conclusion leads to, and through which rule.
 struct Reached {
-  QuadPattern pattern;
+  FactPattern pattern;
   size_t from = kItself;  // number of the one before; kItself: a conclusion of the rule itself
   uint32_t by = 0;
   uint32_t instance = kNone;  // of it
@@ -42,21 +45,89 @@ struct Step {
   uint32_t instance;  // kNone: it has none
 };
 
+// What one rule of program.ordered leads to.
+struct Following {
+  std::vector<Reached> reached;
+  absl::flat_hash_set<FactPattern> seen;  // patterns of reached
+  size_t next = 0;                        // of reached: the first that no rule has taken yet
+};
+
+// A rule, as it takes a pattern.
+struct Taking {
+  uint32_t number;        // of the Following
+  size_t from = kItself;  // of its reached: the pattern
+  uint32_t rule = 0;
+  uint32_t instance = kNone;
+  std::vector<TermId> row;        // of its body; none: unknown
+  std::vector<bool> of_instance;  // columns that the instance alone knows
+  std::array<int16_t, 2> same = {Trigger::kNoColumn, Trigger::kNoColumn};  // columns that are so, being unknown
+
+  bool IsOfInstance(int16_t column) const { return instance != kNone && of_instance[column]; }
+};
+
+// A premise of a taking that knows all but its subject or its object: what are they in the axioms that there are?
+struct Question {
+  Taking taking;
+  FactPattern about;
+  int side = 0;                         // which is asked for: 0: subject, 2: object
+  int16_t column = Trigger::kNoColumn;  // of it
+  std::array<size_t, 2> next = {0, 0};  // of all that is reached, by its predicate and by any
+};
+
+// A term of a triple of a body: which it is, or the column that would say so.
+struct Place {
+  TermId term;
+  int16_t column = Trigger::kNoColumn;
+  friend bool operator==(const Place&, const Place&) = default;
+};
+using Places = std::array<Place, 3>;
+
+// The subjects or objects, of which `about` does not know one, up to kManyAnswers + 1.
+std::vector<TermId> Answers(const GraphVersion& graph, const FactPattern& about) {
+  std::vector<TermId> answers;
+  for (QuadCursor c = graph.Scan({about.subject, about.predicate, about.object, TermId()}); c.Valid() && answers.size() <= kManyAnswers; c.Next()) {
+    const TermId answer = about.object.IsNone() ? c.quad().object : c.quad().subject;
+    if (std::find(answers.begin(), answers.end(), answer) == answers.end()) answers.push_back(answer);
+  }
+  return answers;
+}
+
+void AddNew(const std::vector<TermId>& from, std::vector<TermId>& to) {
+  for (const TermId id : from) {
+    if (std::find(to.begin(), to.end(), id) == to.end()) to.push_back(id);
+  }
+}
+
 class Order {
  public:
-  Order(const RuleProgram& program, const SchemaIndex& schema, const Dictionary& dictionary)
-      : program_(program), schema_(schema), dictionary_(dictionary), place_(program.rules.size(), -1) {
+  Order(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph, const Dictionary& dictionary,
+        const AxiomAnswers& before, AskAxioms ask)
+      : program_(program),
+        schema_(schema),
+        graph_(graph),
+        dictionary_(dictionary),
+        before_(before),
+        ask_(ask),
+        place_(program.rules.size(), -1),
+        followings_(program.ordered.size()) {
     for (size_t i = 0; i < program.ordered.size(); ++i) place_[program.ordered[i]] = static_cast<int>(i);
     for (uint32_t r = 0; r < program.rules.size(); ++r) {
       if (program.IsEntangled(r)) AddTakers(r, kNone);
     }
     schema.ForEach([this](uint32_t id, const SchemaIndex::Instance& instance) {
-      if (program_.IsEntangled(instance.rule)) AddTakers(instance.rule, id);
+      if (!program_.IsEntangled(instance.rule) || MakesNothingNew({.number = 0, .rule = instance.rule, .row = instance.row})) return;
+      AddTakers(instance.rule, id);
     });
   }
 
   absl::StatusOr<NegationOrder> Find() {
-    for (size_t i = 0; i < program_.ordered.size(); ++i) Follow(static_cast<uint32_t>(i));
+    for (uint32_t i = 0; i < program_.ordered.size(); ++i) {
+      const uint32_t rule = program_.ordered[i];
+      Conclude({.number = i, .rule = rule, .row = std::vector<TermId>(program_.rules[rule].body->columns().size())});
+      Follow(i);
+    }
+    while (status_.ok() && AnswerByReached()) {
+    }
     if (!status_.ok()) return status_;
     const auto count = static_cast<uint32_t>(program_.ordered.size());
     const Stratification strata = Stratify(count, dependencies_);
@@ -70,10 +141,14 @@ class Order {
     }
     NegationOrder order;
     for (uint32_t i = 0; i < count; ++i) order.of_rules.push_back(of_component[strata.stratum[i]]);
-    for (const auto& [pattern, number] : led_to_) {
-      int& level = order.of_facts[pattern];
-      level = std::max(level, order.of_rules[number]);
+    for (uint32_t i = 0; i < count; ++i) {
+      for (const Reached& each : followings_[i].reached) {
+        int& level = order.of_facts[each.pattern];
+        level = std::max(level, order.of_rules[i]);
+        if (each.pattern.KnowsSubject()) order.with_subjects.insert(each.pattern.predicate);
+      }
     }
+    order.asked = std::move(answers_);
     return order;
   }
 
@@ -92,6 +167,7 @@ class Order {
         const std::vector<TermId>& row = schema_.instance(instance).row;
         pattern = compiled.body->Instantiate(triggers[i], row).constants;
         if (!IsOther(rule, i, pattern, row)) continue;
+        pattern.subject = TermId();  // that of one among many
       }
       by_predicate_[pattern.predicate].push_back(takers_.size());
       takers_.push_back({rule, i, instance, pattern, of_axioms});
@@ -107,72 +183,208 @@ class Order {
     return instances_.insert(std::move(key)).second;
   }
 
-  // All that the conclusions of a rule lead to.
+  // All that the conclusions of a rule lead to, from where it came to.
   void Follow(uint32_t number) {
-    reached_.clear();
-    seen_.clear();
-    const uint32_t rule = program_.ordered[number];
-    const std::vector<TermId> nothing(program_.rules[rule].body->columns().size());
-    Conclude(rule, kNone, nothing, kItself);
-    for (size_t i = 0; i < reached_.size(); ++i) {
-      const TermId predicate = reached_[i].pattern.predicate;
+    Following& following = followings_[number];
+    for (; following.next < following.reached.size() && status_.ok(); ++following.next) {
+      const size_t from = following.next;
+      const TermId predicate = following.reached[from].pattern.predicate;
       if (predicate.IsNone()) {
-        for (const Taker& taker : takers_) Take(number, taker, i);
+        for (const Taker& taker : takers_) Take(number, taker, from);
         continue;
       }
       for (const TermId key : {predicate, TermId()}) {
         const auto found = by_predicate_.find(key);
         if (found == by_predicate_.end()) continue;
-        for (const size_t taker : found->second) Take(number, takers_[taker], i);
+        for (const size_t taker : found->second) Take(number, takers_[taker], from);
       }
     }
-    for (const Reached& each : reached_) led_to_.emplace_back(std::pair(each.pattern.predicate, each.pattern.object), number);
+  }
+
+  // The terms that `taker` would find where it takes `pattern`; false: it takes no fact of it.
+  static bool Unify(const QuadPattern& taker, const FactPattern& pattern, std::array<TermId, 3>& terms) {
+    if (!CanUnify(taker, {pattern.subject, pattern.predicate, pattern.object, TermId()})) return false;
+    terms = {pattern.subject, pattern.predicate, pattern.object};
+    if (!pattern.reflexive) return true;
+    for (const TermId known : {taker.subject, taker.object}) {
+      if (known.IsNone()) continue;
+      if (!terms[0].IsNone() && terms[0] != known) return false;
+      terms[0] = terms[2] = known;
+    }
+    return true;
   }
 
   void Take(uint32_t number, const Taker& taker, size_t from) {
-    const QuadPattern pattern = reached_[from].pattern;  // reached_ grows
-    if (!CanUnify(taker.pattern, pattern)) return;  // pattern has no subject
-    if (taker.of_axioms) return RefuseAxioms(number, taker.rule);
-    const Body& body = *program_.rules[taker.rule].body;
-    const Trigger& trigger = body.triggers()[taker.trigger];
+    const FactPattern pattern = followings_[number].reached[from].pattern;  // reached grows
+    std::array<TermId, 3> terms;
+    if (!Unify(taker.pattern, pattern, terms)) return;
+    const CompiledRule& rule = program_.rules[taker.rule];
+    const Trigger& trigger = rule.body->triggers()[taker.trigger];
     if (place_[taker.rule] >= 0) {
       const bool negative = trigger.polarity != Polarity::kPositive;
       if (known_.insert({static_cast<uint32_t>(place_[taker.rule]), number, negative}).second) {
         dependencies_.push_back({static_cast<uint32_t>(place_[taker.rule]), number, negative, true});
       }
-      if (negative) ways_.try_emplace({static_cast<uint32_t>(place_[taker.rule]), number}, Way(from));
+      if (negative) ways_.try_emplace({static_cast<uint32_t>(place_[taker.rule]), number}, Way(number, from));
       if (trigger.polarity == Polarity::kNegative) return;
     }
-    row_.assign(body.columns().size(), TermId());
-    if (taker.instance != kNone) row_ = schema_.instance(taker.instance).row;
-    const std::array<TermId, 3> terms = {pattern.subject, pattern.predicate, pattern.object};
-    for (int i = 0; i < 3; ++i) {
-      if (trigger.columns[i] != Trigger::kNoColumn && !terms[i].IsNone()) row_[trigger.columns[i]] = terms[i];
+    Taking taking{.number = number, .from = from, .rule = taker.rule, .instance = taker.instance, .row = {}, .of_instance = {}};
+    if (taker.instance != kNone) {
+      taking.row = schema_.instance(taker.instance).row;
+      for (const TermId known : taking.row) taking.of_instance.push_back(!known.IsNone());
     }
-    Conclude(taker.rule, taker.instance, row_, from);
+    taking.row.resize(rule.body->columns().size());
+    taking.of_instance.resize(taking.row.size());
+    for (int i = 0; i < 3; ++i) {
+      if (trigger.columns[i] == Trigger::kNoColumn || terms[i].IsNone()) continue;
+      taking.row[trigger.columns[i]] = terms[i];
+      taking.of_instance[trigger.columns[i]] = false;
+    }
+    if (rule.positive && pattern.reflexive && terms[0].IsNone()) taking.same = {trigger.columns[0], trigger.columns[2]};
+    if (taker.instance == kNone && rule.positive) {
+      if (MakesNothingNew(taking) || IsFilteredOut(taking)) return;
+      if (taker.of_axioms) return RefuseAxioms(number, taker.rule);
+      if (rule.of_schema && ask_ == AskAxioms::kGraph && Ask(taking, trigger.pattern)) return;
+    }
+    Conclude(taking);
   }
 
-  // `from`: the pattern that a body takes.
-  void Conclude(uint32_t rule, uint32_t instance, const std::vector<TermId>& row, size_t from) {
-    for (const HeadTriple& head : program_.rules[rule].head) {
-      const auto at = [&](int i) { return head.columns[i] == Trigger::kNoColumn ? head.constants[i] : row[head.columns[i]]; };
-      QuadPattern made;
-      made.predicate = at(1);
-      if (reached_.size() < kManyPatterns) made.object = at(2);
-      const bool known = seen_.contains({made.predicate, made.object}) || seen_.contains({made.predicate, TermId()}) ||
-                         seen_.contains({TermId(), made.object}) || seen_.contains({TermId(), TermId()});
-      if (known) continue;
-      seen_.insert({made.predicate, made.object});
-      reached_.push_back({made, from, rule, instance});
+  // ---- the triples of a body and of its head, as far as a taking knows them
+
+  static Place At(const Taking& taking, TermId constant, int16_t column) {
+    if (column == Trigger::kNoColumn) return {constant};
+    if (!taking.row[column].IsNone()) return {taking.row[column]};
+    return {TermId(), column == taking.same[1] && taking.same[0] != Trigger::kNoColumn ? taking.same[0] : column};
+  }
+  template <typename Pattern>  // HeadTriple, Body::Pattern
+  static Places PlacesOf(const Taking& taking, const Pattern& pattern) {
+    return {At(taking, pattern.constants[0], pattern.columns[0]), At(taking, pattern.constants[1], pattern.columns[1]),
+            At(taking, pattern.constants[2], pattern.columns[2])};
+  }
+
+  // A triple of a head that is a premise is there already.
+  bool IsPremise(const Taking& taking, const Places& made) const {
+    const CompiledRule& rule = program_.rules[taking.rule];
+    if (!rule.positive) return false;
+    const std::vector<Body::Pattern>& patterns = rule.body->patterns();
+    return std::any_of(patterns.begin(), patterns.end(), [&](const Body::Pattern& p) { return PlacesOf(taking, p) == made; });
+  }
+  bool MakesNothingNew(const Taking& taking) const {
+    const std::vector<HeadTriple>& head = program_.rules[taking.rule].head;
+    return std::all_of(head.begin(), head.end(), [&](const HeadTriple& h) { return IsPremise(taking, PlacesOf(taking, h)); });
+  }
+
+  // A FILTER says no to what is known already. (It depends on the terms alone.)
+  bool IsFilteredOut(const Taking& taking) const {
+    const CompiledRule& rule = program_.rules[taking.rule];
+    if (!rule.body->has_filters()) return false;
+    bool passes = false;
+    const absl::Status status = rule.body->EvaluateRest({.version = &graph_}, taking.row, rule.patterns, Body::Filters::kBound,
+                                                        [&](absl::Span<const TermId>) {
+                                                          passes = true;
+                                                          return false;
+                                                        });
+    return status.ok() && !passes;
+  }
+
+  // ---- rules about axioms alone: what they make of one depends on others that are there
+
+  // Whether another premise could be asked about; then it has concluded. `taken`: the pattern that could not.
+  bool Ask(const Taking& taking, int taken) {
+    const CompiledRule& rule = program_.rules[taking.rule];
+    for (int i = 0; i < static_cast<int>(rule.body->patterns().size()); ++i) {
+      const Places premise = PlacesOf(taking, rule.body->patterns()[static_cast<size_t>(i)]);
+      const int side = premise[2].term.IsNone() ? 2 : 0;
+      const int16_t column = premise[side].column;
+      if (i == taken || premise[2 - side].term.IsNone() || premise[1].term.IsNone() || column == Trigger::kNoColumn) continue;
+      if (column == taking.same[0] || !IsMade(rule, column)) continue;
+      Question question{taking, {premise[0].term, premise[1].term, premise[2].term}, side, column};
+      const auto [answers, is_new] = answers_.try_emplace(question.about);
+      if (is_new) {
+        answers->second = Answers(graph_, question.about);
+        const auto earlier = before_.find(question.about);
+        if (earlier != before_.end()) AddNew(earlier->second, answers->second);
+      }
+      if (answers->second.size() > kManyAnswers) continue;
+      for (const TermId each : answers->second) ConcludeWith(question, each);
+      questions_.push_back(std::move(question));
+      return true;
     }
+    return false;
+  }
+  static bool IsMade(const CompiledRule& rule, int16_t column) {
+    return std::any_of(rule.head.begin(), rule.head.end(), [&](const HeadTriple& head) {
+      return std::find(head.columns.begin(), head.columns.end(), column) != head.columns.end();
+    });
+  }
+
+  // `answer`: none: any.
+  void ConcludeWith(const Question& question, TermId answer) {
+    Taking taking = question.taking;
+    taking.row[question.column] = answer;
+    if (!MakesNothingNew(taking) && !IsFilteredOut(taking)) Conclude(taking);
+  }
+
+  // Axioms that are not there may be made by rules with negation. Whether there were any not looked at yet.
+  bool AnswerByReached() {
+    bool any = false;
+    for (size_t q = 0; q < questions_.size(); ++q) {
+      for (const size_t k : {0, 1}) {
+        const TermId key = k == 0 ? questions_[q].about.predicate : TermId();
+        while (questions_[q].next[k] < all_reached_[key].size() && status_.ok()) {
+          any = true;
+          const FactPattern pattern = all_reached_[key][questions_[q].next[k]++];
+          const FactPattern& about = questions_[q].about;
+          std::array<TermId, 3> terms;
+          if (!Unify({about.subject, about.predicate, about.object, TermId()}, pattern, terms)) continue;
+          const Question question = questions_[q];  // they grow
+          ConcludeWith(question, terms[static_cast<size_t>(question.side)]);
+          Follow(question.taking.number);
+        }
+      }
+    }
+    return any;
+  }
+
+  // ---- conclusions
+
+  void Conclude(const Taking& taking) {
+    Following& following = followings_[taking.number];
+    for (const HeadTriple& head : program_.rules[taking.rule].head) {
+      Places places = PlacesOf(taking, head);
+      if (taking.instance == kNone && IsPremise(taking, places)) continue;
+      // The subject of an instance may be another in one that is like it.
+      if (head.columns[0] != Trigger::kNoColumn && head.columns[0] != head.columns[2] && taking.IsOfInstance(head.columns[0])) places[0] = {};
+      const TermId predicate = places[1].term, object = places[2].term;
+      FactPattern made{TermId(), predicate, object};
+      if (IsOfAxioms(predicate, object)) {
+        made.reflexive = places[0] == places[2];
+        made.subject = places[0].term;
+        if (following.reached.size() >= kManyAxioms) made.subject = made.object = TermId();
+      } else if (following.reached.size() >= kManyPatterns) {
+        made.object = TermId();
+      }
+      if (AnyWider(made, true, [&](const FactPattern& wider) { return following.seen.contains(wider); })) continue;
+      following.seen.insert(made);
+      following.reached.push_back({made, taking.from, taking.rule, taking.instance});
+      if (all_seen_.insert(made).second) all_reached_[made.predicate].push_back(made);
+    }
+  }
+
+  // Of these a pattern knows its subject.
+  bool IsOfAxioms(TermId predicate, TermId object) {
+    if (predicate.IsNone()) return false;
+    const auto [known, is_new] = of_axioms_.try_emplace(std::pair(predicate, object));
+    const auto text = [&](TermId id) { return id.IsIri() ? dictionary_.Lexical(id) : std::string_view(); };
+    if (is_new) known->second = IsSchemaPattern(text(predicate), text(object));
+    return known->second;
   }
 
   // The rules on the way to a pattern, the first that is not the rule itself first.
-  std::vector<Step> Way(size_t reached) const {
+  std::vector<Step> Way(uint32_t number, size_t at) const {
+    const std::vector<Reached>& reached = followings_[number].reached;
     std::vector<Step> way;
-    for (; reached_[reached].from != kItself; reached = reached_[reached].from) {
-      way.push_back({reached_[reached].by, reached_[reached].instance});
-    }
+    for (; reached[at].from != kItself; at = reached[at].from) way.push_back({reached[at].by, reached[at].instance});
     std::reverse(way.begin(), way.end());
     return way;
   }
@@ -217,25 +429,39 @@ class Order {
 
   const RuleProgram& program_;
   const SchemaIndex& schema_;
+  const GraphVersion& graph_;
   const Dictionary& dictionary_;
+  const AxiomAnswers& before_;
+  const AskAxioms ask_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
   std::vector<Taker> takers_;
   absl::flat_hash_set<Key> instances_;
   absl::flat_hash_map<TermId, std::vector<size_t>> by_predicate_;  // none: a variable
-  std::vector<Reached> reached_;
-  absl::flat_hash_set<std::pair<TermId, TermId>> seen_;  // predicate and object of reached_
-  std::vector<TermId> row_;
+  std::vector<Following> followings_;
+  absl::flat_hash_map<std::pair<TermId, TermId>, bool> of_axioms_;
+  std::vector<Question> questions_;
+  AxiomAnswers answers_;
+  absl::flat_hash_map<TermId, std::vector<FactPattern>> all_reached_;            // by predicate
+  absl::flat_hash_set<FactPattern> all_seen_;
   std::vector<RuleDependency> dependencies_;  // among program_.ordered
   absl::flat_hash_set<std::tuple<uint32_t, uint32_t, bool>> known_;
-  std::vector<std::pair<std::pair<TermId, TermId>, uint32_t>> led_to_;  // patterns, by what (its number there)
   absl::Status status_;
   absl::flat_hash_map<std::pair<uint32_t, uint32_t>, std::vector<Step>> ways_;
 };
 
 }  // namespace
 
-absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const Dictionary& dictionary) {
-  return Order(program, schema, dictionary).Find();
+absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph,
+                                            const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask) {
+  return Order(program, schema, graph, dictionary, before, ask).Find();
+}
+
+bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph) {
+  return std::all_of(order.asked.begin(), order.asked.end(), [&](const auto& asked) {
+    if (asked.second.size() > kManyAnswers) return true;
+    const std::vector<TermId> now = Answers(graph, asked.first);
+    return std::all_of(now.begin(), now.end(), [&](TermId id) { return std::find(asked.second.begin(), asked.second.end(), id) != asked.second.end(); });
+  });
 }
 
 }  // namespace docent

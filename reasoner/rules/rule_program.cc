@@ -200,8 +200,9 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
 // Components in order of dependency → as few strata as negation needs: a rule lies above those that it negates and not below
 // those that it uses.
 bool RuleProgram::Place(NegationOrder order) {
-  if (!rules_of_stratum.empty() && order == order_) return false;
+  const bool same = !rules_of_stratum.empty() && order.IsSame(order_);
   order_ = std::move(order);
+  if (same) return false;
   std::vector<int> first(static_cast<size_t>(component_count_), 0);
   std::vector<std::vector<std::pair<int, bool>>> needs(static_cast<size_t>(component_count_));
   for (const RuleDependency& d : dependencies_) {
@@ -231,11 +232,12 @@ bool RuleProgram::Place(NegationOrder order) {
 
 int RuleProgram::StratumOf(const Triple& fact) const {
   int level = 0;
-  for (const std::pair<TermId, TermId>& key : {std::pair(fact.predicate, fact.object), std::pair(fact.predicate, TermId()),
-                                               std::pair(TermId(), fact.object), std::pair(TermId(), TermId())}) {
-    const auto found = order_.of_facts.find(key);
+  const FactPattern pattern = {fact.subject, fact.predicate, fact.object, fact.subject == fact.object};
+  AnyWider(pattern, order_.with_subjects.contains(fact.predicate), [&](const FactPattern& wider) {
+    const auto found = order_.of_facts.find(wider);
     if (found != order_.of_facts.end()) level = std::max(level, found->second);
-  }
+    return false;
+  });
   return first_entangled + level;
 }
 
@@ -304,7 +306,7 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   }
   if (!program->FindOrdered(diagnostics)) return nullptr;
   if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics)) return nullptr;
-  program->Place({std::vector<int>(program->ordered.size(), 1), {}});
+  program->Place({.of_rules = std::vector<int>(program->ordered.size(), 1)});
   program->Index();
   return program;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "kb_server/base/diagnostic.h"
@@ -19,6 +20,7 @@
 #include "kb_server/store/quad.h"
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
+#include "reasoner/rules/fact_pattern.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/stratification.h"
 
@@ -71,11 +73,17 @@ struct CompiledRule {
   absl::Status Named(absl::Status status) const;
 };
 
+// Of axioms that know all but their subject or their object: which these are.
+using AxiomAnswers = absl::flat_hash_map<FactPattern, std::vector<TermId>>;
+
 // Levels are strata above the first of those of the rules that are entangled.
 struct NegationOrder {
-  std::vector<int> of_rules;                                     // of RuleProgram::ordered, from 1
-  absl::flat_hash_map<std::pair<TermId, TermId>, int> of_facts;  // of predicate and object (none: any), from 1; others: 0
-  friend bool operator==(const NegationOrder&, const NegationOrder&) = default;
+  std::vector<int> of_rules;                       // of RuleProgram::ordered, from 1
+  absl::flat_hash_map<FactPattern, int> of_facts;  // from 1; others: 0
+  absl::flat_hash_set<TermId> with_subjects;       // predicates of those that know a subject
+  AxiomAnswers asked;                              // what the order rests on beside the instances of the SchemaIndex
+
+  bool IsSame(const NegationOrder& other) const { return of_rules == other.of_rules && of_facts == other.of_facts; }
 };
 
 using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;
@@ -93,6 +101,7 @@ class RuleProgram {
   // the facts of its level.
   std::vector<uint32_t> ordered;
   bool Place(NegationOrder order);  // whether it is another one
+  const NegationOrder& order() const { return order_; }
   uint64_t placed_for = 0;  // SchemaIndex::changes() of the axioms that the order is for; 0: of none
   // The strata in which they run; empty (0 to -1) where there are none.
   int first_entangled = 0, last_entangled = -1;

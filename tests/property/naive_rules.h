@@ -59,7 +59,7 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
     if (stratum != program->first_entangled || program->ordered.empty()) continue;
     SchemaIndex schema;
     EXPECT_TRUE(schema.Build(*program, world.writer.current(), nullptr).ok());
-    const auto order = OrderNegation(*program, schema, world.dictionary);
+    const auto order = OrderNegation(*program, schema, world.writer.current(), world.dictionary);
     EXPECT_TRUE(order.ok()) << order.status();
     if (order.ok()) program->Place(*order);
   }
