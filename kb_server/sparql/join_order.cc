@@ -14,8 +14,9 @@ namespace {
 constexpr double kLookup = 0.15, kHashed = 0.08, kHashLookup = 0.03, kRow = 0.015;
 constexpr double kComparison = 0.05, kCall = 0.25;
 constexpr double kStep = 0.01, kSample = 3;
-// How many times what samples and search cost the first guess has to, before they are worth it.
-constexpr double kSearchWorth = 10;
+// How many times what samples and search cost the first guess has to, before they are worth it: of patterns that begin with
+// bound variables, which are matched many times, the cost counts for less.
+constexpr double kSearchWorth = 10, kSearchWorthBound = 4;
 
 // The number of values of a variable among n matches, as a power of n: a subject has few values of one
 // property, an object is shared by more subjects, predicates and graphs are few.
@@ -275,7 +276,8 @@ double JoinOrder::Arrange(bool reorder) {
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
     // Those of which samples tell more.
     const auto unsure = std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
-    if (end.cost > kSearchWorth * (kSample * static_cast<double>(unsure) + steps)) {
+    const double worth = initial_ == 0 ? kSearchWorth : kSearchWorthBound;
+    if (end.cost > worth * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);
       const bool programmed = n <= kMaxProgrammed && (n > 2 || !filters_.empty());  // of two: the rarer first
       if (programmed) {
