@@ -24,7 +24,6 @@ uint32_t HexValue(char c) {
   return IsDigit(c) ? c - '0' : (c | 0x20) - 'a' + 10;
 }
 
-
 // The code point at `at` of valid UTF-8 and its length.
 std::pair<uint32_t, size_t> CodePointAt(std::string_view text, size_t at) {
   const auto byte = [&](size_t i) { return static_cast<uint8_t>(text[at + i]); };

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <compare>
+#include <cstdint>
 #include <cstdlib>
 #include <iterator>
 #include <optional>

@@ -3,7 +3,9 @@
 // in whatever order they come, and one that comes after the first little more than a look at its first key.
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,11 +14,13 @@
 #include "kb_server/sparql/number.h"
 #include "kb_server/sparql/operators.h"
 #include "kb_server/sparql/row_set.h"
+#include "kb_server/sparql/value.h"
 
 namespace docent::sparql {
 namespace {
 
-// What may be kept beyond the first rows before these are chosen: so many rows, or half as many as the first, and so many bytes.
+// What may be kept beyond the first rows before these are chosen: so many rows and so many bytes of keys, or half of what the
+// first have, so that what a cut costs is shared by rows in proportion.
 constexpr size_t kSurplusRows = 64;
 constexpr size_t kSurplusBytes = 64 << 10;
 
@@ -72,11 +76,12 @@ class OrderByOperator final : public Operator {
     Empty(&rows_);
     Empty(&spare_);
     memory_.clear();
-    surplus_bytes_ = 0;
+    surplus_bytes_ = first_bytes_ = 0;
   }
 
   void Sort() {
     sorted_ = true;
+    if (node_.limit == uint64_t{0}) return;
     const size_t most = node_.limit ? *node_.limit + std::max<size_t>(kSurplusRows, *node_.limit / 2) : ~size_t{0};
     Row* last = nullptr;  // of the first rows; those that come after it need not be kept
     Row* row = NewRow();
@@ -90,7 +95,8 @@ class OrderByOperator final : public Operator {
       if (!CountKeys(*row)) return;
       row->stays = true;
       rows_.push_back(row);
-      if (node_.limit && rows_.size() > *node_.limit && (rows_.size() >= most || surplus_bytes_ > kSurplusBytes)) last = Cut();
+      const bool full = rows_.size() >= most || surplus_bytes_ > std::max(kSurplusBytes, first_bytes_ / 2);
+      if (node_.limit && rows_.size() > *node_.limit && full) last = Cut();
       row = NewRow();
     }
     if (node_.limit && rows_.size() > *node_.limit) Cut();
@@ -101,8 +107,7 @@ class OrderByOperator final : public Operator {
   // Only the first rows, as many as are asked for, stay. Their last.
   Row* Cut() {
     const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(*node_.limit);
-    const bool none = end == rows_.begin();
-    if (!none) std::nth_element(rows_.begin(), end - 1, rows_.end(), [this](Row* a, Row* b) { return Before(*a, *b); });
+    std::nth_element(rows_.begin(), end - 1, rows_.end(), [this](Row* a, Row* b) { return Before(*a, *b); });
     for (auto it = end; it != rows_.end(); ++it) {
       ForgetKeys(**it);
       (*it)->stays = false;
@@ -110,7 +115,9 @@ class OrderByOperator final : public Operator {
     }
     rows_.erase(end, rows_.end());
     surplus_bytes_ = 0;
-    return none ? nullptr : rows_.back();
+    first_bytes_ = 0;
+    for (const Row* row : rows_) first_bytes_ += row->counted;
+    return rows_.back();
   }
 
   // Of a row that stays, the keys that it has got since.
@@ -122,10 +129,12 @@ class OrderByOperator final : public Operator {
     return kept_.Add(bytes - std::exchange(row.counted, bytes), context_);
   }
 
-  // A row whose keys go, and with them what was counted of them.
+  // A row whose keys go, and with them what was counted of them but for their places, which stay with the row.
   void ForgetKeys(Row& row) {
     for (Value& key : row.keys) key = Value();
-    if (row.counted > 0) kept_.LetGo(std::exchange(row.counted, 0), context_);
+    const size_t places = std::min(row.counted, row.keys.size() * sizeof(Value));
+    if (row.counted > places) kept_.LetGo(row.counted - places, context_);
+    row.counted = places;
   }
 
   Row* NewRow() {
@@ -202,7 +211,8 @@ class OrderByOperator final : public Operator {
   KeptMemory kept_;
   std::vector<Row*> rows_;
   std::vector<Row*> spare_;    // rows of memory_ to be used again
-  size_t surplus_bytes_ = 0;  // of the rows since the last cut
+  size_t surplus_bytes_ = 0;  // of keys, counted since the last cut
+  size_t first_bytes_ = 0;    // of the keys of the first rows, at the last cut
   size_t next_ = 0;
   bool sorted_ = false;
 };
