@@ -10,7 +10,7 @@
 // needs (0 to 8): neighbours share most of a key, so a key takes about 5 to 12 bytes instead of 32.
 //
 // Threads: any number of readers of trees that nobody changes; one writer per tree object. Node reference
-// counts are atomic, so trees that share nodes may be dropped on any thread.
+// counts are under a lock of their own, so trees that share nodes may be copied, changed and dropped on any thread.
 #ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
 #define DOCENT_KB_SERVER_STORE_QUAD_TREE_H_
 

@@ -127,6 +127,7 @@ void QuadTree::Edit::InsertRun(Node* node, int levels, const Key& first, std::sp
       children.push_back({inner->children[i], low, inner->counts[i]});
     } else {
       InsertRun(inner->children[i], levels - 1, low, here, &children);
+      Unlock();  // a long run must not keep others waiting
     }
   }
   if (children.size() <= Inner::kMaxChildren) {

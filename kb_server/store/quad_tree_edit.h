@@ -22,9 +22,13 @@ class QuadTree::Edit {
   };
 
   explicit Edit(uint64_t epoch) : epoch_(epoch) {}
+  Edit(const Edit&) = delete;
+  Edit& operator=(const Edit&) = delete;
+  ~Edit() { Unlock(); }
 
+  // One reference more, and one less: frees the node and what hangs on it alone. Any thread.
   static void Acquire(Node* node);
-  static void Release(Node* node);  // frees the node and what hangs on it alone
+  static void Release(Node* node);
   static size_t BytesOf(const Node* node);
   static uint64_t SizeOf(const Node* node);
 
@@ -62,6 +66,10 @@ class QuadTree::Edit {
   size_t replaced_bytes() const { return replaced_bytes_; }
 
  private:
+  // Held where references of nodes that others may hold are counted; from the first such node until Unlock or the end, so as
+  // to lock once for a path.
+  void Lock();
+  void Unlock();
   static Right Fill(Inner* inner, std::span<const Right> children);
   void InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<const Key> keys, std::vector<Right>* out);
   // Forgets a node that left the tree.
@@ -72,6 +80,7 @@ class QuadTree::Edit {
   void Append(Inner* to, const Inner* from, const Key& first);
 
   uint64_t epoch_;
+  bool locked_ = false;
   int64_t bytes_change_ = 0;
   size_t replaced_bytes_ = 0;
 };

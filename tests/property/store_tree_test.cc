@@ -162,9 +162,9 @@ TEST(StoreTree, ANodeOfAnOlderVersionKeepsItsOnlyChild) {
   QuadTree::Edit::Acquire(inner);  // by the older version
   EXPECT_EQ(now.TakeOnlyChild(inner), leaf);
   EXPECT_EQ(inner->count, 1);
-  EXPECT_EQ(leaf->references.load(), 2u);
+  EXPECT_EQ(leaf->references, 2u);
   QuadTree::Edit::Release(inner);
-  EXPECT_EQ(leaf->references.load(), 1u);
+  EXPECT_EQ(leaf->references, 1u);
   QuadTree::Edit::Release(leaf);
 }
 

@@ -213,6 +213,58 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
   EXPECT_FALSE(wrong);
 }
 
+// Writers that start from the newest version on threads of their own, change it one by one and in bulk, and drop it all again
+// beside the one that makes the versions: what they share is counted right, so that no node is freed too early or left behind.
+TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
+  constexpr uint64_t kSubjects = 5000;
+  absl::Mutex mutex;
+  GraphVersionPtr newest;
+  std::atomic<bool> stop{false}, wrong{false};
+  std::atomic<int> branches{0};
+  GraphWriter writer(nullptr);
+  for (uint64_t i = 0; i < kSubjects; ++i) writer.Add(Q(i, 1, 0));
+  newest = writer.Freeze(Revision(1));
+  const auto branch = [&](uint64_t seed) {
+    std::mt19937_64 random(seed);
+    while (!stop) {
+      GraphVersionPtr start;
+      {
+        absl::MutexLock lock(&mutex);
+        start = newest;
+      }
+      GraphWriter own(start);
+      std::vector<Quad> many;
+      for (int i = 0; i < 200; ++i) many.push_back(Q(random() % kSubjects, 2 + seed, i));
+      const size_t added = own.AddAll(many).size();
+      const GraphVersionPtr first = own.Freeze(Revision(start->revision().value() + 1));
+      for (uint64_t s = 0; s < 40; ++s) own.Add(Q(s * 100, 9, seed));
+      own.Rollback();
+      for (uint64_t s = 0; s < 1200; ++s) own.RemoveAll({own.current().Scan({Id(s), Id(1), {}, {}}).quad()});
+      if (first->size() != start->size() + added || own.current().size() != first->size() - 1200) wrong = true;
+      own.current().CheckInvariants();
+      start->CheckInvariants();
+      ++branches;
+    }
+  };
+  std::thread first(branch, 1), second(branch, 2);
+  std::mt19937_64 random(9);
+  std::vector<uint64_t> value(kSubjects, 0);
+  for (uint64_t revision = 2; revision < 3000 || branches < 8; ++revision) {
+    const uint64_t s = random() % kSubjects;
+    writer.Remove(Q(s, 1, value[s]));
+    writer.Add(Q(s, 1, revision));
+    value[s] = revision;
+    GraphVersionPtr version = writer.Freeze(Revision(revision));
+    absl::MutexLock lock(&mutex);
+    newest.swap(version);
+  }
+  stop = true;
+  first.join();
+  second.join();
+  EXPECT_FALSE(wrong);
+  newest->CheckInvariants();
+}
+
 // What an earlier version holds alone is known without looking at its nodes.
 TEST(GraphVersionTest, TheCostOfKeepingAVersionIsKnown) {
   GraphWriter writer(nullptr);
