@@ -296,7 +296,7 @@ TEST_F(ServerSubscribeStreamTest, ThrottledChangesAreAddedUpAlsoWhereTheyAreNoLo
   StartServer();
   OpenStream();
   const absl::Time begin = absl::Now();
-  Begin(1, "SELECT ?v { :a :p ?v }", "", 500);
+  Begin(1, "SELECT ?v { :a :p ?v }", "", 2000);  // long enough for thirty turns of a slow build on a busy machine
   EXPECT_TRUE(Next().reply().reset());
   for (int i = 0; i < 3; ++i) MustTell(absl::StrCat(":a :p ", i, " ."));
   auto part = Next();
@@ -306,7 +306,7 @@ TEST_F(ServerSubscribeStreamTest, ThrottledChangesAreAddedUpAlsoWhereTheyAreNoLo
   part = Next();
   EXPECT_TRUE(part.reply().reset());
   EXPECT_EQ(part.reply().appeared_size(), 30);
-  EXPECT_GE(absl::Now() - begin, absl::Milliseconds(1000));
+  EXPECT_GE(absl::Now() - begin, absl::Milliseconds(4000));
 }
 
 TEST_F(ServerSubscribeStreamTest, OneThatIsThrottledHoldsNobodyUp) {
