@@ -26,7 +26,8 @@ class QuadTree::Edit {
   Edit& operator=(const Edit&) = delete;
   ~Edit() { Unlock(); }
 
-  // One reference more, and one less: frees the node and what hangs on it alone. Any thread.
+  // One reference more, and one less: frees the node and what hangs on it alone. Any thread, but not beside an Edit of its own
+  // that has changed something: that one may hold the lock.
   static void Acquire(Node* node);
   static void Release(Node* node);
   static size_t BytesOf(const Node* node);

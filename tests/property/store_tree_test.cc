@@ -153,14 +153,17 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
 
 // The root may lose all children but one, which an older version shares and which has one child, too.
 TEST(StoreTree, ANodeOfAnOlderVersionKeepsItsOnlyChild) {
-  QuadTree::Edit before(QuadTree::NewEpoch()), now(QuadTree::NewEpoch());
+  QuadTree::Edit before(QuadTree::NewEpoch());
   const Key key = {1, 2, 3, 4};
   QuadTree::Leaf* leaf = before.NewLeaf(std::span<const Key>(&key, 1), 0);
   QuadTree::Inner* inner = before.NewInner();
   inner->count = 1;
   inner->children[0] = leaf;
   QuadTree::Edit::Acquire(inner);  // by the older version
-  EXPECT_EQ(now.TakeOnlyChild(inner), leaf);
+  {
+    QuadTree::Edit now(QuadTree::NewEpoch());
+    EXPECT_EQ(now.TakeOnlyChild(inner), leaf);
+  }
   EXPECT_EQ(inner->count, 1);
   EXPECT_EQ(leaf->references, 2u);
   QuadTree::Edit::Release(inner);
