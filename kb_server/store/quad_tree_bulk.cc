@@ -87,6 +87,7 @@ void QuadTree::Edit::MakeInners(std::span<const Right> children, std::vector<Rig
 
 void QuadTree::Edit::InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<const Key> keys,
                                        std::vector<Right>* out) {
+  Unlock();  // of the nodes above or the leaf before: a long run must not keep others waiting
   size_t next = 0;
   for (; keys.size() <= kFew && next < keys.size() && leaf->count < Leaf::kMaxKeys; ++next) {
     const int position = leaf->LowerBound(keys[next], 0, leaf->count);
@@ -103,6 +104,7 @@ void QuadTree::Edit::InsertRunIntoLeaf(Leaf* leaf, const Key& first, std::span<c
     return;
   }
   Drop(leaf);
+  Unlock();
   const size_t before = out->size();
   if (all.size() <= Leaf::kMaxKeys) {
     out->push_back({NewLeaf(all, 0), all[0], all.size()});
@@ -127,7 +129,6 @@ void QuadTree::Edit::InsertRun(Node* node, int levels, const Key& first, std::sp
       children.push_back({inner->children[i], low, inner->counts[i]});
     } else {
       InsertRun(inner->children[i], levels - 1, low, here, &children);
-      Unlock();  // a long run must not keep others waiting
     }
   }
   if (children.size() <= Inner::kMaxChildren) {

@@ -11,8 +11,8 @@ namespace {
 
 using Key = QuadTree::Key;
 
-// Guards the references of all nodes but those that a writer has made and not yet published. The standard one: Debian's Abseil, built
-// for debugging, takes three to nine times as long, and a version of one fact locks twelve times.
+// Guards the references of all nodes but those that a writer has made and not yet published. The standard one: Debian's
+// Abseil, built for debugging, takes three to nine times as long, and a version of one fact locks twelve times.
 std::mutex references_mutex;
 
 void Free(QuadTree::Node* node) {

@@ -2,8 +2,8 @@
 //
 // A node is shared by reference count. It may be changed only by a writer whose epoch it carries, and such a
 // node is reachable from that writer's tree alone: its count is the writer's. All other counts are under one lock
-// (QuadTree::Edit::Lock), taken once for a whole path: a version of one fact counts some 250 nodes, and counts that are atomic each
-// made it 1.4 to 1.9 times dearer.
+// (QuadTree::Edit::Lock), taken once for a whole path: whoever copies a node counts all its children, and counts that
+// are atomic each made a version of one fact 1.3 to 1.8 times dearer.
 #ifndef DOCENT_KB_SERVER_STORE_QUAD_TREE_NODE_H_
 #define DOCENT_KB_SERVER_STORE_QUAD_TREE_NODE_H_
 

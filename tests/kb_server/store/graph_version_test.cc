@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/synchronization/mutex.h"
@@ -168,21 +169,34 @@ TEST(GraphVersionTest, GraphsComeAndGo) {
   EXPECT_EQ(std::count(graphs.begin(), graphs.end(), Id(4)), 0);
 }
 
+// The newest version, which one thread sets and others take.
+class Newest {
+ public:
+  explicit Newest(GraphVersionPtr version) : version_(std::move(version)) {}
+  GraphVersionPtr Get() {
+    absl::MutexLock lock(&mutex_);
+    return version_;
+  }
+  // The one before goes without the lock.
+  void Set(GraphVersionPtr version) {
+    absl::MutexLock lock(&mutex_);
+    version_.swap(version);
+  }
+
+ private:
+  absl::Mutex mutex_;
+  GraphVersionPtr version_;
+};
+
 // Readers walk versions while the writer makes and drops others: nothing that a reader holds ever changes.
 TEST(GraphVersionTest, ReadersBesideTheWriter) {
-  absl::Mutex mutex;
-  GraphVersionPtr newest;
   std::atomic<bool> stop{false}, wrong{false};
   GraphWriter writer(nullptr);
   for (uint64_t i = 0; i < 2000; ++i) writer.Add(Q(i, 1, 0));
-  newest = writer.Freeze(Revision(1));
+  Newest newest(writer.Freeze(Revision(1)));
   auto read = [&] {
     while (!stop) {
-      GraphVersionPtr version;
-      {
-        absl::MutexLock lock(&mutex);
-        version = newest;
-      }
+      const GraphVersionPtr version = newest.Get();
       // In every version each subject has exactly one value, and the values say the revision that set them.
       uint64_t count = 0;
       version->ForEach({{}, Id(1), {}, {}}, [&](const Quad& quad) {
@@ -203,9 +217,7 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
       writer.Add(Q(s, 1, revision));
       value[s] = revision;
     }
-    GraphVersionPtr version = writer.Freeze(Revision(revision));
-    absl::MutexLock lock(&mutex);
-    newest.swap(version);
+    newest.Set(writer.Freeze(Revision(revision)));
   }
   stop = true;
   first.join();
@@ -217,21 +229,15 @@ TEST(GraphVersionTest, ReadersBesideTheWriter) {
 // beside the one that makes the versions: what they share is counted right, so that no node is freed too early or left behind.
 TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
   constexpr uint64_t kSubjects = 5000;
-  absl::Mutex mutex;
-  GraphVersionPtr newest;
   std::atomic<bool> stop{false}, wrong{false};
   std::atomic<int> branches{0};
   GraphWriter writer(nullptr);
   for (uint64_t i = 0; i < kSubjects; ++i) writer.Add(Q(i, 1, 0));
-  newest = writer.Freeze(Revision(1));
+  Newest newest(writer.Freeze(Revision(1)));
   const auto branch = [&](uint64_t seed) {
     std::mt19937_64 random(seed);
     while (!stop) {
-      GraphVersionPtr start;
-      {
-        absl::MutexLock lock(&mutex);
-        start = newest;
-      }
+      const GraphVersionPtr start = newest.Get();
       GraphWriter own(start);
       std::vector<Quad> many;
       for (int i = 0; i < 200; ++i) many.push_back(Q(random() % kSubjects, 2 + seed, i));
@@ -254,15 +260,13 @@ TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
     writer.Remove(Q(s, 1, value[s]));
     writer.Add(Q(s, 1, revision));
     value[s] = revision;
-    GraphVersionPtr version = writer.Freeze(Revision(revision));
-    absl::MutexLock lock(&mutex);
-    newest.swap(version);
+    newest.Set(writer.Freeze(Revision(revision)));
   }
   stop = true;
   first.join();
   second.join();
   EXPECT_FALSE(wrong);
-  newest->CheckInvariants();
+  newest.Get()->CheckInvariants();
 }
 
 // What an earlier version holds alone is known without looking at its nodes.
