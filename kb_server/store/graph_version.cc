@@ -24,10 +24,12 @@ bool GraphVersion::Contains(const Quad& quad) const {
 
 bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
   const unsigned bound = BoundIn(pattern);
-  const IndexOrder order = OrderFor(pattern, bound);
-  const KeyRange range = RangeOf(pattern, bound, order);
-  if (!range.exact) return ScanInOrder(pattern, order).Valid();
-  return tree(order).ContainsAny(range.first, range.last);
+  if (pattern.graph.IsNone()) {  // then an order has all that is bound before all that is not
+    const IndexOrder order = OrderWithoutGraph(bound);
+    const QuadTree::Key key = KeyOf(Quad{pattern.subject, pattern.predicate, pattern.object, TermId()}, order);
+    return tree(order).ContainsPrefix(key, kWholePrefixes[bound]);
+  }
+  return ScanInOrder(pattern, OrderFor(pattern, bound)).Valid();
 }
 
 IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern, unsigned bound) const {

@@ -171,20 +171,30 @@ bool QuadTree::Contains(const Key& key) const {
   return root_ != nullptr && Descend(key).found;
 }
 
-bool QuadTree::ContainsAny(const Key& first, const Key& last) const {
-  if (root_ == nullptr || Inner::IsGreater(first, last)) return false;
+bool QuadTree::ContainsPrefix(const Key& first, int words) const {
+  if (root_ == nullptr) return false;
   const Node* node = root_;
   const Key* next = nullptr;  // where the nodes begin that come after those on the way down
   for (int level = 0; level < height_; ++level) {
     const Inner* inner = static_cast<const Inner*>(node);
     const int index = inner->ChildFor(first);
-    if (index + 1 < inner->count) next = &inner->keys[index + 1];
-    node = inner->children[index];
+    if (index + 1 < inner->count) next = &inner->keys[static_cast<size_t>(index) + 1];
+    node = inner->children[static_cast<size_t>(index)];
   }
   const Leaf* leaf = static_cast<const Leaf*>(node);
   const int position = leaf->LowerBound(first, 0, leaf->count);
-  if (position < leaf->count) return !leaf->GreaterAt(position, last);
-  return next != nullptr && !Inner::IsGreater(*next, last) && Range(first, last).Valid();
+  if (position < leaf->count) {
+    int word = 0;
+    while (word < words && leaf->Word(position, word) == first[static_cast<size_t>(word)]) ++word;
+    return word == words;
+  }
+  if (next == nullptr) return false;
+  for (int word = 0; word < words; ++word) {
+    if ((*next)[static_cast<size_t>(word)] != first[static_cast<size_t>(word)]) return false;
+  }
+  Key last = first;
+  std::fill(last.begin() + words, last.end(), ~uint64_t{0});
+  return Range(first, last).Valid();
 }
 
 QuadTree::Key QuadTree::KeyAt(uint64_t rank) const {

@@ -47,8 +47,8 @@ class QuadTree {
   bool Erase(const Key& key, uint64_t epoch);
 
   bool Contains(const Key& key) const;
-  // Whether there is a key k with first <= k <= last. O(log n).
-  bool ContainsAny(const Key& first, const Key& last) const;
+  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n).
+  bool ContainsPrefix(const Key& first, int words) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
   // The key that `rank` keys stand before, and how many keys are below `key`. O(log n). KeyAt requires rank < size().

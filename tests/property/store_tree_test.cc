@@ -58,7 +58,12 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     for (auto it = tree.Range(first, last); it.Valid(); it.Next()) found.push_back(it.key());
     ASSERT_EQ(found, expected);
     ASSERT_EQ(tree.CountRange(first, last), expected.size());
-    ASSERT_EQ(tree.ContainsAny(first, last), !expected.empty());
+    const int words = i % 5;
+    Key prefix = {};
+    std::copy(first.begin(), first.begin() + words, prefix.begin());
+    const auto after = model.lower_bound(prefix);
+    ASSERT_EQ(tree.ContainsPrefix(prefix, words),
+              after != model.end() && std::equal(prefix.begin(), prefix.begin() + words, after->begin()));
     ASSERT_EQ(tree.RankOf(first), static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
     if (!model.empty()) {
       const uint64_t rank = source->random() % model.size();
