@@ -1,8 +1,9 @@
 #include "reasoner/constraints/condition.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
+
+#include "kb_server/store/index_order.h"
 
 namespace docent {
 namespace {
@@ -14,43 +15,23 @@ int ConstantCount(const QuadPattern& pattern) {
 }  // namespace
 
 Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
-    : keys_(std::move(keys)),
-      own_(std::move(body)),
-      number_(number),
-      has_keys_(!keys_.empty()),
-      borrows_(false),
-      body_(own_.get()),
-      indexes_(indexes) {
-  Begin();
-}
+    : own_body_(std::move(body)),
+      own_kind_(std::make_unique<ConditionKind>(*own_body_, std::move(keys), std::vector<int16_t>(), indexes)),
+      kind_(own_kind_.get()),
+      number_(number) {}
 
-Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, Keys keys, WatchIndexes& indexes)
-    : keys_(std::move(keys)),
-      number_(number),
-      has_keys_(!keys_.empty()),
-      borrows_(true),
-      body_(&shape->body()),
-      indexes_(indexes),
-      shape_(shape),
-      constants_(std::move(constants)) {
-  Begin();
-}
-
-void Condition::Begin() {
-  for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
-    if (!Narrows(i)) whole_ |= 1u << std::min(i, 31u);
-  }
-}
+Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, const Keys& keys)
+    : kind_(&shape->KindWith(keys)), number_(number), constants_(std::move(constants)) {}
 
 void Condition::SetShape(Shape* shape, Shape::Constants constants) {
   Disarm();
-  shape_ = shape;
+  kind_->shape = shape;
   constants_ = std::move(constants);
 }
 
 Condition::~Condition() {
   Disarm();
-  for (Witness& witness : witnesses_) indexes_.RemoveAll(witness.watches);
+  for (Witness& witness : witnesses_) kind_->indexes.RemoveAll(witness.watches);
 }
 
 std::vector<Condition::Key> Condition::Present() const {
@@ -66,36 +47,23 @@ std::vector<Condition::Key> Condition::Present() const {
   return keys;
 }
 
-std::vector<TermId> Condition::Seed() const {
-  return BeginSeed();
-}
-
-std::vector<TermId>& Condition::BeginSeed() const {
-  if (borrows_) {
-    shape_->Seed(constants_, indexes_.seed);
-  } else {
-    ClearSeed(columns().size(), indexes_.seed);
-  }
-  return indexes_.seed;
-}
-
 Condition::Key Condition::KeyOf(absl::Span<const TermId> row) const {
   Key key;
   if (!has_keys()) return key;
-  for (const int16_t column : keys_) key.push_back(row[column]);
+  for (const int16_t column : keys()) key.push_back(row[column]);
   return key;
 }
 
 bool Condition::HasKey(absl::Span<const TermId> row, const Key& key) const {
   for (size_t i = 0; i < key.size(); ++i) {
-    if (row[keys_[i]] != key[i]) return false;
+    if (row[keys()[i]] != key[i]) return false;
   }
   return true;
 }
 
 int Condition::SlotOf(const Key& key) const {
   if (!has_keys()) return holds() ? 0 : -1;
-  if (slots_ != nullptr) {
+  if (has_slots_) {
     const auto found = slots_->taken.find(key);
     return found == slots_->taken.end() ? -1 : static_cast<int>(found->second);
   }
@@ -107,7 +75,7 @@ int Condition::SlotOf(const Key& key) const {
 
 int Condition::NewSlot(const Key& key) {
   uint32_t slot = 0;
-  if (slots_ != nullptr) {
+  if (has_slots_) {
     const auto [taken, is_new] = slots_->taken.try_emplace(key);
     if (!is_new) return -1;
     if (slots_->free.empty()) {
@@ -119,59 +87,72 @@ int Condition::NewSlot(const Key& key) {
     taken->second = slot;
   } else {
     if (Has(key)) return -1;
-    if (has_keys()) {
-      while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
-    }
+    while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
   }
   ++present_;
   if (slot == witnesses_.size()) witnesses_.emplace_back();
-  if (slots_ == nullptr && slot == kFewWitnesses) {
+  if (!has_slots_ && slot == kFewWitnesses) {
     slots_ = std::make_unique<Slots>();
+    has_slots_ = true;
     for (uint32_t i = 0; i < slot; ++i) slots_->taken.emplace(KeyOf(witnesses_[i].row), i);
     slots_->taken.emplace(key, slot);
   }
   return static_cast<int>(slot);
 }
 
-void Condition::SetRow(uint32_t slot, absl::Span<const TermId> row) {
-  Witness& witness = witnesses_[slot];
-  if (!witness.watches.empty() && row == absl::MakeConstSpan(witness.row)) return;  // it was kept
-  indexes_.RemoveAll(witness.watches);
-  witness.row.assign(row.begin(), row.end());
-  Watch(slot);
+void Condition::SetRow(Witness& witness, uint32_t slot, absl::Span<const TermId> row) {
+  if (!witness.watches.empty()) {
+    if (row == absl::MakeConstSpan(witness.row)) return;  // it was kept
+    kind_->indexes.RemoveAll(witness.watches);
+  }
+  if (witness.row.size() == row.size()) {
+    std::copy(row.begin(), row.end(), witness.row.begin());
+  } else {
+    witness.row.assign(row.begin(), row.end());
+  }
+  Watch(witness, slot);
 }
 
 void Condition::DropSlot(uint32_t slot, const Key& key) {
   Witness& witness = witnesses_[slot];
-  indexes_.RemoveAll(witness.watches);
-  witness.row.clear();
+  kind_->indexes.RemoveAll(witness.watches);
   --present_;
-  if (!has_keys() || slots_ == nullptr) return;
+  if (!has_keys()) return;
+  witness.row.clear();
+  if (!has_slots_) return;
   slots_->free.push_back(slot);
   slots_->taken.erase(key);
 }
 
 void Condition::ForgetKept() {
-  indexes_.RemoveAll(witnesses_[0].watches);
+  kind_->indexes.RemoveAll(witnesses_[0].watches);
   witnesses_[0].row.clear();
 }
 
-void Condition::Watch(uint32_t slot) {
-  Witness& witness = witnesses_[slot];
-  PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness, 0};
-  for (const Trigger& trigger : body_->triggers()) {
-    const QuadPattern constants = Body::ConstantsOf(trigger, witness.row);
-    if (RisesOnAdd(trigger.polarity)) witness.watches.push_back(indexes_.Goes(trigger.match, constants, reference));
-    if (RisesOnRemove(trigger.polarity)) witness.watches.push_back(indexes_.Comes(trigger.match, constants, reference));
-    if (reference.detail != WatchIndexes::kSomeTrigger) ++reference.detail;
+void Condition::Watch(Witness& witness, uint32_t slot) {
+  for (const ConditionKind::Breaker& breaker : kind_->breakers) {
+    const QuadPattern constants = Body::ConstantsOf(*breaker.trigger, witness.row);
+    const PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness, breaker.detail};
+    const MatchPattern& match = breaker.trigger->match;
+    witness.watches.push_back(breaker.comes ? kind_->indexes.Comes(match, constants, reference)
+                                            : kind_->indexes.Goes(match, constants, reference));
   }
 }
 
 bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
-  Key key = KeyOf(row);
-  const int slot = NewSlot(key);
-  if (slot < 0) return false;
-  SetRow(static_cast<uint32_t>(slot), row);
+  Key key;
+  uint32_t slot = 0;
+  if (has_keys()) {
+    key = KeyOf(row);
+    const int found = NewSlot(key);
+    if (found < 0) return false;
+    slot = static_cast<uint32_t>(found);
+  } else {
+    if (holds()) return false;
+    present_ = 1;
+    if (witnesses_.empty()) witnesses_.emplace_back();
+  }
+  SetRow(witnesses_[slot], slot, row);
   Edit& edit = edits.emplace_back();
   edit.condition = number_;
   edit.is_present = true;
@@ -181,12 +162,12 @@ bool Condition::Take(absl::Span<const TermId> row, Edits& edits) {
 
 void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
   if (IgnoresRise()) return;
-  if (borrows_) {
+  if (kind_->borrows) {
     Take(row, edits);
     return;
   }
   Row own;
-  for (const int16_t column : shape_->columns()) own.push_back(row[column]);
+  for (const int16_t column : kind_->shape->columns()) own.push_back(row[column]);
   Take(own, edits);
 }
 
@@ -202,18 +183,18 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
   };
   std::vector<TermId>& seed = BeginSeed();
   for (size_t i = 0; i < key.size(); ++i) {
-    if (body_->columns()[keys_[i]].certain) seed[keys_[i]] = key[i];
+    if (kind_->body.columns()[keys()[i]].certain) seed[keys()[i]] = key[i];
   }
   // What lost a match has most often no other.
   bool found = false;
   const bool known = trigger != WatchIndexes::kSomeTrigger;
-  if (known && Body::RejectsAll(body_->triggers()[trigger], seed)) {
+  if (known && Body::RejectsAll(kind_->body.triggers()[trigger], seed)) {
     // what must not be is there
   } else if (known && HasNoMatch(trigger, seed, *run.version)) {
     blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
   } else {
     Row after;
-    const absl::Status status = body_->Evaluate(run, seed, [&](absl::Span<const TermId> row) {
+    const absl::Status status = kind_->body.Evaluate(run, seed, [&](absl::Span<const TermId> row) {
       if (!HasKey(row, key)) return true;
       found = true;
       after.assign(row.begin(), row.end());
@@ -223,7 +204,7 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
     if (found && after == witnesses_[slot].row) return status;
     if (found) {
       note(true).before = std::move(witnesses_[slot].row);
-      SetRow(slot, after);
+      SetRow(witnesses_[slot], slot, after);
       return status;
     }
   }
@@ -240,41 +221,42 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
 
 bool Condition::KeepsWitness(uint16_t trigger) const {
   return !has_keys() && trigger != WatchIndexes::kSomeTrigger &&
-         body_->triggers()[trigger].polarity == Polarity::kNegative;
-}
-
-bool Condition::Narrows(uint32_t trigger) const {
-  const Trigger& matched = body_->triggers()[trigger];
-  const bool constant = std::any_of(body_->triggers().begin(), body_->triggers().end(), [this](const Trigger& t) {
-    const QuadPattern constants = ConstantsOf(t);
-    return t.required && (!constants.subject.IsNone() || !constants.object.IsNone());
-  });
-  const std::vector<TermId>& seed = BeginSeed();
-  return constant || std::any_of(matched.columns.begin(), matched.columns.end(), [&](int16_t column) {
-    return column != Trigger::kNoColumn && seed[column].IsNone() && MayBind(body_->columns()[column]);
-  });
+         kind_->body.triggers()[trigger].polarity == Polarity::kNegative;
 }
 
 absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                               bool& full_done, Edits& edits) {
   if (full_done) return absl::OkStatus();
-  std::vector<TermId>& seed = BeginSeed();
-  const std::array<TermId, 4> terms = {quad.subject, quad.predicate, quad.object, quad.graph};
-  const Trigger& matched = body_->triggers()[trigger];
-  bool seeded = false;
-  for (size_t i = 0; i < terms.size(); ++i) {
-    const int16_t column = matched.columns[i];
-    if (column == Trigger::kNoColumn || !seed[column].IsNone() || !MayBind(body_->columns()[column])) continue;
-    seed[column] = terms[i];
-    seeded = true;
+  const Trigger& matched = kind_->body.triggers()[trigger];
+  if (matched.polarity == Polarity::kNegative && keeps_witness()) {
+    if (absl::Status status = TakeKept(run, edits); !status.ok() || holds()) return status;
   }
-  full_done = !seeded;
+  std::vector<TermId>& seed = BeginSeed();
+  const ConditionKind::Gifts& gifts = kind_->gifts[trigger];
+  for (const auto [word, column] : gifts) seed[static_cast<size_t>(column)] = TermId(WordAt(quad, word));
+  full_done = gifts.empty();
+  if (added) {
+    if (const std::optional<bool> decided = kind_->body.DecideFrom(matched, run, seed)) {
+      if (*decided) Take(seed, edits);
+      return run.cancellation == nullptr ? absl::OkStatus() : run.cancellation->Check();
+    }
+  }
   const auto take = [&](absl::Span<const TermId> row) {
     Take(row, edits);
     return has_keys();
   };
-  if (!added) return body_->Evaluate(run, seed, take);
-  return body_->EvaluateFrom(matched, run, seed, take);
+  if (!added) return kind_->body.Evaluate(run, seed, take);
+  return kind_->body.EvaluateFrom(matched, run, seed, take);
+}
+
+absl::Status Condition::TakeKept(const sparql::RunOptions& run, Edits& edits) {
+  if (witnesses_.empty() || witnesses_[0].watches.empty() || !kind_->body.flat()) return absl::OkStatus();
+  constexpr uint32_t kAllPatterns = ~0u;
+  return kind_->body.EvaluateRest(run, witnesses_[0].row, kAllPatterns, Body::Filters::kAll,
+                                  [&](absl::Span<const TermId> row) {
+                                    Take(row, edits);
+                                    return false;
+                                  });
 }
 
 absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
@@ -289,27 +271,29 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
 
 absl::Status Condition::ProbeAll(const sparql::RunOptions& run, Edits& edits) {
   if (holds() && !has_keys()) return absl::OkStatus();
-  return body_->Evaluate(run, BeginSeed(), [&](absl::Span<const TermId> row) {
+  return kind_->body.Evaluate(run, BeginSeed(), [&](absl::Span<const TermId> row) {
     Take(row, edits);
     return has_keys();
   });
 }
 
 void Condition::Undo(const Edit& edit) {
-  const int slot = SlotOf(edit.key);
-  if (edit.was_present) {
-    SetRow(static_cast<uint32_t>(slot < 0 ? NewSlot(edit.key) : slot), edit.before);
-  } else {
-    DropSlot(static_cast<uint32_t>(slot), edit.key);
+  int slot = SlotOf(edit.key);
+  if (!edit.was_present) return DropSlot(static_cast<uint32_t>(slot), edit.key);
+  if (slot < 0 && has_keys()) slot = NewSlot(edit.key);
+  if (slot < 0) {
+    present_ = 1;
+    slot = 0;
   }
+  SetRow(witnesses_[static_cast<size_t>(slot)], static_cast<uint32_t>(slot), edit.before);
 }
 
 QuadPattern Condition::ConstantsOf(const Trigger& trigger) const {
-  return borrows_ ? Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
+  return kind_->borrows ? Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
 }
 
 bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const {
-  const Trigger& lost = body_->triggers()[trigger];
+  const Trigger& lost = kind_->body.triggers()[trigger];
   return lost.required && lost.polarity == Polarity::kPositive &&
          !version.ContainsMatch(Body::ConstantsOf(lost, seed));
 }
@@ -319,7 +303,7 @@ bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, cons
 int Condition::BlockingTrigger(const GraphVersion& version) const {
   int best = -1;
   int best_constants = -1;
-  const std::vector<Trigger>& triggers = body_->triggers();
+  const std::vector<Trigger>& triggers = kind_->body.triggers();
   const auto look_at = [&](int i) {
     const Trigger& trigger = triggers[static_cast<size_t>(i)];
     if (!trigger.required || trigger.polarity != Polarity::kPositive) return;
@@ -334,22 +318,23 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 }
 
 void Condition::WatchTrigger(uint32_t trigger) {
-  const Trigger& watched = body_->triggers()[trigger];
+  const Trigger& watched = kind_->body.triggers()[trigger];
   const QuadPattern constants = ConstantsOf(watched);
   const PatternIndex::Reference reference{number_, trigger, 0};
-  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(indexes_.Comes(watched.match, constants, reference));
-  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(indexes_.Goes(watched.match, constants, reference));
+  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(kind_->indexes.Comes(watched.match, constants, reference));
+  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(kind_->indexes.Goes(watched.match, constants, reference));
 }
 
 void Condition::Disarm() {
-  indexes_.RemoveAll(armed_watches_);
-  if (joined_) shape_->Leave(number_, constants_);
+  kind_->indexes.RemoveAll(armed_watches_);
+  if (joined_) kind_->shape->Leave(number_, constants_);
   joined_ = false;
   armed_ = Armed::kNothing;
 }
 
 bool Condition::Arm(const GraphVersion* version, bool probed) {
-  const bool blocked = std::exchange(blocked_, false);
+  const bool blocked = blocked_;
+  blocked_ = false;
   Armed wanted = Armed::kAll;
   int one = -1;
   if (blocked && !holds() && watches_one() && version != nullptr) return false;
@@ -360,9 +345,9 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
     // it may rise as it fell; whether less would do is looked at when that costs something
     unlooked_ = unlooked_ || !probed;
     return false;
-  } else if (!holds() && version != nullptr && body_->triggers().size() > 1 &&
+  } else if (!holds() && version != nullptr && kind_->body.triggers().size() > 1 &&
              (one = BlockingTrigger(*version)) >= 0 &&
-             (shape_ == nullptr || !shape_->Shares(static_cast<size_t>(one)))) {
+             (kind_->shape == nullptr || !kind_->shape->Shares(static_cast<size_t>(one)))) {
     wanted = Armed::kOne;
   }
   in_vain_ = false;
@@ -373,11 +358,11 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
   armed_trigger_ = static_cast<int16_t>(one);
   if (wanted == Armed::kOne) WatchTrigger(static_cast<uint32_t>(one));
   if (wanted == Armed::kAll) {
-    for (uint32_t i = 0; i < body_->triggers().size(); ++i) {
-      if (shape_ == nullptr || !shape_->Shares(i)) WatchTrigger(i);
+    for (uint32_t i = 0; i < kind_->body.triggers().size(); ++i) {
+      if (kind_->shape == nullptr || !kind_->shape->Shares(i)) WatchTrigger(i);
     }
-    joined_ = shape_ != nullptr && shape_->SharesAny();
-    if (joined_) shape_->Join(number_, constants_);
+    joined_ = kind_->shape != nullptr && kind_->shape->SharesAny();
+    if (joined_) kind_->shape->Join(number_, constants_);
   }
   return true;
 }

@@ -98,7 +98,7 @@ absl::StatusOr<ConstraintSet::Impl::Shared*> ConstraintSet::Impl::BorrowBody(con
   if (!keys.ok()) return keys.status();
   Shape::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
-  return &conditions.Make(conditions.Next(), &shape, std::move(constants), *std::move(keys), indexes);
+  return &conditions.Make(conditions.Next(), &shape, std::move(constants), *keys);
 }
 
 void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
@@ -184,6 +184,7 @@ absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl
   Shared& shared = conditions[**number];
   const bool above = ThresholdGroup::IsAbove(form->op);
   if (!shared.groups) shared.groups = std::make_unique<Groups>();
+  shared.set_grouped();
   std::unique_ptr<ThresholdGroup>& group = (*shared.groups)[above];
   const sparql::RunOptions run{.version = &no_graph};
   if (!group) {

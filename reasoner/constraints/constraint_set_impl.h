@@ -100,6 +100,10 @@ struct ConstraintSet::Impl {
   // Counts an evaluation that no change narrows, and how long it takes.
   absl::Status Whole(absl::FunctionRef<absl::Status()> evaluate);
   Touched& Touch(uint32_t number);
+  // What every update looks at of an owner in the indexes, into the cache.
+  void Prefetch(uint32_t owner) const {
+    if ((owner & WatchIndexes::kIsShape) == 0) conditions.Prefetch(owner, Condition::kLooksFrom, Condition::kLooksTo);
+  }
   // Who is concerned by the change: into broken, rises and touched; the shapes count theirs.
   void Gather(const Delta& delta);
   void GatherOf(const Quad& quad, bool added);
@@ -109,11 +113,12 @@ struct ConstraintSet::Impl {
   absl::Status RefreshVolatile(const sparql::RunOptions& run);
   // The edits from `begin` on are those of this update: each condition that was touched knows its own.
   void LinkEdits(size_t begin);
-  void Settle(const GraphVersion& version);
+  // Its watches and groups follow the new state.
+  void Settle(const Touched& touch, const GraphVersion& version);
   // Into changes.
-  absl::Status CollectChanges();
+  absl::Status CollectChanges(const Touched& touch);
   // Which keys came and went.
-  void TellBindings(uint32_t number, const Touched& touched, ConstraintChange& change) const;
+  void TellBindings(const Touched& touched, ConstraintChange& change) const;
   // The groups of a condition follow its keys. `visit` gets what changed.
   absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConstraintId, bool)> visit);
   Binding BindingOf(const Condition& condition, const Condition::Key& key) const;

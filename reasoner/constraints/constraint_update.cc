@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "kb_server/sparql/evaluator.h"
@@ -8,14 +9,14 @@
 
 namespace docent {
 
-ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
+inline ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
   Condition& condition = conditions[number];
-  if (condition.touched_in() != counters.updates) {
-    condition.touched_in() = counters.updates;
-    condition.touched_at() = static_cast<uint32_t>(touched.size());
+  uint32_t& at = condition.touched_at();
+  if (at >= touched.size() || touched[at].condition != number) {
+    at = static_cast<uint32_t>(touched.size());
     touched.push_back({.condition = number, .held = condition.holds()});
   }
-  return touched[condition.touched_at()];
+  return touched[at];
 }
 
 absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evaluate) {
@@ -26,21 +27,21 @@ absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evalua
   return status;
 }
 
-void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
+inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
   const PatternIndex& index = added ? indexes.on_add : indexes.on_remove;
-  index.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+  const auto visit = [&](const PatternIndex::Reference& reference) {
     ++counters.candidates;
-    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
-    if (!shape) conditions.Fetch(reference.owner, Condition::kLooksFrom, Condition::kLooksTo);
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
       broken.push_back(reference);
       return;
     }
+    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
     int& count = shape ? shapes[reference.owner & ~WatchIndexes::kIsShape]->RisesIn(counters.updates)
                        : Touch(reference.owner).rises;
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
-  });
+  };
+  index.ForEachMatch(quad, visit, [this](uint32_t owner) { Prefetch(owner); });
 }
 
 inline void ConstraintSet::Impl::Gather(const Delta& delta) {
@@ -52,18 +53,25 @@ inline void ConstraintSet::Impl::Gather(const Delta& delta) {
 }
 
 inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
-  for (const auto& [number, witness, trigger] : broken) {
-    const uint32_t slot = witness & ~WatchIndexes::kIsWitness;
-    Condition& condition = conditions[number];
+  if (broken.size() > 1) {
+    std::sort(broken.begin(), broken.end(), [](const auto& a, const auto& b) {
+      return std::tie(a.owner, a.pattern, a.detail) < std::tie(b.owner, b.pattern, b.detail);
+    });
+  }
+  const PatternIndex::Reference* last = nullptr;
+  for (const PatternIndex::Reference& reference : broken) {
+    Condition& condition = conditions[reference.owner];
+    const bool again = last != nullptr && last->owner == reference.owner && last->pattern == reference.pattern;
+    last = &reference;
     if (condition.keeps_witness()) {
       condition.ForgetKept();
       continue;
     }
-    if (condition.stamp(slot) == counters.updates) continue;
-    condition.stamp(slot) = counters.updates;
+    if (again) continue;
     ++counters.evaluations;
-    Touch(number);
-    if (absl::Status status = condition.Recheck(slot, trigger, run, edits); !status.ok()) return status;
+    Touch(reference.owner);
+    absl::Status status = condition.Recheck(reference.pattern & ~WatchIndexes::kIsWitness, reference.detail, run, edits);
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -105,6 +113,7 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   ++counters.evaluations;
   absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                            [this](uint32_t number, absl::Span<const TermId> row) {
+                                             Prefetch(number);
                                              Touch(number);
                                              conditions[number].Offer(row, edits);
                                            });
@@ -142,27 +151,24 @@ inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
   }
 }
 
-// Watches and groups follow the new state.
-void ConstraintSet::Impl::Settle(const GraphVersion& version) {
-  for (const Touched& touch : touched) {
-    Shared& condition = conditions[touch.condition];
-    const bool failed = touch.probed && !touch.edited();
-    if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
-      journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
-    }
-    if (!condition.groups) continue;
-    for (const auto& group : *condition.groups) {
-      if (!group) continue;
-      for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
-        group->SetKey(edits[i].key[0], edits[i].is_present);
-      }
+inline void ConstraintSet::Impl::Settle(const Touched& touch, const GraphVersion& version) {
+  Shared& condition = conditions[touch.condition];
+  const bool failed = touch.probed && !touch.edited();
+  if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
+    journal.push_back({JournalEntry::Kind::kArmed, touch.condition, {}});
+  }
+  if (!condition.is_grouped()) return;
+  for (const auto& group : *condition.groups) {
+    if (!group) continue;
+    for (uint32_t i = touch.first; i != Touched::kNone; i = edits[i].next) {
+      group->SetKey(edits[i].key[0], edits[i].is_present);
     }
   }
 }
 
 absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
                                                 absl::FunctionRef<void(ConstraintId, bool)> visit) {
-  if (!condition.groups) return absl::OkStatus();
+  if (!condition.is_grouped()) return absl::OkStatus();
   for (const auto& group : *condition.groups) {
     if (!group) continue;
     if (absl::Status status = group->Relevel({.version = &no_graph}, visit); !status.ok()) return status;
@@ -179,8 +185,8 @@ Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Conditi
   return binding;
 }
 
-void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, ConstraintChange& change) const {
-  const Condition& condition = conditions[number];
+void ConstraintSet::Impl::TellBindings(const Touched& touch, ConstraintChange& change) const {
+  const Condition& condition = conditions[touch.condition];
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
     if (edit.is_present == edit.was_present) return;
@@ -205,34 +211,35 @@ void ConstraintSet::Impl::TellBindings(uint32_t number, const Touched& touch, Co
   SortBindings(change.disappeared, dictionary);
 }
 
-absl::Status ConstraintSet::Impl::CollectChanges() {
+inline absl::Status ConstraintSet::Impl::CollectChanges(const Touched& touch) {
   using Edge = ConstraintChange::Edge;
-  for (const Touched& touch : touched) {
-    if (!touch.edited()) continue;
-    const uint32_t number = touch.condition;
-    const Shared& condition = conditions[number];
-    const bool holds = condition.holds(), edge = holds != touch.held;
+  if (!touch.edited()) return absl::OkStatus();
+  const Shared& condition = conditions[touch.condition];
+  const bool holds = condition.holds(), edge = holds != touch.held, has_keys = condition.has_keys();
+  if (edge || has_keys) {
     for (const ConstraintId id : condition.followers) {
-      if ((!edge && !condition.has_keys()) || IsRemoved(id)) continue;
+      if (IsRemoved(id)) continue;
       ConstraintChange& change = changes.emplace_back();
       change.id = id;
       change.edge = !edge ? Edge::kBindingsChanged : holds ? Edge::kRose : Edge::kFell;
-      if (condition.has_keys()) TellBindings(number, touch, change);
+      if (has_keys) TellBindings(touch, change);
       if (!edge && change.appeared.empty() && change.disappeared.empty()) changes.pop_back();
     }
-    if (!condition.groups) continue;
-    const absl::Status status = RelevelGroups(condition, [&](ConstraintId id, bool level) {
-      if (IsRemoved(id)) return;
-      ConstraintChange& change = changes.emplace_back();
-      change.id = id;
-      change.edge = level ? Edge::kRose : Edge::kFell;
-    });
-    if (!status.ok()) return status;
   }
-  if (changes.size() > 1) {
-    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  }
-  return absl::OkStatus();
+  if (!condition.is_grouped()) return absl::OkStatus();
+  return RelevelGroups(condition, [&](ConstraintId id, bool level) {
+    if (IsRemoved(id)) return;
+    ConstraintChange& change = changes.emplace_back();
+    change.id = id;
+    change.edge = level ? Edge::kRose : Edge::kFell;
+  });
+}
+
+void ConstraintSet::Prefetch(absl::Span<const Quad> added, absl::Span<const Quad> removed) const {
+  const Impl& impl = *impl_;
+  const auto fetch = [&impl](uint32_t owner) { impl.Prefetch(owner); };
+  for (const Quad& quad : added.subspan(0, kMostPrefetched)) impl.indexes.on_add.Prefetch(quad, fetch);
+  for (const Quad& quad : removed.subspan(0, kMostPrefetched)) impl.indexes.on_remove.Prefetch(quad, fetch);
 }
 
 absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
@@ -247,10 +254,15 @@ absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const G
   if (status.ok()) status = impl.ProbeRises(run);
   if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
   impl.LinkEdits(begin);
-  impl.Settle(version);
   impl.changes.clear();
-  if (status.ok()) status = impl.CollectChanges();
+  for (const Impl::Touched& touch : impl.touched) {
+    impl.Settle(touch, version);
+    if (status.ok()) status = impl.CollectChanges(touch);
+  }
   if (!status.ok()) return status;
+  if (impl.changes.size() > 1) {
+    std::sort(impl.changes.begin(), impl.changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  }
   impl.counters.changes += impl.changes.size();
   return absl::MakeConstSpan(impl.changes);
 }
@@ -275,7 +287,7 @@ void ConstraintSet::Rollback() {
     Impl::Shared& shared = impl_->conditions[edit->condition];
     shared.Undo(*edit);
     changed.push_back(edit->condition);
-    if (!shared.groups) continue;
+    if (!shared.is_grouped()) continue;
     for (const auto& group : *shared.groups) {
       if (group) group->SetKey(edit->key[0], shared.Has(edit->key));
     }

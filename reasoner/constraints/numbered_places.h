@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "kb_server/base/prefetch.h"
+
 namespace docent {
 
 template <typename T>
@@ -53,9 +55,9 @@ class NumberedPlaces {
   T& operator[](uint32_t number) { return At(number).object; }
   const T& operator[](uint32_t number) const { return At(number).object; }
   // Its bytes from `begin` to `end` will be looked at soon.
-  void Fetch(uint32_t number, size_t begin, size_t end) const {
+  void Prefetch(uint32_t number, size_t begin, size_t end) const {
     const char* const at = reinterpret_cast<const char*>(&At(number));
-    for (size_t line = begin; line < end; line += 64) __builtin_prefetch(at + line);
+    for (size_t line = begin; line < end; line += kCacheLine) docent::Prefetch(at + line);
   }
 
  private:

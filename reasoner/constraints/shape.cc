@@ -145,6 +145,16 @@ absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeF
   return shape;
 }
 
+ConditionKind& Shape::KindWith(const ConditionKind::Keys& keys) {
+  for (const auto& kind : kinds_) {
+    if (kind->keys == keys) return *kind;
+  }
+  ConditionKind& kind = *kinds_.emplace_back(std::make_unique<ConditionKind>(*body_, keys, parameters_, indexes_));
+  kind.shape = this;
+  kind.borrows = true;
+  return kind;
+}
+
 void Shape::Seed(const Constants& constants, std::vector<TermId>& seed) const {
   ClearSeed(body_->columns().size(), seed);
   const TermId* constant = constants.data();

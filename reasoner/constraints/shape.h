@@ -22,6 +22,7 @@
 #include "absl/types/span.h"
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/algebra.h"
+#include "reasoner/constraints/condition_kind.h"
 #include "reasoner/constraints/watch_indexes.h"
 #include "reasoner/matching/body.h"
 
@@ -55,8 +56,8 @@ class Shape {
   // columns are the shape's.
   bool lends_body() const { return lends_body_; }
   Body& body() { return *body_; }
-  // A row of the body with the constants in it, nothing else: into `seed`.
-  void Seed(const Constants& constants, std::vector<TermId>& seed) const;
+  // Of members that borrow the body and have these keys.
+  ConditionKind& KindWith(const ConditionKind::Keys& keys);
   // The shape's columns in the order of those of a member with a body of its own.
   const std::vector<int16_t>& columns() const { return columns_; }
 
@@ -87,6 +88,8 @@ class Shape {
   Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
   void Watch();
   void Unwatch();
+  // A row of the body with the constants in it, nothing else: into `seed`.
+  void Seed(const Constants& constants, std::vector<TermId>& seed) const;
   bool IsSame(const Body& member, const Constants& constants) const;
 
   const uint32_t number_;
@@ -103,8 +106,9 @@ class Shape {
   uint64_t rises_in_ = 0;
   int rises_ = 0;
   std::vector<WatchIndexes::Watch> watches_;
-  std::vector<TermId> seed_;  // scratch
-  Constants found_;                 // scratch
+  std::vector<std::unique_ptr<ConditionKind>> kinds_;  // of borrowers
+  std::vector<TermId> seed_;                           // scratch
+  Constants found_;                                    // scratch
 };
 
 }  // namespace docent

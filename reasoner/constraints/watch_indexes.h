@@ -43,7 +43,6 @@ struct WatchIndexes {
 
   PatternIndex on_add;
   PatternIndex on_remove;
-  std::vector<TermId> seed;  // scratch of whoever evaluates
 };
 
 // Nothing in any column. (Most often it has the size; then this is quicker than assign.)

@@ -258,6 +258,9 @@ class BodyBuilder {
     int8_t next = 0;
     for (Trigger& trigger : body_.triggers_) {
       if (trigger.required) trigger.pattern = next++;
+      if (trigger.pattern < 0 || !filters_.empty()) continue;
+      if (patterns_.size() == 1) trigger.rest = Trigger::kNothing;
+      if (patterns_.size() == 2) trigger.rest = static_cast<int8_t>(1 - trigger.pattern);
     }
   }
 
@@ -391,36 +394,38 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
   return EvaluateSeeded(run, usable, visit);
 }
 
-// nullopt: there is more to do than to look for that.
-std::optional<QuadPattern> Body::OnlyOther(const Trigger& trigger, absl::Span<const TermId> seed) const {
-  if (has_filters_ || patterns_.size() != 2) return std::nullopt;
-  const Pattern& other = patterns_[1 - static_cast<size_t>(trigger.pattern)];
-  const auto at = [&](int i) {
-    return other.columns[i] == Trigger::kNoColumn ? other.constants[i] : seed[other.columns[i]];
+std::optional<bool> Body::DecideFrom(const Trigger& trigger, const sparql::RunOptions& run,
+                                     absl::Span<const TermId> seed) const {
+  if (trigger.rest == Trigger::kMore) return std::nullopt;
+  if (trigger.rest == Trigger::kNothing) {
+    const std::array<int16_t, 3>& columns = patterns_[0].columns;
+    const bool bound = std::none_of(columns.begin(), columns.end(), [&](int16_t column) {
+      return column != Trigger::kNoColumn && seed[static_cast<size_t>(column)].IsNone();
+    });
+    return bound ? std::optional<bool>(true) : std::nullopt;
+  }
+  const Pattern& other = patterns_[static_cast<size_t>(trigger.rest)];
+  const auto at = [&](size_t i) {
+    return other.columns[i] == Trigger::kNoColumn ? other.constants[i] : seed[static_cast<size_t>(other.columns[i])];
   };
   const QuadPattern bound{at(0), at(1), at(2), TermId()};
   if (bound.subject.IsNone() || bound.predicate.IsNone() || bound.object.IsNone()) return std::nullopt;
-  return bound;
+  if (run.cancellation != nullptr) run.cancellation->Spend(1);
+  return run.version->ContainsMatch(bound);
 }
 
 absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
                                 Visitor visit) {
+  if (const std::optional<bool> decided = DecideFrom(trigger, run, seed)) {
+    if (*decided) visit(seed);
+    return run.cancellation == nullptr ? absl::OkStatus() : run.cancellation->Check();
+  }
   if (!flat() || trigger.pattern < 0) return Evaluate(run, seed, visit);
   for (const int16_t column : patterns_[static_cast<size_t>(trigger.pattern)].columns) {
     if (column != Trigger::kNoColumn && seed[column].IsNone()) return Evaluate(run, seed, visit);
   }
   for (const NumberTest& test : tests_) {
     if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
-  }
-  if (!has_filters_ && patterns_.size() == 1) {
-    visit(seed);
-    return absl::OkStatus();
-  }
-  if (const std::optional<QuadPattern> other = OnlyOther(trigger, seed)) {
-    if (run.version->ContainsMatch(*other)) visit(seed);
-    if (run.cancellation == nullptr) return absl::OkStatus();
-    run.cancellation->Spend(1);
-    return run.cancellation->Check();
   }
   return plan_->EvaluateRest(run, seed, uint32_t{1} << trigger.pattern, Filters::kAll, visit);
 }

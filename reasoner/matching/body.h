@@ -44,6 +44,9 @@ struct Trigger {
   bool required = false;  // every solution contains a match
   // Which of a flat body's patterns this is (see Body::flat); -1 for those inside EXISTS and NOT EXISTS.
   int8_t pattern = -1;
+  // Of a flat body without filters: what is left where it has matched. The pattern, kNothing or kMore.
+  int8_t rest = kMore;
+  static constexpr int8_t kNothing = -1, kMore = -2;
   // It is all that a NOT EXISTS of a flat body's filters asks for: what it matches is in no solution.
   bool rejects = false;
 };
@@ -127,6 +130,8 @@ class Body {
   // The same where `seed` comes from a quad that is in the graph and matches `trigger`: that is not looked up again.
   absl::Status EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
                             Visitor visit);
+  // The same where one lookup at most decides: whether `seed` is a solution, and there is no other. nullopt: evaluate it.
+  std::optional<bool> DecideFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed) const;
   // The same for a flat body of which the patterns in the bit set `matched` are known to match under `seed`,
   // or are not to be asked: they are not looked at.
   enum class Filters : uint8_t {
@@ -144,8 +149,6 @@ class Body {
   class GeneralPlan;
 
   Body();
-  // What is left of a flat body when `trigger` has matched, where it is one pattern of which `seed` gives all.
-  std::optional<QuadPattern> OnlyOther(const Trigger& trigger, absl::Span<const TermId> seed) const;
   absl::Status EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
 
   std::vector<Column> columns_;

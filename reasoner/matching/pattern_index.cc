@@ -7,29 +7,6 @@
 namespace docent {
 namespace {
 
-bool EqualPositionsHold(uint8_t equal, const Quad& q) {
-  if (equal == 0) return true;
-  return (!(equal & MatchPattern::kSubjectPredicate) || q.subject == q.predicate) &&
-         (!(equal & MatchPattern::kSubjectObject) || q.subject == q.object) &&
-         (!(equal & MatchPattern::kPredicateObject) || q.predicate == q.object) &&
-         (!(equal & MatchPattern::kSubjectGraph) || q.subject == q.graph) &&
-         (!(equal & MatchPattern::kPredicateGraph) || q.predicate == q.graph) &&
-         (!(equal & MatchPattern::kObjectGraph) || q.object == q.graph);
-}
-
-// What the terms of a key add to its hash; none adds nothing. Odd numbers from the digits of pi.
-uint64_t SubjectPart(TermId subject) { return subject.bits() * 0x243f6a8885a308d3u; }
-uint64_t PredicatePart(TermId predicate) { return predicate.bits() * 0x13198a2e03707345u; }
-uint64_t ObjectPart(TermId object) { return object.bits() * 0xa4093822299f31d1u; }
-
-uint32_t HashOf(uint64_t parts) {
-  const auto product = static_cast<unsigned __int128>(parts) * 0x082efa98ec4e6c89u;
-  return static_cast<uint32_t>(product >> 64) ^ static_cast<uint32_t>(product);
-}
-
-// Of the bits that say least about its place.
-uint8_t TagOf(uint32_t hash) { return static_cast<uint8_t>(hash >> 24 | 1); }
-
 unsigned ShapeOf(const QuadPattern& key) {
   return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) | (key.object.IsNone() ? 0u : 4u);
 }
@@ -49,20 +26,6 @@ bool MatchPattern::Matches(const Quad& quad) const {
   if (view.kind != NumberView::Kind::kNumber) return view.kind == NumberView::Kind::kUnknown;
   return IsLowerBound(object_guard->op) ? view.value >= object_guard->bound
                                         : view.value <= object_guard->bound;
-}
-
-// Of subject, predicate and object.
-uint32_t PatternIndex::HashOfKey(const Entry& entry) {
-  const QuadPattern& key = entry.constants;
-  return HashOf(SubjectPart(key.subject) + PredicatePart(key.predicate) + ObjectPart(key.object));
-}
-
-inline size_t PatternIndex::SlotOf(uint32_t hash) const {
-  const size_t mask = tags_.size() - 1;
-  const uint8_t tag = TagOf(hash);
-  size_t at = hash & mask;
-  while (tags_[at] != 0 && (tags_[at] != tag || slots_[at].hash != hash)) at = (at + 1) & mask;
-  return at;
 }
 
 // What stands behind it for want of its own place moves up.
@@ -110,7 +73,7 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPa
   entry.shape = static_cast<uint8_t>(shape);
   entry.side = 0;
   if (shape_counts_[shape]++ == 0) shapes_ |= 1u << shape;
-  const uint32_t hash = HashOfKey(entry);
+  const uint32_t hash = HashOfKey(entry.constants);
   if (pattern.object_guard && constants.object.IsNone()) {
     if (guarded_counts_[shape]++ == 0) guarded_shapes_ |= 1u << shape;
     std::unique_ptr<Guarded>& guarded = guarded_[hash];
@@ -124,7 +87,7 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPa
   const size_t at = SlotOf(hash);
   if (tags_[at] == 0) {
     tags_[at] = TagOf(hash);
-    slots_[at] = {hash, handle};
+    slots_[at] = {hash, handle, reference.owner};
     ++taken_;
     return handle;
   }
@@ -142,7 +105,7 @@ void PatternIndex::Remove(Handle handle) {
   free_.push_back(handle);
   if (entry.side != 0) {
     if (--guarded_counts_[shape] == 0) guarded_shapes_ &= ~(1u << shape);
-    const auto found = guarded_.find(HashOfKey(entry));
+    const auto found = guarded_.find(HashOfKey(entry.constants));
     Guarded& guarded = *found->second;
     (entry.side > 0 ? guarded.at_least : guarded.at_most).erase({entry.bound, handle});
     if (guarded.at_least.empty() && guarded.at_most.empty()) guarded_.erase(found);
@@ -153,50 +116,40 @@ void PatternIndex::Remove(Handle handle) {
   if (!is_first) previous.next = entry.next;
   if (!is_last) entries_[entry.next].previous = entry.previous;
   if (!is_first && !is_last) return;
-  const size_t at = SlotOf(HashOfKey(entry));
+  const size_t at = SlotOf(HashOfKey(entry.constants));
   if (!is_first) {
     entries_[slots_[at].first].previous = entry.previous;
   } else if (!is_last) {
     slots_[at].first = entry.next;
+    slots_[at].owner = entries_[entry.next].reference.owner;
   } else {
     FreeSlot(at);
   }
 }
 
-// Another key may have the same hash, of another shape, too.
-inline void PatternIndex::VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
-                              absl::FunctionRef<void(Reference)> visit) const {
-  if (entry.shape == shape && entry.constants.Matches(quad) && EqualPositionsHold(entry.equal, quad)) visit(entry.reference);
-}
-
-void PatternIndex::VisitGuarded(const Guarded& guarded, unsigned shape, const Quad& quad,
-                                absl::FunctionRef<void(Reference)> visit) const {
+void PatternIndex::VisitGuarded(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const {
   const NumberView view = ViewNumber(quad.object);
   if (view.kind == NumberView::Kind::kOther) return;
   const bool known = view.kind == NumberView::Kind::kNumber;
-  for (const Bound& bound : guarded.at_least) {
-    if (known && bound.value > view.value) break;
-    VisitEntry(entries_[bound.handle], shape, quad, visit);
-  }
-  for (auto it = guarded.at_most.rbegin(); it != guarded.at_most.rend(); ++it) {
-    if (known && it->value < view.value) break;
-    VisitEntry(entries_[it->handle], shape, quad, visit);
-  }
-}
-
-void PatternIndex::ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const {
-  const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
-  const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
-  for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
+  for (unsigned rest = guarded_shapes_; rest != 0; rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
-    const uint32_t hash = HashOf(parts[shape]);
-    if (const size_t at = SlotOf(hash); tags_[at] != 0) {
-      for (Handle handle = slots_[at].first; handle != kNone; handle = entries_[handle].next) {
-        VisitEntry(entries_[handle], shape, quad, visit);
-      }
+    const QuadPattern key{(shape & 1) != 0 ? quad.subject : TermId(), (shape & 2) != 0 ? quad.predicate : TermId(),
+                          TermId(), TermId()};
+    const auto found = guarded_.find(HashOfKey(key));
+    if (found == guarded_.end()) continue;
+    const Guarded& guarded = *found->second;
+    const auto look_at = [&](const Bound& bound) {
+      const Entry& entry = entries_[bound.handle];
+      if (Matches(entry, shape, quad)) visit(entry.reference);
+    };
+    for (const Bound& bound : guarded.at_least) {
+      if (known && bound.value > view.value) break;
+      look_at(bound);
     }
-    if ((guarded_shapes_ & (1u << shape)) == 0) continue;
-    if (const auto found = guarded_.find(hash); found != guarded_.end()) VisitGuarded(*found->second, shape, quad, visit);
+    for (auto it = guarded.at_most.rbegin(); it != guarded.at_most.rend(); ++it) {
+      if (known && it->value < view.value) break;
+      look_at(*it);
+    }
   }
 }
 

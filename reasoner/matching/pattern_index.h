@@ -11,6 +11,7 @@
 #define DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
+#include "kb_server/base/prefetch.h"
 #include "kb_server/store/quad.h"
 #include "reasoner/matching/number_range.h"
 
@@ -61,9 +63,18 @@ class PatternIndex {
   // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
   void Remove(Handle handle);
 
-  // Calls `visit` for each pattern that matches `quad`: those with the same constants in the order in which they were
-  // added, those with a guard after the others. `visit` must not change the index.
-  void ForEachMatch(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
+  // Calls `visit(reference)` for each pattern that matches `quad`: those with the same constants in the order in which they
+  // were added, those with a guard after the others. `visit` must not change the index.
+  template <typename Visit>
+  void ForEachMatch(const Quad& quad, const Visit& visit) const {
+    ForEachMatch(quad, visit, [](uint32_t) {});
+  }
+  // The same, with `fetch(owner)` called ahead for whom it will most likely find.
+  template <typename Visit, typename Fetch>
+  void ForEachMatch(const Quad& quad, const Visit& visit, const Fetch& fetch) const;
+  // Brings what ForEachMatch will look at into the cache, and calls `fetch(owner)` for whom it will most likely find.
+  template <typename Fetch>
+  void Prefetch(const Quad& quad, const Fetch& fetch) const;
 
   size_t size() const { return entries_.size() - free_.size(); }
 
@@ -89,21 +100,42 @@ class PatternIndex {
   };
   static constexpr Handle kNone = ~Handle{0};
   static_assert(sizeof(Entry) == 64);
-  // Where the patterns without a guard begin whose keys have this hash.
+  // Where the patterns without a guard begin whose keys have this hash, and the owner of the first of them.
   struct Slot {
     uint32_t hash = 0;
     Handle first = kNone;
+    uint32_t owner = 0;
   };
 
-  static uint32_t HashOfKey(const Entry& entry);
+  // What the terms of a key add to its hash; none adds nothing. Odd numbers from the digits of pi.
+  static uint64_t SubjectPart(TermId subject) { return subject.bits() * 0x243f6a8885a308d3u; }
+  static uint64_t PredicatePart(TermId predicate) { return predicate.bits() * 0x13198a2e03707345u; }
+  static uint64_t ObjectPart(TermId object) { return object.bits() * 0xa4093822299f31d1u; }
+  static uint32_t HashOf(uint64_t parts) {
+    const auto product = static_cast<unsigned __int128>(parts) * 0x082efa98ec4e6c89u;
+    return static_cast<uint32_t>(product >> 64) ^ static_cast<uint32_t>(product);
+  }
+  static uint32_t HashOfKey(const QuadPattern& key) {
+    return HashOf(SubjectPart(key.subject) + PredicatePart(key.predicate) + ObjectPart(key.object));
+  }
+  // Of the bits that say least about its place.
+  static uint8_t TagOf(uint32_t hash) { return static_cast<uint8_t>(hash >> 24 | 1); }
   // The slot with the hash, or the free one where it belongs.
-  size_t SlotOf(uint32_t hash) const;
+  size_t SlotOf(uint32_t hash) const {
+    const size_t mask = tags_.size() - 1;
+    const uint8_t tag = TagOf(hash);
+    size_t at = hash & mask;
+    while (tags_[at] != 0 && (tags_[at] != tag || slots_[at].hash != hash)) at = (at + 1) & mask;
+    return at;
+  }
+  // Calls `found(shape, slot)` for each shape that has patterns with the quad's hash.
+  template <typename Found>
+  void ForEachSlot(const Quad& quad, const Found& found) const;
   void FreeSlot(size_t at);
   void Grow();
-  void VisitGuarded(const Guarded& guarded, unsigned shape, const Quad& quad,
-                    absl::FunctionRef<void(Reference)> visit) const;
-  void VisitEntry(const Entry& entry, unsigned shape, const Quad& quad,
-                  absl::FunctionRef<void(Reference)> visit) const;
+  // Another key may have the same hash, of another shape, too.
+  static bool Matches(const Entry& entry, unsigned shape, const Quad& quad);
+  void VisitGuarded(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
   // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most half of it taken. Most
@@ -118,6 +150,51 @@ class PatternIndex {
   std::array<size_t, 8> shape_counts_ = {};
   std::array<size_t, 8> guarded_counts_ = {};
 };
+
+inline bool EqualPositionsHold(uint8_t equal, const Quad& q) {
+  if (equal == 0) return true;
+  return (!(equal & MatchPattern::kSubjectPredicate) || q.subject == q.predicate) &&
+         (!(equal & MatchPattern::kSubjectObject) || q.subject == q.object) &&
+         (!(equal & MatchPattern::kPredicateObject) || q.predicate == q.object) &&
+         (!(equal & MatchPattern::kSubjectGraph) || q.subject == q.graph) &&
+         (!(equal & MatchPattern::kPredicateGraph) || q.predicate == q.graph) &&
+         (!(equal & MatchPattern::kObjectGraph) || q.object == q.graph);
+}
+
+inline bool PatternIndex::Matches(const Entry& entry, unsigned shape, const Quad& quad) {
+  return entry.shape == shape && entry.constants.Matches(quad) && EqualPositionsHold(entry.equal, quad);
+}
+
+template <typename Found>
+void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
+  const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
+  const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
+  for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
+    const auto shape = static_cast<unsigned>(std::countr_zero(rest));
+    const size_t at = SlotOf(HashOf(parts[shape]));
+    if (tags_[at] != 0) found(shape, slots_[at]);
+  }
+}
+
+template <typename Visit, typename Fetch>
+void PatternIndex::ForEachMatch(const Quad& quad, const Visit& visit, const Fetch& fetch) const {
+  ForEachSlot(quad, [&](unsigned shape, const Slot& slot) {
+    fetch(slot.owner);
+    for (Handle handle = slot.first; handle != kNone; handle = entries_[handle].next) {
+      const Entry& entry = entries_[handle];
+      if (Matches(entry, shape, quad)) visit(entry.reference);
+    }
+  });
+  if (guarded_shapes_ != 0) VisitGuarded(quad, visit);
+}
+
+template <typename Fetch>
+void PatternIndex::Prefetch(const Quad& quad, const Fetch& fetch) const {
+  ForEachSlot(quad, [&](unsigned, const Slot& slot) {
+    docent::Prefetch(&entries_[slot.first]);
+    fetch(slot.owner);
+  });
+}
 
 }  // namespace docent
 
