@@ -103,13 +103,27 @@ std::vector<TermQuad> ConstraintBackground(size_t count) {
   return facts;
 }
 
-ConstraintUpdates::ConstraintUpdates(size_t count, uint32_t seed)
-    : count_(count), random_(seed), level_(FirstLevel(count)), told_(kConstraintShapes) {}
+TermQuad FactThatFlips(ConstraintShape shape, size_t n, uint64_t draw, uint64_t serial) {
+  switch (shape) {
+    case ConstraintShape::kThreshold:
+      return Fact("sensor", "reading", Reading(n, serial));
+    case ConstraintShape::kJoin:
+      return Fact(absl::StrCat("visitor", draw % kVisitorsOfARoom * kRooms + n % kRooms), "wants", absl::StrCat("topic", n));
+    case ConstraintShape::kNegated:
+      return Fact(absl::StrCat("person", n), "badge", Term::Literal(absl::StrCat(serial), std::string(kXsdInteger)));
+    case ConstraintShape::kFree:
+      return Fact(absl::StrCat("carrier", serial), "carries", absl::StrCat("item", n));
+  }
+  return {};
+}
 
-size_t ConstraintUpdates::CountOf(ConstraintShape shape) const {
-  const size_t rounds = count_ / 6;
+size_t ConstraintsOfShape(ConstraintShape shape, size_t count) {
+  const size_t rounds = count / 6;
   return shape == ConstraintShape::kThreshold || shape == ConstraintShape::kJoin ? rounds * 2 : rounds;
 }
+
+ConstraintUpdates::ConstraintUpdates(size_t count, uint32_t seed)
+    : count_(count), random_(seed), level_(FirstLevel(count)), told_(kConstraintShapes) {}
 
 void ConstraintUpdates::NewBatch() {
   batches_ = true;
@@ -148,22 +162,7 @@ std::optional<ConstraintUpdates::Update> ConstraintUpdates::Tell(ConstraintShape
       n = random_() % CountOf(shape);
     } while (stands(n) || IsUsed(shape, n));
   }
-  const size_t visitor = (random_() % kVisitorsOfARoom) * kRooms + n % kRooms;
-  TermQuad fact;
-  switch (shape) {
-    case ConstraintShape::kThreshold:
-      fact = Fact("sensor", "reading", Reading(n, serial_));
-      break;
-    case ConstraintShape::kJoin:
-      fact = Fact(absl::StrCat("visitor", visitor), "wants", absl::StrCat("topic", n));
-      break;
-    case ConstraintShape::kNegated:
-      fact = Fact(absl::StrCat("person", n), "badge", Term::Literal(absl::StrCat(serial_), std::string(kXsdInteger)));
-      break;
-    case ConstraintShape::kFree:
-      fact = Fact(absl::StrCat("carrier", serial_), "carries", absl::StrCat("item", n));
-      break;
-  }
+  TermQuad fact = FactThatFlips(shape, n, random_(), serial_);
   told.push_back({n, fact});
   return Update{shape, true, std::move(fact), NumberOf(shape, n)};
 }

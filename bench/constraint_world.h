@@ -38,6 +38,12 @@ StandingConstraint StandingConstraintNumber(size_t i);
 // What stands in the graph before the first update, for `count` constraints.
 std::vector<TermQuad> ConstraintBackground(size_t count);
 
+// A fact that makes constraint `n` of its shape begin to hold if it is told, or cease to (negated). `draw` chooses among the
+// visitors of a room; no two of the same `serial` but for it.
+TermQuad FactThatFlips(ConstraintShape shape, size_t n, uint64_t draw, uint64_t serial);
+// How many of `count` constraints have the shape.
+size_t ConstraintsOfShape(ConstraintShape shape, size_t count);
+
 // Says one update after the other.
 class ConstraintUpdates {
  public:
@@ -59,7 +65,7 @@ class ConstraintUpdates {
     size_t n;  // of its shape
     TermQuad fact;
   };
-  size_t CountOf(ConstraintShape shape) const;
+  size_t CountOf(ConstraintShape shape) const { return ConstraintsOfShape(shape, count_); }
   bool IsUsed(ConstraintShape shape, size_t n) const;
   // nullopt: what it could be flips a constraint that the batch flips already.
   std::optional<Update> Tell(ConstraintShape shape);

@@ -5,20 +5,19 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <memory>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "bench/command_line.h"
+#include "bench/constraint_graph.h"
+#include "bench/constraint_pairs.h"
 #include "bench/constraint_world.h"
 #include "bench/constraints_peers.h"
 #include "bench/measurement.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/vocabulary.h"
 #include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/graph_writer.h"
 #include "reasoner/constraints/constraint_set.h"
 
 namespace docent::bench {
@@ -41,57 +40,23 @@ double ClockCost() {
   return Median(costs);
 }
 
-sparql::Query Parse(const std::string& text) {
-  sparql::ParseOptions options;
-  options.prefixes = {{"", kConstraintNs}};
-  sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
-  if (!parsed.ok()) {
-    std::fprintf(stderr, "%s", Render(parsed.diagnostics, text).c_str());
-    std::exit(1);
-  }
-  return std::move(parsed.query);
-}
-
-// A graph with its background, and updates of it whose terms have ids already.
-class World {
- public:
-  struct Update {
-    ConstraintShape shape;
-    bool add;
-    Quad quad;
-    size_t constraint;
-  };
-
-  World(size_t count, uint32_t seed, int updates) {
-    std::vector<Quad> quads;
-    for (const TermQuad& fact : ConstraintBackground(count)) quads.push_back(Encode(fact));
-    writer_.AddAll(quads);
-    writer_.Freeze(Revision(1));
-    ConstraintUpdates source(count, seed);
-    for (int i = 0; i < updates; ++i) {
-      const ConstraintUpdates::Update next = source.Next();
-      updates_.push_back({next.shape, next.add, Encode(next.fact), next.constraint});
-    }
-  }
-
-  Delta Apply(const Update& update) {
-    return update.add ? writer_.Apply({update.quad}, {}) : writer_.Apply({}, {update.quad});
-  }
-  Dictionary& dictionary() { return dictionary_; }
-  GraphWriter& writer() { return writer_; }
-  const std::vector<Update>& updates() const { return updates_; }
-
- private:
-  Quad Encode(const TermQuad& fact) {
-    return {dictionary_.Intern(fact.subject), dictionary_.Intern(fact.predicate), dictionary_.Intern(fact.object),
-            graph_};
-  }
-
-  Dictionary dictionary_;
-  const TermId graph_ = dictionary_.InternIri(kDefaultGraph);
-  GraphWriter writer_{nullptr};
-  std::vector<Update> updates_;
+// Updates of a graph whose terms have ids already.
+struct Update {
+  ConstraintShape shape;
+  bool add;
+  Quad quad;
+  size_t constraint;
 };
+
+std::vector<Update> EncodedUpdates(size_t count, uint32_t seed, int updates, ConstraintGraph& graph) {
+  ConstraintUpdates source(count, seed);
+  std::vector<Update> encoded;
+  for (int i = 0; i < updates; ++i) {
+    const ConstraintUpdates::Update next = source.Next();
+    encoded.push_back({next.shape, next.add, graph.Encode(next.fact), next.constraint});
+  }
+  return encoded;
+}
 
 struct Sum {
   double us = 0;
@@ -110,7 +75,7 @@ class ConstraintsBench {
       for (int run = 0; run < kRuns; ++run) Measure(count, static_cast<uint32_t>(run + 1), figures);
       Tell(count, figures);
       RunAgain(std::min<size_t>(count, 10000), count);
-      if (peers_) Peers(count, figures);
+      if (peers_) Peers(count);
     }
     Flat();
     return missed_ ? 1 : 0;
@@ -120,7 +85,7 @@ class ConstraintsBench {
 
  private:
   struct Figures {
-    std::vector<double> registered_s, mean, p50, p99, turn, store, evaluations, like_peer;
+    std::vector<double> registered_s, mean, p50, p99, turn, store, evaluations;
     std::array<std::vector<double>, kConstraintShapes> shapes;
   };
 
@@ -134,24 +99,26 @@ class ConstraintsBench {
 
   // Matching alone, each update timed by itself.
   void Measure(size_t count, uint32_t seed, Figures& figures) {
-    World world(count, seed, kWarmUp + kUpdates);
-    ConstraintSet set(world.dictionary());
-    std::vector<ConstraintId> ids;
-    Register(count, world, set, ids, figures);
+    ConstraintGraph graph(count);
+    const std::vector<Update> updates = EncodedUpdates(count, seed, kWarmUp + kUpdates, graph);
+    ConstraintSet set(graph.dictionary());
+    const ConstraintQueries queries = ParseConstraints(count);
+    const Clock::time_point begin = Clock::now();
+    const std::vector<ConstraintId> ids = RegisterAll(queries, graph, set);
+    figures.registered_s.push_back(Micros(Clock::now() - begin) / 1e6);
     const double clock_us = ClockCost();
     std::vector<double> times;
     std::array<Sum, kConstraintShapes> shapes;
     uint64_t evaluations = 0;
-    uint64_t revision = 1;
     for (int i = 0; i < kWarmUp + kUpdates; ++i) {
-      const World::Update& update = world.updates()[static_cast<size_t>(i)];
+      const Update& update = updates[static_cast<size_t>(i)];
       if (i == kWarmUp) evaluations = set.counters().evaluations;
-      const Delta delta = world.Apply(update);
+      const Delta delta = graph.Apply(update.add, update.quad);
       const Clock::time_point start = Clock::now();
-      const auto changes = set.Update(world.writer().current(), delta);
+      const auto changes = set.Update(graph.version(), delta);
       set.Commit();
       const double us = Micros(Clock::now() - start) - clock_us;
-      world.writer().Freeze(Revision(++revision));
+      graph.Freeze();
       if (!changes.ok() || changes->size() != 1 || (*changes)[0].id != ids[update.constraint]) {
         std::fprintf(stderr, "update %d flips %zu constraints, not constraint %zu alone\n", i,
                      changes.ok() ? changes->size() : 0, update.constraint);
@@ -171,51 +138,25 @@ class ConstraintsBench {
     figures.p99.push_back(times[times.size() * 99 / 100]);
     figures.evaluations.push_back(static_cast<double>(set.counters().evaluations - evaluations) / kUpdates);
     for (size_t s = 0; s < shapes.size(); ++s) figures.shapes[s].push_back(shapes[s].mean());
-    figures.like_peer.push_back(0.5 * shapes[1].mean() + 0.25 * shapes[2].mean() + 0.25 * shapes[3].mean());
-    figures.turn.push_back(Turns(count, seed, &world, &set));
-    figures.store.push_back(Turns(count, seed, nullptr, nullptr));
+    // It has gone through all its updates: a further round of them takes them back.
+    std::vector<Update> back(updates.rbegin(), updates.rend());
+    for (Update& update : back) update.add = !update.add;
+    figures.turn.push_back(Turns(back, graph, &set));
+    ConstraintGraph alone(count);
+    figures.store.push_back(Turns(EncodedUpdates(count, seed, kWarmUp + kUpdates, alone), alone, nullptr));
   }
 
-  void Register(size_t count, World& world, ConstraintSet& set, std::vector<ConstraintId>& ids, Figures& figures) {
-    std::vector<std::pair<sparql::Query, RegisterOptions>> queries;
-    for (size_t i = 0; i < count; ++i) {
-      const StandingConstraint constraint = StandingConstraintNumber(i);
-      queries.emplace_back(Parse(constraint.ask), RegisterOptions{constraint.keys, 0});
-    }
-    const Clock::time_point start = Clock::now();
-    for (const auto& [query, options] : queries) {
-      const auto id = set.Register(query, world.writer().current(), options);
-      if (!id.ok()) {
-        std::fprintf(stderr, "%s\n", id.status().ToString().c_str());
-        std::exit(1);
-      }
-      ids.push_back(*id);
-    }
-    set.Commit();
-    figures.registered_s.push_back(Micros(Clock::now() - start) / 1e6);
-  }
-
-  // A turn from the fact to the immutable version, with the constraints or without; microseconds each. `measured` has
-  // gone through all its updates: a further round of them takes them back.
-  double Turns(size_t count, uint32_t seed, World* measured, ConstraintSet* set) {
-    std::unique_ptr<World> own;
-    if (measured == nullptr) own = std::make_unique<World>(count, seed, kWarmUp + kUpdates);
-    World& world = own ? *own : *measured;
-    uint64_t revision = 1u << 30;
-    std::vector<World::Update> updates = world.updates();
-    if (measured != nullptr) {
-      std::reverse(updates.begin(), updates.end());
-      for (World::Update& update : updates) update.add = !update.add;
-    }
+  // A turn from the fact to the immutable version, with the constraints or without; microseconds each.
+  static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph, ConstraintSet* set) {
     Clock::time_point start;
     for (size_t i = 0; i < updates.size(); ++i) {
       if (i == kWarmUp) start = Clock::now();
-      const Delta delta = world.Apply(updates[i]);
+      const Delta delta = graph.Apply(updates[i].add, updates[i].quad);
       if (set != nullptr) {
-        if (!set->Update(world.writer().current(), delta).ok()) std::exit(1);
+        if (!set->Update(graph.version(), delta).ok()) std::exit(1);
         set->Commit();
       }
-      world.writer().Freeze(Revision(++revision));
+      graph.Freeze();
     }
     return Micros(Clock::now() - start) / kUpdates;
   }
@@ -242,28 +183,28 @@ class ConstraintsBench {
   // Each constraint whose predicates occur in the update is asked again; of `asked` of them, scaled to `count`.
   void RunAgain(size_t asked, size_t count) {
     constexpr size_t kUpdatesAgain = 40;
-    World world(count, 1, kUpdatesAgain);
+    ConstraintGraph graph(count);
     struct Prepared {
       std::unique_ptr<sparql::PreparedQuery> query;
       std::set<TermId> predicates;
     };
     std::vector<Prepared> prepared;
     for (size_t i = 0; i < asked; ++i) {
-      const sparql::Query query = Parse(StandingConstraintNumber(i).ask);
+      const sparql::Query query = ParseConstraint(StandingConstraintNumber(i).ask);
       Prepared p;
       for (const sparql::PatternOccurrence& o : sparql::AllTriplePatterns(*query.algebra)) {
-        p.predicates.insert(world.dictionary().Intern(o.pattern->predicate.term()));
-        if (!o.pattern->object.IsVariable()) world.dictionary().Intern(o.pattern->object.term());
+        p.predicates.insert(graph.dictionary().Intern(o.pattern->predicate.term()));
+        if (!o.pattern->object.IsVariable()) graph.dictionary().Intern(o.pattern->object.term());
       }
-      auto made = sparql::PreparedQuery::Prepare(query, world.dictionary());
+      auto made = sparql::PreparedQuery::Prepare(query, graph.dictionary());
       if (!made.ok()) std::exit(1);
       p.query = *std::move(made);
       prepared.push_back(std::move(p));
     }
     Clock::duration took{};
-    for (const World::Update& update : world.updates()) {
-      world.Apply(update);
-      const sparql::RunOptions run{.version = &world.writer().current()};
+    for (const Update& update : EncodedUpdates(count, 1, kUpdatesAgain, graph)) {
+      graph.Apply(update.add, update.quad);
+      const sparql::RunOptions run{.version = &graph.version()};
       const Clock::time_point start = Clock::now();
       for (Prepared& p : prepared) {
         if (p.predicates.contains(update.quad.predicate)) p.query->Ask(run).IgnoreError();
@@ -275,11 +216,31 @@ class ConstraintsBench {
          {Micros(took) / kUpdatesAgain * scale});
   }
 
-  void Peers(size_t count, const Figures& figures) {
-    Note("docent", "update, join, negated, free variable", "us", figures.like_peer);
-    for (Measurement& m : MeasureConstraintPeers(count)) {
-      const bool whole = !m.runs.empty() && m.metric == "update net, join, negated, free variable";
-      Require(!whole || count < 10000 || Median(figures.like_peer) <= m.runs[0] / 2, "at most half of CLIPS");
+  // Docent and CLIPS in turn, in the same loops (constraint_pairs.h).
+  void Peers(size_t count) {
+    std::vector<double> mean;
+    std::map<std::string, std::vector<double>> shapes;  // by metric
+    std::vector<Measurement> theirs;
+    for (int run = 0; run < kRuns; ++run) {
+      const std::array<double, kConstraintShapes> net = MeasurePairs(count, static_cast<uint32_t>(run + 1));
+      mean.push_back(0);
+      for (size_t s = 0; s < net.size(); ++s) {
+        mean.back() += kPartOfPairs[s] * net[s];
+        shapes[PairNetOf(static_cast<ConstraintShape>(s))].push_back(net[s]);
+      }
+      for (Measurement& m : MeasureConstraintPeers(count)) {
+        const auto same = std::find_if(theirs.begin(), theirs.end(), [&](const auto& known) { return known.metric == m.metric; });
+        if (same == theirs.end()) {
+          theirs.push_back(std::move(m));
+        } else {
+          same->runs.insert(same->runs.end(), m.runs.begin(), m.runs.end());
+        }
+      }
+    }
+    for (Measurement& m : theirs) {
+      const bool whole = m.metric == kPairsNet;
+      Note("docent", m.metric, "us", whole ? mean : shapes[m.metric]);
+      Require(!whole || m.runs.empty() || Median(mean) <= Median(m.runs) / 2, "at most half of CLIPS");
       measurements.push_back(std::move(m));
     }
   }

@@ -1,16 +1,18 @@
 #include "bench/constraints_peers.h"
 
+#include <array>
 #include <fstream>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "bench/constraint_pairs.h"
 #include "bench/peer_process.h"
 
 namespace docent::bench {
 namespace {
 
 constexpr int kTimeoutSeconds = 120;
-constexpr int kPairs = 20000;  // an assert and a retract
 
 // One rule a shape, with the constraints as facts (cj, cn, cf): a rule for each constraint takes CLIPS minutes to build.
 // Patterns stand in the order that makes an update cheapest. Each firing is counted, so that nothing is left out.
@@ -51,6 +53,10 @@ constexpr char kClips[] = R"clp(
   (printout t ?f "-seconds " ?took crlf ?f "-fired " ?*fired* crlf))
 )clp";
 
+// By the CLIPS function that makes a pair.
+constexpr std::array<std::pair<ConstraintShape, const char*>, 3> kFunctions = {
+    {{ConstraintShape::kJoin, "join"}, {ConstraintShape::kNegated, "negated"}, {ConstraintShape::kFree, "free"}}};
+
 void WriteFacts(const std::string& path, size_t constraints) {
   std::ofstream file(path);
   const size_t sixth = constraints / 6;
@@ -64,6 +70,8 @@ void WriteFacts(const std::string& path, size_t constraints) {
 
 }  // namespace
 
+std::string PairNetOf(ConstraintShape shape) { return absl::StrCat("pair net, ", NameOf(shape)); }
+
 std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   std::vector<Measurement> out;
   const std::string name = absl::StrCat(constraints, " constraints");
@@ -71,7 +79,7 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
     out.push_back({"constraints", name, "CLIPS", metric, "us", std::move(runs), reason});
   };
   if (!Installed("clips")) {
-    add("update net, join, negated, free variable", {}, "not installed: clips");
+    add(kPairsNet, {}, "not installed: clips");
     return out;
   }
   const PeerFolder temporary;
@@ -81,30 +89,31 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   std::ofstream(folder + "/rules.clp") << kClips;
   std::ofstream run(folder + "/run.bat");
   run << "(load \"" << folder << "/rules.clp\")\n(load-facts \"" << folder << "/facts.dat\")\n(run)\n(seed 7)\n";
-  for (const char* shape : {"join", "negated", "free"}) {
-    const size_t n = constraints / 6 * (shape[0] == 'j' ? 2 : 1);
-    for (const char* base : {"base-", ""}) run << "(timed " << base << shape << " " << n << " " << kPairs << ")\n";
+  for (const auto& [shape, function] : kFunctions) {
+    const size_t n = ConstraintsOfShape(shape, constraints);
+    for (const char* base : {"base-", ""}) {
+      run << "(timed " << base << function << " " << n << " " << kMeasuredPairs << ")\n";
+    }
   }
   run << "(exit)\n";
   run.close();
   const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'", kTimeoutSeconds);
   double weighted = 0;
   bool whole = true;
-  for (const auto& [shape, label, weight] :
-       {std::tuple("join", "join", 0.5), std::tuple("negated", "negated", 0.25), std::tuple("free", "free variable", 0.25)}) {
-    const double gross = NumberAfter(text, absl::StrCat(shape, "-seconds"));
-    const double base = NumberAfter(text, absl::StrCat("base-", shape, "-seconds"));
-    const bool fired = NumberAfter(text, absl::StrCat(shape, "-fired")) == kPairs;
+  for (const auto& [shape, function] : kFunctions) {
+    const double gross = NumberAfter(text, absl::StrCat(function, "-seconds"));
+    const double base = NumberAfter(text, absl::StrCat("base-", function, "-seconds"));
+    const bool fired = NumberAfter(text, absl::StrCat(function, "-fired")) == kMeasuredPairs;
     if (gross < 0 || base < 0 || !fired) {
       whole = false;
-      add(absl::StrCat("update net, ", label), {}, fired ? "no answer in time" : "did not fire once a pair");
+      add(PairNetOf(shape), {}, fired ? "no answer in time" : "did not fire once a pair");
       continue;
     }
-    const double us = (gross - base) / (2.0 * kPairs) * 1e6;
-    weighted += weight * us;
-    add(absl::StrCat("update net, ", label), {us}, "");
+    const double us = (gross - base) / (2.0 * kMeasuredPairs) * 1e6;
+    weighted += kPartOfPairs[static_cast<size_t>(shape)] * us;
+    add(PairNetOf(shape), {us}, "");
   }
-  if (whole) add("update net, join, negated, free variable", {weighted}, "");
+  if (whole) add(kPairsNet, {weighted}, "");
   return out;
 }
 

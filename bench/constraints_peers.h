@@ -3,11 +3,17 @@
 #define DOCENT_BENCH_CONSTRAINTS_PEERS_H_
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
+#include "bench/constraint_world.h"
 #include "bench/measurement.h"
 
 namespace docent::bench {
+
+// What the figures are called, of Docent's updates, too: the mean of all, and one shape.
+inline constexpr char kPairsNet[] = "pair net, join, negated, free variable";
+std::string PairNetOf(ConstraintShape shape);
 
 // Mean cost of an update in microseconds, net of the same loop over facts that no rule looks at. Without a value and
 // with the reason where CLIPS is not installed or takes too long.

@@ -99,10 +99,6 @@ class ConstraintSet {
   // Ends following; unknown ids are ignored.
   void Remove(ConstraintId id);
 
-  // A hint that the next Update will be told of these changes: what it looks at is brought into the cache, while the caller
-  // does something else. Of many, the first.
-  void Prefetch(absl::Span<const Quad> added, absl::Span<const Quad> removed) const;
-
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
   // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
   absl::StatusOr<absl::Span<const ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
@@ -145,7 +141,6 @@ class ConstraintSet {
   uint64_t evaluations() const { return counters().evaluations; }
 
  private:
-  static constexpr size_t kMostPrefetched = 64;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

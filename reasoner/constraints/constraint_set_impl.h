@@ -107,6 +107,8 @@ struct ConstraintSet::Impl {
   // Who is concerned by the change: into broken, rises and touched; the shapes count theirs.
   void Gather(const Delta& delta);
   void GatherOf(const Quad& quad, bool added);
+  // The same of many: what one needs is on its way into the cache while others are looked at.
+  void GatherAll(absl::Span<const Quad> quads, bool added);
   absl::Status RecheckBroken(const sparql::RunOptions& run);
   absl::Status ProbeRises(const sparql::RunOptions& run);
   absl::Status ProbeShape(const Rise& rise, const sparql::RunOptions& run);
@@ -123,6 +125,7 @@ struct ConstraintSet::Impl {
   absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConstraintId, bool)> visit);
   Binding BindingOf(const Condition& condition, const Condition::Key& key) const;
 
+  static constexpr size_t kFetchedAhead = 16;
   // A condition that more changes of one update match is evaluated whole, once.
   static constexpr int kMaxProbes = 256;
   // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.

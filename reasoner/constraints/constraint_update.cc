@@ -28,7 +28,6 @@ absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evalua
 }
 
 inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
-  const PatternIndex& index = added ? indexes.on_add : indexes.on_remove;
   const auto visit = [&](const PatternIndex::Reference& reference) {
     ++counters.candidates;
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
@@ -41,15 +40,29 @@ inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
   };
-  index.ForEachMatch(quad, visit, [this](uint32_t owner) { Prefetch(owner); });
+  indexes.ForChange(added).ForEachMatch(quad, visit, [this](uint32_t owner) { Prefetch(owner); });
+}
+
+void ConstraintSet::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
+  const PatternIndex& index = indexes.ForChange(added);
+  for (; !quads.empty(); quads.remove_prefix(std::min(quads.size(), kFetchedAhead))) {
+    const absl::Span<const Quad> next = quads.subspan(0, kFetchedAhead);
+    for (const Quad& quad : next) index.Prefetch(quad, [this](uint32_t owner) { Prefetch(owner); });
+    for (const Quad& quad : next) GatherOf(quad, added);
+  }
 }
 
 inline void ConstraintSet::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
-  for (const Quad& quad : delta.added) GatherOf(quad, true);
-  for (const Quad& quad : delta.removed) GatherOf(quad, false);
+  if (delta.size() > 1) {
+    GatherAll(delta.added, true);
+    GatherAll(delta.removed, false);
+  } else {
+    for (const Quad& quad : delta.added) GatherOf(quad, true);
+    for (const Quad& quad : delta.removed) GatherOf(quad, false);
+  }
 }
 
 inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
@@ -233,13 +246,6 @@ inline absl::Status ConstraintSet::Impl::CollectChanges(const Touched& touch) {
     change.id = id;
     change.edge = level ? Edge::kRose : Edge::kFell;
   });
-}
-
-void ConstraintSet::Prefetch(absl::Span<const Quad> added, absl::Span<const Quad> removed) const {
-  const Impl& impl = *impl_;
-  const auto fetch = [&impl](uint32_t owner) { impl.Prefetch(owner); };
-  for (const Quad& quad : added.subspan(0, kMostPrefetched)) impl.indexes.on_add.Prefetch(quad, fetch);
-  for (const Quad& quad : removed.subspan(0, kMostPrefetched)) impl.indexes.on_remove.Prefetch(quad, fetch);
 }
 
 absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,

@@ -61,7 +61,7 @@ class NumberedPlaces {
   }
 
  private:
-  static constexpr uint32_t kOfAPiece = 64;
+  static constexpr uint32_t kOfAPiece = 512;
   union Place {
     Place() {}
     ~Place() {}

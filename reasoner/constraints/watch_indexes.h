@@ -41,6 +41,8 @@ struct WatchIndexes {
     watches.clear();
   }
 
+  const PatternIndex& ForChange(bool added) const { return added ? on_add : on_remove; }
+
   PatternIndex on_add;
   PatternIndex on_remove;
 };

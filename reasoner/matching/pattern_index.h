@@ -169,10 +169,24 @@ template <typename Found>
 void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
   const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
+  // The tags of all shapes are on their way before the first of them decides anything.
+  struct Lookup {
+    unsigned shape;
+    uint32_t hash;
+    uint8_t tag;
+  };
+  std::array<Lookup, 8> lookups;
+  size_t count = 0;
+  const size_t mask = tags_.size() - 1;
   for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
-    const size_t at = SlotOf(HashOf(parts[shape]));
-    if (tags_[at] != 0) found(shape, slots_[at]);
+    const uint32_t hash = HashOf(parts[shape]);
+    lookups[count++] = {shape, hash, tags_[hash & mask]};
+  }
+  for (size_t i = 0; i < count; ++i) {
+    if (lookups[i].tag == 0) continue;
+    const size_t at = SlotOf(lookups[i].hash);
+    if (tags_[at] != 0) found(lookups[i].shape, slots_[at]);
   }
 }
 
