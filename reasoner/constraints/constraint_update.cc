@@ -2,6 +2,7 @@
 #include <tuple>
 #include <utility>
 
+#include "absl/base/attributes.h"
 #include "kb_server/sparql/evaluator.h"
 #include "reasoner/constraints/bindings.h"
 #include "reasoner/constraints/constraint_set.h"
@@ -9,7 +10,8 @@
 
 namespace docent {
 
-inline ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
+// What Update does is one function for the compiler: calls of its parts took 15 of 190 nanoseconds.
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(uint32_t number) {
   Condition& condition = conditions[number];
   uint32_t& at = condition.touched_at();
   if (at >= touched.size() || touched[at].condition != number) {
@@ -27,7 +29,7 @@ absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evalua
   return status;
 }
 
-inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
   const auto visit = [&](const PatternIndex::Reference& reference) {
     ++counters.candidates;
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
@@ -52,7 +54,7 @@ void ConstraintSet::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
   }
 }
 
-inline void ConstraintSet::Impl::Gather(const Delta& delta) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
@@ -65,7 +67,7 @@ inline void ConstraintSet::Impl::Gather(const Delta& delta) {
   }
 }
 
-inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions& run) {
   if (broken.size() > 1) {
     std::sort(broken.begin(), broken.end(), [](const auto& a, const auto& b) {
       return std::tie(a.owner, a.pattern, a.detail) < std::tie(b.owner, b.pattern, b.detail);
@@ -89,7 +91,7 @@ inline absl::Status ConstraintSet::Impl::RecheckBroken(const sparql::RunOptions&
   return absl::OkStatus();
 }
 
-absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::ProbeRises(const sparql::RunOptions& run) {
   for (const Rise& rise : rises) {
     if ((rise.owner & WatchIndexes::kIsShape) != 0) {
       if (absl::Status status = ProbeShape(rise, run); !status.ok()) return status;
@@ -154,7 +156,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   return absl::OkStatus();
 }
 
-inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
   for (size_t i = begin; i < edits.size(); ++i) {
     const auto at = static_cast<uint32_t>(i);
     Touched& touch = touched[conditions[edits[i].condition].touched_at()];  // who looked at it has touched it
@@ -164,7 +166,7 @@ inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
   }
 }
 
-inline void ConstraintSet::Impl::Settle(const Touched& touch, const GraphVersion& version) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Settle(const Touched& touch, const GraphVersion& version) {
   Shared& condition = conditions[touch.condition];
   const bool failed = touch.probed && !touch.edited();
   if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
@@ -224,7 +226,7 @@ void ConstraintSet::Impl::TellBindings(const Touched& touch, ConstraintChange& c
   SortBindings(change.disappeared, dictionary);
 }
 
-inline absl::Status ConstraintSet::Impl::CollectChanges(const Touched& touch) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectChanges(const Touched& touch) {
   using Edge = ConstraintChange::Edge;
   if (!touch.edited()) return absl::OkStatus();
   const Shared& condition = conditions[touch.condition];

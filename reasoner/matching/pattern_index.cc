@@ -83,7 +83,7 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPa
     (entry.side > 0 ? guarded->at_least : guarded->at_most).insert({entry.bound, handle});
     return handle;
   }
-  if (2 * (taken_ + 1) > tags_.size()) Grow();
+  if (8 * (taken_ + 1) > 5 * tags_.size()) Grow();
   const size_t at = SlotOf(hash);
   if (tags_[at] == 0) {
     tags_[at] = TagOf(hash);

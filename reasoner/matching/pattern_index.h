@@ -138,8 +138,8 @@ class PatternIndex {
   void VisitGuarded(const Quad& quad, absl::FunctionRef<void(Reference)> visit) const;
 
   std::vector<Entry> entries_;  // by handle
-  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most half of it taken. Most
-  // lookups find nothing: that takes one multiplication and a tag, and the tags of ten thousands are in the cache.
+  // By hash of the key, which an entry is compared with when it is visited. Linear probing, at most five eighths of it
+  // taken. Most lookups find nothing: that takes one multiplication and a tag, and the tags of ten thousands are in the cache.
   std::vector<uint8_t> tags_ = {0};  // of each slot a part of the hash; 0: free
   std::vector<Slot> slots_ = std::vector<Slot>(1);
   size_t taken_ = 0;  // slots
