@@ -13,7 +13,7 @@
 namespace docent::bench {
 
 inline constexpr int kWarmUpPairs = 1000;
-inline constexpr int kMeasuredPairs = 20000;
+inline constexpr int kMeasuredPairs = 60000;
 // What part of the mix without thresholds a shape is.
 inline constexpr std::array<double, kConstraintShapes> kPartOfPairs = {0, 0.5, 0.25, 0.25};
 

@@ -86,8 +86,15 @@ int Condition::NewSlot(const Key& key) {
     }
     taken->second = slot;
   } else {
-    if (Has(key)) return -1;
-    while (slot < witnesses_.size() && !witnesses_[slot].row.empty()) ++slot;
+    slot = static_cast<uint32_t>(witnesses_.size());
+    for (uint32_t i = slot; i-- > 0;) {
+      const Row& row = witnesses_[i].row;
+      if (row.empty()) {
+        slot = i;
+      } else if (HasKey(row, key)) {
+        return -1;
+      }
+    }
   }
   ++present_;
   if (slot == witnesses_.size()) witnesses_.emplace_back();

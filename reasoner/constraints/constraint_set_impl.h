@@ -119,13 +119,21 @@ struct ConstraintSet::Impl {
   void Settle(const Touched& touch, const GraphVersion& version);
   // Into changes.
   absl::Status CollectChanges(const Touched& touch);
+  ConstraintChange& NextChange(ConstraintId id, ConstraintChange::Edge edge);
   // Which keys came and went.
   void TellBindings(const Touched& touched, ConstraintChange& change) const;
   // The groups of a condition follow its keys. `visit` gets what changed.
   absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConstraintId, bool)> visit);
-  Binding BindingOf(const Condition& condition, const Condition::Key& key) const;
+  void Bind(const Condition& condition, const Condition::Key& key, Binding& binding) const;
+  Binding BindingOf(const Condition& condition, const Condition::Key& key) const {
+    Binding binding;
+    Bind(condition, key, binding);
+    return binding;
+  }
 
   static constexpr size_t kFetchedAhead = 16;
+  // Changes that keep their memory from one update to the next.
+  static constexpr size_t kMostKept = 64;
   // A condition that more changes of one update match is evaluated whole, once.
   static constexpr int kMaxProbes = 256;
   // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.
@@ -157,7 +165,9 @@ struct ConstraintSet::Impl {
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
 
-  std::vector<ConstraintChange> changes;  // of the last Update
+  // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
+  std::vector<ConstraintChange> changes;
+  size_t told = 0;
 
   // of the running Update
   std::vector<Touched> touched;  // a condition knows its place

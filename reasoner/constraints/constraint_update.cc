@@ -191,25 +191,36 @@ absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
   return absl::OkStatus();
 }
 
-Binding ConstraintSet::Impl::BindingOf(const Condition& condition, const Condition::Key& key) const {
-  Binding binding;
+void ConstraintSet::Impl::Bind(const Condition& condition, const Condition::Key& key, Binding& binding) const {
+  binding.clear();
   binding.reserve(key.size());
   for (size_t i = 0; i < key.size(); ++i) {
     if (!key[i].IsNone()) binding.emplace_back(condition.columns()[condition.keys()[i]].name, key[i]);
   }
-  return binding;
+}
+
+// What is left in its bindings is of an earlier Update.
+inline ConstraintChange& ConstraintSet::Impl::NextChange(ConstraintId id, ConstraintChange::Edge edge) {
+  if (told == changes.size()) changes.emplace_back();
+  ConstraintChange& change = changes[told++];
+  change.id = id;
+  change.edge = edge;
+  return change;
 }
 
 void ConstraintSet::Impl::TellBindings(const Touched& touch, ConstraintChange& change) const {
   const Condition& condition = conditions[touch.condition];
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
-    if (edit.is_present == edit.was_present) return;
-    std::vector<Binding>& told = edit.is_present ? change.appeared : change.disappeared;
-    told = std::vector<Binding>(1);
-    told[0] = BindingOf(condition, edit.key);
+    if (edit.is_present == change.appeared.empty()) change.appeared.swap(change.disappeared);  // the memory of one will do
+    std::vector<Binding>& now = edit.is_present ? change.appeared : change.disappeared;
+    (edit.is_present ? change.disappeared : change.appeared).clear();
+    now.resize(edit.is_present == edit.was_present ? 0 : 1);
+    if (!now.empty()) Bind(condition, edit.key, now[0]);
     return;
   }
+  change.appeared.clear();
+  change.disappeared.clear();
   // The first edit of a key tells what was before; what is now, the condition knows.
   absl::flat_hash_map<Condition::Key, bool> before;
   std::vector<Condition::Key> order;
@@ -234,19 +245,22 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
   if (edge || has_keys) {
     for (const ConstraintId id : condition.followers) {
       if (IsRemoved(id)) continue;
-      ConstraintChange& change = changes.emplace_back();
-      change.id = id;
-      change.edge = !edge ? Edge::kBindingsChanged : holds ? Edge::kRose : Edge::kFell;
-      if (has_keys) TellBindings(touch, change);
-      if (!edge && change.appeared.empty() && change.disappeared.empty()) changes.pop_back();
+      ConstraintChange& change = NextChange(id, !edge ? Edge::kBindingsChanged : holds ? Edge::kRose : Edge::kFell);
+      if (has_keys) {
+        TellBindings(touch, change);
+        if (!edge && change.appeared.empty() && change.disappeared.empty()) --told;
+      } else {
+        change.appeared.clear();
+        change.disappeared.clear();
+      }
     }
   }
   if (!condition.is_grouped()) return absl::OkStatus();
   return RelevelGroups(condition, [&](ConstraintId id, bool level) {
     if (IsRemoved(id)) return;
-    ConstraintChange& change = changes.emplace_back();
-    change.id = id;
-    change.edge = level ? Edge::kRose : Edge::kFell;
+    ConstraintChange& change = NextChange(id, level ? Edge::kRose : Edge::kFell);
+    change.appeared.clear();
+    change.disappeared.clear();
   });
 }
 
@@ -262,17 +276,17 @@ absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const G
   if (status.ok()) status = impl.ProbeRises(run);
   if (status.ok() && !impl.volatile_conditions.empty()) status = impl.RefreshVolatile(run);
   impl.LinkEdits(begin);
-  impl.changes.clear();
+  impl.told = 0;
+  if (impl.changes.size() > Impl::kMostKept) impl.changes.clear();
   for (const Impl::Touched& touch : impl.touched) {
     impl.Settle(touch, version);
     if (status.ok()) status = impl.CollectChanges(touch);
   }
   if (!status.ok()) return status;
-  if (impl.changes.size() > 1) {
-    std::sort(impl.changes.begin(), impl.changes.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
-  }
-  impl.counters.changes += impl.changes.size();
-  return absl::MakeConstSpan(impl.changes);
+  const absl::Span<ConstraintChange> told(impl.changes.data(), impl.told);
+  if (told.size() > 1) std::sort(told.begin(), told.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  impl.counters.changes += told.size();
+  return absl::Span<const ConstraintChange>(told);
 }
 
 void ConstraintSet::Commit() {

@@ -1,6 +1,7 @@
 #include "reasoner/matching/body.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "kb_server/sparql/algebra_walk.h"
@@ -394,22 +395,20 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
   return EvaluateSeeded(run, usable, visit);
 }
 
+QuadPattern Body::BindingOf(const Pattern& pattern, absl::Span<const TermId> row) {
+  const auto at = [&](size_t i) {
+    return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i] : row[static_cast<size_t>(pattern.columns[i])];
+  };
+  return {at(0), at(1), at(2), TermId()};
+}
+
 std::optional<bool> Body::DecideFrom(const Trigger& trigger, const sparql::RunOptions& run,
                                      absl::Span<const TermId> seed) const {
   if (trigger.rest == Trigger::kMore) return std::nullopt;
-  if (trigger.rest == Trigger::kNothing) {
-    const std::array<int16_t, 3>& columns = patterns_[0].columns;
-    const bool bound = std::none_of(columns.begin(), columns.end(), [&](int16_t column) {
-      return column != Trigger::kNoColumn && seed[static_cast<size_t>(column)].IsNone();
-    });
-    return bound ? std::optional<bool>(true) : std::nullopt;
-  }
-  const Pattern& other = patterns_[static_cast<size_t>(trigger.rest)];
-  const auto at = [&](size_t i) {
-    return other.columns[i] == Trigger::kNoColumn ? other.constants[i] : seed[static_cast<size_t>(other.columns[i])];
-  };
-  const QuadPattern bound{at(0), at(1), at(2), TermId()};
+  const bool alone = trigger.rest == Trigger::kNothing;
+  const QuadPattern bound = BindingOf(patterns_[alone ? 0 : static_cast<size_t>(trigger.rest)], seed);
   if (bound.subject.IsNone() || bound.predicate.IsNone() || bound.object.IsNone()) return std::nullopt;
+  if (alone) return true;
   if (run.cancellation != nullptr) run.cancellation->Spend(1);
   return run.version->ContainsMatch(bound);
 }
@@ -424,10 +423,32 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   for (const int16_t column : patterns_[static_cast<size_t>(trigger.pattern)].columns) {
     if (column != Trigger::kNoColumn && seed[column].IsNone()) return Evaluate(run, seed, visit);
   }
+  if (trigger.rest >= 0) {
+    const Pattern& rest = patterns_[static_cast<size_t>(trigger.rest)];
+    const QuadPattern bound = BindingOf(rest, seed);
+    const unsigned open =
+        (bound.subject.IsNone() ? 1u : 0u) | (bound.predicate.IsNone() ? 2u : 0u) | (bound.object.IsNone() ? 4u : 0u);
+    if (std::has_single_bit(open)) return ScanFor(rest, bound, std::countr_zero(open), run, seed, visit);
+  }
   for (const NumberTest& test : tests_) {
     if (TestNumbers(test, seed) == std::optional<bool>(false)) return absl::OkStatus();
   }
   return plan_->EvaluateRest(run, seed, uint32_t{1} << trigger.pattern, Filters::kAll, visit);
+}
+
+absl::Status Body::ScanFor(const Pattern& pattern, const QuadPattern& bound, int position, const sparql::RunOptions& run,
+                           absl::Span<const TermId> seed, Visitor visit) {
+  row_.assign(seed.begin(), seed.end());
+  TermId& value = row_[static_cast<size_t>(pattern.columns[static_cast<size_t>(position)])];
+  for (QuadCursor c = run.version->Scan(bound); c.Valid(); c.NextTriple()) {
+    if (run.cancellation != nullptr) {
+      run.cancellation->Spend(1);
+      if (absl::Status status = run.cancellation->Check(); !status.ok()) return status;
+    }
+    value = c.term(position);
+    if (!visit(row_)) break;
+  }
+  return absl::OkStatus();
 }
 
 bool Body::FiltersDecidedBy(uint32_t patterns) const {

@@ -149,6 +149,11 @@ class Body {
   class GeneralPlan;
 
   Body();
+  // What it asks for with the row's values in it.
+  static QuadPattern BindingOf(const Pattern& pattern, absl::Span<const TermId> row);
+  // `seed` with each value that `position` of `bound` has, where that is all that is open.
+  absl::Status ScanFor(const Pattern& pattern, const QuadPattern& bound, int position, const sparql::RunOptions& run,
+                       absl::Span<const TermId> seed, Visitor visit);
   absl::Status EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
 
   std::vector<Column> columns_;
@@ -160,6 +165,7 @@ class Body {
   std::vector<int16_t> filter_columns_;
   std::vector<Pattern> patterns_;  // empty: not flat
   std::unique_ptr<Plan> plan_;
+  std::vector<TermId> row_;  // of the running ScanFor
 };
 
 }  // namespace docent
