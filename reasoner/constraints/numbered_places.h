@@ -33,7 +33,7 @@ class NumberedPlaces {
   template <typename... Arguments>
   T& Make(Arguments&&... arguments) {
     const uint32_t number = Next();
-    if (number / kOfAPiece == pieces_.size()) pieces_.push_back(std::make_unique<Piece>());
+    if (number / kOfAPiece == pieces_.size()) pieces_.push_back(std::make_unique_for_overwrite<Piece>());
     T* const made = new (&At(number).object) T(std::forward<Arguments>(arguments)...);
     if (free_.empty()) {
       taken_.push_back(true);

@@ -259,10 +259,21 @@ class BodyBuilder {
     int8_t next = 0;
     for (Trigger& trigger : body_.triggers_) {
       if (trigger.required) trigger.pattern = next++;
-      if (trigger.pattern < 0 || !filters_.empty()) continue;
+      if (trigger.pattern < 0 || !filters_.empty() || !BindsItsPattern(trigger)) continue;
       if (patterns_.size() == 1) trigger.rest = Trigger::kNothing;
       if (patterns_.size() == 2) trigger.rest = static_cast<int8_t>(1 - trigger.pattern);
     }
+  }
+
+  // Whether a quad that matches the trigger may always give all variables of its pattern their values.
+  bool BindsItsPattern(const Trigger& trigger) const {
+    const auto& columns = patterns_[static_cast<size_t>(trigger.pattern)].columns;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (columns[i] == Trigger::kNoColumn) continue;
+      const Body::Column& column = body_.columns_[static_cast<size_t>(columns[i])];
+      if (trigger.columns[i] != columns[i] || !column.seedable || !column.certain) return false;
+    }
+    return true;
   }
 
   // The triggers that match what a NOT EXISTS of the outermost filters asks for with the same variables given.
@@ -395,7 +406,7 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
   return EvaluateSeeded(run, usable, visit);
 }
 
-QuadPattern Body::BindingOf(const Pattern& pattern, absl::Span<const TermId> row) {
+QuadPattern Body::Bind(const Pattern& pattern, absl::Span<const TermId> row) {
   const auto at = [&](size_t i) {
     return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i] : row[static_cast<size_t>(pattern.columns[i])];
   };
@@ -406,7 +417,7 @@ std::optional<bool> Body::DecideFrom(const Trigger& trigger, const sparql::RunOp
                                      absl::Span<const TermId> seed) const {
   if (trigger.rest == Trigger::kMore) return std::nullopt;
   const bool alone = trigger.rest == Trigger::kNothing;
-  const QuadPattern bound = BindingOf(patterns_[alone ? 0 : static_cast<size_t>(trigger.rest)], seed);
+  const QuadPattern bound = Bind(patterns_[alone ? 0 : static_cast<size_t>(trigger.rest)], seed);
   if (bound.subject.IsNone() || bound.predicate.IsNone() || bound.object.IsNone()) return std::nullopt;
   if (alone) return true;
   if (run.cancellation != nullptr) run.cancellation->Spend(1);
@@ -425,7 +436,7 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   }
   if (trigger.rest >= 0) {
     const Pattern& rest = patterns_[static_cast<size_t>(trigger.rest)];
-    const QuadPattern bound = BindingOf(rest, seed);
+    const QuadPattern bound = Bind(rest, seed);
     const unsigned open =
         (bound.subject.IsNone() ? 1u : 0u) | (bound.predicate.IsNone() ? 2u : 0u) | (bound.object.IsNone() ? 4u : 0u);
     if (std::has_single_bit(open)) return ScanFor(rest, bound, std::countr_zero(open), run, seed, visit);

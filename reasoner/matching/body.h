@@ -150,7 +150,7 @@ class Body {
 
   Body();
   // What it asks for with the row's values in it.
-  static QuadPattern BindingOf(const Pattern& pattern, absl::Span<const TermId> row);
+  static QuadPattern Bind(const Pattern& pattern, absl::Span<const TermId> row);
   // `seed` with each value that `position` of `bound` has, where that is all that is open.
   absl::Status ScanFor(const Pattern& pattern, const QuadPattern& bound, int position, const sparql::RunOptions& run,
                        absl::Span<const TermId> seed, Visitor visit);

@@ -57,20 +57,13 @@ absl::Status Body::FlatPlan::Build(std::vector<Pattern> patterns, std::vector<Fi
   return absl::OkStatus();
 }
 
-QuadPattern Body::FlatPlan::Bind(const Pattern& pattern) const {
-  const auto at = [&](int i) {
-    return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i] : row_[pattern.columns[i]];
-  };
-  return {at(0), at(1), at(2), TermId()};
-}
-
 uint32_t Body::FlatPlan::PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const {
   if ((open & (open - 1)) == 0) return static_cast<uint32_t>(__builtin_ctz(open));
   uint32_t best = 0;
   uint64_t fewest = std::numeric_limits<uint64_t>::max();
   for (uint32_t rest = open; rest != 0; rest &= rest - 1) {
     const auto i = static_cast<uint32_t>(__builtin_ctz(rest));
-    const uint64_t count = version.Count(Bind(patterns_[i]));
+    const uint64_t count = version.Count(Bind(patterns_[i], row_));
     if (count < fewest) {
       fewest = count;
       best = i;
@@ -101,7 +94,7 @@ bool Body::FlatPlan::IsBound(const Filter& filter) const {
 }
 
 bool Body::FlatPlan::Exists(const ExistsTest& test, const GraphVersion& version) const {
-  return version.ContainsMatch(Bind(test.pattern)) != test.negated;
+  return version.ContainsMatch(Bind(test.pattern, row_)) != test.negated;
 }
 
 // What the seed decides is looked up once, before anything is joined. False: there is no solution.
@@ -158,7 +151,7 @@ bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   const uint32_t next = PickNext(*run.options.version, open, impossible);
   if (impossible) return true;
   const Pattern& pattern = patterns_[next];
-  const QuadPattern bound = Bind(pattern);
+  const QuadPattern bound = Bind(pattern, row_);
   if (!bound.subject.IsNone() && !bound.predicate.IsNone() && !bound.object.IsNone()) {
     return !run.options.version->ContainsMatch(bound) || Join(run, open & ~(1u << next));
   }

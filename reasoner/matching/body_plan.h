@@ -72,7 +72,6 @@ class Body::FlatPlan final : public Body::Plan {
 
  private:
   struct Run;
-  QuadPattern Bind(const Pattern& pattern) const;
   uint32_t PickNext(const GraphVersion& version, uint32_t open, bool& impossible) const;
   bool Join(Run& run, uint32_t open);
   // False: a filter rejects the row as far as it is bound.

@@ -28,17 +28,34 @@ class BodyTest : public ::testing::Test {
     std::vector<std::string> rows;
     const absl::Status status =
         body.Evaluate({.version = &world_.writer.current()}, ids, [&](absl::Span<const TermId> row) {
-          std::string text;
-          for (size_t i = 0; i < row.size(); ++i) {
-            if (!body.columns()[i].visible || row[i].IsNone()) continue;
-            text += (text.empty() ? "" : " ") + body.columns()[i].name + "=" + world_.Text(row[i]);
-          }
-          rows.push_back(text);
+          rows.push_back(TextOf(body, row));
           return true;
         });
     EXPECT_TRUE(status.ok()) << status;
     std::sort(rows.begin(), rows.end());
     return rows;
+  }
+  // The solutions that `quad` gives through the trigger with this number, which it matches: by EvaluateFrom, sorted.
+  std::vector<std::string> RowsFrom(Body& body, size_t trigger, const std::string& quad, bool all = true) {
+    std::vector<TermId> seed;
+    body.SeedFrom(body.triggers()[trigger], world_.QuadOf(quad), seed);
+    std::vector<std::string> rows;
+    const absl::Status status = body.EvaluateFrom(body.triggers()[trigger], {.version = &world_.writer.current()}, seed,
+                                                  [&](absl::Span<const TermId> row) {
+                                                    rows.push_back(TextOf(body, row));
+                                                    return all;
+                                                  });
+    EXPECT_TRUE(status.ok()) << status;
+    std::sort(rows.begin(), rows.end());
+    return rows;
+  }
+  std::string TextOf(const Body& body, absl::Span<const TermId> row) {
+    std::string text;
+    for (size_t i = 0; i < row.size(); ++i) {
+      if (!body.columns()[i].visible || row[i].IsNone()) continue;
+      text += (text.empty() ? "" : " ") + body.columns()[i].name + "=" + world_.Text(row[i]);
+    }
+    return text;
   }
   TestWorld world_;
 };
@@ -104,6 +121,39 @@ TEST_F(BodyTest, EveryEvaluationReadsTheGraphAsItIs) {
   world_.Apply({"m p n"}, {"n p n"});
   EXPECT_THAT(Rows(*flat), ElementsAre("y=a"));
   EXPECT_THAT(Rows(*general), ElementsAre("y=a"));
+}
+
+// What is left is nothing, one lookup, one scan, or a join.
+TEST_F(BodyTest, ASolutionFromAQuadHasWhatIsLeftOfTheQuery) {
+  world_.Apply({"r at b1", "r at b1 @other", "s at b2", "b1 in hall", "b1 in yard", "b1 in yard @other", "b2 in b2", "r likes r"});
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b }"), 0, "r at b1"), ElementsAre("x=r b=b1"));
+  const auto lookup = Compile("ASK { ?x :at ?b . ?b :in :hall }");
+  EXPECT_THAT(RowsFrom(*lookup, 0, "r at b1"), ElementsAre("x=r b=b1"));
+  EXPECT_THAT(RowsFrom(*lookup, 0, "s at b2"), IsEmpty());
+  EXPECT_THAT(RowsFrom(*lookup, 1, "b1 in hall"), ElementsAre("x=r b=b1")) << "its other pattern is open";
+  const auto scan = Compile("ASK { ?x :at ?b . ?b :in ?where }");
+  EXPECT_THAT(RowsFrom(*scan, 0, "r at b1"), ElementsAre("x=r b=b1 where=hall", "x=r b=b1 where=yard"));
+  EXPECT_EQ(RowsFrom(*scan, 0, "r at b1", /*all=*/false).size(), 1u);
+  EXPECT_THAT(RowsFrom(*scan, 1, "b1 in yard"), ElementsAre("x=r b=b1 where=yard"));
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b . ?y :in ?y }"), 0, "s at b2"), ElementsAre("x=s b=b2 y=b2"));
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b . ?x ?p ?y }"), 0, "s at b2").size(), 1u);
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :likes ?x . ?x :at ?b }"), 0, "r likes r"), ElementsAre("x=r b=b1"));
+}
+
+TEST_F(BodyTest, AScanForWhatIsLeftCountsItsSteps) {
+  for (int i = 0; i < 100; ++i) world_.Apply({"b in h" + std::to_string(i)});
+  world_.Apply({"r at b"});
+  const auto body = Compile("ASK { ?x :at ?b . ?b :in ?where }");
+  Cancellation cancellation;
+  cancellation.AllowSteps(50);
+  std::vector<TermId> seed;
+  body->SeedFrom(body->triggers()[0], world_.QuadOf("r at b"), seed);
+  int rows = 0;
+  const absl::Status status =
+      body->EvaluateFrom(body->triggers()[0], {.version = &world_.writer.current(), .cancellation = &cancellation}, seed,
+                         [&](absl::Span<const TermId>) { return ++rows < 1000; });
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+  EXPECT_EQ(rows, 50);
 }
 
 // An EXISTS that the seed decides is looked up before the join, of the first 64 filters; the others where a row is whole.
