@@ -73,6 +73,7 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPa
   entry.shape = static_cast<uint8_t>(shape);
   entry.side = 0;
   if (shape_counts_[shape]++ == 0) shapes_ |= 1u << shape;
+  by_predicate_[BucketOf(PredicatePart(constants.predicate))] |= static_cast<uint8_t>(1u << shape);
   const uint32_t hash = HashOfKey(entry.constants);
   if (pattern.object_guard && constants.object.IsNone()) {
     if (guarded_counts_[shape]++ == 0) guarded_shapes_ |= 1u << shape;

@@ -120,6 +120,7 @@ class PatternIndex {
   }
   // Of the bits that say least about its place.
   static uint8_t TagOf(uint32_t hash) { return static_cast<uint8_t>(hash >> 24 | 1); }
+  static size_t BucketOf(uint64_t predicate_part) { return predicate_part >> 56; }
   // The slot with the hash, or the free one where it belongs.
   size_t SlotOf(uint32_t hash) const {
     const size_t mask = tags_.size() - 1;
@@ -145,6 +146,10 @@ class PatternIndex {
   size_t taken_ = 0;  // slots
   absl::flat_hash_map<uint32_t, std::unique_ptr<Guarded>> guarded_;
   unsigned shapes_ = 0;          // bit i: shape i has any
+  // The same, of the patterns with a predicate of this hash; what had any once keeps its bit. Most often a quad need not be
+  // looked up for all shapes in use.
+  std::array<uint8_t, 256> by_predicate_ = {};
+  static constexpr unsigned kWithoutPredicate = 0b00110011;
   unsigned guarded_shapes_ = 0;  // bit i: shape i has any with a guard
   std::vector<Handle> free_;
   std::array<size_t, 8> shape_counts_ = {};
@@ -178,7 +183,7 @@ void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   std::array<Lookup, 8> lookups;
   size_t count = 0;
   const size_t mask = tags_.size() - 1;
-  for (unsigned rest = shapes_; rest != 0; rest &= rest - 1) {
+  for (unsigned rest = shapes_ & (kWithoutPredicate | by_predicate_[BucketOf(p)]); rest != 0; rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
     const uint32_t hash = HashOf(parts[shape]);
     lookups[count++] = {shape, hash, tags_[hash & mask]};
