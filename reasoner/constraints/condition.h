@@ -103,7 +103,7 @@ class Condition {
   // often it falls before, and needs them again.
   bool watches_in_vain() const { return in_vain_; }
 
-  // For the caller's own use.
+  // For the caller's own use: where the running update lists it, and whether it has groups.
   uint32_t& touched_at() { return touched_at_; }
   bool is_grouped() const { return grouped_; }
   void set_grouped() { grouped_ = true; }
@@ -169,7 +169,7 @@ class Condition {
   bool in_vain_ : 1 = false;
   bool blocked_ : 1 = false;   // kOne: nothing matches the trigger now, as a Recheck of this update saw
   bool unlooked_ : 1 = false;  // kAll: whether one would do was not looked at since it fell
-  bool has_slots_ : 1 = false;
+  bool has_slots_ : 1 = false;  // slots_ are there, told without a look at their line
   bool grouped_ : 1 = false;
   Shape::Constants constants_;  // what tells this condition from others of the shape
 };

@@ -155,16 +155,10 @@ ConditionKind& Shape::KindWith(const ConditionKind::Keys& keys) {
   return kind;
 }
 
-void Shape::Seed(const Constants& constants, std::vector<TermId>& seed) const {
-  ClearSeed(body_->columns().size(), seed);
-  const TermId* constant = constants.data();
-  for (const int16_t column : parameters_) seed[column] = *constant++;
-}
-
 // Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
 bool Shape::IsSame(const Body& member, const Constants& constants) const {
-  std::vector<TermId> seed;
-  Seed(constants, seed);
+  ConditionKind kind(*body_, {}, parameters_, indexes_);
+  const std::vector<TermId>& seed = kind.SeedWith(constants);
   for (size_t i = 0; i < shared_.size(); ++i) {
     const Trigger& open = body_->triggers()[i];
     const Trigger& closed = member.triggers()[i];

@@ -88,8 +88,6 @@ class Shape {
   Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
   void Watch();
   void Unwatch();
-  // A row of the body with the constants in it, nothing else: into `seed`.
-  void Seed(const Constants& constants, std::vector<TermId>& seed) const;
   bool IsSame(const Body& member, const Constants& constants) const;
 
   const uint32_t number_;
