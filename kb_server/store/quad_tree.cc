@@ -42,7 +42,8 @@ QuadTree::QuadTree(QuadTree&& other) noexcept
       size_(std::exchange(other.size_, 0)),
       bytes_(std::exchange(other.bytes_, 0)),
       replaced_bytes_(std::exchange(other.replaced_bytes_, 0)),
-      height_(std::exchange(other.height_, 0)) {}
+      height_(std::exchange(other.height_, 0)),
+      last_edit_(std::exchange(other.last_edit_, {})) {}
 
 QuadTree& QuadTree::operator=(const QuadTree& other) {
   QuadTree copy(other);
@@ -55,6 +56,7 @@ QuadTree& QuadTree::operator=(QuadTree&& other) noexcept {
   std::swap(bytes_, other.bytes_);
   std::swap(replaced_bytes_, other.replaced_bytes_);
   std::swap(height_, other.height_);
+  std::swap(last_edit_, other.last_edit_);
   return *this;
 }
 
@@ -105,7 +107,9 @@ bool QuadTree::Insert(const Key& key, uint64_t epoch) {
   if (path.found) return false;
   MakeWritable(edit, &path);
   Edit::Right right;
-  Node* changed = edit.InsertIntoLeaf(path.leaf, path.position, key, &right);
+  Leaf* const leaf = edit.InsertIntoLeaf(path.leaf, path.position, key, &right);
+  last_edit_ = right.node == nullptr ? LastEdit{leaf, path.position} : LastEdit{};
+  Node* changed = leaf;
   for (int level = height_ - 1; level >= 0; --level) {
     auto [inner, index] = path.steps[level];
     inner->children[index] = changed;
@@ -142,7 +146,10 @@ bool QuadTree::Erase(const Key& key, uint64_t epoch) {
   if (!path.found) return false;
   Edit edit(epoch);
   MakeWritable(edit, &path);
-  Node* changed = edit.EraseFromLeaf(path.leaf, path.position);
+  Leaf* const leaf = edit.EraseFromLeaf(path.leaf, path.position);
+  const bool stays = leaf != nullptr && (height_ == 0 || leaf->count >= Leaf::kMinKeys);  // it is not merged
+  last_edit_ = stays ? LastEdit{leaf, path.position} : LastEdit{};
+  Node* changed = leaf;
   for (int level = height_ - 1; level >= 0; --level) {
     auto [inner, index] = path.steps[level];
     inner->children[index] = changed;
@@ -171,8 +178,27 @@ bool QuadTree::Contains(const Key& key) const {
   return root_ != nullptr && Descend(key).found;
 }
 
+std::optional<bool> QuadTree::ContainsPrefixThere(const Key& first, int words) const {
+  const auto& [leaf, position] = last_edit_;
+  if (leaf == nullptr) return std::nullopt;
+  bool between = true;  // what begins so would stand between the two
+  for (int i = position - 1; i <= position; ++i) {
+    if (i < 0 || i >= leaf->count) {
+      between = false;
+      continue;
+    }
+    int word = 0;
+    while (word < words && leaf->Word(i, word) == first[static_cast<size_t>(word)]) ++word;
+    if (word == words) return true;
+    const bool below = leaf->Word(i, word) < first[static_cast<size_t>(word)];
+    between = between && below == (i < position);
+  }
+  return between ? std::optional<bool>(false) : std::nullopt;
+}
+
 bool QuadTree::ContainsPrefix(const Key& first, int words) const {
   if (root_ == nullptr) return false;
+  if (const std::optional<bool> known = ContainsPrefixThere(first, words)) return *known;
   const Node* node = root_;
   const Key* next = nullptr;  // where the nodes begin that come after those on the way down
   for (int level = 0; level < height_; ++level) {

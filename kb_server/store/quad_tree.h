@@ -17,6 +17,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace docent {
@@ -47,7 +48,8 @@ class QuadTree {
   bool Erase(const Key& key, uint64_t epoch);
 
   bool Contains(const Key& key) const;
-  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n).
+  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n); O(1) beside the last Insert or
+  // Erase of this very tree.
   bool ContainsPrefix(const Key& first, int words) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
@@ -72,6 +74,14 @@ class QuadTree {
   static constexpr int kMaxHeight = 16;
   struct Path;
 
+  // Where the last Insert or Erase was, as long as no other change may have moved it. Copies do not know it.
+  struct LastEdit {
+    const Leaf* leaf = nullptr;
+    int position = 0;  // of the key that was put in, or of the one that now stands where one was taken out
+  };
+  // What the keys there say about ContainsPrefix; nullopt: not enough.
+  std::optional<bool> ContainsPrefixThere(const Key& first, int words) const;
+
   Path Descend(const Key& key) const;
   void MakeWritable(Edit& edit, Path* path);
   // Keys below `key` (or equal, if inclusive) beneath `node`, which stands at `level`.
@@ -82,6 +92,7 @@ class QuadTree {
   size_t bytes_ = 0;
   size_t replaced_bytes_ = 0;
   int height_ = 0;  // inner levels above the leaves
+  LastEdit last_edit_;
 };
 
 // A position in a range of a tree. Usage: for (auto i = tree.Range(a, b); i.Valid(); i.Next()) use(i.key());

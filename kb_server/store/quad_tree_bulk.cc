@@ -44,6 +44,7 @@ std::vector<QuadTree::Key> Merged(const QuadTree::Leaf& leaf, std::span<const Qu
 
 void QuadTree::Edit::InsertSorted(QuadTree* tree, std::span<const Key> keys, uint64_t epoch) {
   if (keys.empty()) return;
+  tree->last_edit_ = {};
   Edit edit(epoch);
   std::vector<Right> level;
   if (tree->root_ == nullptr) {

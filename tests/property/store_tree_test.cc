@@ -47,6 +47,15 @@ struct KeySource {
   uint64_t words;
 };
 
+// Whether a key begins with the first `words` words of `key`.
+void ExpectSamePrefix(const QuadTree& tree, const std::set<Key>& model, const Key& key, int words) {
+  Key prefix = {};
+  std::copy(key.begin(), key.begin() + words, prefix.begin());
+  const auto after = model.lower_bound(prefix);
+  ASSERT_EQ(tree.ContainsPrefix(prefix, words),
+            after != model.end() && std::equal(prefix.begin(), prefix.begin() + words, after->begin()));
+}
+
 void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySource* source) {
   auto again = tree.Range(kLowest, kHighest);
   for (int i = 0; i < 20; ++i) {
@@ -58,12 +67,7 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     for (auto it = tree.Range(first, last); it.Valid(); it.Next()) found.push_back(it.key());
     ASSERT_EQ(found, expected);
     ASSERT_EQ(tree.CountRange(first, last), expected.size());
-    const int words = i % 5;
-    Key prefix = {};
-    std::copy(first.begin(), first.begin() + words, prefix.begin());
-    const auto after = model.lower_bound(prefix);
-    ASSERT_EQ(tree.ContainsPrefix(prefix, words),
-              after != model.end() && std::equal(prefix.begin(), prefix.begin() + words, after->begin()));
+    ExpectSamePrefix(tree, model, first, i % 5);
     ASSERT_EQ(tree.RankOf(first), static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
     if (!model.empty()) {
       const uint64_t rank = source->random() % model.size();
@@ -132,6 +136,12 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
         ASSERT_EQ(tree.Erase(key, epoch), model.erase(key) == 1);
       }
       ASSERT_EQ(tree.Contains(key), model.contains(key));
+      // Beside the change, where the tree knows most without going down.
+      for (int words = 0; words < 5; ++words) ExpectSamePrefix(tree, model, key, words);
+      const auto next = model.upper_bound(key);
+      if (next != model.end()) ExpectSamePrefix(tree, model, *next, i % 5);
+      if (next != model.begin()) ExpectSamePrefix(tree, model, *std::prev(next), i % 5);
+      ExpectSamePrefix(tree, model, source.Next(), i % 5);
     }
     ASSERT_EQ(tree.size(), model.size());
     tree.CheckInvariants();
