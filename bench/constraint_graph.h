@@ -24,6 +24,8 @@ class ConstraintGraph {
 
   Quad Encode(const TermQuad& fact);
   Delta Apply(bool add, const Quad& quad) { return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad}); }
+  // The constraints follow what Apply does, as in a turn of the server.
+  void Observe(ConstraintSet* set) { writer_.SetObserver(set); }
   // The next immutable version.
   void Freeze() { writer_.Freeze(Revision(++revision_)); }
   const GraphVersion& version() const { return writer_.current(); }

@@ -44,7 +44,11 @@ struct Stages {
         constraints(*dictionary_in, functions),
         conditions(dictionary_in, &constraints),
         robots(dictionary_in),
-        engine(dictionary_in, limits_in) {}
+        engine(dictionary_in, limits_in) {
+    writer.SetObserver(&constraints);
+  }
+  Stages(const Stages&) = delete;
+  Stages& operator=(const Stages&) = delete;
 
   const Limits limits;
   Dictionary& dictionary;

@@ -17,14 +17,18 @@ GraphWriter::GraphWriter(GraphVersionPtr start)
       epoch_(QuadTree::NewEpoch()) {}
 
 bool GraphWriter::Add(const Quad& quad) {
+  if (observer_ != nullptr) observer_->BeforeChange(quad, true);
   if (!version_->trees_[0].Insert(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
+  if (observer_ != nullptr) observer_->DuringChange(quad, true);
   for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_);
   Note(quad, true);
   return true;
 }
 
 bool GraphWriter::Remove(const Quad& quad) {
+  if (observer_ != nullptr) observer_->BeforeChange(quad, false);
   if (!version_->trees_[0].Erase(KeyOf(quad, IndexOrder::kSpog), epoch_)) return false;
+  if (observer_ != nullptr) observer_->DuringChange(quad, false);
   for (int i = 1; i < kIndexOrders; ++i) version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_);
   Note(quad, false);
   return true;

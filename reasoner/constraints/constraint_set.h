@@ -38,6 +38,7 @@
 #include "kb_server/sparql/function_registry.h"
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_version.h"
+#include "kb_server/store/graph_writer.h"
 
 namespace docent {
 
@@ -82,7 +83,7 @@ struct RegisterOptions {
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
-class ConstraintSet {
+class ConstraintSet final : public GraphWriter::Observer {
  public:
   // `dictionary` interns the constants of queries and computed key values. Both must outlive the set.
   explicit ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
@@ -98,6 +99,11 @@ class ConstraintSet {
                                         const RegisterOptions& options = {});
   // Ends following; unknown ids are ignored.
   void Remove(ConstraintId id);
+
+  // Of a change that the next Update will be told of: what Update will look at is on its way into the cache while the graph
+  // changes. Decides nothing; need not be called.
+  void BeforeChange(const Quad& quad, bool added) override;
+  void DuringChange(const Quad& quad, bool added) override;
 
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
   // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.

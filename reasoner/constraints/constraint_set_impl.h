@@ -165,6 +165,9 @@ struct ConstraintSet::Impl {
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
 
+  // Of the next Update.
+  size_t expected = 0;
+
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
   std::vector<ConstraintChange> changes;
   size_t told = 0;

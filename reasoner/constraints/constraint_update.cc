@@ -264,11 +264,24 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
   });
 }
 
+// Of many changes the last would push out what the first have brought.
+void ConstraintSet::BeforeChange(const Quad& quad, bool added) {
+  Impl& impl = *impl_;
+  if (++impl.expected <= Impl::kFetchedAhead) impl.indexes.ForChange(added).PrefetchSlots(quad);
+}
+
+void ConstraintSet::DuringChange(const Quad& quad, bool added) {
+  const Impl& impl = *impl_;
+  if (impl.expected > Impl::kFetchedAhead) return;
+  impl.indexes.ForChange(added).Prefetch(quad, [&](uint32_t owner) { impl.Prefetch(owner); });
+}
+
 absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
                                                                          const Delta& delta, TimeMicros now_us,
                                                                          Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
+  impl.expected = 0;
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const size_t begin = impl.edits.size();
   impl.Gather(delta);

@@ -76,6 +76,9 @@ class PatternIndex {
   template <typename Fetch>
   void Prefetch(const Quad& quad, const Fetch& fetch) const;
 
+  // Brings what Prefetch will look at into the cache.
+  void PrefetchSlots(const Quad& quad) const;
+
   size_t size() const { return entries_.size() - free_.size(); }
 
  private:
@@ -129,6 +132,9 @@ class PatternIndex {
     while (tags_[at] != 0 && (tags_[at] != tag || slots_[at].hash != hash)) at = (at + 1) & mask;
     return at;
   }
+  // Calls `visit(shape, hash)` for each shape that may have a pattern that matches the quad.
+  template <typename Visit>
+  void ForEachHash(const Quad& quad, const Visit& visit) const;
   // Calls `found(shape, slot)` for each shape that has patterns with the quad's hash.
   template <typename Found>
   void ForEachSlot(const Quad& quad, const Found& found) const;
@@ -170,10 +176,26 @@ inline bool PatternIndex::Matches(const Entry& entry, unsigned shape, const Quad
   return entry.shape == shape && entry.constants.Matches(quad) && EqualPositionsHold(entry.equal, quad);
 }
 
-template <typename Found>
-void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
+template <typename Visit>
+void PatternIndex::ForEachHash(const Quad& quad, const Visit& visit) const {
   const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
   const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
+  for (unsigned rest = shapes_ & (kWithoutPredicate | by_predicate_[BucketOf(p)]); rest != 0; rest &= rest - 1) {
+    const auto shape = static_cast<unsigned>(std::countr_zero(rest));
+    visit(shape, HashOf(parts[shape]));
+  }
+}
+
+inline void PatternIndex::PrefetchSlots(const Quad& quad) const {
+  const size_t mask = tags_.size() - 1;
+  ForEachHash(quad, [&](unsigned, uint32_t hash) {
+    docent::Prefetch(&tags_[hash & mask]);
+    docent::Prefetch(&slots_[hash & mask]);
+  });
+}
+
+template <typename Found>
+void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   // The tags of all shapes are on their way before the first of them decides anything.
   struct Lookup {
     unsigned shape;
@@ -183,11 +205,7 @@ void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   std::array<Lookup, 8> lookups;
   size_t count = 0;
   const size_t mask = tags_.size() - 1;
-  for (unsigned rest = shapes_ & (kWithoutPredicate | by_predicate_[BucketOf(p)]); rest != 0; rest &= rest - 1) {
-    const auto shape = static_cast<unsigned>(std::countr_zero(rest));
-    const uint32_t hash = HashOf(parts[shape]);
-    lookups[count++] = {shape, hash, tags_[hash & mask]};
-  }
+  ForEachHash(quad, [&](unsigned shape, uint32_t hash) { lookups[count++] = {shape, hash, tags_[hash & mask]}; });
   for (size_t i = 0; i < count; ++i) {
     if (lookups[i].tag == 0) continue;
     const size_t at = SlotOf(lookups[i].hash);
