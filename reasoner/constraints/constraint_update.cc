@@ -267,7 +267,9 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
 // Of many changes the last would push out what the first have brought.
 void ConstraintSet::BeforeChange(const Quad& quad, bool added) {
   Impl& impl = *impl_;
-  if (++impl.expected <= Impl::kFetchedAhead) impl.indexes.ForChange(added).PrefetchSlots(quad);
+  if (++impl.expected > Impl::kFetchedAhead) return;
+  impl.indexes.ForChange(added).PrefetchSlots(quad);
+  if (added) impl.indexes.on_remove.PrefetchSlotOf(quad);  // what it makes true will watch it
 }
 
 void ConstraintSet::DuringChange(const Quad& quad, bool added) {

@@ -76,8 +76,9 @@ class PatternIndex {
   template <typename Fetch>
   void Prefetch(const Quad& quad, const Fetch& fetch) const;
 
-  // Brings what Prefetch will look at into the cache.
+  // Brings what Prefetch will look at into the cache; and what Add will for a pattern that is the quad's three terms.
   void PrefetchSlots(const Quad& quad) const;
+  void PrefetchSlotOf(const Quad& quad) const;
 
   size_t size() const { return entries_.size() - free_.size(); }
 
@@ -138,6 +139,7 @@ class PatternIndex {
   // Calls `found(shape, slot)` for each shape that has patterns with the quad's hash.
   template <typename Found>
   void ForEachSlot(const Quad& quad, const Found& found) const;
+  void PrefetchSlot(uint32_t hash) const;
   void FreeSlot(size_t at);
   void Grow();
   // Another key may have the same hash, of another shape, too.
@@ -186,12 +188,18 @@ void PatternIndex::ForEachHash(const Quad& quad, const Visit& visit) const {
   }
 }
 
+inline void PatternIndex::PrefetchSlot(uint32_t hash) const {
+  const size_t at = hash & (tags_.size() - 1);
+  docent::Prefetch(&tags_[at]);
+  docent::Prefetch(&slots_[at]);
+}
+
 inline void PatternIndex::PrefetchSlots(const Quad& quad) const {
-  const size_t mask = tags_.size() - 1;
-  ForEachHash(quad, [&](unsigned, uint32_t hash) {
-    docent::Prefetch(&tags_[hash & mask]);
-    docent::Prefetch(&slots_[hash & mask]);
-  });
+  ForEachHash(quad, [this](unsigned, uint32_t hash) { PrefetchSlot(hash); });
+}
+
+inline void PatternIndex::PrefetchSlotOf(const Quad& quad) const {
+  PrefetchSlot(HashOfKey({quad.subject, quad.predicate, quad.object, TermId()}));
 }
 
 template <typename Found>
