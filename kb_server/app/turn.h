@@ -47,8 +47,6 @@ struct Stages {
         engine(dictionary_in, limits_in) {
     writer.SetObserver(&constraints);
   }
-  Stages(const Stages&) = delete;
-  Stages& operator=(const Stages&) = delete;
 
   const Limits limits;
   Dictionary& dictionary;

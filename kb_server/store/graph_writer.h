@@ -12,6 +12,7 @@
 #include <memory>
 #include <vector>
 
+#include "kb_server/store/change_observer.h"
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_version.h"
 
@@ -37,20 +38,8 @@ class GraphWriter {
 
   const GraphVersion& current() const { return *version_; }
 
-  // Told of each quad that Add, Remove or Apply is about to put in or out, and once more while it goes through the indexes:
-  // time to bring into the cache what will be looked at afterwards. It decides nothing and must not use the writer. Not told of
-  // what AddAll and RemoveAll do with many.
-  class Observer {
-   public:
-    virtual void BeforeChange(const Quad& quad, bool added) = 0;
-    // After the same quad's BeforeChange if the graph changes; what that one has asked of memory is most likely there.
-    virtual void DuringChange(const Quad& quad, bool added) = 0;
-
-   protected:
-    ~Observer() = default;
-  };
   // Null: nobody. It must be there as long as the writer changes anything.
-  void SetObserver(Observer* observer) { observer_ = observer; }
+  void SetObserver(ChangeObserver* observer) { observer_ = observer; }
 
   // Rollback goes back to here.
   void Commit();
@@ -60,7 +49,7 @@ class GraphWriter {
   void Rollback();
 
  private:
-  Observer* observer_ = nullptr;
+  ChangeObserver* observer_ = nullptr;
   GraphVersionPtr start_;
   std::unique_ptr<GraphVersion> version_;
   uint64_t epoch_;  // nodes with this epoch are ours to change

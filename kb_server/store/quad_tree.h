@@ -48,8 +48,8 @@ class QuadTree {
   bool Erase(const Key& key, uint64_t epoch);
 
   bool Contains(const Key& key) const;
-  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n); O(1) beside the last Insert or
-  // Erase of this very tree.
+  // Whether a key begins with the first `words` words of `first`, whose others are 0. O(log n); most often O(1) beside the
+  // last Insert or Erase of this very tree.
   bool ContainsPrefix(const Key& first, int words) const;
   // Number of keys k with first <= k <= last. O(log n).
   uint64_t CountRange(const Key& first, const Key& last) const;
@@ -77,7 +77,7 @@ class QuadTree {
   // Where the last Insert or Erase was, as long as no other change may have moved it. Copies do not know it.
   struct LastEdit {
     const Leaf* leaf = nullptr;
-    int position = 0;  // of the key that was put in, or of the one that now stands where one was taken out
+    int position = 0;  // of the key that was put in, or of the one after that which was taken out; may be the leaf's count
   };
   // What the keys there say about ContainsPrefix; nullopt: not enough.
   std::optional<bool> ContainsPrefixThere(const Key& first, int words) const;

@@ -36,9 +36,9 @@
 #include "kb_server/rdf/dictionary.h"
 #include "kb_server/sparql/algebra.h"
 #include "kb_server/sparql/function_registry.h"
+#include "kb_server/store/change_observer.h"
 #include "kb_server/store/delta.h"
 #include "kb_server/store/graph_version.h"
-#include "kb_server/store/graph_writer.h"
 
 namespace docent {
 
@@ -83,7 +83,7 @@ struct RegisterOptions {
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
-class ConstraintSet final : public GraphWriter::Observer {
+class ConstraintSet final : public ChangeObserver {
  public:
   // `dictionary` interns the constants of queries and computed key values. Both must outlive the set.
   explicit ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
@@ -100,8 +100,8 @@ class ConstraintSet final : public GraphWriter::Observer {
   // Ends following; unknown ids are ignored.
   void Remove(ConstraintId id);
 
-  // Of a change that the next Update will be told of: what Update will look at is on its way into the cache while the graph
-  // changes. Decides nothing; need not be called.
+  // Of a change that the next Update will most likely be told of: what Update will look at is on its way into the cache while
+  // the graph changes. Decides nothing; need not be called.
   void BeforeChange(const Quad& quad, bool added) override;
   void DuringChange(const Quad& quad, bool added) override;
 

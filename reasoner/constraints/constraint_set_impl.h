@@ -165,7 +165,7 @@ struct ConstraintSet::Impl {
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
 
-  // Of the next Update.
+  // Changes of the next Update that were fetched ahead for.
   size_t expected = 0;
 
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.

@@ -266,15 +266,16 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
 
 // Of many changes the last would push out what the first have brought.
 void ConstraintSet::BeforeChange(const Quad& quad, bool added) {
-  Impl& impl = *impl_;
-  if (++impl.expected > Impl::kFetchedAhead) return;
+  const Impl& impl = *impl_;
+  if (impl.expected == Impl::kFetchedAhead) return;
   impl.indexes.ForChange(added).PrefetchSlots(quad);
   if (added) impl.indexes.on_remove.PrefetchSlotOf(quad);  // what it makes true will watch it
 }
 
 void ConstraintSet::DuringChange(const Quad& quad, bool added) {
-  const Impl& impl = *impl_;
-  if (impl.expected > Impl::kFetchedAhead) return;
+  Impl& impl = *impl_;
+  if (impl.expected == Impl::kFetchedAhead) return;
+  ++impl.expected;
   impl.indexes.ForChange(added).Prefetch(quad, [&](uint32_t owner) { impl.Prefetch(owner); });
 }
 
@@ -319,6 +320,7 @@ void ConstraintSet::Rollback() {
   const Condition::Edits edits = std::exchange(impl_->edits, {});
   const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
+  impl_->expected = 0;
   std::vector<uint32_t> changed;
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
     Impl::Shared& shared = impl_->conditions[edit->condition];

@@ -123,6 +123,7 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
       model.insert(run.begin(), run.end());
       tree.CheckInvariants();
       ASSERT_EQ(All(tree), std::vector<Key>(model.begin(), model.end()));
+      for (const Key& key : run) ExpectSamePrefix(tree, model, key, 3);
     }
     for (int i = 0; i < changes; ++i) {
       Key key = source.Next();
@@ -145,6 +146,9 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
     }
     ASSERT_EQ(tree.size(), model.size());
     tree.CheckInvariants();
+    QuadTree moved = std::move(tree);
+    if (!model.empty()) ExpectSamePrefix(moved, model, *model.begin(), 2);
+    tree = std::move(moved);
     if (round % 5 == 0) {
       versions.emplace_back(tree, std::vector<Key>(model.begin(), model.end()));
       epoch = QuadTree::NewEpoch();
@@ -156,11 +160,17 @@ TEST_P(StoreTreeProperty, BehavesAsASetAndOldVersionsStay) {
   for (const auto& [version, keys] : versions) {
     version.CheckInvariants();
     ASSERT_EQ(All(version), keys);
+    const std::set<Key> then(keys.begin(), keys.end());
+    for (int i = 0; i < 100; ++i) ExpectSamePrefix(version, then, source.Next(), i % 5);
   }
   // Down to nothing, in random order.
   std::vector<Key> rest(model.begin(), model.end());
   std::shuffle(rest.begin(), rest.end(), source.random);
-  for (const Key& key : rest) ASSERT_TRUE(tree.Erase(key, epoch));
+  for (const Key& key : rest) {
+    ASSERT_TRUE(tree.Erase(key, epoch));
+    model.erase(key);
+    for (int words = 1; words < 5; ++words) ExpectSamePrefix(tree, model, key, words);
+  }
   EXPECT_EQ(tree.size(), 0u);
   EXPECT_EQ(tree.bytes(), 0u);
   for (const auto& [version, keys] : versions) ASSERT_EQ(All(version), keys);

@@ -137,7 +137,7 @@ TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
 }
 
 TEST(GraphWriterTest, AnObserverIsToldBeforeAndDuringEachChange) {
-  struct Log final : GraphWriter::Observer {
+  struct Log final : ChangeObserver {
     void BeforeChange(const Quad& quad, bool added) override { before.emplace_back(quad, added); }
     void DuringChange(const Quad& quad, bool added) override { during.emplace_back(quad, added); }
     std::vector<std::pair<Quad, bool>> before, during;
