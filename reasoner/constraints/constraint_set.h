@@ -104,6 +104,8 @@ class ConstraintSet final : public ChangeObserver {
   // the graph changes. Decides nothing; need not be called.
   void BeforeChange(const Quad& quad, bool added) override;
   void DuringChange(const Quad& quad, bool added) override;
+  // With fewer patterns to look for they do nothing: so few stay in the cache. For tests; the default is measured.
+  void FetchAheadFrom(size_t patterns);
 
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
   // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.

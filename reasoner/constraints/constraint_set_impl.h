@@ -131,6 +131,12 @@ struct ConstraintSet::Impl {
     return binding;
   }
 
+  // Whether what the next Update looks at is fetched for this change of its delta.
+  bool FetchesAhead() const {
+    return expected < kFetchedAhead && indexes.on_add.size() + indexes.on_remove.size() >= fetch_ahead_from;
+  }
+
+  // Of many changes the last would push out what the first have brought.
   static constexpr size_t kFetchedAhead = 16;
   // Changes that keep their memory from one update to the next.
   static constexpr size_t kMostKept = 64;
@@ -167,6 +173,7 @@ struct ConstraintSet::Impl {
 
   // Changes of the next Update that were fetched ahead for.
   size_t expected = 0;
+  size_t fetch_ahead_from = 2048;  // patterns; fewer stay in the cache: to fetch them takes longer than it saves
 
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
   std::vector<ConstraintChange> changes;

@@ -264,19 +264,22 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
   });
 }
 
-// Of many changes the last would push out what the first have brought.
 void ConstraintSet::BeforeChange(const Quad& quad, bool added) {
   const Impl& impl = *impl_;
-  if (impl.expected == Impl::kFetchedAhead) return;
+  if (!impl.FetchesAhead()) return;
   impl.indexes.ForChange(added).PrefetchSlots(quad);
   if (added) impl.indexes.on_remove.PrefetchSlotOf(quad);  // what it makes true will watch it
 }
 
 void ConstraintSet::DuringChange(const Quad& quad, bool added) {
   Impl& impl = *impl_;
-  if (impl.expected == Impl::kFetchedAhead) return;
+  if (!impl.FetchesAhead()) return;
   ++impl.expected;
   impl.indexes.ForChange(added).Prefetch(quad, [&](uint32_t owner) { impl.Prefetch(owner); });
+}
+
+void ConstraintSet::FetchAheadFrom(size_t patterns) {
+  impl_->fetch_ahead_from = patterns;
 }
 
 absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,

@@ -146,6 +146,7 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
                        size_t register_late) {
   TestWorld world;
   ConstraintSet set(world.dictionary);
+  set.FetchAheadFrom(0);
   world.writer.SetObserver(&set);
   std::vector<std::unique_ptr<Followed>> followed;
   const auto follow = [&](const Asked& a) {
