@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bench/constraint_graph.h"
+#include "bench/measurement.h"
 
 namespace docent::bench {
 namespace {
@@ -17,11 +18,10 @@ using Clock = std::chrono::steady_clock;
 
 // Microseconds an update. `flips`: constraints that each changes.
 double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& graph, ConstraintSet& set) {
-  Clock::time_point start;
-  for (size_t pair = 0; pair < facts.size(); ++pair) {
-    if (pair == kWarmUpPairs) start = Clock::now();
+  const Clock::time_point start = Clock::now();
+  for (const Quad& fact : facts) {
     for (const bool add : {true, false}) {
-      const Delta delta = graph.Apply(add, facts[pair]);
+      const Delta delta = graph.Apply(add, fact);
       const auto changes = set.Update(graph.version(), delta);
       if (!changes.ok() || changes->size() != flips) {
         std::fprintf(stderr, "an update changes %zu constraints, not %zu\n", changes.ok() ? changes->size() : 0, flips);
@@ -31,7 +31,7 @@ double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& gr
       graph.Freeze();
     }
   }
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count() / (2.0 * kMeasuredPairs);
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count() / (2.0 * static_cast<double>(facts.size()));
 }
 
 }  // namespace
@@ -46,18 +46,26 @@ std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t 
   const Term other = Term::Iri(absl::StrCat(kConstraintNs, "other"));
   std::array<double, kConstraintShapes> net = {};
   for (const ConstraintShape shape : {ConstraintShape::kJoin, ConstraintShape::kNegated, ConstraintShape::kFree}) {
-    const auto facts = [&](bool looked_at) {
-      std::vector<Quad> facts;
-      for (int i = 0; i < kWarmUpPairs + kMeasuredPairs; ++i) {
+    struct Block {
+      std::vector<Quad> looked_at, not_looked_at;
+    };
+    std::vector<Block> blocks(1 + kPairBlocks);
+    for (Block& block : blocks) {
+      for (int i = 0; i < kPairsInBlock; ++i) {
         const size_t n = random() % ConstraintsOfShape(shape, constraints);
         TermQuad fact = FactThatFlips(shape, n, random(), ++serial);
-        if (!looked_at) fact.predicate = other;
-        facts.push_back(graph.Encode(fact));
+        block.looked_at.push_back(graph.Encode(fact));
+        fact.predicate = other;
+        block.not_looked_at.push_back(graph.Encode(fact));
       }
-      return facts;
-    };
-    const double base = Measure(facts(false), 0, graph, set);
-    net[static_cast<size_t>(shape)] = Measure(facts(true), 1, graph, set) - base;
+    }
+    std::vector<double> differences;
+    for (const Block& block : blocks) {
+      const double base = Measure(block.not_looked_at, 0, graph, set);
+      differences.push_back(Measure(block.looked_at, 1, graph, set) - base);
+    }
+    differences.erase(differences.begin());
+    net[static_cast<size_t>(shape)] = Median(differences);
   }
   return net;
 }

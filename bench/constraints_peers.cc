@@ -1,5 +1,6 @@
 #include "bench/constraints_peers.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <string>
@@ -44,13 +45,15 @@ constexpr char kClips[] = R"clp(
   (bind ?f (assert (other (v (sym-cat p ?i)) (t (sym-cat b ?k))))) (run) (retract ?f) (run))
 (deffunction base-free (?n ?k) (bind ?i (random 0 (- ?n 1)))
   (bind ?f (assert (other (v (sym-cat c ?k)) (t (sym-cat i ?i))))) (run) (retract ?f) (run))
-(deffunction timed (?f ?n ?pairs)
-  (loop-for-count (?k 1 1000) do (funcall ?f ?n ?k))
-  (bind ?*fired* 0)
-  (bind ?start (time))
-  (loop-for-count (?k 1 ?pairs) do (funcall ?f ?n (+ ?k 1000)))
-  (bind ?took (- (time) ?start))
-  (printout t ?f "-seconds " ?took crlf ?f "-fired " ?*fired* crlf))
+(deffunction seconds (?f ?n ?from ?pairs) (bind ?start (time))
+  (loop-for-count (?k 1 ?pairs) do (funcall ?f ?n (+ ?from ?k)))
+  (- (time) ?start))
+(deffunction compared (?f ?base ?n ?blocks ?pairs)
+  (loop-for-count (?b 0 ?blocks) do
+    (bind ?fired-before ?*fired*)
+    (bind ?of-base (seconds ?base ?n (* ?b ?pairs) ?pairs))
+    (bind ?of-f (seconds ?f ?n (* ?b ?pairs) ?pairs))
+    (printout t ?f "-fired " (- ?*fired* ?fired-before) crlf ?f "-more " (- ?of-f ?of-base) crlf)))
 )clp";
 
 // By the CLIPS function that makes a pair.
@@ -91,9 +94,7 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   run << "(load \"" << folder << "/rules.clp\")\n(load-facts \"" << folder << "/facts.dat\")\n(run)\n(seed 7)\n";
   for (const auto& [shape, function] : kFunctions) {
     const size_t n = ConstraintsOfShape(shape, constraints);
-    for (const char* base : {"base-", ""}) {
-      run << "(timed " << base << function << " " << n << " " << kMeasuredPairs << ")\n";
-    }
+    run << "(compared " << function << " base-" << function << " " << n << " " << kPairBlocks << " " << kPairsInBlock << ")\n";
   }
   run << "(exit)\n";
   run.close();
@@ -101,15 +102,16 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   double weighted = 0;
   bool whole = true;
   for (const auto& [shape, function] : kFunctions) {
-    const double gross = NumberAfter(text, absl::StrCat(function, "-seconds"));
-    const double base = NumberAfter(text, absl::StrCat("base-", function, "-seconds"));
-    const bool fired = NumberAfter(text, absl::StrCat(function, "-fired")) == kMeasuredPairs;
-    if (gross < 0 || base < 0 || !fired) {
+    const std::vector<double> fired = NumbersAfter(text, absl::StrCat(function, "-fired"));
+    std::vector<double> differences = NumbersAfter(text, absl::StrCat(function, "-more"));  // seconds a block, the first to warm up
+    const bool exact = std::all_of(fired.begin(), fired.end(), [](double count) { return count == kPairsInBlock; });
+    if (differences.size() != 1 + kPairBlocks || !exact) {
       whole = false;
-      add(PairNetOf(shape), {}, fired ? "no answer in time" : "did not fire once a pair");
+      add(PairNetOf(shape), {}, exact ? "no answer in time" : "did not fire once a pair");
       continue;
     }
-    const double us = (gross - base) / (2.0 * kMeasuredPairs) * 1e6;
+    differences.erase(differences.begin());
+    const double us = Median(differences) / (2.0 * kPairsInBlock) * 1e6;
     weighted += kPartOfPairs[static_cast<size_t>(shape)] * us;
     add(PairNetOf(shape), {us}, "");
   }

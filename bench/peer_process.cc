@@ -34,14 +34,20 @@ std::string RunAndRead(const std::string& command, int timeout_s) {
   return text;
 }
 
-double NumberAfter(const std::string& text, const std::string& word) {
+std::vector<double> NumbersAfter(const std::string& text, const std::string& word) {
   const std::string all = "\n" + text, label = "\n" + word + " ";
-  const size_t at = all.rfind(label);
-  double number = -1;
-  if (at == std::string::npos) return -1;
-  const size_t start = at + label.size();
-  if (!absl::SimpleAtod(all.substr(start, all.find_first_of(" \n", start) - start), &number)) return -1;
-  return number;
+  std::vector<double> numbers;
+  for (size_t at = all.find(label); at != std::string::npos; at = all.find(label, at + 1)) {
+    const size_t start = at + label.size();
+    double number = 0;
+    if (absl::SimpleAtod(all.substr(start, all.find_first_of(" \n", start) - start), &number)) numbers.push_back(number);
+  }
+  return numbers;
+}
+
+double NumberAfter(const std::string& text, const std::string& word) {
+  const std::vector<double> numbers = NumbersAfter(text, word);
+  return numbers.empty() ? -1 : numbers.back();
 }
 
 }  // namespace docent::bench

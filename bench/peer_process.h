@@ -3,6 +3,7 @@
 #define DOCENT_BENCH_PEER_PROCESS_H_
 
 #include <string>
+#include <vector>
 
 namespace docent::bench {
 
@@ -26,7 +27,9 @@ bool Installed(const std::string& program);
 // What the command printed; it is ended after `timeout_s` seconds.
 std::string RunAndRead(const std::string& command, int timeout_s);
 
-// The number after `word` and a space, the last time that `word` begins a line; below zero where there is none.
+// The numbers after `word` and a space, each time that `word` begins a line.
+std::vector<double> NumbersAfter(const std::string& text, const std::string& word);
+// The last of them; below zero where there is none.
 double NumberAfter(const std::string& text, const std::string& word);
 
 }  // namespace docent::bench
