@@ -44,7 +44,10 @@ class Subscribers::OneConstraint final : public Stream, public grpc::ClientReadR
   }
   void OnReadDone(bool ok) override {
     if (!ok) return;
-    owner_.Replied(constraint_, reply_);
+    {
+      absl::MutexLock lock(&owner_.mutex_);
+      owner_.Replied(constraint_, reply_);
+    }
     StartRead(&reply_);
   }
   void OnDone(const grpc::Status& status) override { owner_.Ended(status); }
@@ -72,11 +75,14 @@ class Subscribers::ManyConstraints final
   }
   void OnReadDone(bool ok) override {
     if (!ok) return;
-    for (const v1::SubscribeStreamReply::Part& part : reply_.parts()) {
-      if (part.has_reply()) {
-        owner_.Replied(part.tag(), part.reply());
-      } else {
-        std::fprintf(stderr, "a subscription ended: %s\n", part.ended().message().c_str());
+    {
+      absl::MutexLock lock(&owner_.mutex_);
+      for (const v1::SubscribeStreamReply::Part& part : reply_.parts()) {
+        if (part.has_reply()) {
+          owner_.Replied(part.tag(), part.reply());
+        } else {
+          std::fprintf(stderr, "a subscription ended: %s\n", part.ended().message().c_str());
+        }
       }
     }
     StartRead(&reply_);
@@ -134,20 +140,16 @@ Subscribers::~Subscribers() {
 }
 
 void Subscribers::Replied(size_t constraint, const v1::SubscribeReply& reply) {
+  const SteadyClock::time_point now = SteadyClock::now();
   if (reply.reset()) {
-    Answered();
+    if (ready_) ++result_.wrong;  // the whole answer anew: changes were lost
+    ++answered_;
   } else if (reply.is_boolean()) {
-    Notified(constraint, reply.boolean());
+    Notified(constraint, reply.boolean(), now);
   } else {
-    for (int i = 0; i < reply.appeared_size(); ++i) Notified(constraint, true);
-    for (int i = 0; i < reply.disappeared_size(); ++i) Notified(constraint, false);
+    for (int i = 0; i < reply.appeared_size(); ++i) Notified(constraint, true, now);
+    for (int i = 0; i < reply.disappeared_size(); ++i) Notified(constraint, false, now);
   }
-}
-
-void Subscribers::Answered() {
-  absl::MutexLock lock(&mutex_);
-  if (ready_) ++result_.wrong;  // the whole answer anew: changes were lost
-  ++answered_;
 }
 
 void Subscribers::Ended(const grpc::Status& status) {
@@ -156,15 +158,13 @@ void Subscribers::Ended(const grpc::Status& status) {
   ++ended_;
 }
 
-void Subscribers::Expect(size_t constraint, bool holds, SteadyClock::time_point due) {
+void Subscribers::Expect(const std::vector<Flip>& flips, SteadyClock::time_point due) {
   absl::MutexLock lock(&mutex_);
-  expected_[constraint].push_back({holds, due});
-  ++outstanding_;
+  for (const Flip& flip : flips) expected_[flip.constraint].push_back({flip.holds, due});
+  outstanding_ += flips.size();
 }
 
-void Subscribers::Notified(size_t constraint, bool holds) {
-  const SteadyClock::time_point now = SteadyClock::now();
-  absl::MutexLock lock(&mutex_);
+void Subscribers::Notified(size_t constraint, bool holds, SteadyClock::time_point now) {
   std::deque<Expected>& queue = expected_[constraint];
   if (queue.empty() || queue.front().holds != holds) {
     ++result_.wrong;

@@ -30,8 +30,13 @@ class Subscribers {
   ~Subscribers();
 
   bool ready() const { return ready_; }
-  // The update that was due then makes this constraint hold, or makes it cease to.
-  void Expect(size_t constraint, bool holds, SteadyClock::time_point due);
+  // What an update does: this constraint begins to hold, or ceases to.
+  struct Flip {
+    size_t constraint;
+    bool holds;
+  };
+  // Those of the updates that were due then.
+  void Expect(const std::vector<Flip>& flips, SteadyClock::time_point due);
   // Until fewer than `limit` notifications are outstanding; false: not within `timeout`.
   bool WaitForFewerThan(size_t limit, absl::Duration timeout);
 
@@ -52,9 +57,8 @@ class Subscribers {
     bool holds;
     SteadyClock::time_point due;
   };
-  void Replied(size_t constraint, const v1::SubscribeReply& reply);
-  void Answered();
-  void Notified(size_t constraint, bool holds);
+  void Replied(size_t constraint, const v1::SubscribeReply& reply) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Notified(size_t constraint, bool holds, SteadyClock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Ended(const grpc::Status& status);
 
   std::vector<std::unique_ptr<Stream>> streams_;
