@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <deque>
 #include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/synchronization/mutex.h"
+#include "bench/assert_client.h"
 #include "bench/command_line.h"
 #include "bench/constraint_world.h"
 #include "bench/measurement.h"
@@ -80,72 +79,15 @@ struct Phase {
   size_t wrong = 0;
 };
 
-// Writes requests to one AssertStream, one after the other, without waiting for them.
-class AssertCall final : public grpc::ClientBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
- public:
-  explicit AssertCall(v1::Context::Stub* stub) {
-    stub->async()->AssertStream(&context_, this);
-    StartRead(&reply_);
-    StartCall();
-  }
-  void Write(v1::AssertRequest request) {
-    absl::MutexLock lock(&mutex_);
-    waiting_.push_back(std::move(request));
-    if (!writing_) WriteNext();
-  }
-  // Waits until all are answered.
-  void End() {
-    absl::MutexLock lock(&mutex_);
-    ending_ = true;
-    if (!writing_) WriteNext();
-    mutex_.Await(absl::Condition(&done_));
-  }
-
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
-    waiting_.pop_front();
-    writing_ = false;
-    if (ok) WriteNext();
-  }
-  void OnReadDone(bool ok) override {
-    if (!ok) return;
-    if (reply_.has_error()) std::fprintf(stderr, "refused: %s\n", reply_.error().message().c_str());
-    StartRead(&reply_);
-  }
-  void OnDone(const grpc::Status& status) override {
-    if (!status.ok()) std::fprintf(stderr, "the stream of updates ended: %s\n", status.error_message().c_str());
-    absl::MutexLock lock(&mutex_);
-    done_ = true;
-  }
-
- private:
-  void WriteNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    writing_ = !waiting_.empty();
-    if (writing_) {
-      StartWrite(&waiting_.front());
-    } else if (ending_) {
-      StartWritesDone();
-    }
-  }
-
-  grpc::ClientContext context_;
-  v1::AssertStreamReply reply_;
-  absl::Mutex mutex_;
-  std::deque<v1::AssertRequest> waiting_ ABSL_GUARDED_BY(mutex_);  // the first is being written
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool ending_ ABSL_GUARDED_BY(mutex_) = false;
-  bool done_ ABSL_GUARDED_BY(mutex_) = false;
-};
-
 // Tells updates over one stream, `batch` in each request.
 class Teller {
  public:
   Teller(const std::shared_ptr<grpc::Channel>& channel, const Arguments& arguments)
-      : stub_(v1::Context::NewStub(channel)), arguments_(arguments), updates_(arguments.constraints, 1) {}
+      : channel_(channel), arguments_(arguments), updates_(arguments.constraints, 1) {}
 
   // `rate` updates a second on a fixed schedule (open loop); 0: as many as go with in_flight outstanding.
   Phase Run(Subscribers& subscribers, double rate, size_t batch) {
-    AssertCall call(stub_.get());
+    AssertClient client(channel_);
     const SteadyClock::time_point start = SteadyClock::now();
     size_t told = 0;
     while (true) {
@@ -158,11 +100,11 @@ class Teller {
         due = SteadyClock::now();
       }
       if (std::chrono::duration<double>(due - start).count() > arguments_.seconds) break;
-      call.Write(NextRequest(subscribers, batch, due));
+      client.Send(NextRequest(subscribers, batch, due));
       told += batch;
     }
     subscribers.WaitForFewerThan(1, absl::Seconds(20));
-    call.End();
+    client.Finish();
     Subscribers::Result result = subscribers.Take();
     const double seconds = std::chrono::duration<double>(result.last - start).count();
     return {static_cast<double>(result.latencies_us.size()) / seconds, std::move(result.latencies_us), result.lost,
@@ -186,7 +128,7 @@ class Teller {
     return request;
   }
 
-  const std::unique_ptr<v1::Context::Stub> stub_;
+  const std::shared_ptr<grpc::Channel> channel_;
   const Arguments& arguments_;
   ConstraintUpdates updates_;
 };
@@ -238,7 +180,7 @@ bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerPro
 }
 
 int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
-  const OneCallbackThread one_callback_thread;
+  const OneCallbackThread one_callback_thread;  // as in the server
   auto server = ServerProcess::Start(arguments.folder);
   if (!server.ok()) {
     std::fprintf(stderr, "docent-bench: %s\n", std::string(server.status().message()).c_str());

@@ -6,12 +6,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <deque>
 #include <thread>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "bench/assert_client.h"
 #include "bench/command_line.h"
 #include "bench/constraint_mix.h"
 #include "bench/constraint_stage.h"
@@ -164,59 +164,6 @@ v1::AssertRequest ToRequest(const MixedUpdate& update) {
   ToProto(update.add.object, quad->mutable_object());
   return request;
 }
-
-// One AssertStream: requests go out in order, answers are read as they come.
-class AssertClient final : public grpc::ClientBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
- public:
-  explicit AssertClient(const std::shared_ptr<grpc::Channel>& channel) : stub_(v1::Context::NewStub(channel)) {
-    stub_->async()->AssertStream(&context_, this);
-    AddHold();  // Send() is called from outside the reactions
-    StartRead(&reply_);
-    StartCall();
-  }
-  void Send(v1::AssertRequest request) {
-    absl::MutexLock lock(&mutex_);
-    waiting_.push_back(std::move(request));
-    if (waiting_.size() == 1) StartWrite(&waiting_.front());
-  }
-  // Waits until every request is answered.
-  void Finish() {
-    absl::MutexLock lock(&mutex_);
-    closing_ = true;
-    if (waiting_.empty()) StartWritesDone();
-    RemoveHold();
-    mutex_.Await(absl::Condition(&done_));
-  }
-
- private:
-  void OnReadDone(bool ok) override {
-    if (!ok) return;
-    if (reply_.has_error()) std::fprintf(stderr, "refused: %s\n", reply_.error().message().c_str());
-    StartRead(&reply_);
-  }
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
-    waiting_.pop_front();
-    if (!ok) return;
-    if (!waiting_.empty()) {
-      StartWrite(&waiting_.front());
-    } else if (closing_) {
-      StartWritesDone();
-    }
-  }
-  void OnDone(const grpc::Status&) override {
-    absl::MutexLock lock(&mutex_);
-    done_ = true;
-  }
-
-  std::unique_ptr<v1::Context::Stub> stub_;
-  grpc::ClientContext context_;
-  v1::AssertStreamReply reply_;
-  absl::Mutex mutex_;
-  std::deque<v1::AssertRequest> waiting_ ABSL_GUARDED_BY(mutex_);  // the first is being written
-  bool closing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool done_ ABSL_GUARDED_BY(mutex_) = false;
-};
 
 struct Phase {
   std::vector<double> latencies_us;
