@@ -111,7 +111,9 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     }
     if (!slots_.empty() && slots_.front().answered) {
       writing_ = true;
-      StartWrite(&slots_.front().reply);
+      // The answers of a group of turns come one after the other: gRPC sends those together that wait here.
+      const bool more = slots_.size() > 1 && slots_[1].answered;
+      StartWrite(&slots_.front().reply, more ? grpc::WriteOptions().set_buffer_hint() : grpc::WriteOptions());
     } else if (reading_ended_ && slots_.empty()) {
       finished_ = true;
       Finish(grpc::Status::OK);
