@@ -25,7 +25,7 @@ struct Subscriptions::Standing {
   std::vector<PatternIndex::Handle> watches;
   StandingAnswerPtr answer;
   std::optional<TimeMicros> ripens_at_us;  // its place in ripening_
-  absl::Time idle_since = absl::InfiniteFuture();
+  absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
 };
 
 }  // namespace docent

@@ -6,6 +6,7 @@
 #include "absl/time/clock.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
+#include "kb_server/base/prefetch.h"
 #include "kb_server/service/condition_cost.h"
 #include "kb_server/service/standing_query.h"
 #include "kb_server/sparql/algebra_walk.h"
@@ -354,6 +355,7 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
   counters_.evaluations += kept_->evaluations() - before;
   if (!changes.ok()) return false;
   kept_->Commit();
+  FetchAnswers(*changes);
   for (const ConstraintChange& change : *changes) {
     Standing& standing = *standing_[by_constraint_.at(change.id)];
     bool changed = false;
@@ -371,6 +373,17 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
     if (changed) Changed(standing);
   }
   return true;
+}
+
+// They lie far apart; the first is looked at when the last is on its way from memory.
+void Subscriptions::FetchAnswers(absl::Span<const ConstraintChange> changes) const {
+  std::vector<const Standing*> standing;
+  for (const ConstraintChange& change : changes) {
+    standing.push_back(standing_[by_constraint_.at(change.id)].get());
+    Prefetch(standing.back());
+    Prefetch(&standing.back()->answer);
+  }
+  for (const Standing* one : standing) Prefetch(one->answer.get());
 }
 
 bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {
@@ -499,11 +512,12 @@ void Subscriptions::OpenNow(Opening opening) {
   const StandingAnswerPtr answer = (*standing)->answer;
   {
     absl::MutexLock lock(&followers_mutex_);
-    followers_[opening.follower] = number;
-    by_standing_[number].insert(opening.follower);
+    followed_by_.resize(standing_.size());
+    followers_[opening.follower] = {number, static_cast<uint32_t>(followed_by_[number].size())};
+    followed_by_[number].push_back(opening.follower);
     counters_.open = followers_.size();
   }
-  (*standing)->idle_since = absl::InfiniteFuture();
+  NoteIdle(**standing, absl::InfiniteFuture());
   absl::Status status;
   if (!answer->evaluated()) {
     const absl::Time start = absl::Now();
@@ -519,6 +533,7 @@ void Subscriptions::Drop(uint32_t number) {
   Standing& standing = *standing_[number];
   Forget(standing);
   if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, number});
+  NoteIdle(standing, absl::InfiniteFuture());
   by_query_.erase(standing.followed);
   counters_.queries = by_query_.size();
   standing_[number].reset();

@@ -30,6 +30,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "absl/types/span.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/base/subscription_limits.h"
@@ -160,6 +161,7 @@ class Subscriptions {
   std::vector<uint32_t> LearnConstants();
   // False: too much for the constraint set at once.
   bool UpdateKept(const Delta& delta);
+  void FetchAnswers(absl::Span<const ConstraintChange> changes) const;
   // The watched queries whose answer the change may change.
   absl::btree_set<uint32_t> Touched(const Delta& delta) const;
   absl::Status TooManyRows() const;
@@ -172,6 +174,7 @@ class Subscriptions {
   void WakeFollowers();
   void WakeDue(const std::vector<std::weak_ptr<Follower>>& due);
   void FailAll(Standing& standing, const absl::Status& status);
+  void NoteIdle(Standing& standing, absl::Time since);
   void DropIdle();
   void Drop(uint32_t number);
   bool HasWork() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -193,9 +196,13 @@ class Subscriptions {
 
   // Who is open, and what it follows. Held while followers are woken, so that Close can promise.
   absl::Mutex followers_mutex_;
-  absl::flat_hash_map<std::shared_ptr<Follower>, uint32_t> followers_ ABSL_GUARDED_BY(followers_mutex_);
-  absl::flat_hash_map<uint32_t, absl::flat_hash_set<std::shared_ptr<Follower>>> by_standing_
-      ABSL_GUARDED_BY(followers_mutex_);
+  struct Place {
+    uint32_t standing = 0;  // number of the query
+    uint32_t index = 0;     // in followed_by_ of it
+  };
+  absl::flat_hash_map<std::shared_ptr<Follower>, Place> followers_ ABSL_GUARDED_BY(followers_mutex_);
+  std::vector<std::vector<std::shared_ptr<Follower>>> followed_by_ ABSL_GUARDED_BY(followers_mutex_);  // by number
+  std::vector<uint32_t> left_ ABSL_GUARDED_BY(followers_mutex_);  // by their last follower, since it was looked at
 
   // Of the thread.
   GraphVersionPtr version_;
@@ -205,6 +212,7 @@ class Subscriptions {
   std::vector<uint32_t> free_;
   absl::flat_hash_map<FollowedQuery, uint32_t> by_query_;
   absl::btree_set<std::pair<TimeMicros, uint32_t>> ripening_;  // when, and which
+  absl::btree_set<std::pair<absl::Time, uint32_t>> idle_;      // nobody follows them: since when, and which
   Dictionary names_;  // the constraint set's: the dictionary, read only
   std::unique_ptr<ConstraintSet> kept_;
   absl::flat_hash_map<ConstraintId, uint32_t> by_constraint_;

@@ -1,6 +1,7 @@
 // Who follows the standing queries, when they are woken, and when nobody is left.
 #include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "absl/time/clock.h"
@@ -19,8 +20,15 @@ void Subscriptions::Close(const std::shared_ptr<Follower>& follower) {
   absl::MutexLock lock(&followers_mutex_);
   const auto found = followers_.find(follower);
   if (found == followers_.end()) return;
-  by_standing_[found->second].erase(follower);
+  const auto [number, index] = found->second;
   followers_.erase(found);
+  std::vector<std::shared_ptr<Follower>>& others = followed_by_[number];
+  if (index + 1 < others.size()) {
+    others[index] = std::move(others.back());
+    followers_.at(others[index]).index = index;
+  }
+  others.pop_back();
+  if (others.empty()) left_.push_back(number);
   counters_.open = followers_.size();
 }
 
@@ -42,9 +50,7 @@ void Subscriptions::WakeFollowers() {
   absl::MutexLock lock(&followers_mutex_);
   const auto for_each = [this](void (Follower::*call)()) ABSL_EXCLUSIVE_LOCKS_REQUIRED(followers_mutex_) {
     for (const uint32_t number : changed_) {
-      const auto found = by_standing_.find(number);
-      if (found == by_standing_.end()) continue;
-      for (const auto& follower : found->second) ((*follower).*call)();
+      for (const auto& follower : followed_by_[number]) ((*follower).*call)();
     }
   };
   for_each(&Follower::Wake);
@@ -67,40 +73,36 @@ void Subscriptions::WakeDue(const std::vector<std::weak_ptr<Follower>>& due) {
 void Subscriptions::FailAll(Standing& standing, const absl::Status& status) {
   {
     absl::MutexLock lock(&followers_mutex_);
-    for (const auto& follower : by_standing_[standing.number]) {
+    for (const auto& follower : std::exchange(followed_by_[standing.number], {})) {
       followers_.erase(follower);
       follower->Fail(status);
     }
-    by_standing_.erase(standing.number);
     counters_.open = followers_.size();
   }
   Drop(standing.number);
+}
+
+void Subscriptions::NoteIdle(Standing& standing, absl::Time since) {
+  if (standing.idle_since != absl::InfiniteFuture()) idle_.erase({standing.idle_since, standing.number});
+  if (since != absl::InfiniteFuture()) idle_.emplace(since, standing.number);
+  standing.idle_since = since;
 }
 
 void Subscriptions::DropIdle() {
   const absl::Time now = absl::Now();
   if (now < next_idle_check_) return;
   next_idle_check_ = now + absl::Seconds(1);
-  std::vector<uint32_t> drop;
-  size_t idle = 0;
   {
     absl::MutexLock lock(&followers_mutex_);
-    for (auto it = by_standing_.begin(); it != by_standing_.end();) {
-      Standing* standing = standing_[it->first].get();
-      if (!it->second.empty() || standing == nullptr) {
-        ++it;
-        continue;
-      }
-      if (standing->idle_since == absl::InfiniteFuture()) standing->idle_since = now;
-      if (++idle > kIdleKept || now - standing->idle_since > kLinger) {
-        drop.push_back(it->first);
-        by_standing_.erase(it++);
-      } else {
-        ++it;
-      }
+    for (const uint32_t number : std::exchange(left_, {})) {
+      Standing* const standing = standing_[number].get();
+      if (standing != nullptr && followed_by_[number].empty() && standing->idle_since == absl::InfiniteFuture())
+        NoteIdle(*standing, now);
     }
   }
-  for (uint32_t number : drop) Drop(number);
+  while (!idle_.empty() && (idle_.size() > kIdleKept || now - idle_.begin()->first > kLinger)) {
+    Drop(idle_.begin()->second);
+  }
 }
 
 }  // namespace docent
