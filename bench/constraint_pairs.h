@@ -13,7 +13,7 @@
 
 namespace docent::bench {
 
-inline constexpr int kPairBlocks = 31;  // and one before them to warm up
+inline constexpr int kPairBlocks = 127;  // and one before them to warm up
 inline constexpr int kPairsInBlock = 2000;
 // What part of the mix without thresholds a shape is.
 inline constexpr std::array<double, kConstraintShapes> kPartOfPairs = {0, 0.5, 0.25, 0.25};
