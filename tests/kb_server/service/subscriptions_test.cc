@@ -263,6 +263,44 @@ TEST_F(SubscriptionsTest, ManyClientsOfOneQueryShareItAndAClosedOneIsNotWoken) {
   EXPECT_EQ(subscriptions_->counters().evaluations, 2u);
 }
 
+TEST_F(SubscriptionsTest, WhoeverClosesTheOthersAreStillWoken) {
+  Make();
+  std::vector<std::shared_ptr<Client>> clients;
+  for (int i = 0; i < 8; ++i) clients.push_back(Open("ASK { :a :p :b }"));
+  int turns = 0;
+  for (const size_t closed : {3u, 7u, 0u, 6u, 2u, 1u, 5u, 4u}) {
+    subscriptions_->Close(clients[closed]);
+    subscriptions_->Close(clients[closed]);  // has gone: nothing happens
+    clients[closed]->wakes = -1;
+    if (++turns % 2 == 1) {
+      Turn({"a p b"});
+    } else {
+      Turn({}, {"a p b"});
+    }
+    subscriptions_->Drain();
+    for (const auto& client : clients) EXPECT_EQ(client->wakes, client->wakes < 0 ? -1 : turns);
+  }
+  EXPECT_EQ(subscriptions_->counters().open, 0u);
+}
+
+TEST_F(SubscriptionsTest, OfQueriesThatNobodyFollowsTheOldestGoBeyondAThousand) {
+  Make();
+  std::vector<std::shared_ptr<Client>> clients;
+  const auto query = [](size_t i) { return absl::StrCat("ASK { :a", i, " :p :b }"); };
+  for (size_t i = 0; i < 1010; ++i) clients.push_back(Open(query(i)));
+  const auto follows_again = Open(query(0));
+  for (const auto& client : clients) subscriptions_->Close(client);
+  for (int i = 0; i < 100 && subscriptions_->counters().queries > 1001; ++i) absl::SleepFor(absl::Milliseconds(50));
+  EXPECT_EQ(subscriptions_->counters().queries, 1001u);  // a thousand, and the one that is followed
+  const auto back = Open(query(1009));
+  EXPECT_EQ(back->answer, clients[1009]->answer);  // kept: it goes on
+  EXPECT_EQ(follows_again->answer, clients[0]->answer);
+  Turn({"a0 p b", "a1009 p b"});
+  subscriptions_->Drain();
+  EXPECT_EQ(follows_again->wakes, 1);
+  EXPECT_EQ(back->wakes, 1);
+}
+
 TEST_F(SubscriptionsTest, TheSumOfChangesIsTheirNet) {
   Make();
   auto client = Open("SELECT ?x { ?x :p ?y }");
