@@ -6,7 +6,6 @@
 #include "absl/time/clock.h"
 #include "kb_server/base/cancellation.h"
 #include "kb_server/base/diagnostic.h"
-#include "kb_server/base/prefetch.h"
 #include "kb_server/service/condition_cost.h"
 #include "kb_server/service/standing_query.h"
 #include "kb_server/sparql/algebra_walk.h"
@@ -355,7 +354,6 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
   counters_.evaluations += kept_->evaluations() - before;
   if (!changes.ok()) return false;
   kept_->Commit();
-  FetchAnswers(*changes);
   for (const ConstraintChange& change : *changes) {
     Standing& standing = *standing_[by_constraint_.at(change.id)];
     bool changed = false;
@@ -373,17 +371,6 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
     if (changed) Changed(standing);
   }
   return true;
-}
-
-// They lie far apart; the first is looked at when the last is on its way from memory.
-void Subscriptions::FetchAnswers(absl::Span<const ConstraintChange> changes) const {
-  std::vector<const Standing*> standing;
-  for (const ConstraintChange& change : changes) {
-    standing.push_back(standing_[by_constraint_.at(change.id)].get());
-    Prefetch(standing.back());
-    Prefetch(&standing.back()->answer);
-  }
-  for (const Standing* one : standing) Prefetch(one->answer.get());
 }
 
 bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {

@@ -30,7 +30,6 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "absl/types/span.h"
 #include "kb_server/base/clock.h"
 #include "kb_server/base/limits.h"
 #include "kb_server/base/subscription_limits.h"
@@ -161,7 +160,6 @@ class Subscriptions {
   std::vector<uint32_t> LearnConstants();
   // False: too much for the constraint set at once.
   bool UpdateKept(const Delta& delta);
-  void FetchAnswers(absl::Span<const ConstraintChange> changes) const;
   // The watched queries whose answer the change may change.
   absl::btree_set<uint32_t> Touched(const Delta& delta) const;
   absl::Status TooManyRows() const;
@@ -174,6 +172,7 @@ class Subscriptions {
   void WakeFollowers();
   void WakeDue(const std::vector<std::weak_ptr<Follower>>& due);
   void FailAll(Standing& standing, const absl::Status& status);
+  // Since when nobody follows it; InfiniteFuture: somebody does, or it goes.
   void NoteIdle(Standing& standing, absl::Time since);
   void DropIdle();
   void Drop(uint32_t number);
