@@ -182,6 +182,18 @@ TEST(SqliteLogTest, SnapshotsAreFoundByOffset) {
   EXPECT_FALSE((*log->SnapshotGet(7)).has_value());  // the two newest are kept
 }
 
+TEST(SqliteLogTest, LargeSnapshotIsReadAsWritten) {
+  TestFolder folder;
+  auto log = OpenLog(folder.path());
+  MustAppend(*log, 1, 2);
+  std::string data;  // of several pieces, the last not whole
+  for (uint32_t i = 0; data.size() < (3u << 20) + 5; ++i) data += absl::StrCat(i, ";");
+  ASSERT_TRUE(log->SnapshotPut(2, data).ok());
+  const auto snapshot = log->SnapshotGet(2);
+  ASSERT_TRUE(snapshot.ok() && snapshot->has_value());
+  EXPECT_TRUE((*snapshot)->data == data);
+}
+
 TEST(SqliteLogTest, DamagedSnapshotIsAnErrorThatNamesIt) {
   TestFolder folder;
   auto log = OpenLog(folder.path());
