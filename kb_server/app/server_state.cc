@@ -23,14 +23,18 @@ namespace {
 
 // What this code writes and reads. Another number: another meaning of the bytes that follow.
 constexpr uint64_t kStateFormat = 4;
+// About what they take there: where it is enough, the bytes need not move when they become more.
+constexpr size_t kBytesATerm = 16;
+constexpr size_t kBytesAQuad = 8;
 
 absl::Status Damaged(const char* what) {
   return absl::DataLossError(absl::StrCat("the snapshot's ", what, " do not decode"));
 }
 
-void WriteTerms(const Dictionary& dictionary, uint64_t count, ByteWriter* out) {
+void WriteTerms(const Dictionary& dictionary, uint64_t count, Pace* pace, ByteWriter* out) {
   out->Varint(count);
   for (uint64_t i = 0; i < count; ++i) {
+    if (pace != nullptr) pace->Rest();
     const Dictionary::EntryView entry = dictionary.EntryAt(i);
     (*out)(entry.tag, entry.is_language, entry.qualifier);
     out->Text(entry.text);
@@ -101,10 +105,11 @@ std::optional<Quad> ReadQuad(ByteReader* in, const TermMap& map, Words* before) 
   return in->ok() && whole ? std::optional(quad) : std::nullopt;
 }
 
-void WriteGraph(const GraphVersion& graph, ByteWriter* out) {
+void WriteGraph(const GraphVersion& graph, Pace* pace, ByteWriter* out) {
   out->Varint(graph.size());
   Words before{};
   graph.ForEach({}, [&](const Quad& quad) {
+    if (pace != nullptr) pace->Rest();
     WriteQuad(quad, &before, out);
     return true;
   });
@@ -269,13 +274,14 @@ ServerState TakeState(const Stages& stages, const RequestMemory& requests, Graph
   return state;
 }
 
-absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary) {
+absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary, Pace* pace) {
   const absl::StatusOr<std::string> engine = EncodeEngineState(state.engine);
   if (!engine.ok()) return engine.status();
   ByteWriter out;
+  out.Reserve(state.terms * kBytesATerm + state.graph->size() * kBytesAQuad);
   out(kStateFormat, std::string(kEngineVersion), state.offset, state.time_us);
-  WriteTerms(dictionary, state.terms, &out);
-  WriteGraph(*state.graph, &out);
+  WriteTerms(dictionary, state.terms, pace, &out);
+  WriteGraph(*state.graph, pace, &out);
   WriteLifetimes(state.lifetimes, &out);
   WriteDocuments(state.documents, &out);
   out.Text(*engine);

@@ -17,6 +17,7 @@
 
 #include "absl/status/statusor.h"
 #include "kb_server/app/turn.h"
+#include "kb_server/base/pace.h"
 #include "kb_server/door/request_memory.h"
 #include "workflow/engine/engine_state.h"
 
@@ -38,8 +39,8 @@ struct ServerState {
 ServerState TakeState(const Stages& stages, const RequestMemory& requests, GraphVersionPtr graph,
                       TimeMicros time_us);
 
-// Any thread. `dictionary` is the one of the stages.
-absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary);
+// Any thread. `dictionary` is the one of the stages. With a `pace` it rests now and then.
+absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary, Pace* pace = nullptr);
 
 // Fresh stages in a state.
 struct RestoredState {

@@ -28,6 +28,7 @@ SnapshotKeeper::SnapshotKeeper(ContextLog* log, const Dictionary* dictionary, co
 }
 
 SnapshotKeeper::~SnapshotKeeper() {
+  pace_.Hurry();
   {
     absl::MutexLock lock(&mutex_);
     closing_ = true;
@@ -67,6 +68,7 @@ void SnapshotKeeper::Discard() {
 }
 
 absl::Status SnapshotKeeper::TakeLast(const ServerState& state) {
+  pace_.Hurry();
   {
     const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return !busy_ && !job_.has_value(); };
     absl::MutexLock lock(&mutex_);
@@ -102,7 +104,7 @@ void SnapshotKeeper::Run() {
 
 absl::Status SnapshotKeeper::Write(const ServerState& state, bool wait) {
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<std::string> bytes = EncodeState(state, *dictionary_);
+  const absl::StatusOr<std::string> bytes = EncodeState(state, *dictionary_, &pace_);
   if (!bytes.ok()) return bytes.status();
   while (wait) {
     const absl::StatusOr<uint64_t> head = log_->Wait(state.offset - 1, kDurablePoll);

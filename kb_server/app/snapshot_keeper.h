@@ -1,8 +1,8 @@
 // Takes snapshots while the server runs, so that a start need not replay everything, and drops the log
 // records that nobody needs any more.
 //
-// The writer hands over a copy of its state, between two turns; a thread of low priority encodes it, waits
-// until the log has the record that made it, writes it, and trims the log. One at a time. The writer's thread
+// The writer hands over a copy of its state, between two turns; a thread of low priority encodes it, resting now and
+// then, waits until the log has the record that made it, writes it, and trims the log. One at a time. The writer's thread
 // calls everything but the constructor, the destructor and counters.
 #ifndef DOCENT_KB_SERVER_APP_SNAPSHOT_KEEPER_H_
 #define DOCENT_KB_SERVER_APP_SNAPSHOT_KEEPER_H_
@@ -61,6 +61,7 @@ class SnapshotKeeper {
   const Dictionary* const dictionary_;
   const Limits limits_;
   Counters counters_;
+  Pace pace_;
 
   // of the writer: since the newest snapshot was taken
   uint64_t records_ = 0;

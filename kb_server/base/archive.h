@@ -65,6 +65,8 @@ class ByteWriter {
     bytes_.append(text);
   }
   size_t size() const { return bytes_.size(); }
+  // About so many bytes will be written.
+  void Reserve(size_t bytes) { bytes_.reserve(bytes); }
   std::string Take() { return std::move(bytes_); }
 
  private:
