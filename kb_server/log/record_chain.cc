@@ -38,45 +38,52 @@ std::array<char, 8> LittleEndian(uint64_t value) {
   return bytes;
 }
 
-// SHA-256 of what is added. A failure inside OpenSSL means that memory ran out or the library is broken;
-// there is no log to go on with then.
-class Hasher {
- public:
-  Hasher() { Require(EVP_DigestInit_ex2(Context(), Algorithm(), nullptr)); }
-  Hasher& Add(std::string_view bytes) {
-    Require(EVP_DigestUpdate(Context(), bytes.data(), bytes.size()));
-    return *this;
-  }
-  Hasher& Add(uint64_t value) {
-    const auto bytes = LittleEndian(value);
-    return Add(std::string_view(bytes.data(), bytes.size()));
-  }
-  ChainHash Finish() {
-    ChainHash hash;
-    Require(EVP_DigestFinal_ex(Context(), hash.data(), nullptr));
-    return hash;
-  }
+// A failure inside OpenSSL means that memory ran out or the library is broken; there is no log to go on with then.
+void Require(bool ok) {
+  if (!ok) std::abort();
+}
 
- private:
-  static void Require(int ok) {
-    if (ok != 1) std::abort();
-  }
-  // Looked up once: EVP_sha256() is looked up by OpenSSL 3 each time that it is used (crypto(7),
-  // "Explicit fetching").
-  static const EVP_MD* Algorithm() {
-    static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
-    Require(algorithm != nullptr ? 1 : 0);
-    return algorithm;
-  }
-  // One context a thread, used again for every record.
-  static EVP_MD_CTX* Context() {
-    struct Free {
-      void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-    };
-    thread_local std::unique_ptr<EVP_MD_CTX, Free> context(EVP_MD_CTX_new());
-    return context.get();
-  }
-};
+// Looked up once: EVP_sha256() is looked up by OpenSSL 3 each time that it is used (crypto(7), "Explicit fetching").
+const EVP_MD* Sha256Algorithm() {
+  static const EVP_MD* const algorithm = EVP_MD_fetch(nullptr, "SHA256", nullptr);
+  Require(algorithm != nullptr);
+  return algorithm;
+}
+
+void Begin(EVP_MD_CTX* context) {
+  Require(context != nullptr && EVP_DigestInit_ex2(context, Sha256Algorithm(), nullptr) == 1);
+}
+
+void Add(EVP_MD_CTX* context, std::string_view bytes) {
+  Require(EVP_DigestUpdate(context, bytes.data(), bytes.size()) == 1);
+}
+
+void Add(EVP_MD_CTX* context, uint64_t value) {
+  const auto bytes = LittleEndian(value);
+  Add(context, std::string_view(bytes.data(), bytes.size()));
+}
+
+ChainHash Finish(EVP_MD_CTX* context) {
+  ChainHash hash;
+  Require(EVP_DigestFinal_ex(context, hash.data(), nullptr) == 1);
+  return hash;
+}
+
+void BeginRecord(EVP_MD_CTX* context, uint64_t offset, uint64_t epoch, const ChainHash& previous) {
+  Begin(context);
+  Add(context, AsBytes(previous));
+  Add(context, offset);
+  Add(context, epoch);
+}
+
+// One context a thread, used again for every record.
+EVP_MD_CTX* ThreadContext() {
+  struct Free {
+    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+  };
+  thread_local std::unique_ptr<EVP_MD_CTX, Free> context(EVP_MD_CTX_new());
+  return context.get();
+}
 
 }  // namespace
 
@@ -105,11 +112,29 @@ uint32_t RecordCrc(uint64_t offset, uint64_t epoch, const ChainHash& previous, s
 }
 
 ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data) {
-  return Hasher().Add(AsBytes(previous)).Add(offset).Add(epoch).Add(data).Finish();
+  EVP_MD_CTX* const context = ThreadContext();
+  BeginRecord(context, offset, epoch, previous);
+  Add(context, data);
+  return Finish(context);
 }
 
+RecordHasher::RecordHasher(uint64_t offset, uint64_t epoch, const ChainHash& previous) : context_(EVP_MD_CTX_new()) {
+  BeginRecord(context_.get(), offset, epoch, previous);
+}
+
+RecordHasher::~RecordHasher() = default;
+
+void RecordHasher::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
+
+void RecordHasher::Add(std::string_view data) { docent::Add(context_.get(), data); }
+
+ChainHash RecordHasher::Finish() { return docent::Finish(context_.get()); }
+
 ChainHash Sha256(std::string_view bytes) {
-  return Hasher().Add(bytes).Finish();
+  EVP_MD_CTX* const context = ThreadContext();
+  Begin(context);
+  Add(context, bytes);
+  return Finish(context);
 }
 
 }  // namespace docent

@@ -5,7 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string_view>
+
+struct evp_md_ctx_st;  // OpenSSL's EVP_MD_CTX
 
 namespace docent {
 
@@ -32,6 +35,21 @@ uint32_t RecordCrc(uint64_t offset, uint64_t epoch, const ChainHash& previous, s
 // The hash of a record: SHA-256 over the previous record's hash, its own offset, epoch and data. Record 1 has
 // a previous hash of 32 zero bytes.
 ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous, std::string_view data);
+
+// The same of data that comes in pieces. One thread.
+class RecordHasher {
+ public:
+  RecordHasher(uint64_t offset, uint64_t epoch, const ChainHash& previous);
+  ~RecordHasher();
+  void Add(std::string_view data);
+  ChainHash Finish();  // once
+
+ private:
+  struct Free {
+    void operator()(evp_md_ctx_st* context) const;
+  };
+  std::unique_ptr<evp_md_ctx_st, Free> context_;
+};
 
 // SHA-256 of `bytes`.
 ChainHash Sha256(std::string_view bytes);

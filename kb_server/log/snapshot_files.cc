@@ -29,10 +29,6 @@ struct Header {
   ChainHash hash;   // SHA-256 of the fields above and of the content
 };
 
-ChainHash HashOf(const Header& header, std::string_view data) {
-  return RecordHash(header.offset, header.length, header.chain, data);
-}
-
 absl::Status WriteAll(int fd, std::string_view bytes, const std::string& what) {
   while (!bytes.empty()) {
     const ssize_t written = write(fd, bytes.data(), bytes.size());
@@ -56,12 +52,15 @@ absl::StatusOr<size_t> ReadAll(int fd, char* to, size_t size, const std::string&
   return done;
 }
 
-// Writes, and has the disk take it piece by piece: an append to the log, which syncs on the same disk, then waits for
-// a piece at most, not for a whole snapshot. Not durable before an fsync.
-absl::Status WriteInPieces(int fd, std::string_view bytes, const std::string& what) {
+// Hashes the content, writes it, and has the disk take it, a piece after the other: an append to the log, which syncs on
+// the same disk, then waits for a piece at most, not for a whole snapshot, and others have the core meanwhile. Not
+// durable before an fsync.
+absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, const std::string& what) {
   constexpr size_t kPiece = 1 << 20;
-  for (; !bytes.empty(); bytes.remove_prefix(std::min(kPiece, bytes.size()))) {
-    const absl::Status status = WriteAll(fd, bytes.substr(0, kPiece), what);
+  for (; !data.empty(); data.remove_prefix(std::min(kPiece, data.size()))) {
+    const std::string_view piece = data.substr(0, kPiece);
+    hasher->Add(piece);
+    const absl::Status status = WriteAll(fd, piece, what);
     if (!status.ok()) return status;
     // All pages that are not with the disk yet: the last piece's. An error must be told here, since fsync tells each
     // error once; where the system has no such call, fsync does all.
@@ -71,12 +70,17 @@ absl::Status WriteInPieces(int fd, std::string_view bytes, const std::string& wh
   return absl::OkStatus();
 }
 
-absl::Status WriteSynced(const std::string& path, std::string_view header, std::string_view data,
-                         const std::string& what) {
+// The header's hash is known, and so the header is written, when the rest is there.
+absl::Status WriteSynced(const std::string& path, Header header, std::string_view data, const std::string& what) {
   FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
   if (!file.valid()) return FileError(errno, what);
-  absl::Status status = WriteAll(file.fd(), header, what);
-  if (status.ok()) status = WriteInPieces(file.fd(), data, what);
+  if (lseek(file.fd(), sizeof(header), SEEK_SET) < 0) return FileError(errno, what);
+  RecordHasher hasher(header.offset, header.length, header.chain);
+  absl::Status status = WriteInPieces(file.fd(), data, &hasher, what);
+  if (!status.ok()) return status;
+  header.hash = hasher.Finish();
+  if (lseek(file.fd(), 0, SEEK_SET) < 0) return FileError(errno, what);
+  status = WriteAll(file.fd(), {reinterpret_cast<const char*>(&header), sizeof(header)}, what);
   if (status.ok() && fsync(file.fd()) != 0) status = FileError(errno, what);
   return status;
 }
@@ -91,10 +95,8 @@ absl::Status SnapshotFiles::Put(uint64_t offset, const ChainHash& chain, std::st
   const std::string what = absl::StrCat("cannot write the snapshot at offset ", offset);
   Header header = {{}, offset, data.size(), chain, {}};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
-  header.hash = HashOf(header, data);
   const std::string temporary = absl::StrCat(folder_, "/", kUnfinished);
-  absl::Status status =
-      WriteSynced(temporary, {reinterpret_cast<const char*>(&header), sizeof(header)}, data, what);
+  absl::Status status = WriteSynced(temporary, header, data, what);
   if (status.ok() && rename(temporary.c_str(), Path(offset).c_str()) != 0) status = FileError(errno, what);
   if (!status.ok()) {
     unlink(temporary.c_str());
@@ -175,7 +177,7 @@ absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> SnapshotFiles::Get(uint64
   snapshot.data.resize(header.length);
   got = ReadAll(file.fd(), snapshot.data.data(), snapshot.data.size(), what);
   if (!got.ok()) return got.status();
-  if (*got != header.length || HashOf(header, snapshot.data) != header.hash) return damaged;
+  if (*got != header.length || RecordHash(header.offset, header.length, header.chain, snapshot.data) != header.hash) return damaged;
   result.chain = header.chain;
   return std::optional<Snapshot>(std::move(result));
 }
