@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bench/assert_client.h"
+#include "bench/client_cores.h"
 #include "bench/command_line.h"
 #include "bench/constraint_world.h"
 #include "bench/measurement.h"
@@ -30,7 +31,7 @@ struct Arguments {
   size_t in_flight = 1000;
   double seconds = 5;  // of each measurement
   double rate = 0;     // updates a second of the open loop; 0: half of what saturates
-  int runs = 3;
+  int runs = 5;
   std::string folder = ".";
   bool only_streams = false;
 };
@@ -180,12 +181,13 @@ bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerPro
 }
 
 int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
-  const OneCallbackThread one_callback_thread;  // as in the server
   auto server = ServerProcess::Start(arguments.folder);
   if (!server.ok()) {
     std::fprintf(stderr, "docent-bench: %s\n", std::string(server.status().message()).c_str());
     return 2;
   }
+  KeepToUpperHalfOfCores();
+  const OneCallbackThread one_callback_thread;  // as in the server
   auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
   std::fprintf(stderr, "loading %zu triples ...\n", arguments.triples);
   const grpc::Status loaded = LoadWorld(channel, World(arguments.triples, arguments.constraints));
