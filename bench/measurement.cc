@@ -3,8 +3,11 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
 namespace docent::bench {
@@ -27,6 +30,36 @@ std::string Quoted(const std::string& text) {
 
 std::string Number(double value) { return absl::StrFormat("%.4g", value); }
 
+// Four digits that count; from 10,000 on with commas.
+std::string NumberForPeople(double value) {
+  const std::string number = Number(value);
+  if (std::abs(value) < 10000) return number;
+  std::string out = absl::StrFormat("%.0f", std::strtod(number.c_str(), nullptr));
+  const size_t first = value < 0 ? 1 : 0;
+  for (size_t i = out.size(); i > first + 3;) out.insert(i -= 3, ",");
+  return out;
+}
+
+const std::vector<std::string> kTitles = {"metric", "system", "median", "min", "max", "unit", "runs"};
+
+// What could not be measured has a reason instead of figures.
+std::vector<std::string> RowOf(const Measurement& m) {
+  if (m.runs.empty()) return {m.metric, m.system, absl::StrCat("not measured: ", m.reason)};
+  const auto [low, high] = std::minmax_element(m.runs.begin(), m.runs.end());
+  return {m.metric, m.system, NumberForPeople(Median(m.runs)), NumberForPeople(*low), NumberForPeople(*high), m.unit,
+          absl::StrCat(m.runs.size())};
+}
+
+std::string Line(const std::vector<std::string>& cells, const std::vector<size_t>& widths) {
+  std::string out;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const int width = static_cast<int>(widths[i]);
+    const bool figure = i >= 2 && i != 5 && cells.size() == widths.size();
+    absl::StrAppend(&out, "  ", figure ? absl::StrFormat("%*s", width, cells[i]) : absl::StrFormat("%-*s", width, cells[i]));
+  }
+  return out + "\n";
+}
+
 }  // namespace
 
 double Median(std::vector<double> values) {
@@ -47,20 +80,21 @@ std::string ToJsonLine(const Measurement& m) {
 }
 
 std::string ToTable(const std::vector<Measurement>& measurements) {
-  std::string out = absl::StrFormat("%-24s %-34s %-26s %10s %10s %10s  %-6s %4s\n", "case", "metric", "system", "median",
-                                    "min", "max", "unit", "runs");
-  std::string before;
-  for (const Measurement& m : measurements) {
-    const std::string group = m.name + m.metric;
-    if (!before.empty() && group != before) out += "\n";
-    before = group;
-    if (m.runs.empty()) {
-      out += absl::StrFormat("%-24s %-34s %-26s not measured: %s\n", m.name, m.metric, m.system, m.reason);
-      continue;
-    }
-    const auto [low, high] = std::minmax_element(m.runs.begin(), m.runs.end());
-    out += absl::StrFormat("%-24s %-34s %-26s %10s %10s %10s  %-6s %4d\n", m.name, m.metric, m.system,
-                           Number(Median(m.runs)), Number(*low), Number(*high), m.unit, m.runs.size());
+  std::vector<std::vector<std::string>> rows;
+  for (const Measurement& m : measurements) rows.push_back(RowOf(m));
+  std::vector<size_t> widths;
+  for (const std::string& title : kTitles) widths.push_back(title.size());
+  for (const auto& row : rows) {
+    for (size_t i = 0; i < row.size() && row.size() == kTitles.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string out;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Measurement& m = measurements[i];
+    const bool new_case = i == 0 || m.name != measurements[i - 1].name;
+    if (new_case) absl::StrAppend(&out, i == 0 ? "" : "\n", m.name, "\n", Line(kTitles, widths));
+    const bool new_metric = new_case || m.metric != measurements[i - 1].metric;
+    if (!new_metric) rows[i][0] = "";  // another system's, for comparison
+    out += Line(rows[i], widths);
   }
   return out;
 }
