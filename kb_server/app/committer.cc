@@ -1,5 +1,7 @@
 #include "kb_server/app/committer.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -97,6 +99,7 @@ Committer::Groups Committer::Next() {
 }
 
 void Committer::Loop() {
+  pthread_setname_np(pthread_self(), "committer");
   for (Groups groups = Next(); !groups.empty(); groups = Next()) {
     if (absl::Status status = Append(groups); !status.ok()) {
       Halt(status);

@@ -2,6 +2,7 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
@@ -165,6 +166,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ExpectRobots();
   s.writer_->ResumeCommands();  // before the writer's thread has it
   s.writer_thread_ = std::thread([&s] {
+    pthread_setname_np(pthread_self(), "writer");
     absl::Status status = s.writer_->Run();
     absl::MutexLock lock(&s.status_mutex_);
     s.writer_status_ = status;

@@ -1,5 +1,6 @@
 #include "kb_server/app/snapshot_keeper.h"
 
+#include <pthread.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -22,6 +23,7 @@ constexpr std::chrono::milliseconds kDurablePoll{50};
 SnapshotKeeper::SnapshotKeeper(ContextLog* log, const Dictionary* dictionary, const Limits& limits)
     : log_(log), dictionary_(dictionary), limits_(limits) {
   thread_ = std::thread([this] {
+    pthread_setname_np(pthread_self(), "snapshots");
     setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
     Run();
   });

@@ -1,5 +1,7 @@
 // The part of SqliteLog that looks after the files: trimming, and carrying the write-ahead log over into the
 // database.
+#include <pthread.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
@@ -138,6 +140,7 @@ void SqliteLog::CarryOver() {
 }
 
 void SqliteLog::CheckpointLoop() {
+  pthread_setname_np(pthread_self(), "checkpoints");
   const auto due = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
     return stopping_ || wal_pages_ >= next_checkpoint_pages_;
   };

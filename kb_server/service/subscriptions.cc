@@ -1,5 +1,7 @@
 #include "kb_server/service/subscriptions.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
@@ -136,6 +138,7 @@ void Subscriptions::Drain() {
 }
 
 void Subscriptions::Run() {
+  pthread_setname_np(pthread_self(), "followers");
   size_t turns_together = 0;
   while (true) {
     std::optional<Turn> turn;
