@@ -33,8 +33,9 @@ std::string Number(double value) { return absl::StrFormat("%.4g", value); }
 // Four digits that count; from 10,000 on with commas.
 std::string NumberForPeople(double value) {
   const std::string number = Number(value);
-  if (std::abs(value) < 10000) return number;
-  std::string out = absl::StrFormat("%.0f", std::strtod(number.c_str(), nullptr));
+  const double rounded = std::strtod(number.c_str(), nullptr);  // 9,999.9 is 10,000
+  if (std::abs(rounded) < 10000) return number;
+  std::string out = absl::StrFormat("%.0f", rounded);
   const size_t first = value < 0 ? 1 : 0;
   for (size_t i = out.size(); i > first + 3;) out.insert(i -= 3, ",");
   return out;
