@@ -177,7 +177,8 @@ absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> SnapshotFiles::Get(uint64
   snapshot.data.resize(header.length);
   got = ReadAll(file.fd(), snapshot.data.data(), snapshot.data.size(), what);
   if (!got.ok()) return got.status();
-  if (*got != header.length || RecordHash(header.offset, header.length, header.chain, snapshot.data) != header.hash) return damaged;
+  const ChainHash hash = RecordHash(header.offset, header.length, header.chain, snapshot.data);
+  if (*got != header.length || hash != header.hash) return damaged;
   result.chain = header.chain;
   return std::optional<Snapshot>(std::move(result));
 }
