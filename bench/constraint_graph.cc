@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "kb_server/sparql/parser.h"
+#include "graph/sparql/syntax/parser.h"
 
 namespace docent::bench {
 

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "bench/constraint_world.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/algebra.h"
-#include "kb_server/store/graph_writer.h"
-#include "reasoner/constraints/constraint_set.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/store/graph_writer.h"
+#include "reasoner/conditions/constraint_set.h"
 
 namespace docent::bench {
 

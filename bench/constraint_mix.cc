@@ -1,8 +1,8 @@
 #include "bench/constraint_mix.h"
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::bench {
 namespace {

@@ -9,11 +9,11 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "bench/constraint_mix.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/batch_applier.h"
-#include "reasoner/constraints/constraint_set.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/batch_applier.h"
+#include "reasoner/conditions/constraint_set.h"
 
 namespace docent::bench {
 namespace {

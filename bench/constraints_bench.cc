@@ -17,8 +17,8 @@
 #include "bench/constraint_world.h"
 #include "bench/constraints_peers.h"
 #include "bench/measurement.h"
-#include "kb_server/sparql/evaluator.h"
-#include "reasoner/constraints/constraint_set.h"
+#include "graph/sparql/run/evaluator.h"
+#include "reasoner/conditions/constraint_set.h"
 
 namespace docent::bench {
 namespace {

@@ -1,6 +1,6 @@
 // `docent-bench constraints` alone: needs no more of the tree than the constraints.
 #include "bench/constraints_bench.h"
-#include "kb_server/base/program_setup.h"
+#include "graph/base/program_setup.h"
 
 int main(int argc, char** argv) {
   docent::SetMutexChecks();

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "bench/kb_random.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::bench {
 namespace {

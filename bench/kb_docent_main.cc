@@ -19,13 +19,13 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_replace.h"
 #include "bench/kb_process.h"
-#include "kb_server/base/program_setup.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/bulk_loader.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/program_setup.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/bulk_loader.h"
+#include "graph/store/graph_writer.h"
 
 namespace docent::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "bench/kb_random.h"
-#include "kb_server/sparql/algebra.h"
-#include "kb_server/sparql/parser.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/syntax/parser.h"
 
 namespace docent::bench {
 namespace {

@@ -14,7 +14,7 @@
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
 #include "bench/server_process.h"
-#include "kb_server/app/part_loader.h"
+#include "kb_server/cli/part_loader.h"
 
 namespace docent::bench {
 namespace {

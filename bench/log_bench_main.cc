@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/log/record_codec.h"
-#include "kb_server/log/sqlite_log.h"
+#include "graph/log/record_codec.h"
+#include "graph/log/sqlite_log.h"
 
 namespace docent {
 namespace {

@@ -13,7 +13,7 @@
 #include "bench/recovery_bench.h"
 #include "bench/writes_bench.h"
 #include "bench/rules_bench.h"
-#include "kb_server/base/program_setup.h"
+#include "graph/base/program_setup.h"
 
 namespace {
 

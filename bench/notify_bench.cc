@@ -17,9 +17,9 @@
 #include "bench/subscribers.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
-#include "kb_server/rdf/serializer.h"
-#include "kb_server/service/convert.h"
-#include "kb_server/service/one_callback_thread.h"
+#include "graph/rdf/serializer.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/one_callback_thread.h"
 
 namespace docent::bench {
 namespace {

@@ -1,6 +1,6 @@
 // `docent-bench notify` alone: needs no more of the tree than the server.
 #include "bench/notify_bench.h"
-#include "kb_server/base/program_setup.h"
+#include "graph/base/program_setup.h"
 
 int main(int argc, char** argv) {
   docent::SetMutexChecks();

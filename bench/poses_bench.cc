@@ -13,8 +13,8 @@
 #include "bench/command_line.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
-#include "kb_server/app/turn.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "kb_server/turn/turn.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::bench {
 namespace {

@@ -21,10 +21,10 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
-#include "kb_server/rdf/serializer.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/service/convert.h"
-#include "kb_server/service/one_callback_thread.h"
+#include "graph/rdf/serializer.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/one_callback_thread.h"
 
 namespace docent::bench {
 namespace {

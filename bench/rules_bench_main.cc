@@ -1,6 +1,6 @@
 // `docent-bench rules` alone: needs no more of the tree than the rules.
 #include "bench/rules_bench.h"
-#include "kb_server/base/program_setup.h"
+#include "graph/base/program_setup.h"
 
 int main(int argc, char** argv) {
   docent::SetMutexChecks();

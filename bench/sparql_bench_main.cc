@@ -5,10 +5,10 @@
 
 #include <string>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/graph_writer.h"
 
 namespace docent::sparql {
 namespace {

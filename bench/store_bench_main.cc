@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_writer.h"
 
 namespace docent {
 namespace {

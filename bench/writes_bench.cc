@@ -15,11 +15,11 @@
 #include "bench/command_line.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
-#include "kb_server/app/writer.h"
-#include "kb_server/base/clock.h"
-#include "kb_server/log/sqlite_log.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
+#include "kb_server/writer/writer.h"
+#include "graph/base/clock.h"
+#include "graph/log/sqlite_log.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
 
 namespace docent::bench {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
 #include "maps/wkt.h"
 
 namespace docent::maps {

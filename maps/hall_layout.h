@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 #include "maps/geometry.h"
 
 namespace docent::maps {

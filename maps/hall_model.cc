@@ -12,7 +12,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_format.h"
-#include "kb_server/base/fingerprint.h"
+#include "graph/base/fingerprint.h"
 #include "maps/octree_slice.h"
 #include "maps/voxelizer.h"
 

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/text_bytes.h"
+#include "graph/base/text.h"
+#include "graph/rdf/text_bytes.h"
 
 namespace docent {
 namespace {

@@ -17,12 +17,12 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/store/graph_version.h"
-#include "kb_server/store/recent_changes.h"
-#include "kb_server/store/write_batch.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/base/limits.h"
+#include "graph/store/graph_version.h"
+#include "graph/store/recent_changes.h"
+#include "graph/store/write_batch.h"
 
 namespace docent {
 

@@ -13,8 +13,8 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/base/cancellation.h"
+#include "graph/store/graph_version.h"
 
 namespace docent {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/sparql/algebra_walk.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent::explain {

@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent::explain {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/example_picker.h"
 #include "reasoner/rules/schema_words.h"
 

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/function_registry.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/explain/display.h"
 #include "reasoner/explain/proof.h"
 #include "reasoner/explain/repair.h"

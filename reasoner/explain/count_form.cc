@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/sparql/algebra_walk.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "reasoner/explain/condition_form.h"
 #include "reasoner/matching/comparison_form.h"
 

@@ -9,7 +9,7 @@
 #ifndef DOCENT_REASONER_EXPLAIN_COUNT_FORM_H_
 #define DOCENT_REASONER_EXPLAIN_COUNT_FORM_H_
 
-#include "kb_server/sparql/algebra.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent::explain {
 

@@ -10,8 +10,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
-#include "kb_server/rdf/iri.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/iri.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::explain {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/explain/repair.h"
 #include "reasoner/explain/solver.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent::explain {

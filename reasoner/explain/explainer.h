@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "reasoner/explain/fact_history.h"
 #include "reasoner/explain/proof.h"
 #include "reasoner/explain/why_not.h"

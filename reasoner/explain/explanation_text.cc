@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/display.h"
 
 namespace docent::explain {

@@ -1,5 +1,5 @@
 // Who told a fact, and when: asked of whoever reads the log. The server's implementation is
-// kb_server/app/log_history.h.
+// kb_server/writer/log_history.h.
 #ifndef DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
 #define DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
 
@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/rdf/term.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
+#include "graph/store/graph_version.h"
 
 namespace docent::explain {
 

@@ -1,6 +1,6 @@
 #include "reasoner/explain/hypothesis.h"
 
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 
 namespace docent::explain {
 

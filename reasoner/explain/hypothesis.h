@@ -8,10 +8,10 @@
 
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/function_registry.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/explain/rule_base.h"
 #include "reasoner/rules/rule_engine.h"
 

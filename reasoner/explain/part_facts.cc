@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/cancellation.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::explain {
 namespace {

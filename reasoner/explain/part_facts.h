@@ -11,8 +11,8 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/explain/solver.h"
 
 namespace docent::explain {

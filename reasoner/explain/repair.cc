@@ -5,7 +5,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::explain {
 namespace {

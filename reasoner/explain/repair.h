@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/algebra.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/explain/display.h"
 #include "reasoner/explain/solver.h"
 

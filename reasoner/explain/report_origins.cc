@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/rule_program.h"
 

@@ -16,10 +16,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/function_registry.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/explain/rule_base.h"
 
 namespace docent {

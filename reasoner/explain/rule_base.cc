@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/count_form.h"
 #include "reasoner/rules/rule_parser.h"
 

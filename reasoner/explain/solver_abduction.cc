@@ -1,7 +1,7 @@
 // The abductive part of Solver: what is taken as missing, and the rules that would infer it.
 #include <optional>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/solver.h"
 #include "reasoner/rules/schema_words.h"
 

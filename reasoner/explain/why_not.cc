@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/explain/count_form.h"
 #include "reasoner/explain/example_picker.h"
 #include "reasoner/matching/trigger_analysis.h"

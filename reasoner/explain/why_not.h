@@ -18,9 +18,9 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
-#include "kb_server/base/explain_limits.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/base/explain_limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "reasoner/explain/conflict.h"
 #include "reasoner/explain/display.h"
 #include "reasoner/explain/hypothesis.h"

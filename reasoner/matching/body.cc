@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include "kb_server/sparql/algebra_walk.h"
+#include "graph/sparql/syntax/algebra_walk.h"
 #include "reasoner/matching/body_plan.h"
 #include "reasoner/matching/comparison_form.h"
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "kb_server/sparql/algebra.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "reasoner/matching/number_range.h"
 
 namespace docent {

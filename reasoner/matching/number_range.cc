@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent {
 

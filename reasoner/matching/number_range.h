@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "kb_server/rdf/term_id.h"
+#include "graph/rdf/term_id.h"
 
 namespace docent {
 

@@ -20,8 +20,8 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
-#include "kb_server/base/prefetch.h"
-#include "kb_server/store/quad.h"
+#include "graph/base/prefetch.h"
+#include "graph/store/quad.h"
 #include "reasoner/matching/number_range.h"
 
 namespace docent {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent {
 

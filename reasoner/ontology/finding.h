@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 
 namespace docent::ontology {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/ontology/hierarchy.h"
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/shapes/datatype_check.h"

@@ -1,13 +1,13 @@
 // Do a document's triples fit what the vocabulary says of their words? Findings that need no reasoner: domains and
 // ranges, literals, circles, missing explanations. What contradicts itself is found by following the rules:
-// kb_server/app/consistency_check.h. One thread.
+// kb_server/cli/consistency_check.h. One thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_MEANING_CHECK_H_
 #define DOCENT_REASONER_ONTOLOGY_MEANING_CHECK_H_
 
 #include <set>
 #include <string>
 
-#include "kb_server/rdf/located_parser.h"
+#include "graph/rdf/located_parser.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 

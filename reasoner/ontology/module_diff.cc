@@ -7,9 +7,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_format.h"
-#include "kb_server/base/fingerprint.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/fingerprint.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::ontology {
 namespace {

@@ -1,8 +1,8 @@
 #include "reasoner/ontology/standard_words.h"
 
 #include "absl/strings/str_split.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::ontology {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <deque>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/ontology/standard_words.h"
 
 namespace docent::ontology {

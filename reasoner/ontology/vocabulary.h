@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::ontology {
 

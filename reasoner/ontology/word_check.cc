@@ -4,10 +4,10 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/algebra_walk.h"
-#include "kb_server/sparql/text.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_walk.h"
+#include "graph/sparql/values/text.h"
 
 namespace docent::ontology {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "kb_server/rdf/located_parser.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 #include "reasoner/rules/rule_parser.h"

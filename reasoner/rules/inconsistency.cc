@@ -6,10 +6,10 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/fingerprint.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/document_name.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/fingerprint.h"
+#include "graph/base/text.h"
+#include "graph/rdf/document_name.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {

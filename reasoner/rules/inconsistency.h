@@ -27,8 +27,8 @@
 #include <vector>
 
 #include "absl/types/span.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/rules/rule_program.h"
 
 namespace docent {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/sparql/evaluator.h"
+#include "graph/sparql/run/evaluator.h"
 
 namespace docent {
 namespace {

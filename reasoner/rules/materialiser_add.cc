@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kb_server/sparql/evaluator.h"
+#include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
 namespace docent {

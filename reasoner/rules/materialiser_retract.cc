@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/container/inlined_vector.h"
-#include "kb_server/sparql/evaluator.h"
+#include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
 namespace docent {

@@ -18,7 +18,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"

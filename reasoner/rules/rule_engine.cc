@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/materialiser.h"
 #include "reasoner/rules/rule_program.h"

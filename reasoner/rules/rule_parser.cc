@@ -6,8 +6,8 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
 #include "reasoner/matching/trigger_analysis.h"
 
 namespace docent {

@@ -24,9 +24,9 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent::sparql {
 class FunctionRegistry;

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/source_texts.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/source_texts.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 
 namespace docent {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/function_registry.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/store/graph_version.h"
 
 namespace docent {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/sparql/algebra_printer.h"
+#include "graph/sparql/syntax/algebra_printer.h"
 #include "reasoner/rules/schema_words.h"
 
 namespace docent {

@@ -1,4 +1,4 @@
-// All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. Private to this
+// All rules of all sets, ready to run: bodies compiled, strata found, patterns indexed. For this
 // folder and reasoner/explain. Writer thread only (bodies keep scratch space); after Build only Place changes it.
 #ifndef DOCENT_REASONER_RULES_RULE_PROGRAM_H_
 #define DOCENT_REASONER_RULES_RULE_PROGRAM_H_
@@ -14,10 +14,10 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/sparql/function_registry.h"
-#include "kb_server/store/quad.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/store/quad.h"
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/fact_pattern.h"

@@ -18,8 +18,8 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/store/graph_version.h"
+#include "graph/base/cancellation.h"
+#include "graph/store/graph_version.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/rule_program.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 

@@ -8,9 +8,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/algebra_printer.h"
-#include "kb_server/sparql/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/syntax/parser.h"
 #include "reasoner/rules/rule_parser.h"
 
 namespace docent {

@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/located_parser.h"
-#include "kb_server/sparql/algebra.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent::sparql {
 class FunctionRegistry;

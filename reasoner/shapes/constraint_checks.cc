@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
-#include "kb_server/sparql/text.h"
-#include "kb_server/sparql/value.h"
+#include "graph/base/text.h"
+#include "graph/sparql/values/text.h"
+#include "graph/sparql/values/value.h"
 #include "reasoner/shapes/datatype_check.h"
 #include "reasoner/shapes/evaluation.h"
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <string>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/time_text.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/time_text.h"
 
 namespace docent::shapes {
 namespace {

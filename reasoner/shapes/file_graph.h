@@ -6,9 +6,9 @@
 #include <map>
 #include <string>
 
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/located_parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/source_map.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/store/graph_version.h"
+#include "graph/store/graph_version.h"
 
 namespace docent::shapes {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/rdf/dictionary.h"
+#include "graph/rdf/dictionary.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/shape.h"
 

@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/term.h"
-#include "kb_server/sparql/evaluator.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/term.h"
+#include "graph/sparql/run/evaluator.h"
 
 namespace docent::shapes {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/term.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
 

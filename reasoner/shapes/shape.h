@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/rdf/term.h"
-#include "kb_server/rdf/term_id.h"
+#include "graph/rdf/term.h"
+#include "graph/rdf/term_id.h"
 
 namespace docent::shapes {
 

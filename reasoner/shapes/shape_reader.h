@@ -2,9 +2,9 @@
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/check_limits.h"
-#include "kb_server/rdf/dictionary.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/check_limits.h"
+#include "graph/rdf/dictionary.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/shape.h"
 #include "reasoner/shapes/source_map.h"

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "absl/container/flat_hash_map.h"
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/term_id.h"
-#include "kb_server/store/quad.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/term_id.h"
+#include "graph/store/quad.h"
 
 namespace docent::shapes {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/cancellation.h"
-#include "kb_server/base/check_limits.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/rdf/dictionary.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/check_limits.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/shape.h"
 

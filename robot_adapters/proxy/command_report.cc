@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kb_server/wire/term_proto.h"
+#include "graph/wire/term_proto.h"
 
 namespace docent {
 namespace {

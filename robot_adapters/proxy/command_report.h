@@ -3,7 +3,7 @@
 #define DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_
 
 #include "docent/v1/robot_adapter.pb.h"
-#include "kb_server/store/write_batch.h"
+#include "graph/store/write_batch.h"
 #include "workflow/rsel/robot_command.h"
 
 namespace docent {

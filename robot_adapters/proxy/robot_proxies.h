@@ -23,9 +23,9 @@
 #include <memory>
 #include <string>
 
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/store/write_batch.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/store/write_batch.h"
 #include "workflow/rsel/robot_command.h"
 
 namespace docent {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/clock.h"
+#include "graph/base/clock.h"
 #include "maps/hall_model.h"
 #include "maps/laser_scan.h"
 

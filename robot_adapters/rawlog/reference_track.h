@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/clock.h"
+#include "graph/base/clock.h"
 #include "maps/hall_layout.h"
 
 namespace docent::robot {

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
-#include "kb_server/wire/term_proto.h"
+#include "graph/wire/term_proto.h"
 
 namespace docent::robot {
 namespace {

@@ -2,7 +2,7 @@
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_DECIMAL_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_DECIMAL_H_
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::robot {
 

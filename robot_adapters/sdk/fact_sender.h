@@ -24,7 +24,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "docent/v1/context.pb.h"
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::robot {
 

@@ -1,7 +1,7 @@
 #include "robot_adapters/sdk/operation.h"
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 
 namespace docent::robot {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "robot_adapters/sdk/activity.h"
 #include "robot_adapters/sdk/adapter_service.h"
 #include "robot_adapters/sdk/command_journal.h"

@@ -52,7 +52,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "kb_server/base/clock.h"
+#include "graph/base/clock.h"
 #include "robot_adapters/sdk/fact_sender.h"
 #include "robot_adapters/sdk/operation.h"
 #include "robot_adapters/sdk/server_link.h"

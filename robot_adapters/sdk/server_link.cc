@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/wire/term_proto.h"
+#include "graph/wire/term_proto.h"
 
 namespace docent::robot {
 namespace {

@@ -15,7 +15,7 @@
 #include "absl/time/time.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/fleet.grpc.pb.h"
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::robot {
 

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 
 namespace docent::robot {
 namespace {

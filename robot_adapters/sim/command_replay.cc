@@ -8,7 +8,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "maps/hall_picture.h"
 #include "robot_adapters/rawlog/log_replay.h"
 #include "robot_adapters/rawlog/recorded_drive.h"

@@ -4,7 +4,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 
 namespace docent::robot {
 namespace {

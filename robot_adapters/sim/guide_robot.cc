@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/synchronization/notification.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "maps/regions.h"
 #include "robot_adapters/sdk/decimal.h"
 #include "robot_adapters/sim/booth_page.h"

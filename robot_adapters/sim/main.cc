@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "CLI/CLI.hpp"
-#include "kb_server/base/program_setup.h"
+#include "graph/base/program_setup.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/signals.h"
 

@@ -8,6 +8,8 @@ Prints one line for each fault, FILE:LINE: MESSAGE, and exits 1 if there is any.
   * an include that is not written from the root (relative, or beside the including file);
   * a folder with C++ or .proto files that layers.txt does not list, or lists twice;
   * a third-party header that layers.txt does not list;
+  * a folder or header that is granted and that no include uses;
+  * an include of another folder's private header (its first comment says "Private to this folder.");
   * a cycle among the folders, allowed or real;
   * a .cc file whose first include is not its own header (this proves that the header compiles alone).
 """
@@ -41,6 +43,7 @@ class Layers:
                     self.lines[name.strip()] = number
                 else:
                     self.headers.append((name.split(), allowed.split()))
+                    self.lines[name.strip()] = number
         self._check_order(path.name)
 
     def _check_order(self, name):
@@ -60,10 +63,11 @@ class Layers:
                 return folder
         return None
 
-    def allowed_for_header(self, header):
+    def line_for_header(self, header):
+        """(patterns, allowed folders) of the first line that matches, or None."""
         for patterns, allowed in self.headers:
             if any(fnmatch.fnmatchcase(header, p) for p in patterns):
-                return allowed
+                return patterns, allowed
         return None
 
 
@@ -98,6 +102,16 @@ def includes_of(path):
                 yield number, match[1] == '"', match[2]
 
 
+def is_private(path):
+    """Does the comment that a header opens with say that it is private to its folder?"""
+    opening = []
+    for line in path.read_text(errors="replace").splitlines():
+        if not line.startswith("//"):
+            break
+        opening.append(line[2:].strip())
+    return "private to this folder" in " ".join(opening).lower()
+
+
 def is_standard(header):
     return "/" not in header and "." not in header
 
@@ -107,6 +121,8 @@ class Checker:
         self.root, self.layers = root, layers
         self.faults = list(layers.faults)
         self.edges = {}  # folder -> {included folder: "file:line"}
+        self.header_uses = set()  # (the line's first pattern, including folder)
+        self.private = {}  # header -> is it private to its folder?
 
     def fault(self, place, message):
         self.faults.append(f"{place}: {message}")
@@ -124,6 +140,7 @@ class Checker:
                 self.check_include(f"{relative}:{number}", relative, folder, quoted, target)
             self.check_own_header_first(relative, first)
         self.check_cycles()
+        self.check_grants()
         return self.faults
 
     def check_include(self, place, source, folder, quoted, target):
@@ -132,6 +149,7 @@ class Checker:
         elif "/" in target and self.layers.folder_of(str(pathlib.PurePosixPath(target).parent)) \
                 and not target.endswith(".pb.h"):
             self.check_own(place, folder, target)
+            self.check_private(place, source, target)
         elif quoted and (self.root / source.parent / target).exists():
             self.fault(place, f'"{target}" is not written from the root: {source.parent.as_posix()}/{target}')
         elif not is_standard(target) and source.suffix != ".proto":
@@ -146,11 +164,22 @@ class Checker:
         if "*" not in allowed and other not in allowed:
             self.fault(place, f"{folder} may not include {other}")
 
+    def check_private(self, place, source, target):
+        """A private header is for its own folder, and for the tests that mirror it."""
+        header = self.root / target
+        if target not in self.private:
+            self.private[target] = header.exists() and is_private(header)
+        if self.private[target] and source.parts[0] != "tests" and source.parent != pathlib.PurePosixPath(target).parent:
+            self.fault(place, f"{target} is private to its folder")
+
     def check_foreign(self, place, directory, target):
-        allowed = self.layers.allowed_for_header(target)
-        if allowed is None:
+        line = self.layers.line_for_header(target)
+        if line is None:
             self.fault(place, f"header {target} is not listed in layers.txt")
-        elif not directory.startswith("tests/") and not any(covers(pattern, directory) for pattern in allowed):
+            return
+        patterns, allowed = line
+        self.header_uses.add((patterns[0], directory))
+        if not directory.startswith("tests/") and not any(covers(pattern, directory) for pattern in allowed):
             self.fault(place, f"{target} may not be included in {directory}, only in "
                               f"{', '.join(allowed) or 'no folder'}")
 
@@ -160,6 +189,18 @@ class Checker:
             return
         if first is None or first[1] != own.as_posix():
             self.fault(f"{relative}:{first[0] if first else 1}", f'the first include is not "{own.as_posix()}"')
+
+    def check_grants(self):
+        """What is granted and not used says more than is true."""
+        for folder, allowed in self.layers.folders.items():
+            for other in allowed:
+                if other != "*" and other not in self.edges.get(folder, {}):
+                    self.fault(f"layers.txt:{self.layers.lines[folder]}", f"{folder} is granted {other} and does not include it")
+        for patterns, allowed in self.layers.headers:
+            for folder in allowed:
+                if folder != "*" and (patterns[0], folder) not in self.header_uses:
+                    self.fault(f"layers.txt:{self.layers.lines[' '.join(patterns)]}",
+                               f"{folder} is granted {patterns[0]} and does not include it")
 
     def check_cycles(self):
         """Depth-first over the real edges; each cycle is reported once, at the include that closes it."""

@@ -29,7 +29,7 @@ class Planted(unittest.TestCase):
     def setUp(self):
         self.root = pathlib.Path(tempfile.mkdtemp(prefix="docent-layers-"))
         self.addCleanup(shutil.rmtree, self.root)
-        for top in ("kb_server", "reasoner", "workflow", "maps", "robot_adapters", "proto", "bench"):
+        for top in ("graph", "kb_server", "reasoner", "workflow", "maps", "robot_adapters", "proto", "bench"):
             shutil.copytree(ROOT / top, self.root / top, ignore=lambda folder, names: [
                 n for n in names if os.path.isfile(os.path.join(folder, n)) and not n.endswith((".h", ".cc", ".proto"))])
         self.layers = self.root / "layers.txt"
@@ -53,55 +53,78 @@ class Planted(unittest.TestCase):
         self.assertEqual(others, [])
 
     def test_forbidden_include(self):
-        self.plant("kb_server/store/planted.h", '#include <vector>\n\n#include "reasoner/rules/rule_engine.h"\n')
-        self.assert_fault("kb_server/store/planted.h:3", "kb_server/store may not include reasoner/rules")
+        self.plant("graph/store/planted.h", '#include <vector>\n\n#include "reasoner/rules/rule_engine.h"\n')
+        self.assert_fault("graph/store/planted.h:3", "graph/store may not include reasoner/rules")
 
     def test_later_stage_is_forbidden(self):
         self.plant("reasoner/rules/planted.cc", '#include "workflow/engine/engine.h"\n')
         self.assert_fault("reasoner/rules/planted.cc:1", "reasoner/rules may not include workflow/engine")
 
     def test_nothing_includes_the_composition_root(self):
-        self.plant("kb_server/service/planted.cc", '#include "kb_server/app/turn.h"\n')
-        self.assert_fault("kb_server/service/planted.cc:1", "may not include kb_server/app")
+        self.plant("kb_server/door/planted.cc", '#include "kb_server/turn/turn.h"\n')
+        self.assert_fault("kb_server/door/planted.cc:1", "may not include kb_server/turn")
+
+    def test_graph_includes_nothing_above_it(self):
+        for target in ("workflow/cawl/ast.h", "robot_adapters/proxy/robot_proxies.h", "kb_server/door/inbox.h"):
+            with self.subTest(target=target):
+                self.plant("graph/log/planted.h", f'#include "{target}"\n')
+                self.assert_fault("graph/log/planted.h:1", "graph/log may not include")
+
+    def test_unused_grant(self):
+        text = self.layers.read_text().replace("workflow/engine:  ", "workflow/engine: reasoner/rules ", 1)
+        self.layers.write_text(text)
+        line = next(n for n, l in enumerate(text.splitlines(), 1) if l.startswith("workflow/engine:"))
+        self.assert_fault(f"layers.txt:{line}", "workflow/engine is granted reasoner/rules and does not include it")
+
+    def test_unused_grant_of_a_header(self):
+        text = self.layers.read_text().replace("sqlite3.h:  ", "sqlite3.h: maps ", 1)
+        self.layers.write_text(text)
+        line = next(n for n, l in enumerate(text.splitlines(), 1) if l.startswith("sqlite3.h:"))
+        self.assert_fault(f"layers.txt:{line}", "maps is granted sqlite3.h and does not include it")
+
+    def test_private_header_of_another_folder(self):
+        self.plant("graph/rdf/secret.h", "// A planted table. Private to this\n// folder. Any thread.\n#include <string>\n")
+        self.plant("graph/store/planted.h", '#include "graph/rdf/secret.h"\n')
+        self.assert_fault("graph/store/planted.h:1", "graph/rdf/secret.h is private to its folder")
 
     def test_angle_brackets_do_not_hide_an_include(self):
-        self.plant("kb_server/rdf/planted.h", "#include <kb_server/store/quad.h>\n")
-        self.assert_fault("kb_server/rdf/planted.h:1", "kb_server/rdf may not include kb_server/store")
+        self.plant("graph/rdf/planted.h", "#include <graph/store/quad.h>\n")
+        self.assert_fault("graph/rdf/planted.h:1", "graph/rdf may not include graph/store")
 
     def test_relative_include(self):
-        self.plant("kb_server/store/planted.h", '#include "../rdf/term.h"\n')
-        self.assert_fault("kb_server/store/planted.h:1", "not written from the root")
+        self.plant("graph/store/planted.h", '#include "../rdf/term.h"\n')
+        self.assert_fault("graph/store/planted.h:1", "not written from the root")
 
     def test_include_beside_the_file(self):
-        self.plant("kb_server/store/planted.h", '\n#include "quad.h"\n')
-        self.assert_fault("kb_server/store/planted.h:2", "not written from the root")
+        self.plant("graph/store/planted.h", '\n#include "quad.h"\n')
+        self.assert_fault("graph/store/planted.h:2", "not written from the root")
 
     def test_unlisted_folder(self):
         self.plant("kb_server/helpers/strings.h", "#include <string>\n")
         self.assert_fault("kb_server/helpers/strings.h:1", "kb_server/helpers is not listed")
 
     def test_unlisted_folder_below_a_listed_one(self):
-        self.plant("kb_server/store/detail/node.h", "#include <string>\n")
-        self.assert_fault("kb_server/store/detail/node.h:1", "kb_server/store/detail is not listed")
+        self.plant("graph/store/detail/node.h", "#include <string>\n")
+        self.assert_fault("graph/store/detail/node.h:1", "graph/store/detail is not listed")
 
     def test_redland_outside_its_folder(self):
-        self.plant("kb_server/sparql/planted.cc", "#include <redland.h>\n")
-        self.assert_fault("kb_server/sparql/planted.cc:1", "redland.h may not be included in kb_server/sparql")
+        self.plant("graph/sparql/run/planted.cc", "#include <redland.h>\n")
+        self.assert_fault("graph/sparql/run/planted.cc:1", "redland.h may not be included in graph/sparql/run")
 
     def test_generated_header_outside_its_folders(self):
         self.plant("workflow/engine/planted.cc", '#include "docent/v1/context.pb.h"\n')
         self.assert_fault("workflow/engine/planted.cc:1", "docent/v1/context.pb.h may not be included in workflow/engine")
 
     def test_log_record_outside_the_log(self):
-        self.plant("kb_server/app/planted.cc", '#include "kb_server/log/turn_record.pb.h"\n')
-        self.assert_fault("kb_server/app/planted.cc:1", "may not be included in kb_server/app")
+        self.plant("kb_server/turn/planted.cc", '#include "graph/log/turn_record.pb.h"\n')
+        self.assert_fault("kb_server/turn/planted.cc:1", "may not be included in kb_server/turn")
 
     def test_every_named_third_party_header_is_held(self):
         for number, (header, folder) in enumerate([
-                ("sqlite3.h", "kb_server/store"), ("libxml/parser.h", "kb_server/rdf"), ("raptor2.h", "maps"),
+                ("sqlite3.h", "graph/store"), ("libxml/parser.h", "graph/rdf"), ("raptor2.h", "maps"),
                 ("re2/re2.h", "workflow/rsel"), ("octomap/octomap.h", "robot_adapters/navigation"),
                 ("mrpt/slam/CMonteCarloLocalization2D.h", "maps"), ("boost/asio.hpp", "kb_server/door"),
-                ("cairo.h", "robot_adapters/sim"), ("grpcpp/grpcpp.h", "kb_server/log")]):
+                ("cairo.h", "robot_adapters/sim"), ("grpcpp/grpcpp.h", "graph/log")]):
             with self.subTest(header=header):
                 name = f"{folder}/planted_{number}.h"
                 self.plant(name, f"#include <{header}>\n")
@@ -109,20 +132,21 @@ class Planted(unittest.TestCase):
                 (self.root / name).unlink()
 
     def test_unlisted_third_party_header(self):
-        self.plant("kb_server/base/planted.h", "#include <curl/curl.h>\n")
-        self.assert_fault("kb_server/base/planted.h:1", "header curl/curl.h is not listed")
+        self.plant("graph/base/planted.h", "#include <curl/curl.h>\n")
+        self.assert_fault("graph/base/planted.h:1", "header curl/curl.h is not listed")
 
     def test_a_folder_listed_twice(self):
         lines = self.layers.read_text().splitlines()
-        first = next(i for i, line in enumerate(lines) if line.startswith("kb_server/service:"))
+        first = next(i for i, line in enumerate(lines) if line.startswith("kb_server/grpc:"))
         self.layers.write_text("\n".join(lines[:first + 1] + lines[first:]) + "\n")
-        self.assert_fault(f"layers.txt:{first + 2}", "kb_server/service is listed a second time")
+        self.assert_fault(f"layers.txt:{first + 2}", "kb_server/grpc is listed a second time")
 
     def test_a_table_with_a_cycle(self):
-        text = self.layers.read_text().replace("kb_server/rdf:  ", "kb_server/rdf: kb_server/store ", 1)
+        text = self.layers.read_text().replace("graph/rdf:  ", "graph/rdf: graph/store ", 1)
         self.layers.write_text(text)
-        line = next(n for n, l in enumerate(text.splitlines(), 1) if l.startswith("kb_server/rdf:"))
-        self.assert_fault(f"layers.txt:{line}", "names kb_server/store, which is not above it")
+        self.plant("graph/rdf/planted.h", '#include "graph/store/quad.h"\n')
+        line = next(n for n, l in enumerate(text.splitlines(), 1) if l.startswith("graph/rdf:"))
+        self.assert_fault(f"layers.txt:{line}", "names graph/store, which is not above it")
 
     def test_a_cycle_of_includes(self):
         self.plant("bench/planted_a.h", '#include "tests/cycle/planted_b.h"\n')
@@ -131,12 +155,12 @@ class Planted(unittest.TestCase):
         self.assert_fault("tests/cycle/planted_b.h:1", "cycle: bench -> tests/** -> bench")
 
     def test_own_header_comes_first(self):
-        self.plant("kb_server/base/planted.h", "#include <string>\n")
-        self.plant("kb_server/base/planted.cc", '#include <string>\n\n#include "kb_server/base/planted.h"\n')
-        self.assert_fault("kb_server/base/planted.cc:1", "first include")
+        self.plant("graph/base/planted.h", "#include <string>\n")
+        self.plant("graph/base/planted.cc", '#include <string>\n\n#include "graph/base/planted.h"\n')
+        self.assert_fault("graph/base/planted.cc:1", "first include")
 
     def test_commented_include_is_no_include(self):
-        self.plant("kb_server/base/planted.h", '/* for example\n#include "../store/quad.h"\n*/\n// #include <redland.h>\n')
+        self.plant("graph/base/planted.h", '/* for example\n#include "../store/quad.h"\n*/\n// #include <redland.h>\n')
         code, faults = check(self.root, self.layers)
         self.assertEqual([f for f in faults if "planted" in f], [])
 

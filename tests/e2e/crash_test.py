@@ -52,7 +52,7 @@ class Crash(StageTest):
         folder = self.stage.folder / "small"
         folder.mkdir()
         if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=12m", "tmpfs", folder]).returncode != 0:
-            print("mounting needs root; tests/kb_server/log covers a full disk without it")
+            print("mounting needs root; tests/graph/log covers a full disk without it")
             return
         self.addCleanup(subprocess.run, ["umount", folder])
         server = self.stage.server(data="small/data", arguments=SMALL)

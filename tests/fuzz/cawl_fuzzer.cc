@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kb_server/sparql/parser.h"
+#include "graph/sparql/syntax/parser.h"
 #include "tests/fuzz/fuzz_check.h"
 #include "workflow/cawl/check.h"
 

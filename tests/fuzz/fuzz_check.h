@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 
 namespace docent::fuzz {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/serializer.h"
-#include "kb_server/rdf/term_check.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/serializer.h"
+#include "graph/rdf/term_check.h"
 #include "tests/fuzz/fuzz_check.h"
 
 namespace docent {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/rdf/utf8.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/results.h"
+#include "graph/rdf/utf8.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/results/results.h"
 #include "tests/conformance/sparql/result_files.h"
 #include "tests/fuzz/fuzz_check.h"
 

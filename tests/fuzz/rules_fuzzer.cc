@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 #include "tests/fuzz/fuzz_check.h"
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/algebra_printer.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/graph_writer.h"
 #include "tests/fuzz/fuzz_check.h"
 
 namespace docent {

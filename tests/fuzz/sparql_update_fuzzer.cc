@@ -6,12 +6,12 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/sparql/update_evaluator.h"
-#include "kb_server/store/batch_applier.h"
-#include "kb_server/store/graph_writer.h"
-#include "kb_server/store/server_graphs.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/run/update_evaluator.h"
+#include "graph/store/batch_applier.h"
+#include "graph/store/graph_writer.h"
+#include "graph/store/server_graphs.h"
 #include "tests/fuzz/fuzz_check.h"
 
 namespace docent {

@@ -1,8 +1,8 @@
 // tests/golden/cawl/CASE: input.xml (or source.txt), optional environment.txt, expected.txt.
 #include <sstream>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "tests/golden/golden_file.h"
 #include "workflow/cawl/check.h"
 

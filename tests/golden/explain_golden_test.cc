@@ -6,9 +6,9 @@
 
 #include <filesystem>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/parser.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
 #include "reasoner/rules/rule_engine.h"

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/algebra_printer.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/sparql/results.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/results/results.h"
+#include "graph/store/graph_writer.h"
 #include "tests/golden/golden_file.h"
 
 namespace docent {

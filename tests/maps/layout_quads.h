@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/term.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/term.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::maps {
 

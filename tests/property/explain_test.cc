@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_join.h"
-#include "kb_server/sparql/evaluator.h"
+#include "graph/sparql/run/evaluator.h"
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
 #include "reasoner/rules/rule_engine.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/sparql/evaluator.h"
+#include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/negation_order.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_program.h"

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/sparql/evaluator.h"
-#include "reasoner/constraints/constraint_set.h"
+#include "graph/sparql/run/evaluator.h"
+#include "reasoner/conditions/constraint_set.h"
 #include "tests/property/reasoner_random.h"
 #include "tests/reasoner/test_world.h"
 

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/base/limits.h"
+#include "graph/base/limits.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_sets.h"
 #include "tests/property/naive_rules.h"

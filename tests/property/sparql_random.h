@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::sparql {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/store/batch_applier.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/batch_applier.h"
 
 namespace docent {
 namespace {

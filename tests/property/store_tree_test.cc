@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "kb_server/store/quad_tree_edit.h"
+#include "graph/store/quad_tree_edit.h"
 
 namespace docent {
 namespace {

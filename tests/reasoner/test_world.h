@@ -12,11 +12,11 @@
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_split.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/text.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/graph_writer.h"
 
 namespace docent {
 

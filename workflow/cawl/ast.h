@@ -20,8 +20,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/term.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/term.h"
 #include "workflow/cawl/expression.h"
 #include "workflow/xml/xml_document.h"
 
@@ -98,7 +98,7 @@ struct ServiceProvider {
 //   prefix:local <iri>  a resource; the verb `a` is rdf:type
 //   "text" "text"@en "1"^^xsd:int 3.5 true   a literal
 //   > 0.5   != <iri>   <= $limit             objects only: a comparison with one of the above
-// Prefixes are those of the XML namespaces in scope and the well-known ones of kb_server/rdf/vocabulary.h.
+// Prefixes are those of the XML namespaces in scope and the well-known ones of graph/rdf/vocabulary.h.
 struct Word {
   enum class Kind { kMissing, kVariable, kFree, kTerm };
   enum class Comparison { kNone, kEqual, kNotEqual, kLess, kLessOrEqual, kGreater, kGreaterOrEqual };

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/environment.h"
 

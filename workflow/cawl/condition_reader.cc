@@ -3,7 +3,7 @@
 #include <string>
 
 #include "absl/strings/numbers.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/cawl/word_reader.h"
 
 namespace docent::cawl {

@@ -2,7 +2,7 @@
 #ifndef DOCENT_WORKFLOW_CAWL_CONDITION_READER_H_
 #define DOCENT_WORKFLOW_CAWL_CONDITION_READER_H_
 
-#include "kb_server/base/limits.h"
+#include "graph/base/limits.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/xml/element_reader.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/match.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/cawl/condition_reader.h"
 #include "workflow/cawl/word_reader.h"
 

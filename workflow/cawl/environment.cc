@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::cawl {
 namespace {

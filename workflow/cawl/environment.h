@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::cawl {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
 

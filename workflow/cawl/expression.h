@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::cawl {

@@ -2,7 +2,7 @@
 #include <map>
 #include <set>
 
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/cawl/structure_checks.h"
 
 namespace docent::cawl {

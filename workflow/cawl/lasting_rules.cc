@@ -5,7 +5,7 @@
 #include <iterator>
 #include <vector>
 
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/cawl/formula.h"
 #include "workflow/cawl/structure_checks.h"
 

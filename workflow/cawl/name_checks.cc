@@ -3,7 +3,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/cawl/structure_checks.h"
 #include "workflow/cawl/symbol_table.h"
 

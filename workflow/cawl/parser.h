@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
 #include "workflow/cawl/ast.h"
 
 namespace docent::cawl {

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/write_batch.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/write_batch.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/engine/ports.h"
 #include "workflow/rsel/ast.h"

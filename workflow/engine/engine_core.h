@@ -1,5 +1,5 @@
 // The engine's inside, shared by engine.cc (documents, requests, reports, journal) and the run stepper (one
-// run's way through its flow). Not for other folders.
+// run's way through its flow). Private to this folder.
 #ifndef DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
 #define DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/term_archive.h"
+#include "graph/rdf/term_archive.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_stepper.h"

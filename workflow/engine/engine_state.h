@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/limits.h"
+#include "graph/base/limits.h"
 #include "workflow/engine/engine_core.h"
 
 namespace docent {

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/rdf/term.h"
-#include "kb_server/store/quad.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
+#include "graph/store/quad.h"
 #include "workflow/rsel/robot_command.h"
 
 namespace docent {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/store/quad.h"
+#include "graph/store/quad.h"
 #include "workflow/engine/run_state.h"
 #include "workflow/engine/run_terms.h"
 

@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/rdf/term.h"
-#include "kb_server/store/quad.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
+#include "graph/store/quad.h"
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/ast.h"
 #include "workflow/engine/ports.h"

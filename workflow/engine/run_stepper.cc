@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "workflow/engine/flow_graph.h"
 
 namespace docent {

@@ -1,5 +1,5 @@
 // Takes one run as far as it can go now: opens nodes whose conditions hold, gives invocations to robots,
-// follows links, ends the run. Not for other folders.
+// follows links, ends the run. Private to this folder.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_STEPPER_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_STEPPER_H_
 

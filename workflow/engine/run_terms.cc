@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kb_server/rdf/dictionary.h"
+#include "graph/rdf/dictionary.h"
 #include "workflow/engine/run_state.h"
 
 namespace docent {

@@ -2,7 +2,7 @@
 // that holds but only with robots that serve other runs. When one robot is freed, one who can use it is
 // woken, not everybody.
 //
-// Writer thread only. Not for other folders.
+// Writer thread only. Private to this folder.
 #ifndef DOCENT_WORKFLOW_ENGINE_WAITING_ROOM_H_
 #define DOCENT_WORKFLOW_ENGINE_WAITING_ROOM_H_
 
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/base/ids.h"
+#include "graph/base/ids.h"
 
 namespace docent {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/rdf/term.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/term.h"
 #include "workflow/xml/xml_document.h"
 
 namespace docent::rsel {

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {

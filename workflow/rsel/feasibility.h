@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/ids.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/ids.h"
 #include "workflow/rsel/service_registry.h"
 
 namespace docent::rsel {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/xml/term_text.h"
 
 namespace docent::rsel {

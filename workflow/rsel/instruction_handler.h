@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 #include "workflow/rsel/service_registry.h"
 
 namespace docent::rsel {

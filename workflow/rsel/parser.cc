@@ -6,7 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/xml/element_reader.h"
 
 namespace docent::rsel {

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/base/clock.h"
-#include "kb_server/base/ids.h"
-#include "kb_server/rdf/term.h"
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
 
 namespace docent {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/rsel/plan_builder.h"
 
 namespace docent::rsel {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 #include "workflow/rsel/ast.h"
 
 namespace docent::rsel {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
+#include "graph/base/diagnostic.h"
 #include "workflow/xml/scanner.h"
 #include "workflow/xml/term_text.h"
 #include "workflow/xml/xml_document.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent::xml {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
 
 namespace docent::xml {
 

@@ -6,7 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/base/text.h"
+#include "graph/base/text.h"
 #include "workflow/xml/scanner.h"
 #include "workflow/xml/well_formed.h"
 

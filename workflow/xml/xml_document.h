@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "kb_server/base/diagnostic.h"
-#include "kb_server/base/limits.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
 
 namespace docent::xml {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/evaluator.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_sets.h"
 #include "tests/conformance/sparql/result_files.h"

@@ -7,16 +7,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "kb_server/app/server.h"
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/service/http_message.h"
-#include "kb_server/sparql/results.h"
+#include "kb_server/server.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "kb_server/work/http_message.h"
+#include "graph/sparql/results/results.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/result_files.h"
 #include "tests/conformance/sparql/suite_support.h"
 #include "tests/conformance/sparql/w3c_manifest.h"
-#include "tests/kb_server/service/http_client.h"
+#include "tests/kb_server/http/http_client.h"
 
 namespace docent {
 namespace {

@@ -12,8 +12,8 @@
 #include <map>
 #include <sstream>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/serializer.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/serializer.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/suite_support.h"
 

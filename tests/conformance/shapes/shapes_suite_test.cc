@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <set>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/shapes/report.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/validator.h"

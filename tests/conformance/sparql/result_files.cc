@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/value.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/value.h"
 #include "tests/conformance/rdf/isomorphism.h"
 
 namespace docent {

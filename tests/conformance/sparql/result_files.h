@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/rdf/term.h"
+#include "graph/rdf/term.h"
 
 namespace docent {
 

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <sstream>
 
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/store/batch_applier.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/batch_applier.h"
 #include "tests/conformance/sparql/w3c_manifest.h"
 
 namespace docent {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "kb_server/rdf/dictionary.h"
-#include "kb_server/store/graph_writer.h"
-#include "kb_server/store/write_batch.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/graph_writer.h"
+#include "graph/store/write_batch.h"
 
 namespace docent {
 

@@ -1,9 +1,9 @@
 // The W3C SPARQL 1.1 Update suites: syntax and evaluation.
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/sparql/parser.h"
-#include "kb_server/sparql/update_evaluator.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/run/update_evaluator.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/suite_support.h"
 #include "tests/conformance/sparql/w3c_manifest.h"

@@ -7,9 +7,9 @@
 #include <map>
 #include <sstream>
 
-#include "kb_server/base/text.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {

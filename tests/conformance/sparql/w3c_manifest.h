@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "kb_server/rdf/term.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/term.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 

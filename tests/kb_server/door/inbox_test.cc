@@ -8,7 +8,7 @@
 
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/request_memory.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/store/graph_writer.h"
 
 namespace docent {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/sparql/parser.h"
+#include "graph/sparql/syntax/parser.h"
 
 namespace docent {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/term.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/term.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {

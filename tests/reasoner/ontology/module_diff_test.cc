@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/parser.h"
+#include "graph/rdf/parser.h"
 
 namespace docent::ontology {
 namespace {

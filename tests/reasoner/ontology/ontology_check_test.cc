@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kb_server/sparql/parser.h"
-#include "kb_server/sparql/prefix_places.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/syntax/prefix_places.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
 
@@ -115,7 +115,7 @@ TEST_F(OntologyCheckTest, DomainsAndRanges) {
   EXPECT_THAT(text, HasSubstr("domain-mismatch f.ttl:4:1: warning: <http://e/T> is taken for <http://e/Robot>"));
 }
 
-// That a resource is in two disjoint classes is an inconsistency: kb_server/app/consistency_check.h.
+// That a resource is in two disjoint classes is an inconsistency: kb_server/cli/consistency_check.h.
 TEST_F(OntologyCheckTest, ClassesBelowDisjointOnesAndBadLiterals) {
   const std::string text = Check(
       "\n:Odd a owl:Class ; rdfs:subClassOf :Guide , :Place ; rdfs:label \"o\" ; rdfs:comment \"c\" .\n"

@@ -8,9 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "kb_server/rdf/parser.h"
-#include "kb_server/rdf/vocabulary.h"
-#include "kb_server/store/graph_writer.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_sets.h"

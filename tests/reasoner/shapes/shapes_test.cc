@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/serializer.h"
+#include "graph/rdf/serializer.h"
 #include "reasoner/shapes/datatype_check.h"
 #include "reasoner/shapes/file_graph.h"
 #include "reasoner/shapes/report.h"

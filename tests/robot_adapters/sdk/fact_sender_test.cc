@@ -1,7 +1,7 @@
 #include "robot_adapters/sdk/fact_sender.h"
 
 #include "gtest/gtest.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "robot_adapters/sdk/decimal.h"
 
 namespace docent::robot {

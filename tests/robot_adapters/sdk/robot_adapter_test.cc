@@ -11,7 +11,7 @@
 #include "absl/synchronization/notification.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
 #include "gtest/gtest.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "robot_adapters/sdk/command_journal.h"
 #include "tests/robot_adapters/sdk/fake_server.h"
 

@@ -10,7 +10,7 @@
 #include "docent/v1/robot_adapter.grpc.pb.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 #include "tests/robot_adapters/sdk/fake_server.h"
 
 namespace docent::robot {

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "kb_server/sparql/parser.h"
+#include "graph/sparql/syntax/parser.h"
 #include "tests/workflow/cawl/documents.h"
 #include "workflow/cawl/check.h"
 

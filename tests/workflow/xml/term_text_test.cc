@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kb_server/rdf/vocabulary.h"
+#include "graph/rdf/vocabulary.h"
 
 namespace docent::xml {
 namespace {

@@ -1,0 +1,91 @@
+// A long evaluation polls a Cancellation; whoever wants it to end sets it, or its deadline passes, or it has made more
+// steps than it was allowed. Steps are rows looked at by joins: unlike time, they are about the same on every machine.
+#ifndef DOCENT_GRAPH_BASE_CANCELLATION_H_
+#define DOCENT_GRAPH_BASE_CANCELLATION_H_
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace docent {
+
+// `Cancel` may be called from any thread; all else from the evaluating one.
+class Cancellation {
+ public:
+  using SteadyTime = std::chrono::steady_clock::time_point;
+
+  Cancellation() = default;
+  explicit Cancellation(std::chrono::milliseconds timeout)
+      : deadline_(std::chrono::steady_clock::now() + timeout), timeout_(timeout) {}
+  Cancellation(const Cancellation&) = delete;
+  Cancellation& operator=(const Cancellation&) = delete;
+
+  void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
+
+  // From now on so many steps, as the limits steps_per_turn and steps_per_fact say; any number where this is not called.
+  void AllowSteps(uint64_t steps) {
+    counted_ = true;
+    steps_ = static_cast<int64_t>(steps);
+    steps_left_ = steps_;
+  }
+  // So many besides: what a turn infers is work to be done in it.
+  void AllowMoreSteps(uint64_t steps) {
+    if (!counted_) return;
+    steps_ += static_cast<int64_t>(steps);
+    steps_left_ += static_cast<int64_t>(steps);
+  }
+  // So many were made. The next Check tells where they were too many.
+  void Spend(uint64_t steps) { steps_left_ -= static_cast<int64_t>(steps); }
+
+  // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps. Reads the steady
+  // clock at every 1024th call, so it may stand in an inner loop.
+  absl::Status Check() {
+    const bool ended = cancelled_.load(std::memory_order_relaxed) || expired_ || steps_left_ < 0;
+    return ended || (++polls_ & 1023) == 0 ? CheckNow() : absl::OkStatus();
+  }
+  // The same, reading the clock at once.
+  absl::Status CheckNow() {
+    if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
+    if (steps_left_ < 0) return TooManySteps();
+    if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_)) return absl::OkStatus();
+    expired_ = true;
+    return Expired();
+  }
+  // Until the deadline; a very long time where there is none.
+  std::chrono::milliseconds Left() const {
+    if (timeout_.count() == 0) return std::chrono::hours(24 * 365);
+    return std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
+  }
+  // Whether half of the time is over: who can give a part of the answer stops then.
+  bool HalfIsOver() const {
+    return timeout_.count() != 0 && std::chrono::steady_clock::now() + timeout_ / 2 > deadline_;
+  }
+
+ private:
+  absl::Status TooManySteps() const {
+    return absl::ResourceExhaustedError("evaluation stopped after " + std::to_string(steps_) +
+                                        " steps, what the limits steps_per_turn and steps_per_fact allow; does it join patterns "
+                                        "that share no variable?");
+  }
+  absl::Status Expired() const {
+    return absl::DeadlineExceededError("evaluation stopped at its limit query_timeout_ms = " +
+                                       std::to_string(timeout_.count()));
+  }
+
+  std::atomic<bool> cancelled_{false};
+  SteadyTime deadline_;
+  std::chrono::milliseconds timeout_{0};  // 0: none
+  bool counted_ = false;  // AllowSteps was called
+  int64_t steps_ = 0;     // allowed
+  int64_t steps_left_ = std::numeric_limits<int64_t>::max();
+  unsigned polls_ = 0;
+  bool expired_ = false;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_CANCELLATION_H_

@@ -1,0 +1,21 @@
+// The limits of checking what people wrote: shapes, ontologies, data. As limits.h, whose rules hold here; apart, because
+// only the checks include it.
+#ifndef DOCENT_GRAPH_BASE_CHECK_LIMITS_H_
+#define DOCENT_GRAPH_BASE_CHECK_LIMITS_H_
+
+#include <cstddef>
+
+namespace docent {
+
+struct CheckLimits {
+  size_t check_diagnostics = 1000;    // findings of `docent check` in one file, and about the shapes of one validation
+  size_t validation_results = 10000;  // kept of one SHACL report; the others are counted
+  size_t check_facts = 300000;        // told, and inferred besides, up to which `docent check` looks for inconsistencies
+  int check_consistency_ms = 20000;   // for that
+  size_t check_inconsistencies = 100;  // of which it says why; the others are counted
+  int shape_nesting = 64;             // shapes that refer to each other, one behind the other; paths inside each other
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_CHECK_LIMITS_H_

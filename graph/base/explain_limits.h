@@ -1,0 +1,20 @@
+// Limits of explanations and what-if questions; beside limits.h, with the same rules: an error at a limit says its name and
+// value.
+#ifndef DOCENT_GRAPH_BASE_EXPLAIN_LIMITS_H_
+#define DOCENT_GRAPH_BASE_EXPLAIN_LIMITS_H_
+
+#include <cstddef>
+
+namespace docent {
+
+struct ExplainLimits {
+  size_t explain_steps = 200000;        // of the search for one explanation
+  size_t explain_facts = 10000;         // in one proof
+  int explain_changes = 6;              // facts missing or in the way, in one set of a why-not
+  size_t explain_log_records = 100000;  // newest records that are read for who told a fact and when
+  size_t what_if_operations = 10000;    // hypothetical facts of one question
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_EXPLAIN_LIMITS_H_

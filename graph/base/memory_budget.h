@@ -1,0 +1,120 @@
+// How much memory work may keep: a limit of each piece of work (MemoryUse), and one of all together (MemoryBudget).
+#ifndef DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
+#define DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
+
+namespace docent {
+
+// What several pieces of work keep together, whatever threads they run on. Thread-safe.
+class MemoryBudget {
+ public:
+  // `limit_name`: as in Limits.
+  MemoryBudget(std::string_view limit_name, size_t limit) : limit_name_(limit_name), limit_(limit) {}
+
+  // False, and nothing is taken, if that were beyond the limit.
+  bool Take(size_t bytes) {
+    size_t taken = taken_.load(std::memory_order_relaxed);
+    do {
+      if (bytes > limit_ || taken > limit_ - bytes) return false;
+    } while (!taken_.compare_exchange_weak(taken, taken + bytes, std::memory_order_relaxed));
+    return true;
+  }
+  void Give(size_t bytes) { taken_.fetch_sub(bytes, std::memory_order_relaxed); }
+  bool HasRoom(size_t bytes) const { return bytes <= limit_ && taken() <= limit_ - bytes; }
+  size_t taken() const { return taken_.load(std::memory_order_relaxed); }
+
+  // RESOURCE_EXHAUSTED: others hold too much now.
+  absl::Status Refusal() const {
+    return absl::ResourceExhaustedError("too much is in work at the same time: the limit " + limit_name_ + " = " +
+                                        std::to_string(limit_) + " is reached; try again later");
+  }
+
+ private:
+  const std::string limit_name_;
+  const size_t limit_;
+  std::atomic<size_t> taken_{0};
+};
+
+// What one piece of work keeps. One thread.
+class MemoryUse {
+ public:
+  // `all` counts what this one keeps beyond kFree; null: nobody does. Must outlive it.
+  explicit MemoryUse(size_t limit, MemoryBudget* all = nullptr)
+      : limit_(limit), all_(all), granted_(all == nullptr ? limit : std::min(limit, kFree)) {}
+  ~MemoryUse() { GiveBack(taken_); }
+  MemoryUse(const MemoryUse&) = delete;
+  MemoryUse& operator=(const MemoryUse&) = delete;
+
+  // False if that is beyond one of the limits; it is counted all the same.
+  bool Add(size_t bytes) {
+    used_ += bytes;
+    return used_ <= granted_ || Extend();
+  }
+  void Release(size_t bytes) {
+    used_ -= bytes;
+    if (taken_ != 0 && granted_ > used_ + kSlack) GiveBack(granted_ - used_ - kStep);
+  }
+  // Whether so much more could be added now.
+  bool HasRoom(size_t bytes) const {
+    if (bytes > limit_ || used_ > limit_ - bytes) return false;
+    return used_ + bytes <= granted_ || all_->HasRoom(used_ + bytes - granted_);
+  }
+  void Reset() {
+    used_ = 0;
+    GiveBack(taken_);
+  }
+  // True if so much more would leave half of the memory free: for what is kept only to be quicker.
+  bool MayKeep(size_t bytes) const {
+    if (bytes >= limit_ / 2 || used_ + bytes >= limit_ / 2) return false;
+    return used_ + bytes <= granted_ || all_->HasRoom(2 * bytes);
+  }
+  size_t used() const { return used_; }
+
+  // After Add, or HasRoom of `more`, was false: `own` if the limit of this piece of work is the cause, else that of all.
+  absl::Status Refusal(absl::Status own, size_t more = 0) const {
+    return more > limit_ || used_ > limit_ - more ? std::move(own) : all_->Refusal();
+  }
+
+ private:
+  static constexpr size_t kFree = 256u << 10;
+  static constexpr size_t kStep = 1u << 20;   // taken at once
+  static constexpr size_t kSlack = 8u << 20;  // taken and not used, before some is given back
+
+  bool Extend() {
+    if (used_ > limit_) return false;
+    const size_t least = used_ - granted_;
+    size_t more = std::min(std::max(least, std::max(kStep, granted_ / 4)), limit_ - granted_);
+    if (!all_->Take(more)) {
+      more = least;
+      if (!all_->Take(more)) return false;
+    }
+    granted_ += more;
+    taken_ += more;
+    return true;
+  }
+  void GiveBack(size_t bytes) {
+    bytes = std::min(bytes, taken_);
+    if (bytes == 0) return;
+    all_->Give(bytes);
+    granted_ -= bytes;
+    taken_ -= bytes;
+  }
+
+  const size_t limit_;
+  MemoryBudget* const all_;
+  size_t granted_;    // without asking `all_`
+  size_t taken_ = 0;  // from `all_`
+  size_t used_ = 0;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_

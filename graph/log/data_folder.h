@@ -1,0 +1,76 @@
+// The folder in which a server keeps its log: made if absent, checked, and held by one process at a time.
+//
+// It also holds the *head mark*: a file of a few bytes that is overwritten, without a sync, after each
+// commit. If the database later ends before the mark, acknowledged records have been lost (a damaged
+// write-ahead log looks to SQLite like one that was cut off by a crash, and it drops the rest without a
+// word). After a power cut the mark may be older than the database, never newer. One thread at a time.
+#ifndef DOCENT_GRAPH_LOG_DATA_FOLDER_H_
+#define DOCENT_GRAPH_LOG_DATA_FOLDER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace docent {
+
+// A file descriptor that is closed at the end of its life.
+class FileHandle {
+ public:
+  FileHandle() = default;
+  explicit FileHandle(int fd) : fd_(fd) {}
+  FileHandle(FileHandle&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  FileHandle& operator=(FileHandle&& other) noexcept;
+  ~FileHandle();
+  int fd() const { return fd_; }
+  bool valid() const { return fd_ >= 0; }
+
+ private:
+  int fd_ = -1;
+};
+
+class DataFolder {
+ public:
+  // Makes `path` (with parents) if absent and takes its lock; nothing else is made. Errors, each one line:
+  // INVALID_ARGUMENT (not a folder), PERMISSION_DENIED (cannot be read or written), FAILED_PRECONDITION (in
+  // use, by which process).
+  static absl::StatusOr<DataFolder> Open(const std::string& path);
+
+  // Whether a process holds the lock of the folder `path`.
+  static bool InUse(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  std::string File(const std::string& name) const { return path_ + "/" + name; }
+
+  // The file of the head mark, read and written by its path. nullopt: there is none. DATA_LOSS: it is damaged.
+  static constexpr char kMarkName[] = "head";
+  static absl::StatusOr<std::optional<uint64_t>> ReadMark(const std::string& path);
+  static absl::Status WriteMark(const std::string& path, uint64_t offset);
+
+  // Opens the mark to be set, made if absent: once the log is known to be whole.
+  absl::Status OpenMark();
+  // Best effort: a mark that cannot be written only loses the check.
+  void SetHeadMark(uint64_t offset);
+  // A lasting mark, for an orderly end.
+  void SyncHeadMark();
+
+ private:
+  std::string path_;
+  FileHandle lock_;
+  FileHandle mark_;
+};
+
+// The status of errno value `error` while doing `what`: as SqliteError.
+absl::Status FileError(int error, const std::string& what);
+
+// Waits until what was written to a file, or the names in a folder, would outlast a power cut.
+absl::Status SyncPath(const std::string& path);
+
+// Makes a folder and those above it that are not there, to outlast a power cut.
+absl::Status MakeFolders(const std::string& path);
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_LOG_DATA_FOLDER_H_

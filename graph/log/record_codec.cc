@@ -1,0 +1,343 @@
+#include "graph/log/record_codec.h"
+
+#include <google/protobuf/arena.h>
+
+#include <array>
+#include <deque>
+#include <limits>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
+#include "absl/hash/hash.h"
+#include "absl/strings/str_cat.h"
+#include "graph/log/record.pb.h"
+
+namespace docent {
+namespace {
+
+// The enums' values are written as they are: their order is part of the log's format. New values go to the
+// end.
+static_assert(static_cast<int>(TermKind::kLiteral) == log::TermEntry::LITERAL);
+static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
+static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
+static_assert(static_cast<int>(Document::Action::kRemove) == 1);
+static_assert(static_cast<int>(CommandReport::Outcome::kUnreachable) == 6);
+static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
+
+// An arena whose first block lies on the stack: most records need no other.
+class RecordArena {
+ public:
+  RecordArena() : arena_(Options(&first_)) {}
+  log::Turn* NewTurn() { return google::protobuf::Arena::CreateMessage<log::Turn>(&arena_); }
+
+ private:
+  using Block = std::array<char, 4096>;
+  static google::protobuf::ArenaOptions Options(Block* first) {
+    google::protobuf::ArenaOptions options;
+    options.initial_block = first->data();
+    options.initial_block_size = first->size();
+    return options;
+  }
+  alignas(8) Block first_;
+  google::protobuf::Arena arena_;
+};
+
+// Gives each distinct term of a record its number. The terms must outlive the table.
+class TermTable {
+ public:
+  explicit TermTable(log::Turn* turn) : turn_(turn) {}
+
+  uint32_t Number(const Term& term) {
+    if (term == Term{}) return 0;
+    if (const uint32_t known = Find(term); known > 0) return known;
+    // The datatype first: a term refers only to terms before it.
+    const uint32_t datatype = term.datatype.empty() ? 0 : NumberOfDatatype(term.datatype);
+    log::TermEntry* entry = turn_->add_terms();
+    entry->set_kind(static_cast<log::TermEntry::Kind>(term.kind));
+    entry->set_lexical(term.lexical);
+    entry->set_datatype(datatype);
+    entry->set_language(term.language);
+    const uint32_t number = static_cast<uint32_t>(turn_->terms_size());
+    Keep(term, number);
+    return number;
+  }
+
+  template <typename List>
+  void AddNamed(const std::vector<std::pair<std::string, Term>>& values, List* list) {
+    for (const auto& [name, value] : values) {
+      log::NamedTerm* entry = list->Add();
+      entry->set_name(name);
+      entry->set_term(Number(value));
+    }
+  }
+
+ private:
+  struct HashTerm {
+    size_t operator()(const Term* term) const { return absl::HashOf(*term); }
+  };
+  struct SameTerm {
+    bool operator()(const Term* a, const Term* b) const { return *a == *b; }
+  };
+
+  // 0: not known.
+  uint32_t Find(const Term& term) const {
+    if (numbers_.empty()) {
+      for (const auto& [known, number] : few_) {
+        if (*known == term) return number;
+      }
+      return 0;
+    }
+    const auto known = numbers_.find(&term);
+    return known == numbers_.end() ? 0 : known->second;
+  }
+  void Keep(const Term& term, uint32_t number) {
+    if (numbers_.empty() && few_.size() < kFew) {
+      few_.emplace_back(&term, number);
+      return;
+    }
+    if (numbers_.empty()) numbers_.insert(few_.begin(), few_.end());
+    numbers_.emplace(&term, number);
+  }
+
+  uint32_t NumberOfDatatype(const std::string& iri) {
+    const auto known = datatypes_.find(iri);
+    if (known != datatypes_.end()) return known->second;
+    const Term& term = owned_.emplace_back(Term::Iri(iri));
+    return datatypes_[iri] = Number(term);
+  }
+
+  static constexpr size_t kFew = 8;  // terms that are compared one by one more quickly than by hash
+
+  log::Turn* turn_;
+  absl::InlinedVector<std::pair<const Term*, uint32_t>, kFew> few_;
+  absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;  // all, once there are more
+  absl::flat_hash_map<std::string, uint32_t> datatypes_;
+  std::deque<Term> owned_;  // datatypes as terms
+};
+
+void EncodeBatch(const WriteBatch& batch, TermTable* terms, log::Batch* out) {
+  out->set_request_id(batch.request_id);
+  out->set_source(batch.source);
+  out->set_mode(static_cast<uint32_t>(batch.mode));
+  out->set_time_us(batch.time_us);
+  out->set_lifetime_ms(batch.lifetime_ms);
+  out->set_clock_tick(batch.clock_tick);
+  out->mutable_quads()->Reserve(static_cast<int>(batch.operations.size() * 4));
+  for (size_t i = 0; i < batch.operations.size(); ++i) {
+    const TermQuad& quad = batch.operations[i].quad;
+    for (const Term* term : {&quad.subject, &quad.predicate, &quad.object, &quad.graph}) {
+      out->add_quads(terms->Number(*term));
+    }
+    if (batch.operations[i].kind == QuadOperation::Kind::kRemove) out->add_removes(static_cast<uint32_t>(i));
+  }
+  for (const SensorReading& reading : batch.readings) {
+    log::Reading* entry = out->add_readings();
+    entry->set_sensor(reading.sensor);
+    entry->set_value(terms->Number(reading.value));
+    entry->set_time_us(reading.time_us);
+  }
+  for (const Document& document : batch.documents) {
+    log::DocumentChange* entry = out->add_documents();
+    entry->set_kind(static_cast<uint32_t>(document.kind));
+    entry->set_action(static_cast<uint32_t>(document.action));
+    entry->set_name(document.name);
+    entry->set_text(document.text);
+  }
+  for (const CommandReport& report : batch.reports) {
+    log::Report* entry = out->add_reports();
+    entry->set_command(report.command.value());
+    entry->set_outcome(static_cast<uint32_t>(report.outcome));
+    entry->set_message(report.message);
+    entry->set_progress(report.progress);
+    entry->set_incarnation(report.incarnation);
+    terms->AddNamed(report.results, entry->mutable_results());
+  }
+  for (const RunRequest& request : batch.run_requests) {
+    log::RunWish* entry = out->add_run_requests();
+    entry->set_kind(static_cast<uint32_t>(request.kind));
+    entry->set_target(request.target);
+    terms->AddNamed(request.arguments, entry->mutable_arguments());
+  }
+}
+
+void EncodeDecisions(const TurnRecord& record, TermTable* terms, log::Turn* turn) {
+  for (const Transition& transition : record.transitions) {
+    log::TransitionEntry* entry = turn->add_transitions();
+    entry->set_subject(transition.subject);
+    entry->set_from(transition.from);
+    entry->set_to(transition.to);
+    entry->set_cause(transition.cause);
+  }
+  for (const CommandEntry& command : record.commands) {
+    log::Command* entry = turn->add_commands();
+    entry->set_id(command.id.value());
+    entry->set_robot(command.robot.value());
+    entry->set_operation(command.operation);
+    terms->AddNamed(command.arguments, entry->mutable_arguments());
+    entry->set_expected_incarnation(command.expected_incarnation);
+    entry->set_guard_revision(command.guard_revision.value());
+    entry->set_deadline_us(command.deadline_us);
+    entry->set_idempotent(command.idempotent);
+  }
+}
+
+// Reads one parsed message. The first thing that does not fit ends up in `status`; what is returned then is
+// unused.
+class Decoder {
+ public:
+  Decoder(uint64_t offset, const log::Turn& turn) : offset_(offset), turn_(turn) {}
+
+  absl::StatusOr<TurnRecord> Decode() {
+    if (turn_.min_reader() > kRecordReader) {
+      return absl::FailedPreconditionError(absl::StrCat(
+          "log record ", offset_, " was written by a newer Docent (record format ", turn_.min_reader(),
+          ", this one reads up to ", kRecordReader, "): start the newer version"));
+    }
+    DecodeTerms();
+    TurnRecord record;
+    record.offset = offset_;
+    record.time_us = turn_.time_us();
+    record.engine_version = turn_.engine_version();
+    DecodeBatch(turn_.batch(), &record.batch);
+    DecodeDecisions(&record);
+    if (!status_.ok()) return status_;
+    return record;
+  }
+
+ private:
+  void Fail(const std::string& what) {
+    if (status_.ok())
+      status_ = absl::DataLossError(absl::StrCat("log record ", offset_, " does not decode: ", what));
+  }
+
+  void DecodeTerms() {
+    terms_.reserve(static_cast<size_t>(turn_.terms_size()) + 1);
+    terms_.emplace_back();  // number 0: no term
+    for (const log::TermEntry& entry : turn_.terms()) {
+      Term term;
+      if (entry.kind() < log::TermEntry::IRI || entry.kind() > log::TermEntry::LITERAL)
+        Fail("unknown kind of term");
+      term.kind = static_cast<TermKind>(entry.kind());
+      term.lexical = entry.lexical();
+      term.language = entry.language();
+      if (entry.datatype() >= terms_.size()) {
+        Fail("a datatype that stands after its literal");
+      } else {
+        term.datatype = terms_[entry.datatype()].lexical;
+      }
+      terms_.push_back(std::move(term));
+    }
+  }
+
+  Term TermOf(uint32_t number) {
+    if (number < terms_.size()) return terms_[number];
+    Fail("a term number beyond the record's terms");
+    return {};
+  }
+
+  // `value` as an enum whose last value is `last`.
+  template <typename Enum>
+  Enum EnumOf(uint32_t value, Enum last, const char* what) {
+    if (value <= static_cast<uint32_t>(last)) return static_cast<Enum>(value);
+    Fail(absl::StrCat("unknown ", what, " ", value));
+    return last;
+  }
+
+  template <typename List>
+  std::vector<std::pair<std::string, Term>> Named(const List& list) {
+    std::vector<std::pair<std::string, Term>> values;
+    values.reserve(static_cast<size_t>(list.size()));
+    for (const log::NamedTerm& entry : list) values.emplace_back(entry.name(), TermOf(entry.term()));
+    return values;
+  }
+
+  void DecodeOperations(const log::Batch& in, WriteBatch* batch) {
+    if (in.quads_size() % 4 != 0) return Fail("quads of less than four terms");
+    batch->operations.resize(static_cast<size_t>(in.quads_size() / 4));
+    for (size_t i = 0; i < batch->operations.size(); ++i) {
+      TermQuad& quad = batch->operations[i].quad;
+      int at = static_cast<int>(i * 4);
+      for (Term* term : {&quad.subject, &quad.predicate, &quad.object, &quad.graph})
+        *term = TermOf(in.quads(at++));
+    }
+    for (const uint32_t position : in.removes()) {
+      if (position >= batch->operations.size()) return Fail("a removal beyond the operations");
+      batch->operations[position].kind = QuadOperation::Kind::kRemove;
+    }
+  }
+
+  void DecodeBatch(const log::Batch& in, WriteBatch* batch) {
+    batch->request_id = in.request_id();
+    batch->source = in.source();
+    batch->mode = EnumOf(in.mode(), WriteBatch::Mode::kLoad, "batch mode");
+    batch->time_us = in.time_us();
+    batch->lifetime_ms = in.lifetime_ms();
+    batch->clock_tick = in.clock_tick();
+    DecodeOperations(in, batch);
+    for (const log::Reading& entry : in.readings()) {
+      batch->readings.push_back({entry.sensor(), TermOf(entry.value()), entry.time_us()});
+    }
+    for (const log::DocumentChange& entry : in.documents()) {
+      batch->documents.push_back({EnumOf(entry.kind(), Document::Kind::kRsel, "kind of document"),
+                                  EnumOf(entry.action(), Document::Action::kRemove, "document action"),
+                                  entry.name(), entry.text()});
+    }
+    for (const log::Report& entry : in.reports()) {
+      batch->reports.push_back(
+          {CommandId(entry.command()),
+           EnumOf(entry.outcome(), CommandReport::Outcome::kUnreachable, "command outcome"), entry.message(),
+           entry.progress(), entry.incarnation(), Named(entry.results())});
+    }
+    for (const log::RunWish& entry : in.run_requests()) {
+      batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kInvokeService, "run request"),
+                                     entry.target(), Named(entry.arguments())});
+    }
+  }
+
+  void DecodeDecisions(TurnRecord* record) {
+    for (const log::TransitionEntry& entry : turn_.transitions()) {
+      record->transitions.push_back({entry.subject(), entry.from(), entry.to(), entry.cause()});
+    }
+    for (const log::Command& entry : turn_.commands()) {
+      record->commands.push_back({CommandId(entry.id()), RobotId(entry.robot()), entry.operation(),
+                                  Named(entry.arguments()), entry.expected_incarnation(),
+                                  Revision(entry.guard_revision()), entry.deadline_us(), entry.idempotent()});
+    }
+  }
+
+  const uint64_t offset_;
+  const log::Turn& turn_;
+  std::vector<Term> terms_;
+  absl::Status status_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
+  RecordArena arena;
+  log::Turn* turn = arena.NewTurn();
+  turn->set_min_reader(1);
+  turn->set_time_us(record.time_us);
+  turn->set_engine_version(record.engine_version);
+  TermTable terms(turn);
+  EncodeBatch(record.batch, &terms, turn->mutable_batch());
+  EncodeDecisions(record, &terms, turn);
+  std::string bytes;
+  if (turn->ByteSizeLong() > std::numeric_limits<int>::max() || !turn->SerializeToString(&bytes)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a turn of ", turn->ByteSizeLong(), " bytes is too large for one log record"));
+  }
+  return bytes;
+}
+
+absl::StatusOr<TurnRecord> DecodeTurnRecord(uint64_t offset, std::string_view data) {
+  RecordArena arena;
+  log::Turn* turn = arena.NewTurn();
+  if (data.size() > std::numeric_limits<int>::max() ||
+      !turn->ParseFromArray(data.data(), static_cast<int>(data.size()))) {
+    return absl::DataLossError(absl::StrCat("log record ", offset, " does not decode: not a record's bytes"));
+  }
+  return Decoder(offset, *turn).Decode();
+}
+
+}  // namespace docent

@@ -1,0 +1,55 @@
+// The log's database file: tables, format number, settings. Only graph/log includes this.
+//
+//   ctxlog(seq, epoch, crc, prev_hash, data)   one row a record
+//   head(seq, epoch, hash, base_seq, base_hash, crc)   one row: the newest record, the highest epoch, the
+//   hash of the
+//        newest record, and offset and hash of the last record that was trimmed away (0 and zeros: none)
+//
+// The format number is the file's user_version, and its application_id says that it is a Docent log.
+#ifndef DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_
+#define DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graph/log/record_chain.h"
+#include "graph/log/sqlite_handles.h"
+
+namespace docent {
+
+inline constexpr uint64_t kLogFormat = 1;
+inline constexpr uint64_t kLogApplicationId = 0x646F634C;  // "docL"
+
+// The row of table head.
+struct HeadRow {
+  uint64_t offset = 0;
+  uint64_t epoch = 0;
+  ChainHash hash{};
+  uint64_t base_offset = 0;
+  ChainHash base_hash{};
+
+  uint32_t Crc() const;
+};
+
+// A connection that only reads, beside another process that may write. Nothing is carried over. A folder on a
+// full or read-only disk can be read if its server ended in order; else the error says what to do.
+absl::StatusOr<DatabaseHandle> OpenReadOnly(const std::string& path);
+// A connection with the settings that the log relies on (WAL, synchronous=FULL, no automatic checkpoint).
+absl::StatusOr<DatabaseHandle> OpenConnection(const std::string& path);
+
+// Makes the tables in an empty file, for a log that begins after `start`, or checks those of an existing one.
+// FAILED_PRECONDITION for a newer format, INVALID_ARGUMENT for a database that is not a Docent log, DATA_LOSS
+// for a damaged one.
+absl::Status PrepareSchema(sqlite3* db, const std::string& path, const HeadRow& start = {});
+
+// Whether it is a log of a format that this version reads, as PrepareSchema says.
+absl::Status CheckFormat(sqlite3* db, const std::string& path);
+
+// Reads and verifies the head row.
+absl::StatusOr<HeadRow> ReadHead(sqlite3* db);
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_

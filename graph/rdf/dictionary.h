@@ -1,0 +1,86 @@
+// The dictionary: IRIs, blank nodes and literals that do not fit into an id ↔ TermId.
+//
+// Append-only. One thread (the writer) interns; any number of threads decode and find at the same time,
+// without locks: entries, text and hash slots never move once they are published. Ids are given in order of
+// first interning (a literal's datatype or language before the literal), so replaying the same log gives the
+// same ids. At most 2^29 entries.
+#ifndef DOCENT_GRAPH_RDF_DICTIONARY_H_
+#define DOCENT_GRAPH_RDF_DICTIONARY_H_
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "graph/rdf/term.h"
+#include "graph/rdf/term_id.h"
+
+namespace docent {
+
+class Dictionary {
+ public:
+  Dictionary();
+  // A dictionary over `base`, which must outlive it: it knows the terms that `base` has now, under the same
+  // ids, and keeps those that are new to itself, under ids that `base` never gives. For work beside the
+  // writer that has to intern (a SPARQL Update that reads what it wrote). One thread; the base goes on
+  // growing.
+  explicit Dictionary(const Dictionary* base);
+  // Knows from now on what the base has learnt meanwhile, too: only while this one keeps no terms of its own, so that
+  // no term has two ids. The thread of this one.
+  void FollowBase();
+  ~Dictionary();
+  Dictionary(const Dictionary&) = delete;
+  Dictionary& operator=(const Dictionary&) = delete;
+
+  // The id of `term`, made if new. Writer thread only. Inline literals make no entry.
+  TermId Intern(const Term& term);
+  TermId InternIri(std::string_view iri);
+  // The id of `term` if it is known (or inline). A term whose id this thread has already seen, in a version
+  // or by another thread's word, is found. Any thread.
+  std::optional<TermId> Find(const Term& term) const;
+  std::optional<TermId> FindIri(std::string_view iri) const;
+  // The term of `id`, which this dictionary gave, or which is inline. Any thread.
+  Term Decode(TermId id) const;
+  // The same into *out, whose memory is used again: quicker for many.
+  void DecodeTo(TermId id, Term* out) const;
+  // The lexical form of a dictionary entry without a copy; the view lives as long as the dictionary.
+  // Requires id.InDictionary(). Any thread.
+  std::string_view Lexical(TermId id) const;
+
+  // The datatype IRI of any literal id, inline ones included (rdf:langString with a language); empty for IRIs
+  // and blank nodes. The language tag, or empty. Both without a copy, as Lexical. Any thread.
+  std::string_view Datatype(TermId id) const;
+  std::string_view Language(TermId id) const;
+
+  // Of a literal with an entry, all its texts at once; the datatype is empty for a plain string and with a language.
+  // Requires the tag kLiteral. Without a copy, as Lexical. Any thread.
+  struct LiteralView {
+    std::string_view lexical, datatype, language;
+  };
+  LiteralView Literal(TermId id) const;
+
+  // The entries as they are kept, for snapshots: entry number `index` < size() is the term of payload `index`.
+  // A literal's `qualifier` is 0 for a plain string, else 1 + the number of another entry: its datatype, or with
+  // `is_language` its language tag. Of a dictionary without a base. Any thread.
+  struct EntryView {
+    TermId::Tag tag = TermId::Tag::kNone;
+    std::string_view text;
+    uint32_t qualifier = 0;
+    bool is_language = false;
+  };
+  EntryView EntryAt(uint64_t index) const;
+  // The id of such an entry, made if new; `qualifier` names an entry of this dictionary. Writer thread only.
+  TermId InternEntry(const EntryView& entry);
+
+  size_t size() const;   // entries
+  size_t bytes() const;  // memory held, estimated
+
+ private:
+  struct Impl;
+  // The id in the base, if it knew the term when this dictionary was made.
+  std::optional<TermId> FindInBase(const Term& term) const;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_DICTIONARY_H_

@@ -1,0 +1,48 @@
+#include "graph/rdf/document_name.h"
+
+#include "absl/strings/str_format.h"
+#include "graph/base/fingerprint.h"
+#include "graph/rdf/iri.h"
+#include "graph/rdf/turtle_scanner.h"
+#include "graph/rdf/utf8.h"
+
+namespace docent {
+namespace {
+
+constexpr char32_t kCareOf = 0x2105;  // looks like a percent sign, and may stand anywhere in a label
+
+// The name with `escape` and two hexadecimal digits for each byte of a character that `may_stand(c, at)` does not let be.
+template <typename MayStand>
+std::string Escaped(std::string_view name, char32_t escape, const MayStand& may_stand) {
+  std::string out;
+  const size_t valid = FindInvalidUtf8(name).value_or(name.size());
+  for (size_t at = 0, end = 0; at < name.size(); at = end) {
+    const bool stands = at < valid && may_stand(NextCodePoint(name, &end), at);
+    if (at >= valid) end = name.size();
+    if (stands) out += name.substr(at, end - at);
+    for (; !stands && at < end; ++at) {
+      AppendUtf8(escape, &out);
+      absl::StrAppendFormat(&out, "%02X", static_cast<unsigned char>(name[at]));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string NameInIri(std::string_view name) {
+  return Escaped(name, '%', [](char32_t c, size_t) { return c != '%' && !IsForbiddenInIri(c); });
+}
+
+std::string NameInBlankLabel(std::string_view name) {
+  return Escaped(name, kCareOf, [](char32_t c, size_t at) {
+    const bool digit = c >= '0' && c <= '9';
+    return c != kCareOf && (IsNameStart(c) || digit || (at > 0 && (IsNameChar(c) || c == '.')));
+  });
+}
+
+std::string BlankLabelStart(std::string_view text) {
+  return absl::StrFormat("d%016x_", Fingerprint(text));
+}
+
+}  // namespace docent

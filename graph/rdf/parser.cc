@@ -1,0 +1,115 @@
+#include "graph/rdf/parser.h"
+
+#include <array>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "graph/base/text.h"
+#include "graph/rdf/line_parser.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/rdf/place_recorder.h"
+#include "graph/rdf/rdf_xml.h"
+#include "graph/rdf/turtle_parser.h"
+#include "graph/rdf/utf8.h"
+
+namespace docent {
+namespace {
+
+struct FormatName {
+  std::string_view text;
+  RdfFormat format;
+};
+
+constexpr std::array<FormatName, 7> kEndings = {{{".ttl", RdfFormat::kTurtle},
+                                                 {".trig", RdfFormat::kTriG},
+                                                 {".nt", RdfFormat::kNTriples},
+                                                 {".nq", RdfFormat::kNQuads},
+                                                 {".rdf", RdfFormat::kRdfXml},
+                                                 {".owl", RdfFormat::kRdfXml},
+                                                 {".xml", RdfFormat::kRdfXml}}};
+
+constexpr std::array<FormatName, 9> kMediaTypes = {{{"text/turtle", RdfFormat::kTurtle},
+                                                    {"application/x-turtle", RdfFormat::kTurtle},
+                                                    {"application/trig", RdfFormat::kTriG},
+                                                    {"application/n-triples", RdfFormat::kNTriples},
+                                                    {"text/plain", RdfFormat::kNTriples},
+                                                    {"application/n-quads", RdfFormat::kNQuads},
+                                                    {"application/rdf+xml", RdfFormat::kRdfXml},
+                                                    {"application/xml", RdfFormat::kRdfXml},
+                                                    {"text/xml", RdfFormat::kRdfXml}}};
+
+ParsedRdf Mistake(std::string_view text, const ParseRdfOptions& options, size_t offset, std::string message,
+                  std::string hint) {
+  ParsedRdf parsed;
+  SourceSpan span = SpanAt(text, offset, offset < text.size() ? 1 : 0);
+  parsed.diagnostics.push_back({options.file, span, std::move(message), std::move(hint)});
+  return parsed;
+}
+
+// What must hold before a parser may look at the text; takes a byte order mark away, which is not part of it.
+std::optional<ParsedRdf> Refused(std::string_view* text, RdfFormat format, const ParseRdfOptions& options) {
+  if (text->size() > options.limits.document_bytes) {
+    return Mistake({}, options, 0,
+                   absl::StrCat("the document has ", text->size(), " bytes, the limit document_bytes is ",
+                                options.limits.document_bytes),
+                   "load it in parts");
+  }
+  if (text->starts_with("\xEF\xBB\xBF")) text->remove_prefix(3);
+  if (std::optional<size_t> at = FindInvalidUtf8(*text)) {
+    return Mistake(
+        *text, options, *at,
+        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>((*text)[*at])),
+        "save the document as UTF-8");
+  }
+  if (size_t at = text->find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
+    return Mistake(*text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<RdfFormat> FormatOfFile(std::string_view file_name) {
+  std::string lower = absl::AsciiStrToLower(ToAbsl(file_name));
+  for (const FormatName& ending : kEndings) {
+    if (lower.ends_with(ending.text)) return ending.format;
+  }
+  return std::nullopt;
+}
+
+std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type) {
+  absl::string_view type = absl::StripAsciiWhitespace(ToAbsl(media_type.substr(0, media_type.find(';'))));
+  std::string lower = absl::AsciiStrToLower(type);
+  for (const FormatName& known : kMediaTypes) {
+    if (lower == known.text) return known.format;
+  }
+  return std::nullopt;
+}
+
+ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return *std::move(refused);
+  if (format == RdfFormat::kRdfXml) return ParseRdfXml(text, options);
+  return ParseTurtleFamily(text, format, options);
+}
+
+LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
+  LocatedRdf located;
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) {
+    located.rdf = *std::move(refused);
+    return located;
+  }
+  PlaceRecorder places;
+  located.rdf = format == RdfFormat::kRdfXml ? ParseRdfXml(text, options, &places)
+                                             : ParseTurtleFamily(text, format, options, &places);
+  places.Finish(text, &located);
+  return located;
+}
+
+Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                       const std::function<bool(const TermQuad& quad)>& visit) {
+  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return refused->diagnostics;
+  return ParseTurtleLines(text, format, options, visit);
+}
+
+}  // namespace docent

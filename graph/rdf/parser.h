@@ -1,0 +1,46 @@
+// RDF text → term quads (RDF 1.1 Turtle, TriG, N-Triples, N-Quads, RDF/XML).
+//
+// Raptor2 parses RDF/XML; the Turtle family has its own parser (turtle_parser.h says why). Any thread.
+#ifndef DOCENT_GRAPH_RDF_PARSER_H_
+#define DOCENT_GRAPH_RDF_PARSER_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/term.h"
+
+namespace docent {
+
+enum class RdfFormat { kTurtle, kTriG, kNTriples, kNQuads, kRdfXml };
+
+// By file name ending (.ttl .trig .nt .nq .rdf .owl .xml) or by media type ("text/turtle; charset=utf-8").
+std::optional<RdfFormat> FormatOfFile(std::string_view file_name);
+std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type);
+
+struct ParseRdfOptions {
+  std::string file;              // for diagnostics
+  std::string base_iri;          // relative IRIs resolve against it; empty: a relative IRI is an error
+  std::string blank_node_scope;  // prefix for blank node labels so that two documents never share one
+  Limits limits;  // document_bytes, term_bytes, turtle_nesting, xml_nesting, document_diagnostics
+};
+
+// All quads of `text`, at most one for each 32 bytes of document_bytes; their graph is empty where the document names
+// none. On an error: no quads, but every mistake found (line, column, message, hint). A document type definition in
+// RDF/XML is refused, nothing is ever fetched; invalid UTF-8 is an error, and so is the character U+0000 but in a
+// literal of the Turtle family, where RDF has it. `prefixes` holds the document's prefix declarations in order.
+struct ParsedRdf {
+  std::vector<TermQuad> quads;
+  std::vector<std::pair<std::string, std::string>> prefixes;
+  Diagnostics diagnostics;
+  bool ok() const { return !HasErrors(diagnostics); }
+};
+ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_PARSER_H_

@@ -1,0 +1,55 @@
+// Where the parsers put what they read: gathers quads, names blank nodes, holds terms to their size limit.
+// Included only by the parsers of this folder. One thread.
+#ifndef DOCENT_GRAPH_RDF_QUAD_COLLECTOR_H_
+#define DOCENT_GRAPH_RDF_QUAD_COLLECTOR_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/term.h"
+
+namespace docent {
+
+class QuadCollector {
+ public:
+  // `limits` bounds the document.
+  QuadCollector(std::string scope, const Limits& limits)
+      : scope_(std::move(scope)), most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)) {}
+
+  // The blank node that the document calls `label`.
+  Term NamedBlank(std::string_view label);
+  // A blank node without a label in the document; its final label ("b1", "b2" …, none that the document uses)
+  // is given by TakeQuads.
+  Term NewBlank();
+
+  // False, and it is not taken: it is one too many (see Refusal). A quad takes many times the memory of its shortest text.
+  bool Add(TermQuad quad) {
+    if (quads_.size() == most_) return false;
+    quads_.push_back(std::move(quad));
+    return true;
+  }
+  std::string Refusal() const;
+
+  // All quads; the collector is empty afterwards.
+  std::vector<TermQuad> TakeQuads();
+
+ private:
+  static constexpr size_t kBytesOfQuad = 32;  // of text
+  static constexpr size_t kFewQuads = 1000;   // are taken in any case
+
+  std::string scope_;
+  const size_t most_;
+  std::vector<TermQuad> quads_;
+  absl::flat_hash_set<std::string> named_like_new_;  // labels of the document of the form b[0-9]+
+  uint64_t new_blanks_ = 0;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_QUAD_COLLECTOR_H_

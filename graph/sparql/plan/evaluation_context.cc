@@ -1,0 +1,102 @@
+#include "graph/sparql/plan/evaluation_context.h"
+
+#include <utility>
+
+#include "graph/rdf/text_bytes.h"
+
+namespace docent::sparql {
+
+bool EvaluationContext::PollNow() {
+  if (status.ok() && cancellation != nullptr) {
+    cancellation->Spend(static_cast<uint64_t>(polls_given_));
+    status = cancellation->CheckNow();
+  }
+  polls_left_ = polls_given_ = status.ok() ? kPolls : 1;
+  return status.ok();
+}
+
+bool EvaluationContext::WorkedNow() {
+  work_bytes_ = PollNow() ? 0 : kBytesAPoll;  // where it has ended, each call says so
+  return status.ok();
+}
+
+bool EvaluationContext::Refuse(size_t more) {
+  polls_left_ = 1;  // the next one tells
+  if (status.ok()) {
+    status = memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
+                                                          std::to_string(memory_limit_)),
+                             more);
+  }
+  return false;
+}
+
+TermId EvaluationContext::Encode(const Term& term) {
+  if (term.IsLiteral()) {
+    if (const std::optional<TermId> id = InlineLiteral(term)) return *id;
+  }
+  const std::optional<TermId> id = FindTerm(term);
+  return id ? *id : AddLocal(term);
+}
+
+TermId EvaluationContext::EncodeComputed(const Value& value) {
+  if (!value.IsExact() || !value.text().empty()) return Encode(value.ToTerm());
+  const Decimal number = Normalised(value.decimal());
+  const int64_t mantissa = static_cast<int64_t>(number.mantissa);
+  std::optional<TermId> id;
+  if (mantissa == number.mantissa) {
+    id = value.type() == Value::Type::kInteger ? InlineIntegerId(mantissa) : InlineDecimalId({mantissa, number.scale});
+  }
+  if (id) return *id;
+  Term term = value.ToTerm();
+  id = FindTerm(term);
+  return id ? *id : AddLocal(std::move(term));
+}
+
+std::optional<TermId> EvaluationContext::FindTerm(const Term& term) {
+  Worked(term.lexical.size());
+  // The own table first: a term that the dictionary learns while this run goes on stands in no version that
+  // it sees, and must keep the id that it has got.
+  if (!local_terms_.empty()) {
+    const auto it = local_ids_.find(term);
+    if (it != local_ids_.end()) return it->second;
+  }
+  return dictionary.Find(term);
+}
+
+TermId EvaluationContext::AddLocal(Term term) {
+  Charge(2 * (sizeof(Term) + TextBytes(term)) + 32);
+  const TermId id = TermId::Make(TermId::Tag::kLocal, local_terms_.size());
+  local_ids_.emplace(term, id);
+  local_terms_.push_back(std::move(term));
+  return id;
+}
+
+void EvaluationContext::DecodeLocalTo(TermId id, Term* out) const {
+  *out = id.payload() < local_terms_.size() ? local_terms_[id.payload()] : Term{};
+}
+
+Value EvaluationContext::ValueOf(TermId id) const {
+  if (id.tag() != TermId::Tag::kLocal) return Value::OfId(id, dictionary);
+  if (id.payload() >= local_terms_.size()) return Value::Error();
+  Value value = Value::OfTerm(local_terms_[id.payload()]);
+  value.set_id(id);
+  return value;
+}
+
+std::string EvaluationContext::LexicalOf(const Value& value) const {
+  const TermId id = value.id();
+  if (id.IsNone()) return value.Lexical();
+  if (id.InDictionary()) return std::string(dictionary.Lexical(id));
+  if (id.tag() == TermId::Tag::kLocal) return local_terms_[id.payload()].lexical;
+  InlineBuffer buffer;
+  return std::string(WriteInlineText(id, &buffer));
+}
+
+uint64_t EvaluationContext::Random() {
+  uint64_t z = (random_ += 0x9E3779B97F4A7C15u);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return z ^ (z >> 31);
+}
+
+}  // namespace docent::sparql

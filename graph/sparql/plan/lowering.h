@@ -1,0 +1,80 @@
+// Algebra → plan, first half: variables become slots (those that a sub-SELECT hides get slots of their own),
+// constants become numbers, filters move to the pattern that binds what they read, neighbouring patterns
+// become one. No order of joins is chosen here; that is the planner's. One thread.
+#ifndef DOCENT_GRAPH_SPARQL_PLAN_LOWERING_H_
+#define DOCENT_GRAPH_SPARQL_PLAN_LOWERING_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
+#include "absl/status/status.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/values/function_registry.h"
+#include "graph/sparql/syntax/name_numbers.h"
+#include "graph/sparql/plan/plan.h"
+
+namespace docent::sparql {
+
+// The constants of a query by number.
+using ConstantTerms = absl::InlinedVector<const Term*, 8>;
+
+class Lowering {
+ public:
+  Lowering(const Dictionary& dictionary, const FunctionRegistry* functions)
+      : dictionary_(dictionary), functions_(functions) {}
+
+  // The slot of a variable of the outermost scope, made if new.
+  int SlotOf(const std::string& variable) { return SlotOf(variable, root_); }
+  // Slots that have a value before the query begins.
+  void SetBound(const SlotSet& bound) { bound_ = bound; }
+
+  // The plan of a whole WHERE with modifiers. Null where status() is not OK: UNIMPLEMENTED or
+  // INVALID_ARGUMENT, with line and column.
+  PlanNodePtr LowerQuery(const Algebra& algebra);
+  PlanExpressionPtr LowerExpression(const Expression& expression);
+
+  const absl::Status& status() const { return status_; }
+  size_t slots() const { return static_cast<size_t>(next_slot_); }
+  // The constants by number, when all is lowered; the lowering has none afterwards.
+  ConstantTerms TakeConstants() { return std::move(constants_); }
+  int ConstantOf(const Term& term);  // which must live as long as what is lowered
+  const SlotSet& bound() const { return bound_; }
+
+ private:
+  using Scope = NameNumbers;  // of variables: their slots
+
+  int ConstantOfMany(const Term& term);
+  int SlotOf(const std::string& variable, Scope& scope);
+  PlanTerm TermOf(const PatternTerm& term, Scope& scope);
+  PlanNodePtr Lower(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
+  PlanNodePtr LowerBgp(const Algebra& a, Scope& scope, const GraphRef& graph);
+  PlanNodePtr LowerJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
+  PlanNodePtr LowerFilter(const Algebra& a, Scope& scope, const GraphRef& graph);
+  bool PushFilter(PlanNode& node, PlanExpressionPtr& filter, const SlotSet& reads) const;
+  PlanNodePtr LowerLeftJoin(const Algebra& a, Scope& scope, const GraphRef& graph);
+  PlanNodePtr LowerGraph(const Algebra& a, Scope& scope);
+  PlanNodePtr LowerValues(const Algebra& a, Scope& scope);
+  PlanNodePtr LowerGroup(const Algebra& a, Scope& scope, const GraphRef& graph);
+  PlanNodePtr LowerProject(const Algebra& a, Scope& scope, const GraphRef& graph, bool top);
+  PlanNodePtr LowerPath(const Algebra& a, Scope& scope, const GraphRef& graph);
+  PlanExpressionPtr Lower(const Expression& e, Scope& scope, const GraphRef& graph);
+  // The slots that an expression reads, those inside EXISTS included; inside GRAPH ?g that is the graph, too.
+  SlotSet Reads(const Expression& e, Scope& scope, const GraphRef& graph);
+  void CheckFunction(const Expression& e);
+  void Fail(absl::StatusCode code, const SourceSpan& span, const std::string& message);
+
+  const Dictionary& dictionary_;
+  const FunctionRegistry* functions_;
+  Scope root_;
+  SlotSet bound_;
+  int next_slot_ = 0;
+  ConstantTerms constants_;
+  absl::flat_hash_map<Term, int> constant_numbers_;  // where there are many
+  absl::Status status_;
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_PLAN_LOWERING_H_

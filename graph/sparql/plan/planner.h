@@ -1,0 +1,37 @@
+// Algebra → plan, second half: the order of patterns and joins, and each join's method, from exact counts of
+// one graph version. Patterns: join_order.h. Other operands greedily: the one that gives the fewest rows for what is
+// bound so far comes next. One thread.
+#ifndef DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
+#define DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_
+
+#include <string>
+
+#include "graph/sparql/plan/evaluation_context.h"
+#include "graph/sparql/plan/plan.h"
+
+namespace docent::sparql {
+
+struct PlannerOptions {
+  bool reorder = true;  // false: as written
+};
+
+// Arranges `node` and everything inside it, the plans of EXISTS included. `bound`: slots that have a value
+// before the plan begins (initial bindings). Reads counts from context.version and ids from
+// context.constants.
+void ArrangePlan(PlanNodePtr& node, const SlotSet& bound, const EvaluationContext& context,
+                 const PlannerOptions& options);
+void ArrangeExpression(PlanExpression& expression, const SlotSet& bound, const EvaluationContext& context,
+                       const PlannerOptions& options);
+
+// True if evaluating `node` with the slots `outer` already bound gives just those of its solutions that are
+// compatible with them (section 18.6 evaluates operands on their own; most may see the other side's bindings,
+// some may not: a FILTER on a variable from outside, an OPTIONAL whose right side shares a variable with
+// outside, LIMIT, groups).
+bool IsSafeWithBound(const PlanNode& node, const SlotSet& outer);
+
+// For people: one line a node, indented, with estimated rows; `measured`: with what the plan's runs gave and took, too.
+std::string ExplainPlan(const PlanNode& node, bool measured);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_PLAN_PLANNER_H_

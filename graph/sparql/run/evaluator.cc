@@ -1,0 +1,472 @@
+#include "graph/sparql/run/evaluator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "graph/rdf/text_bytes.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/plan/evaluation_context.h"
+#include "graph/sparql/run/expression_evaluator.h"
+#include "graph/sparql/plan/lowering.h"
+#include "graph/sparql/run/operators.h"
+#include "graph/sparql/plan/planner.h"
+
+namespace docent::sparql {
+namespace {
+
+// A plan is made anew when the graph has grown or shrunk by this factor since: its counts say little then.
+constexpr uint64_t kReplanFactor = 2;
+constexpr uint64_t kReplanSlack = 64;  // quads by which a tiny graph may change
+
+const Term& DefaultGraphTerm() {
+  static const Term term = Term::Iri(std::string(kDefaultGraph));
+  return term;
+}
+
+// What PreparedQuery and PreparedExpression have in common: slots, constants, data set, context.
+class Program {
+ public:
+  Program(const Dictionary& dictionary, const PrepareOptions& options)
+      : dictionary_(dictionary),
+        strict_(options.default_graph == DefaultGraph::kStrict),
+        context(dictionary, options.functions, options.memory_bytes, options.all_memory) {}
+
+  // The constants that the dictionary did not have at first are looked for again when it has grown.
+  // True if one was found.
+  bool ResolveConstants(absl::Span<const Term* const> terms) {
+    const bool first = context.constants.size() != terms.size();
+    if (!first && unresolved_.empty()) return false;
+    const size_t size = dictionary_.size();
+    if (!first && size == resolved_at_) return false;
+    resolved_at_ = size;
+    if (first) {
+      context.constants.clear();
+      context.constants.reserve(terms.size());
+      unresolved_.clear();
+      for (size_t i = 0; i < terms.size(); ++i) {
+        const std::optional<TermId> id = dictionary_.Find(*terms[i]);
+        context.constants.push_back(id.value_or(kUnknownTerm));
+        if (!id) unresolved_.push_back(i);
+      }
+      return unresolved_.size() != terms.size();
+    }
+    const size_t before = unresolved_.size();
+    std::erase_if(unresolved_, [&](size_t i) {
+      const std::optional<TermId> id = dictionary_.Find(*terms[i]);
+      if (id) context.constants[i] = *id;
+      return id.has_value();
+    });
+    return unresolved_.size() != before;
+  }
+
+  // The data set's graphs, whose numbers among the constants are given; `default_graph` counts where it is strict.
+  void SetDataset(bool is_explicit, const std::vector<int>& from, const std::vector<int>& named,
+                  int default_graph, int with = -1) {
+    DatasetIds& d = context.dataset;
+    d.is_explicit = is_explicit;
+    d.strict = strict_ || with >= 0;
+    d.unnamed_graph = strict_ ? context.constants[default_graph] : TermId();
+    d.default_graph = with >= 0 ? context.constants[with] : d.unnamed_graph;
+    const auto set = [this](const std::vector<int>& numbers, std::vector<TermId>* ids) {
+      ids->clear();
+      for (const int n : numbers) {
+        if (context.constants[n] != kUnknownTerm) ids->push_back(context.constants[n]);
+      }
+    };
+    set(from, &d.default_graphs);
+    set(named, &d.named_graphs);
+  }
+
+  bool SizeChangedMuch(const GraphVersion& version) const {
+    const uint64_t now = version.size();
+    return now > planned_size * kReplanFactor + kReplanSlack ||
+           planned_size > now * kReplanFactor + kReplanSlack;
+  }
+
+ private:
+  const Dictionary& dictionary_;
+  const bool strict_;  // the default graph
+  std::vector<size_t> unresolved_;
+  size_t resolved_at_ = 0;
+
+ public:
+  EvaluationContext context;
+  uint64_t planned_size = 0;
+};
+
+}  // namespace
+
+struct PreparedQuery::Impl {
+  Impl(Query&& q, const Dictionary& d, const PrepareOptions& o)
+      : query(std::move(q)), dictionary(d), options(o), program(d, o) {}
+
+  absl::Status Lower();
+  void Unplan();
+  void Plan(const GraphVersion& version);
+  absl::Status Begin(const RunOptions& run);
+  // Of a run, if there was one since the last End.
+  void End();
+
+  Query query;
+  const Dictionary& dictionary;
+  PrepareOptions options;
+  Program program;
+  std::vector<std::string> names;
+  std::vector<int> columns;      // slots of `names`
+  std::vector<int> bound_slots;  // of options.bound
+  SlotSet bound;
+  ConstantTerms constants;  // of the query
+  std::vector<int> from, from_named;
+  int default_graph = 0;
+  int with = -1;
+  size_t slots = 0;
+  PlanNodePtr plan;  // lowered; arranged once `root` stands
+  std::unique_ptr<Operator> root;
+  std::vector<TermId> ids;  // the rows:
+  absl::Span<TermId> base, out, row;
+  bool running = false;
+  bool begun = false;    // the operators may keep what a run made
+  bool measure = false;  // the next plan counts rows and time
+};
+
+// Slots and constants; leaves `plan` not arranged. The same every time, so slots stay valid when it is done
+// again.
+absl::Status PreparedQuery::Impl::Lower() {
+  Lowering lowering(dictionary, options.functions);
+  columns.clear();
+  bound_slots.clear();
+  bound = SlotSet();
+  from.clear();
+  from_named.clear();
+  columns.reserve(names.size());
+  for (const std::string& name : names) columns.push_back(lowering.SlotOf(name));
+  for (const std::string& name : options.bound) {
+    bound_slots.push_back(lowering.SlotOf(name));
+    bound.Add(bound_slots.back());
+  }
+  lowering.SetBound(bound);
+  if (options.default_graph == DefaultGraph::kStrict) default_graph = lowering.ConstantOf(DefaultGraphTerm());
+  if (query.with) with = lowering.ConstantOf(*query.with);
+  for (const Term& graph : query.from) from.push_back(lowering.ConstantOf(graph));
+  for (const Term& graph : query.from_named) from_named.push_back(lowering.ConstantOf(graph));
+  plan = lowering.LowerQuery(*query.algebra);
+  slots = lowering.slots();
+  constants = lowering.TakeConstants();
+  return lowering.status();
+}
+
+// Back to the lowered form, from which arranging starts.
+void PreparedQuery::Impl::Unplan() {
+  if (!root) return;
+  root = nullptr;
+  begun = false;
+  Lower().IgnoreError();  // it was fine before
+}
+
+void PreparedQuery::Impl::Plan(const GraphVersion& version) {
+  Unplan();
+  program.planned_size = version.size();
+  program.context.version = &version;
+  ArrangePlan(plan, bound, program.context, {options.reorder_joins});
+  ids.assign(2 * slots + columns.size(), TermId());
+  base = absl::MakeSpan(ids.data(), slots);
+  out = absl::MakeSpan(base.end(), slots);
+  row = absl::MakeSpan(out.end(), columns.size());
+  root = BuildOperator(*plan, {&program.context, slots, base.data(), measure});
+}
+
+absl::Status PreparedQuery::Impl::Begin(const RunOptions& run) {
+  const bool found = program.ResolveConstants(constants);
+  if (found || !root) {
+    program.SetDataset(!query.from.empty() || !query.from_named.empty(), from, from_named, default_graph,
+                       with);
+  }
+  program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
+  if (!root || found || program.SizeChangedMuch(*run.version)) {
+    Plan(*run.version);
+  } else {
+    End();
+  }
+  begun = true;
+  return absl::OkStatus();
+}
+
+void PreparedQuery::Impl::End() {
+  running = false;
+  if (begun) root->Forget();
+  begun = false;
+}
+
+PreparedQuery::PreparedQuery(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PreparedQuery::~PreparedQuery() = default;
+
+absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(const Query& query,
+                                                                      const Dictionary& dictionary,
+                                                                      const PrepareOptions& options) {
+  return Prepare(query.Clone(), dictionary, options);
+}
+
+absl::StatusOr<std::unique_ptr<PreparedQuery>> PreparedQuery::Prepare(Query&& query,
+                                                                      const Dictionary& dictionary,
+                                                                      const PrepareOptions& options) {
+  if (!query.algebra) return absl::InvalidArgumentError("the query has errors and cannot be prepared");
+  auto impl = std::make_unique<Impl>(std::move(query), dictionary, options);
+  if (impl->query.form == Query::Form::kSelect) {
+    impl->names.reserve(impl->query.projection.size());
+    for (const Variable& v : impl->query.projection) impl->names.push_back(v.name);
+  } else {
+    for (const Variable* v : VariablesInScope(*impl->query.algebra)) {
+      if (!v->IsHidden()) impl->names.push_back(v->name);
+    }
+  }
+  impl->program.context.base_iri = impl->query.base_iri;
+  if (absl::Status status = impl->Lower(); !status.ok()) return status;
+  return std::unique_ptr<PreparedQuery>(new PreparedQuery(std::move(impl)));
+}
+
+Query::Form PreparedQuery::form() const {
+  return impl_->query.form;
+}
+const std::vector<std::string>& PreparedQuery::variables() const {
+  return impl_->names;
+}
+
+absl::Status PreparedQuery::Start(const RunOptions& run, absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  p.running = false;
+  if (run.version == nullptr) return absl::InvalidArgumentError("a run needs a graph version");
+  if (bound.size() != p.bound_slots.size()) {
+    return absl::InvalidArgumentError("the query was prepared for " + std::to_string(p.bound_slots.size()) +
+                                      " bound variables, not " + std::to_string(bound.size()));
+  }
+  if (absl::Status status = p.Begin(run); !status.ok()) return status;
+  std::fill(p.base.begin(), p.base.end(), TermId());
+  for (size_t i = 0; i < bound.size(); ++i) p.base[p.bound_slots[i]] = bound[i];
+  p.root->Start(p.base.data());
+  p.running = true;
+  return absl::OkStatus();
+}
+
+bool PreparedQuery::Next() {
+  Impl& p = *impl_;
+  if (!p.running || !p.root->Next(p.out.data()) || !p.program.context.status.ok()) {
+    p.End();
+    return false;
+  }
+  const TermId* const out = p.out.data();
+  TermId* row = p.row.data();
+  for (const int column : p.columns) *row++ = out[column];
+  return true;
+}
+
+void PreparedQuery::Stop() {
+  impl_->End();
+  impl_->program.context.Forget();
+}
+
+bool PreparedQuery::Charge(size_t bytes) {
+  return impl_->program.context.Charge(bytes);
+}
+
+absl::Span<const TermId> PreparedQuery::row() const {
+  return impl_->row;
+}
+const absl::Status& PreparedQuery::status() const {
+  return impl_->program.context.status;
+}
+Term PreparedQuery::Decode(TermId id) const {
+  return impl_->program.context.Decode(id);
+}
+void PreparedQuery::DecodeTo(TermId id, Term* out) const {
+  impl_->program.context.DecodeTo(id, out);
+}
+TermId PreparedQuery::Encode(const Term& term) {
+  return impl_->program.context.Encode(term);
+}
+
+absl::StatusOr<bool> PreparedQuery::Ask(const RunOptions& run, absl::Span<const TermId> bound) {
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  const bool any = Next();
+  impl_->End();
+  if (!status().ok()) return status();
+  return any;
+}
+
+absl::Status PreparedQuery::Select(const RunOptions& run, absl::Span<const TermId> bound,
+                                   const std::function<bool(absl::Span<const TermId> row)>& visit) {
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  while (Next()) {
+    if (!visit(row())) break;
+  }
+  impl_->End();
+  return status();
+}
+
+namespace {
+
+// The label of a template's blank node in one solution: ".0" is the parser's own (for []), others are the
+// user's.
+std::string TemplateLabel(const std::string& label, uint64_t solution) {
+  const std::string number = std::to_string(solution);
+  return label[0] == '.' ? "a" + number + "_" + label.substr(1) : "c" + number + "_" + label;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions& run,
+                                                               absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  if (p.query.form != Query::Form::kConstruct)
+    return absl::InvalidArgumentError("this is not a CONSTRUCT query");
+  if (absl::Status status = Start(run, bound); !status.ok()) return status;
+  std::vector<TermQuad> out;
+  absl::flat_hash_set<std::vector<Term>> seen;
+  for (uint64_t solution = 0; Next(); ++solution) {
+    const auto instantiate = [&](const PatternTerm& t) -> std::optional<Term> {
+      if (!t.IsVariable())
+        return t.term().IsBlank() ? Term::Blank(TemplateLabel(t.term().lexical, solution)) : t.term();
+      const auto it = std::find(p.names.begin(), p.names.end(), t.variable().name);
+      if (it == p.names.end()) return std::nullopt;
+      const TermId id = p.row[static_cast<size_t>(it - p.names.begin())];
+      if (id.IsNone()) return std::nullopt;
+      return Decode(id);
+    };
+    for (const TriplePattern& t : p.query.construct_template) {
+      const std::optional<Term> s = instantiate(t.subject), r = instantiate(t.predicate),
+                                o = instantiate(t.object);
+      if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
+      if (!seen.insert({*s, *r, *o}).second) continue;
+      if (!p.program.context.Charge(
+              2 * (3 * sizeof(Term) + TextBytes(*s) + TextBytes(*r) + TextBytes(*o)))) {
+        break;
+      }
+      out.push_back({*s, *r, *o, Term{}});
+    }
+  }
+  if (!status().ok()) return status();
+  return out;
+}
+
+std::string PreparedQuery::Explain(const GraphVersion& version) {
+  Impl& p = *impl_;
+  p.running = false;
+  RunOptions run;
+  run.version = &version;
+  if (absl::Status status = p.Begin(run); !status.ok()) return std::string(status.message());
+  return ExplainPlan(*p.plan, false);
+}
+
+absl::StatusOr<std::string> PreparedQuery::ExplainRun(const RunOptions& run, absl::Span<const TermId> bound) {
+  Impl& p = *impl_;
+  p.measure = true;
+  p.Unplan();
+  absl::Status status = Start(run, bound);
+  while (status.ok() && Next()) {
+    if (p.query.form == Query::Form::kAsk) break;
+  }
+  p.running = false;
+  p.measure = false;
+  if (status.ok()) status = this->status();
+  std::string text = status.ok() ? ExplainPlan(*p.plan, true) : "";
+  p.Unplan();
+  if (!status.ok()) return status;
+  return text;
+}
+
+struct PreparedExpression::Impl {
+  Impl(const Dictionary& dictionary, const PrepareOptions& options)
+      : program(dictionary, options), options(options) {}
+  void Begin(const RunOptions& run, absl::Span<const TermId> row);
+  void End();
+
+  Program program;
+  PrepareOptions options;
+  ExpressionPtr source;  // plans point into it
+  PlanExpressionPtr expression;
+  ConstantTerms constants;  // of `source`
+  int default_graph = 0;
+  SlotSet bound;
+  std::vector<TermId> base;
+  bool arranged = false;
+};
+
+PreparedExpression::PreparedExpression(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+PreparedExpression::~PreparedExpression() = default;
+
+absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
+    const Expression& expression, const std::vector<std::string>& variables, const Dictionary& dictionary,
+    const PrepareOptions& options) {
+  auto impl = std::make_unique<Impl>(dictionary, options);
+  Lowering lowering(dictionary, options.functions);
+  for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
+  if (options.default_graph == DefaultGraph::kStrict) impl->default_graph = lowering.ConstantOf(DefaultGraphTerm());
+  impl->source = expression.Clone();
+  impl->expression = lowering.LowerExpression(*impl->source);
+  if (!lowering.status().ok()) return lowering.status();
+  impl->constants = lowering.TakeConstants();
+  impl->base.assign(lowering.slots(), TermId());
+  return std::unique_ptr<PreparedExpression>(new PreparedExpression(std::move(impl)));
+}
+
+void PreparedExpression::Impl::Begin(const RunOptions& run, absl::Span<const TermId> row) {
+  if (program.ResolveConstants(constants) || !arranged) program.SetDataset(false, {}, {}, default_graph);
+  program.context.Begin(run.version, run.cancellation, run.now_us, run.seed);
+  if (!arranged && run.version != nullptr) {
+    // Counts of the first version; an EXISTS here is small.
+    ArrangeExpression(*expression, bound, program.context, {options.reorder_joins});
+    PrepareExpression(*expression, {&program.context, base.size(), base.data()});
+    arranged = true;
+  }
+  std::fill(base.begin(), base.end(), TermId());
+  std::copy(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(std::min(row.size(), base.size())),
+            base.begin());
+}
+
+void PreparedExpression::Impl::End() {
+  ForgetExpression(*expression);
+  program.context.Forget();
+}
+
+namespace {
+
+bool HasExists(const PlanExpression& e) {
+  return e.exists != nullptr || std::any_of(e.arguments.begin(), e.arguments.end(),
+                                            [](const PlanExpressionPtr& a) { return HasExists(*a); });
+}
+
+}  // namespace
+
+absl::StatusOr<bool> PreparedExpression::Test(const RunOptions& run, absl::Span<const TermId> row) {
+  if (run.version == nullptr && HasExists(*impl_->expression)) {
+    return absl::InvalidArgumentError("EXISTS needs a graph version");
+  }
+  impl_->Begin(run, row);
+  const bool passes = Passes(*impl_->expression, impl_->base.data(), impl_->program.context);
+  impl_->End();
+  if (!impl_->program.context.status.ok()) return impl_->program.context.status;
+  return passes;
+}
+
+absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOptions& run,
+                                                                 absl::Span<const TermId> row) {
+  if (run.version == nullptr && HasExists(*impl_->expression)) {
+    return absl::InvalidArgumentError("EXISTS needs a graph version");
+  }
+  impl_->Begin(run, row);
+  EvaluationContext& context = impl_->program.context;
+  const Value value = sparql::Evaluate(*impl_->expression, impl_->base.data(), context);
+  std::optional<Term> term;
+  if (context.status.ok() && !value.IsError()) term = value.id().IsNone() ? value.ToTerm() : context.Decode(value.id());
+  impl_->End();
+  if (!context.status.ok()) return context.status;
+  return term;
+}
+
+int CompareTerms(const Term& a, const Term& b) {
+  const int order = CompareForOrder(Value::OfTerm(a), Value::OfTerm(b));
+  if (order != 0) return order;
+  return a < b ? -1 : b < a ? 1 : 0;
+}
+
+}  // namespace docent::sparql

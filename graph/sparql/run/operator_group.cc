@@ -1,0 +1,271 @@
+// GROUP BY with aggregates (SPARQL 1.1 section 18.5.1).
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "graph/sparql/values/exact_sum.h"
+#include "graph/sparql/run/expression_evaluator.h"
+#include "graph/sparql/run/operators.h"
+#include "graph/sparql/run/row_set.h"
+
+namespace docent::sparql {
+
+using Function = Aggregate::Function;
+
+namespace {
+
+// One aggregate of one group. COUNT, SUM, AVG, MIN and MAX give the same term in whatever order the rows come: the rules
+// take a total away by making it anew.
+class Accumulator {
+ public:
+  void Add(PlanNode::AggregatePlan& plan, const TermId* row, const std::vector<TermId>& whole_row,
+           EvaluationContext& context, KeptMemory& kept) {
+    if (!plan.expression) {  // COUNT(*)
+      if (plan.distinct && !Unseen(whole_row.data(), whole_row.size(), context, kept)) return;
+      ++count_;
+      return;
+    }
+    const bool variable = plan.expression->kind == Expression::Kind::kVariable;
+    if (variable && AddId(plan, row[plan.expression->slot], context, kept)) return;
+    Value value = Evaluate(*plan.expression, row, context);
+    if (value.IsError()) {  // of an unbound or wrong value: the aggregate is an error, but for COUNT and
+                            // SAMPLE
+      error_ |= plan.function != Function::kCount && plan.function != Function::kSample;
+      return;
+    }
+    if (plan.distinct) {
+      const TermId id = context.Encode(value);
+      if (!Unseen(&id, 1, context, kept)) return;
+    }
+    ++count_;
+    switch (plan.function) {
+      case Function::kCount:
+        break;
+      case Function::kSum:
+      case Function::kAvg:
+        if (value.type() == Value::Type::kFloat || value.type() == Value::Type::kDouble) {
+          inexact_.Add(value.number());
+          widest_ = std::max(widest_, value.type());
+        } else {
+          sum_ = Compute(Arithmetic::kAdd, sum_, value);
+        }
+        break;
+      case Function::kMin:
+        if (best_.IsError() || Order(value, best_) < 0) TakeBest(std::move(value), context, kept);
+        break;
+      case Function::kMax:
+        if (best_.IsError() || Order(value, best_) > 0) TakeBest(std::move(value), context, kept);
+        break;
+      case Function::kSample:
+        if (best_.IsError()) TakeBest(std::move(value), context, kept);
+        break;
+      case Function::kGroupConcat: {
+        if (value.type() == Value::Type::kBlank) {
+          error_ = true;
+          return;
+        }
+        if (count_ > 1) text_ += plan.separator;
+        const std::string text = context.LexicalOf(value);
+        kept.Add(text.size() + plan.separator.size(), context);
+        text_ += text;
+        break;
+      }
+    }
+  }
+
+  // As Add of so many rows, of what CountsRows.
+  void AddRows(uint64_t rows) { count_ += static_cast<int64_t>(rows); }
+
+  Value Result(const PlanNode::AggregatePlan& plan) const {
+    if (plan.function == Function::kCount) return Value::Integer(count_);
+    if (error_) return Value::Error();
+    switch (plan.function) {
+      case Function::kSum:
+        return Sum();
+      case Function::kAvg:
+        return count_ == 0 ? Value::Integer(0) : Compute(Arithmetic::kDivide, Sum(), Value::Integer(count_));
+      case Function::kGroupConcat:
+        return Value::String(text_);
+      default:
+        return best_;
+    }
+  }
+
+ private:
+  void TakeBest(Value value, EvaluationContext& context, KeptMemory& kept) {
+    if (best_.owned_bytes() > 0) kept.LetGo(best_.owned_bytes(), context);
+    if (value.owned_bytes() > 0) kept.Add(value.owned_bytes(), context);
+    best_ = std::move(value);
+  }
+  // Counts and sums of ids need no value. False: this one does.
+  bool AddId(const PlanNode::AggregatePlan& plan, TermId id, EvaluationContext& context, KeptMemory& kept) {
+    const bool counts = plan.function == Function::kCount && !id.IsNone();
+    const bool sums = (plan.function == Function::kSum || plan.function == Function::kAvg) &&
+                      id.tag() == TermId::Tag::kInteger;
+    if (!counts && !sums) return false;
+    int64_t sum = 0;
+    if (sums && __builtin_add_overflow(integers_, InlineInteger(id), &sum)) return false;
+    if (plan.distinct && !Unseen(&id, 1, context, kept)) return true;
+    if (sums) integers_ = sum;
+    ++count_;
+    return true;
+  }
+  Value Sum() const {
+    const Value exact = integers_ == 0 ? sum_ : Compute(Arithmetic::kAdd, sum_, Value::Integer(integers_));
+    if (exact.IsError() || widest_ == Value::Type::kError) return exact;
+    ExactSum all = inexact_;
+    all.Add(exact.AsDouble());
+    return widest_ == Value::Type::kFloat ? Value::Float(all.Result()) : Value::Double(all.Result());
+  }
+  // Equal values of different terms (1 and 1.0) by term.
+  static int Order(const Value& a, const Value& b) {
+    const int order = CompareForOrder(a, b);
+    if (order != 0 || (!a.id().IsNone() && a.id() == b.id())) return order;
+    const Term x = a.ToTerm(), y = b.ToTerm();
+    return x < y ? -1 : y < x ? 1 : 0;
+  }
+  bool Unseen(const TermId* key, size_t width, EvaluationContext& context, KeptMemory& kept) {
+    if (!seen_) seen_.emplace(width);
+    if (!seen_->Insert(key).second) return false;
+    kept.Add(2 * seen_->bytes_a_row(), context);
+    return true;
+  }
+
+  int64_t count_ = 0;
+  int64_t integers_ = 0;  // the sum of the inline integers
+  bool error_ = false;
+  Value sum_ = Value::Integer(0);  // of integers and decimals
+  ExactSum inexact_;               // of floats and doubles
+  Value::Type widest_ = Value::Type::kError;  // of these
+  Value best_;
+  std::string text_;
+  std::optional<RowSet> seen_;
+};
+
+// COUNT(*), and COUNT(?x) of what is bound in every row of `child`.
+bool CountsRows(const PlanNode::AggregatePlan& plan, const PlanNode& child) {
+  if (plan.function != Function::kCount || plan.distinct) return false;
+  return !plan.expression ||
+         (plan.expression->kind == Expression::Kind::kVariable && child.certain.Contains(plan.expression->slot));
+}
+
+class GroupOperator final : public Operator {
+ public:
+  GroupOperator(PlanNode& node, const BuildContext& build)
+      : node_(node),
+        context_(*build.context),
+        in_(build.slots),
+        child_(BuildOperator(*node.children[0], build)),
+        all_(node.children[0]->possible.List()),
+        keys_(node.keys.size()),
+        counts_(node.keys.empty() && std::all_of(node.aggregates.begin(), node.aggregates.end(), [&node](const auto& a) {
+                  return CountsRows(a, *node.children[0]);
+                })) {
+    for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
+    for (auto& aggregate : node.aggregates) {
+      if (aggregate.expression) PrepareExpression(*aggregate.expression, build);
+      counts_rows_.push_back(CountsRows(aggregate, *node.children[0]));
+    }
+  }
+  void Start(const TermId* in) override {
+    std::copy(in, in + in_.size(), in_.begin());
+    Clear();
+    kept_.LetGo(context_);
+    next_ = 0;
+    collected_ = false;
+  }
+  bool Next(TermId* out) override {
+    if (!collected_) Collect();
+    while (next_ < groups_.size() && context_.Poll()) {
+      std::copy(in_.begin(), in_.end(), out);
+      const TermId* key = keys_.Row(static_cast<uint32_t>(next_));
+      for (size_t i = 0; i < node_.keys.size(); ++i) out[node_.keys[i].first] = key[i];
+      const std::vector<Accumulator>& group = groups_[next_++];
+      for (size_t i = 0; i < node_.aggregates.size(); ++i) {
+        const Value value = group[i].Result(node_.aggregates[i]);
+        if (!value.IsError()) out[node_.aggregates[i].result] = context_.Encode(value);
+      }
+      ++context_.row_number;
+      return context_.status.ok();
+    }
+    return false;
+  }
+  void Forget() override {
+    Clear();
+    child_->Forget();
+    for (auto& [slot, key] : node_.keys) ForgetExpression(*key);
+    for (auto& aggregate : node_.aggregates) {
+      if (aggregate.expression) ForgetExpression(*aggregate.expression);
+    }
+  }
+
+ private:
+  void Clear() {
+    Empty(&groups_);
+    keys_.Clear();
+  }
+
+  void Collect() {
+    collected_ = true;
+    std::vector<TermId> row(in_.size()), key(node_.keys.size()), whole;
+    child_->Start(in_.data());
+    if (counts_) {
+      const uint64_t rows = child_->Count(row.data());
+      Accumulator* const totals = GroupOf(key);
+      for (size_t i = 0; i < counts_rows_.size(); ++i) totals[i].AddRows(rows);
+      return;
+    }
+    const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
+                                    [](const auto& a) { return a.distinct && !a.expression; });
+    Accumulator* group = nullptr;  // of the row before: rows of a group often come together, as the index has them
+    while (child_->Next(row.data()) && context_.Poll()) {
+      for (size_t i = 0; i < key.size(); ++i) key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
+      if (wholes) whole.clear();
+      for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
+      if (group == nullptr || !keys_.Is(last_, key.data())) group = GroupOf(key);
+      for (size_t i = 0; i < counts_rows_.size(); ++i) {
+        if (counts_rows_[i] != 0) {
+          group[i].AddRows(1);
+        } else {
+          group[i].Add(node_.aggregates[i], row.data(), whole, context_, kept_);
+        }
+      }
+    }
+    // Without GROUP BY there is one group even of nothing (section 18.5.1, Group with a constant key).
+    if (groups_.empty() && node_.keys.empty()) GroupOf(key);
+  }
+
+  // Its accumulators, one for each aggregate.
+  Accumulator* GroupOf(const std::vector<TermId>& key) {
+    const auto [number, added] = keys_.Insert(key.data());
+    last_ = number;
+    if (added) {
+      kept_.Add(64 + 2 * keys_.bytes_a_row() + node_.aggregates.size() * sizeof(Accumulator), context_);
+      groups_.emplace_back(node_.aggregates.size());
+    }
+    return groups_[number].data();
+  }
+
+  PlanNode& node_;
+  EvaluationContext& context_;
+  std::vector<TermId> in_;
+  std::unique_ptr<Operator> child_;
+  std::vector<int> all_;
+  RowSet keys_;        // of the groups, by number
+  std::vector<char> counts_rows_;  // each aggregate: CountsRows
+  const bool counts_;              // how many rows there are is all that matters
+  std::vector<std::vector<Accumulator>> groups_;
+  KeptMemory kept_;
+  uint32_t last_ = 0;  // group that a row went to last
+  size_t next_ = 0;
+  bool collected_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Operator> BuildGroup(PlanNode& node, const BuildContext& build) {
+  return std::make_unique<GroupOperator>(node, build);
+}
+
+}  // namespace docent::sparql

@@ -1,0 +1,46 @@
+// Evaluates a SPARQL Update on a graph version and says, as quads, what it would change. Nothing is written
+// here: the quads go through the door like any batch, and hold the values that NOW, RAND, UUID and BNODE had,
+// so that the log replays exactly. Any thread; the version is not changed.
+//
+// The default graph of WHERE is PrepareOptions::default_graph; templates, DATA and DEFAULT without GRAPH or
+// WITH mean docent:default whatever that is (SPARQL 1.1 Update section 2.3 leaves the union to the store).
+#ifndef DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
+#define DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/update_algebra.h"
+#include "graph/store/graph_version.h"
+#include "graph/store/recent_changes.h"
+#include "graph/store/write_batch.h"
+
+namespace docent::sparql {
+
+// The quads of a document for LOAD; labels of blank nodes need not be unique. An error's message says why.
+using LoadDocument = std::function<absl::StatusOr<std::vector<TermQuad>>(const std::string& iri)>;
+
+struct UpdateOptions {
+  PrepareOptions prepare;  // `bound` is not used
+  LoadDocument load;       // empty: LOAD is refused
+};
+
+struct UpdateEffect {
+  std::vector<QuadOperation> operations;  // to be applied in order
+  // What the evaluation depends on: where none of it has changed, the operations are those that the update
+  // has on a later version, too. Empty: they are so on any version.
+  std::vector<ReadPattern> reads;
+};
+
+// INVALID_ARGUMENT (with the operation's place), FAILED_PRECONDITION (a graph that must not be there is, or
+// the other way), RESOURCE_EXHAUSTED naming the limit, CANCELLED, DEADLINE_EXCEEDED, and what `load` gives.
+// `run.seed` must differ between any two updates of one log: blank nodes are named after it.
+absl::StatusOr<UpdateEffect> EvaluateUpdate(const Update& update, const Dictionary& dictionary,
+                                            const RunOptions& run, const UpdateOptions& options);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_RUN_UPDATE_EVALUATOR_H_

@@ -1,0 +1,19 @@
+// What a WHERE clause depends on, as patterns of quads. One thread.
+#ifndef DOCENT_GRAPH_SPARQL_RUN_UPDATE_READS_H_
+#define DOCENT_GRAPH_SPARQL_RUN_UPDATE_READS_H_
+
+#include <vector>
+
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/store/recent_changes.h"
+
+namespace docent::sparql {
+
+// Adds the patterns that `where` reads, wherever they stand in it; never too few. Graphs are left open: the
+// data set decides on them. A path, and a GRAPH whose solutions depend on which graphs there are, read
+// everything.
+void AddReads(const Algebra& where, std::vector<ReadPattern>* out);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_RUN_UPDATE_READS_H_

@@ -1,0 +1,292 @@
+// The recursive-descent parser behind parser.h: one method a production of SPARQL 1.1 section 19.8, whose
+// number stands beside it. Split over grammar_query.cc (prologue, forms, modifiers), grammar_pattern.cc
+// (groups), grammar_triples.cc (triples, paths), grammar_expression.cc and grammar_update.cc. Not for use
+// outside this folder; one thread.
+//
+// A production that fails has reported why, returns null, false or nullopt, and leaves the place near the
+// error.
+#ifndef DOCENT_GRAPH_SPARQL_SYNTAX_GRAMMAR_H_
+#define DOCENT_GRAPH_SPARQL_SYNTAX_GRAMMAR_H_
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/container/inlined_vector.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/syntax/lexer.h"
+#include "graph/sparql/syntax/name_numbers.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/syntax/update_algebra.h"
+
+namespace docent::sparql {
+
+class Grammar {
+ public:
+  // Both must outlive it.
+  Grammar(std::string_view text, const ParseOptions& options);
+  Grammar(const Grammar&) = delete;
+  Grammar& operator=(const Grammar&) = delete;
+
+  // grammar_query.cc
+  bool QueryUnit(Query* query);      // [1]
+  bool Prologue();                   // [4]
+
+  // grammar_update.cc
+  std::optional<Update> UpdateUnit();  // [3]
+
+  // grammar_pattern.cc
+  AlgebraPtr GroupGraphPattern();                                // [53], any filter wrapped around
+  std::optional<std::vector<TriplePattern>> TemplateInBraces();  // [73] ConstructTemplate
+
+  // grammar_expression.cc
+  ExpressionPtr ParseExpression();  // [110]
+
+  // terms
+  std::optional<Term> Iri();         // [136]
+  std::optional<Term> GroundTerm();  // [109] without blank nodes and variables
+  std::optional<std::string> String();
+
+  // tokens
+  const Token& Peek(size_t ahead = 0) {  // ahead: 0 or 1
+    if (ahead == 0) return now_ != nullptr ? *now_ : *(now_ = Read(&ahead_[0]));
+    if (next_ != nullptr) return *next_;
+    next_ = Read(&Peek() == &ahead_[0] ? &ahead_[1] : &ahead_[0]);
+    return *next_;
+  }
+  Token Take() {
+    const Token token = Peek();
+    Drop();
+    return token;
+  }
+  bool At(std::string_view punctuation) { return Peek().Is(punctuation); }
+  bool AtWord(const Keyword& keyword, size_t ahead = 0) { return Peek(ahead).IsWord(keyword); }
+  bool Accept(std::string_view punctuation) {
+    const bool there = At(punctuation);
+    if (there) Drop();
+    return there;
+  }
+  bool AcceptWord(const Keyword& keyword) {
+    const bool there = AtWord(keyword);
+    if (there) Drop();
+    return there;
+  }
+  // Reports "expected … here" if the next token is another.
+  bool Expect(std::string_view punctuation, std::string_view where);
+  bool ExpectWord(const Keyword& keyword, std::string_view where);
+
+  void Error(const SourceSpan& span, std::string message, std::string hint = "");
+  // "expected WHAT, not TOKEN" at the next token.
+  void Expected(std::string_view what, std::string hint = "");
+  void SkipPastBrace();
+
+  const std::vector<std::pair<std::string, std::string>>& prefixes() const { return prefixes_; }
+  const Diagnostics& diagnostics() const { return diagnostics_; }
+  Diagnostics TakeDiagnostics() { return std::move(diagnostics_); }
+  bool failed() const { return !diagnostics_.empty(); }
+
+ private:
+  // Counts one more level of nesting while it lives; !ok() once the limit is passed (reported).
+  class Nested {
+   public:
+    explicit Nested(Grammar* grammar);
+    ~Nested() { --grammar_->depth_; }
+    bool ok() const { return ok_; }
+
+   private:
+    Grammar* grammar_;
+    bool ok_;
+  };
+  // Counts one more element of the query; false once the limit is passed (reported).
+  bool CountElement(const SourceSpan& span);
+  // Counts a triple, which takes many times the memory of its shortest text. False beyond the limit.
+  bool CountTriple();
+
+  // grammar_query.cc
+  struct SelectItem {
+    Variable variable;
+    ExpressionPtr expression;  // null: a plain variable
+    SourceSpan span;
+  };
+  struct SelectClause {
+    bool distinct = false, reduced = false, all = false;
+    absl::InlinedVector<SelectItem, 2> items;
+    SourceSpan span;
+  };
+  struct Modifiers {
+    bool grouped = false;
+    std::vector<GroupKey> group_keys;
+    std::vector<std::pair<Variable, ExpressionPtr>> key_binds;  // GROUP BY (e AS ?v), kept for order
+    std::vector<ExpressionPtr> having;
+    std::vector<OrderCondition> order;
+    std::vector<SourceSpan> order_spans;
+    uint64_t offset = 0;
+    std::optional<uint64_t> limit;
+    AlgebraPtr values;
+  };
+  bool BaseDeclaration();                           // [5]
+  bool PrefixDeclaration();                         // [6]
+  bool SelectQuery(Query* query);                   // [7]
+  bool ConstructQuery(Query* query);                // [10]
+  bool DescribeQuery(Query* query);                 // [11]
+  bool AskQuery(Query* query);                      // [12]
+  bool ParseSelectClause(SelectClause* out);        // [9]
+  bool DatasetClauses(Query* query);                // [13]
+  AlgebraPtr WhereClause();                         // [17]
+  bool SolutionModifier(Modifiers* out);            // [18]
+  bool GroupClause(Modifiers* out);                 // [19]
+  bool HavingClause(Modifiers* out);                // [21]
+  bool OrderClause(Modifiers* out);                 // [23]
+  bool LimitOffsetClauses(Modifiers* out);          // [25]
+  bool ValuesClause(Modifiers* out);                // [28]
+  AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
+                            std::vector<Aggregate> aggregates, std::vector<Variable>* projection);
+  AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
+                        std::vector<Aggregate> aggregates);
+  void CheckGrouped(const Expression& expression, const std::set<std::string>& allowed);
+  AlgebraPtr SubSelect();  // [8]
+
+  // grammar_pattern.cc
+  struct Group {
+    AlgebraPtr pattern;
+    ExpressionPtr filter;  // conjunction of the group's own FILTERs; null: none
+  };
+  struct OpenGroup {
+    AlgebraPtr pattern;      // null: nothing yet
+    Algebra* bgp = nullptr;  // the BGP that further triples go to; null: the next triples begin one
+    std::vector<ExpressionPtr> filters;
+  };
+  bool GroupWithFilter(Group* group);
+  void Unclosed(const SourceSpan& opened);  // the error at a group without '}'
+  bool GroupElement(OpenGroup* group);
+  bool TriplesBlock(OpenGroup* group);     // [55]
+  bool OptionalElement(OpenGroup* group);  // [57]
+  bool MinusElement(OpenGroup* group);     // [66]
+  bool GraphElement(OpenGroup* group);     // [58]
+  bool ServiceElement(OpenGroup* group);   // [59]
+  bool BindElement(OpenGroup* group);      // [60]
+  bool NotElement(OpenGroup* group);
+  bool SetElement(OpenGroup* group);
+  bool Assign(OpenGroup* group, const SourceSpan& span, const Token& variable, ExpressionPtr expression);
+  bool FilterElement(OpenGroup* group);  // [68]
+  bool GroupOrUnion(OpenGroup* group);   // [67]
+  AlgebraPtr DataBlock();                // [62]
+  void AddToGroup(OpenGroup* group, AlgebraPtr element);
+  void CloseBgp(OpenGroup* group);
+  void RecoverInGroup();
+
+  // Triples; the sink is where they go.
+  struct TriplesSink {
+    std::vector<TriplePattern> triples;
+    std::vector<AlgebraPtr> paths;
+    bool template_mode = false;  // blank nodes stay terms, no paths
+  };
+  bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
+  bool AtPlainVerb();
+  // The last triple takes *subject; so with *verb below.
+  bool PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink);  // [77] [83]
+  bool Property(PatternTerm* subject, TriplesSink* sink);              // a verb and its objects
+  bool Verb(PatternTerm* out);                                         // [78]
+  // `path` null: the predicate is *verb.
+  bool ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink);
+  // These fill *out, an empty term; false: an error was reported.
+  bool GraphNode(TriplesSink* sink, PatternTerm* out);              // [104] [105]
+  bool Collection(TriplesSink* sink, PatternTerm* out);             // [102]
+  bool BlankNodePropertyList(TriplesSink* sink, PatternTerm* out);  // [99]
+  bool VarOrTerm(TriplesSink* sink, PatternTerm* out);              // [106]
+  bool OtherTerm(TriplesSink* sink, PatternTerm* out);
+  bool LabelledBlank(const Token& token, bool template_mode, PatternTerm* out);
+  std::optional<PatternTerm> VarOrIri();                                // [107]
+  PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
+  std::optional<Path> ParsePath();         // [88] [89]
+  std::optional<Path> PathSequence();      // [90]
+  std::optional<Path> PathEltOrInverse();  // [92]
+  std::optional<Path> PathPrimary();       // [94]
+  std::optional<Path> PathNegatedSet();    // [95]
+  // Section 18.2.2.4: what is not recursive becomes triples, UNIONs and hidden variables.
+  void TranslatePath(const PatternTerm& subject, const Path& path, const PatternTerm& object,
+                     TriplesSink* sink);
+  AlgebraPtr SinkToAlgebra(TriplesSink sink);
+
+  // grammar_expression.cc
+  ExpressionPtr AndExpression();                                       // [112]
+  ExpressionPtr RelationalExpression();                                // [114]
+  ExpressionPtr AdditiveExpression();                                  // [116]
+  ExpressionPtr MultiplicativeExpression();                            // [117]
+  ExpressionPtr UnaryExpression();                                     // [118]
+  ExpressionPtr PrimaryExpression();                                   // [119]
+  ExpressionPtr BracketedExpression();                                 // [120]
+  ExpressionPtr BuiltinCall();                                         // [121]
+  ExpressionPtr ExistsCall(bool negated);                              // [125] [126]
+  ExpressionPtr AggregateCall(Aggregate::Function function);           // [127]
+  ExpressionPtr IriOrFunction();                                       // [128]
+  ExpressionPtr Constraint();                                          // [69]
+  bool ArgumentList(std::vector<ExpressionPtr>* out, bool* distinct);  // [71]
+  ExpressionPtr Binary(Expression::Kind kind, ExpressionPtr left, ExpressionPtr right);
+  friend class ProductionParser;
+
+  // The next token that is none of the kind kError.
+  const Token* Read(Token* place);
+  void ReportError(const Token& token);  // of the kind kError
+  // Takes the token that was peeked at. Its place is used again for the next one that is read.
+  void Drop() {
+    now_ = next_;
+    next_ = nullptr;
+  }
+  // grammar_update.cc
+  enum class QuadsUse { kInsertData, kDeleteData, kInsertTemplate, kDeleteTemplate, kDeleteWhere };
+  bool Update1(UpdateOperation* operation);                  // [30]
+  bool Load(UpdateOperation* operation);                     // [31]
+  bool DeleteWhere(UpdateOperation* operation);              // [40]
+  bool Modify(UpdateOperation* operation);                   // [41]
+  bool GraphOrDefault(GraphTarget* target);                  // [45]
+  bool GraphRef(GraphTarget* target);                        // [46]
+  bool GraphRefAll(GraphTarget* target);                     // [47]
+  bool Quads(std::vector<QuadTemplate>* out, QuadsUse use);  // [48] [49], in braces
+  bool Triples(const std::optional<PatternTerm>& graph, std::vector<QuadTemplate>* out,
+               QuadsUse use);  // [52]
+  bool QuadTerm(const PatternTerm& term, QuadsUse use);
+  // Goes on before the ';' that ends the operation, or at the end.
+  void RecoverAtSemicolon();
+
+  std::optional<Term> LiteralTail(const Token& string);
+  std::optional<Term> NumericLiteral();
+  bool IriText(std::string* out);  // [136], absolute
+  bool Resolve(const Token& iri, std::string* out);
+  bool ResolveRelative(const Token& iri, std::string* out);
+  bool Expand(const Token& name, std::string* out);
+  bool Undeclared(const Token& name);  // the error; false
+  std::string Describe(const Token& token) const;
+
+  const ParseOptions& options_;
+  Lexer lexer_;
+  std::array<Token, 2> ahead_;   // tokens read but not taken
+  const Token* now_ = nullptr;   // the first of them; null: not read yet
+  const Token* next_ = nullptr;  // the second
+  std::string base_iri_;
+  std::vector<std::pair<std::string, std::string>> prefixes_;  // declared in the text
+  NameNumbers declared_;                                       // the number there of the last of each name
+  Diagnostics diagnostics_;
+  int depth_ = 0;
+  size_t elements_ = 0;
+  static constexpr size_t kBytesOfTriple = 16, kFewTriples = 1000;
+  size_t triples_ = 0;
+  bool too_deep_ = false;
+  int counter_ = 0;                               // hidden variables
+  int bgp_ = 0;                                   // number of the current basic graph pattern
+  std::map<std::string, int> blank_bgp_;          // blank node label → BGP that used it
+  std::vector<Aggregate>* aggregates_ = nullptr;  // where aggregates may stand; null: they may not
+  bool in_aggregate_ = false;
+  bool in_service_ = false;                 // whose functions are those of the other endpoint
+  int operation_ = 0;                       // number of the current update operation
+  std::map<std::string, int> data_labels_;  // blank node label → INSERT DATA that used it
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_SYNTAX_GRAMMAR_H_

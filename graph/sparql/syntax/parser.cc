@@ -1,0 +1,166 @@
+#include "graph/sparql/syntax/parser.h"
+
+#include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/grammar.h"
+
+namespace docent::sparql {
+namespace {
+
+// What must hold before the lexer may look at the text.
+std::optional<Diagnostic> Refuse(std::string_view text, const ParseOptions& options, bool update = false) {
+  const size_t limit = update ? options.limits.update_text_bytes : options.limits.query_text_bytes;
+  if (text.size() > limit) {
+    return Diagnostic{options.file,
+                      {},
+                      "the text has " + std::to_string(text.size()) + " bytes, the limit " +
+                          (update ? "update_text_bytes" : "query_text_bytes") + " is " +
+                          std::to_string(limit),
+                      ""};
+  }
+  const size_t bad = FindInvalidUtf8(text);
+  if (bad == std::string_view::npos) return std::nullopt;
+  SourceSpan span;  // SpanAt would count code points in what is no UTF-8
+  span = SpanAt(text.substr(0, bad), bad);
+  return Diagnostic{options.file, span,
+                    text[bad] == '\0' ? "U+0000 cannot stand in a query" : "this byte is not UTF-8",
+                    "save the text as UTF-8"};
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> WellKnownPrefixes() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) out.emplace_back(prefix, iri);
+  return out;
+}
+
+ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* functions) {
+  ParseOptions options;
+  options.prefixes = WellKnownPrefixes();
+  options.limits = limits;
+  options.functions = functions;
+  return options;
+}
+
+ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options) {
+  ParsedQuery parsed;
+  if (std::optional<Diagnostic> refused = Refuse(text, options)) {
+    parsed.diagnostics.push_back(*std::move(refused));
+    return parsed;
+  }
+  Grammar grammar(text, options);
+  const bool whole = grammar.QueryUnit(&parsed.query);
+  parsed.diagnostics = grammar.TakeDiagnostics();
+  if (!whole) parsed.query = Query();
+  return parsed;
+}
+
+ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options) {
+  ParsedUpdate parsed;
+  if (std::optional<Diagnostic> refused = Refuse(text, options, true)) {
+    parsed.diagnostics.push_back(*std::move(refused));
+    return parsed;
+  }
+  Grammar grammar(text, options);
+  std::optional<Update> update = grammar.UpdateUnit();
+  parsed.diagnostics = grammar.diagnostics();
+  if (update) parsed.update = *std::move(update);
+  return parsed;
+}
+
+ParsedExpression ParseExpression(std::string_view text, const ParseOptions& options) {
+  ParsedExpression parsed;
+  if (std::optional<Diagnostic> refused = Refuse(text, options)) {
+    parsed.diagnostics.push_back(*std::move(refused));
+    return parsed;
+  }
+  Grammar grammar(text, options);
+  parsed.expression = grammar.ParseExpression();
+  if (parsed.expression && grammar.Peek().kind != TokenKind::kEnd)
+    grammar.Expected("the end of the expression");
+  parsed.diagnostics = grammar.diagnostics();
+  if (!parsed.ok()) parsed.expression = nullptr;
+  return parsed;
+}
+
+struct ProductionParser::Impl {
+  Impl(std::string_view text, const ParseOptions& given)
+      : options(given), refused(Refuse(text, options)), grammar(refused ? std::string_view() : text, options) {
+    if (refused) grammar.Error(refused->span, refused->message, refused->hint);
+  }
+  const ParseOptions options;
+  std::optional<Diagnostic> refused;
+  mutable Grammar grammar;  // looking ahead fills its buffer
+};
+
+ProductionParser::ProductionParser(std::string_view text, const ParseOptions& options)
+    : impl_(std::make_unique<Impl>(text, options)) {}
+ProductionParser::~ProductionParser() = default;
+
+bool ProductionParser::Prologue() {
+  return impl_->grammar.Prologue();
+}
+
+std::optional<std::vector<TriplePattern>> ProductionParser::TriplesTemplateInBraces() {
+  return impl_->grammar.TemplateInBraces();
+}
+
+AlgebraPtr ProductionParser::GroupGraphPattern() {
+  impl_->grammar.blank_bgp_.clear();
+  impl_->grammar.elements_ = 0;  // a document holds many, and the limit is of one
+  return impl_->grammar.GroupGraphPattern();
+}
+
+ExpressionPtr ProductionParser::Expression() {
+  return impl_->grammar.ParseExpression();
+}
+std::optional<Term> ProductionParser::Iri() {
+  return impl_->grammar.Iri();
+}
+std::optional<Term> ProductionParser::GroundTerm() {
+  return impl_->grammar.GroundTerm();
+}
+std::optional<std::string> ProductionParser::String() {
+  return impl_->grammar.String();
+}
+bool ProductionParser::AcceptKeyword(std::string_view keyword) {
+  return impl_->grammar.AcceptWord(Keyword(keyword));
+}
+bool ProductionParser::AtKeyword(std::string_view keyword) const {
+  return impl_->grammar.AtWord(Keyword(keyword));
+}
+bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
+  return impl_->grammar.Accept(punctuation);
+}
+bool ProductionParser::AtPunctuation(std::string_view punctuation) const {
+  return impl_->grammar.At(punctuation);
+}
+bool ProductionParser::AtWord() const { return impl_->grammar.Peek().kind == TokenKind::kWord; }
+bool ProductionParser::AtEnd() const {
+  return impl_->grammar.Peek().kind == TokenKind::kEnd;
+}
+SourceSpan ProductionParser::Here() const {
+  return impl_->grammar.Peek().span;
+}
+
+void ProductionParser::Error(const SourceSpan& at, std::string message, std::string hint) {
+  impl_->grammar.Error(at, std::move(message), std::move(hint));
+}
+
+void ProductionParser::Error(std::string message, std::string hint) {
+  impl_->grammar.Error(Here(), std::move(message), std::move(hint));
+}
+
+void ProductionParser::SkipPastBrace() {
+  impl_->grammar.SkipPastBrace();
+}
+
+const std::vector<std::pair<std::string, std::string>>& ProductionParser::prefixes() const {
+  return impl_->grammar.prefixes();
+}
+
+const Diagnostics& ProductionParser::diagnostics() const {
+  return impl_->grammar.diagnostics();
+}
+
+}  // namespace docent::sparql

@@ -1,0 +1,123 @@
+// SPARQL 1.1 text → algebra. The whole grammar of the W3C recommendation (section 19.8) is read, queries and
+// updates.
+//
+// Hand-written recursive descent, one method a production. It knows no store and no clock. After an error it
+// goes on at the next '.' or '}', so several mistakes are reported at once. Any thread.
+#ifndef DOCENT_GRAPH_SPARQL_SYNTAX_PARSER_H_
+#define DOCENT_GRAPH_SPARQL_SYNTAX_PARSER_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "graph/base/diagnostic.h"
+#include "graph/base/limits.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/syntax/update_algebra.h"
+
+namespace docent::sparql {
+
+class FunctionRegistry;
+
+struct ParseOptions {
+  std::string file;      // for diagnostics; may be empty
+  std::string base_iri;  // BASE before the text's own; empty: a relative IRI is an error
+  // Prefixes known without declaration (e.g. kWellKnownPrefixes); the text may declare them anew.
+  std::vector<std::pair<std::string, std::string>> prefixes;
+  Limits limits;  // query_text_bytes, query_nesting, query_elements
+  // Groups may have the elements that the W3C SHACL 1.2 Rules draft adds: NOT { … } and SET(?x :=
+  // expression).
+  bool rule_elements = false;
+  // Calls are held to these and the casts; null: they are left to whoever prepares the query. Read while parsing.
+  const FunctionRegistry* functions = nullptr;
+};
+
+// kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.
+std::vector<std::pair<std::string, std::string>> WellKnownPrefixes();
+
+// For a text that someone has sent to a server: with these, what the limits allow and the functions that there are.
+ParseOptions ParseOptionsWith(const Limits& limits, const FunctionRegistry* functions);
+
+struct ParsedQuery {
+  Query query;  // usable only if ok()
+  Diagnostics diagnostics;
+  bool ok() const { return !HasErrors(diagnostics); }
+};
+ParsedQuery ParseQuery(std::string_view text, const ParseOptions& options = {});
+
+struct ParsedUpdate {
+  Update update;  // usable only if ok()
+  Diagnostics diagnostics;
+  bool ok() const { return !HasErrors(diagnostics); }
+};
+// `limits.update_text_bytes` holds instead of query_text_bytes.
+ParsedUpdate ParseUpdate(std::string_view text, const ParseOptions& options = {});
+
+// A lone expression, as in FILTER(…) without the word (CAWL comparisons, tests). Null where there are errors.
+struct ParsedExpression {
+  ExpressionPtr expression;
+  Diagnostics diagnostics;
+  bool ok() const { return !HasErrors(diagnostics); }
+};
+ParsedExpression ParseExpression(std::string_view text, const ParseOptions& options = {});
+
+// The productions of SPARQL as building blocks for languages that contain them (the rule language). It stands
+// at a token and each method reads from there. Errors are collected in diagnostics(); a method that fails has
+// reported why and returns false, null or nullopt. `text` must outlive it. One thread.
+//
+//   ProductionParser p(text, options);
+//   p.Prologue();
+//   while (!p.AtEnd()) {
+//     if (!p.AcceptKeyword("RULE")) { p.Error("expected RULE", "…"); p.SkipPastBrace(); continue; }
+//     auto head = p.TriplesTemplateInBraces();
+//     p.AcceptKeyword("WHERE");
+//     auto body = p.GroupGraphPattern();
+//   }
+class ProductionParser {
+ public:
+  ProductionParser(std::string_view text, const ParseOptions& options);
+  ~ProductionParser();
+  ProductionParser(const ProductionParser&) = delete;
+  ProductionParser& operator=(const ProductionParser&) = delete;
+
+  // (BASE <iri> | PREFIX p: <iri>)*; may be called again later in the text.
+  bool Prologue();
+  // '{' triples '}'. Blank nodes stay terms; variables stay variables; no paths.
+  std::optional<std::vector<TriplePattern>> TriplesTemplateInBraces();
+  // '{' … '}' as in WHERE. Blank nodes become hidden variables, their labels end with the outermost group.
+  AlgebraPtr GroupGraphPattern();
+  // One expression; one IRI (full or prefixed); one IRI, literal, number or boolean; one string.
+  ExpressionPtr Expression();
+  std::optional<Term> Iri();
+  std::optional<Term> GroundTerm();
+  std::optional<std::string> String();
+
+  // The next token is the keyword (any case) or punctuation: go past it.
+  bool AcceptKeyword(std::string_view keyword);
+  bool AtKeyword(std::string_view keyword) const;
+  bool AcceptPunctuation(std::string_view punctuation);
+  bool AtPunctuation(std::string_view punctuation) const;
+  bool AtWord() const;  // a keyword, or letters that are none
+  bool AtEnd() const;
+  // The place of the next token, for errors and AST nodes.
+  SourceSpan Here() const;
+
+  void Error(std::string message, std::string hint = "");
+  void Error(const SourceSpan& at, std::string message, std::string hint);
+  // Goes past the next '}' that closes what is open here (or to the end): recovery between rules.
+  void SkipPastBrace();
+
+  const std::vector<std::pair<std::string, std::string>>& prefixes() const;
+  const Diagnostics& diagnostics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_SYNTAX_PARSER_H_

@@ -1,0 +1,52 @@
+// Classes of ASCII characters, and where runs of one class end. Pure functions.
+#ifndef DOCENT_GRAPH_SPARQL_VALUES_ASCII_RUN_H_
+#define DOCENT_GRAPH_SPARQL_VALUES_ASCII_RUN_H_
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace docent::sparql {
+
+// What an ASCII character may be part of; others are but part of a local name.
+enum CharacterClass : uint8_t {
+  kInWord = 1,          // letters, digits, '_'
+  kInName = 2,          // these and '-'
+  kInIri = 4,           // [139] IRIREF
+  kLetter = 8,
+  kPunctuationMark = 16,
+  kMarkAlone = 32,     // whatever follows
+  kBetweenTokens = 64,  // spaces, line ends, and what begins a comment
+  kInLocalName = 128,   // [169] PN_LOCAL may go on with it, or with what is not ASCII
+};
+inline constexpr std::array<uint8_t, 256> kCharacterClasses = [] {
+  std::array<uint8_t, 256> classes{};
+  for (int c = 1; c < 128; ++c) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    const auto is_one_of = [c](std::string_view set) { return set.find(static_cast<char>(c)) != std::string_view::npos; };
+    if (letter) classes[c] |= kLetter;
+    if (letter || (c >= '0' && c <= '9') || c == '_') classes[c] |= kInWord | kInName;
+    if (c == '-') classes[c] |= kInName;
+    if (c > 0x20 && !is_one_of("<>\"{}|^`\\")) classes[c] |= kInIri;
+    if (is_one_of(".%\\:")) classes[c] |= kInLocalName;
+    if (is_one_of(" \t\r\n#")) classes[c] |= kBetweenTokens;
+    if (is_one_of("{}()[].,;=<>!*/+-|^?")) classes[c] |= kPunctuationMark;
+    if (is_one_of("{}()[],;=*/+-")) classes[c] |= kMarkAlone;
+  }
+  for (int c = 128; c < 256; ++c) classes[c] = kInLocalName;
+  return classes;
+}();
+inline bool Is(char c, CharacterClass part) {
+  return (kCharacterClasses[static_cast<uint8_t>(c)] & part) != 0;
+}
+
+// The first place from `at` on whose character is not of that class.
+size_t WordEnd(std::string_view text, size_t at);
+size_t NameEnd(std::string_view text, size_t at);
+size_t IriEnd(std::string_view text, size_t at);
+// The same for U+0001 to U+007F.
+size_t AsciiEnd(std::string_view text, size_t at);
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_VALUES_ASCII_RUN_H_

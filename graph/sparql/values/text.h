@@ -1,0 +1,46 @@
+// Small operations on std::string_view (Debian's Abseil has a string_view of its own, so its string functions
+// do not take ours). Pure functions.
+#ifndef DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
+#define DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace docent::sparql {
+
+inline char AsciiLower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
+}
+inline char AsciiUpper(char c) {
+  return c >= 'a' && c <= 'z' ? static_cast<char>(c & ~0x20) : c;
+}
+
+// ASCII letters count as equal whatever their case.
+inline bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (AsciiLower(a[i]) != AsciiLower(b[i])) return false;
+  }
+  return true;
+}
+
+inline std::string LowerAscii(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = AsciiLower(c);
+  return out;
+}
+
+// The parts one after the other.
+inline std::string Concat(std::initializer_list<std::string_view> parts) {
+  size_t size = 0;
+  for (const std::string_view part : parts) size += part.size();
+  std::string out;
+  out.reserve(size);
+  for (const std::string_view part : parts) out.append(part);
+  return out;
+}
+
+}  // namespace docent::sparql
+
+#endif  // DOCENT_GRAPH_SPARQL_VALUES_TEXT_H_

@@ -1,0 +1,227 @@
+#include "graph/store/batch_applier.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/rdf/term_check.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/store/reading_mapper.h"
+#include "graph/store/server_graphs.h"
+
+namespace docent {
+namespace {
+
+absl::Status Reserved(const std::string& graph) {
+  return absl::InvalidArgumentError(absl::StrCat("graph: <", graph, "> is one of those that the server alone writes"));
+}
+
+// A lifetime that ends later than this (the year 2554) never ends.
+constexpr TimeMicros kNever = TimeMicros{1} << 54;
+
+absl::Status At(absl::string_view place, const absl::Status& status) {
+  return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+}
+
+// Many plain additions, which go into the indexes sorted.
+bool IsBulk(const WriteBatch& batch) {
+  constexpr size_t kBulk = 256;
+  return batch.mode == WriteBatch::Mode::kLoad && batch.operations.size() >= kBulk &&
+         std::all_of(batch.operations.begin(), batch.operations.end(),
+                     [](const QuadOperation& o) { return o.kind == QuadOperation::Kind::kAdd; });
+}
+
+// An operation as clients number them: "add[2]", "remove[0]". Facts of a text count on.
+std::string PlaceOf(const WriteBatch& batch, size_t at) {
+  const QuadOperation::Kind kind = batch.operations[at].kind;
+  const auto number = std::count_if(batch.operations.begin(), batch.operations.begin() + static_cast<ptrdiff_t>(at),
+                                    [kind](const QuadOperation& o) { return o.kind == kind; });
+  return absl::StrCat(kind == QuadOperation::Kind::kAdd ? "add[" : "remove[", number, "]");
+}
+
+std::optional<TimeMicros> EndOfLifetime(TimeMicros from_us, uint64_t lifetime_ms) {
+  if (lifetime_ms == 0 || lifetime_ms >= static_cast<uint64_t>(kNever / 1000)) return std::nullopt;
+  TimeMicros end_us = from_us + static_cast<TimeMicros>(lifetime_ms) * 1000;
+  return end_us < kNever ? std::optional(end_us) : std::nullopt;
+}
+
+}  // namespace
+
+BatchApplier::BatchApplier(Dictionary& dictionary, const Limits& limits)
+    : dictionary_(dictionary),
+      limits_(limits),
+      type_(dictionary.InternIri(kRdfType)),
+      state_property_(dictionary.InternIri(DocentIri("StateProperty"))),
+      default_graph_(dictionary.InternIri(kDefaultGraph)) {}
+
+absl::Status BatchApplier::Check(const WriteBatch& batch) const {
+  if (!batch.source.empty()) {
+    const Term source = Term::Iri(batch.source);
+    if (absl::Status s = CheckTerm(source, limits_.term_bytes); !s.ok()) return At("source", s);
+    if (IsServerGraph(source.lexical)) return At("source", Reserved(source.lexical));
+  }
+  for (size_t i = 0; i < batch.operations.size(); ++i) {
+    const TermQuad& quad = batch.operations[i].quad;
+    absl::Status status = CheckQuad(quad, limits_.term_bytes);
+    if (status.ok() && !quad.graph.IsIri()) status = absl::InvalidArgumentError("graph: it must be an IRI");
+    if (status.ok() && IsServerGraph(quad.graph.lexical)) status = Reserved(quad.graph.lexical);
+    if (!status.ok()) return At(PlaceOf(batch, i), status);
+  }
+  for (size_t i = 0; i < batch.readings.size(); ++i) {
+    absl::Status status = CheckTerm(batch.readings[i].value, limits_.term_bytes);
+    if (!status.ok()) return At(absl::StrCat("readings[", i, "]: value"), status);
+  }
+  return absl::OkStatus();
+}
+
+Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
+  return {dictionary_.Intern(quad.subject), dictionary_.Intern(quad.predicate),
+          dictionary_.Intern(quad.object),
+          quad.graph.lexical.empty() ? default_graph : dictionary_.Intern(quad.graph)};
+}
+
+// Neighbours in a file mostly share subject, predicate and graph.
+std::vector<Quad> BatchApplier::InternAll(const std::vector<QuadOperation>& operations, TermId default_graph) {
+  std::vector<Quad> quads;
+  quads.reserve(operations.size());
+  const TermQuad* last = nullptr;
+  for (const QuadOperation& operation : operations) {
+    const TermQuad& quad = operation.quad;
+    const auto id = [&](const Term TermQuad::*term, TermId Quad::*known) {
+      return last != nullptr && last->*term == quad.*term ? quads.back().*known : dictionary_.Intern(quad.*term);
+    };
+    quads.push_back({id(&TermQuad::subject, &Quad::subject), id(&TermQuad::predicate, &Quad::predicate),
+                     dictionary_.Intern(quad.object),
+                     quad.graph.lexical.empty() ? default_graph : id(&TermQuad::graph, &Quad::graph)});
+    last = &quad;
+  }
+  return quads;
+}
+
+std::optional<Quad> BatchApplier::Find(const TermQuad& quad, TermId default_graph) const {
+  std::optional<TermId> subject = dictionary_.Find(quad.subject),
+                        predicate = dictionary_.Find(quad.predicate);
+  std::optional<TermId> object = dictionary_.Find(quad.object);
+  std::optional<TermId> graph = quad.graph.lexical.empty() ? default_graph : dictionary_.Find(quad.graph);
+  if (!subject || !predicate || !object || !graph) return std::nullopt;
+  return Quad{*subject, *predicate, *object, *graph};
+}
+
+void BatchApplier::RefreshStateProperties(const GraphVersion& version) {
+  // Rules may have changed them, too, which no batch tells: their number shows it.
+  const QuadPattern declarations{{}, type_, state_property_, {}};
+  uint64_t count = version.Count(declarations);
+  if (count == state_declarations_) return;
+  state_properties_.clear();
+  version.ForEach(declarations, [this](const Quad& quad) {
+    state_properties_.insert(quad.subject);
+    return true;
+  });
+  state_declarations_ = count;
+}
+
+void BatchApplier::SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline) {
+  auto it = deadlines_.find(quad);
+  std::optional<TimeMicros> before;
+  if (it != deadlines_.end()) before = it->second;
+  if (before == deadline) return;
+  undo_.emplace_back(quad, before);
+  if (before) by_deadline_.erase({*before, quad});
+  if (deadline) {
+    deadlines_[quad] = *deadline;
+    by_deadline_.insert({*deadline, quad});
+  } else {
+    deadlines_.erase(it);
+  }
+}
+
+void BatchApplier::Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum) {
+  if (batch.mode == WriteBatch::Mode::kAssert && state_properties_.contains(quad.predicate)) {
+    std::vector<Quad> old;
+    writer.current().ForEach({quad.subject, quad.predicate, {}, {}}, [&](const Quad& other) {
+      if (other.graph == quad.graph && other.object != quad.object) old.push_back(other);
+      return true;
+    });
+    for (const Quad& other : old) Remove(other, writer, sum);
+  }
+  if (writer.Add(quad)) sum->Added(quad);
+  bool asserts = batch.mode == WriteBatch::Mode::kAssert;
+  std::optional<TimeMicros> end = asserts ? EndOfLifetime(batch.time_us, batch.lifetime_ms) : std::nullopt;
+  if (end || !deadlines_.empty()) SetDeadline(quad, end);
+}
+
+void BatchApplier::AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum) {
+  std::vector<Quad> quads = InternAll(batch.operations, default_graph);
+  for (size_t i = 0; i < quads.size() && !deadlines_.empty(); ++i) SetDeadline(quads[i], std::nullopt);
+  for (const Quad& quad : writer.AddAll(std::move(quads))) sum->Added(quad);
+}
+
+void BatchApplier::Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum) {
+  if (writer.Remove(quad)) sum->Removed(quad);
+  if (!deadlines_.empty()) SetDeadline(quad, std::nullopt);
+}
+
+void BatchApplier::Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum) {
+  while (!by_deadline_.empty() && by_deadline_.begin()->first <= now_us) {
+    Remove(Quad(by_deadline_.begin()->second), writer, sum);
+  }
+}
+
+absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& writer) {
+  if (absl::Status status = Check(batch); !status.ok()) return status;
+  RefreshStateProperties(writer.current());
+  absl::StatusOr<std::vector<QuadOperation>> read =
+      MapReadings(batch.readings, dictionary_, writer.current());
+  if (!read.ok()) return read.status();
+
+  DeltaSum sum;
+  Expire(batch.time_us, writer, &sum);
+  TermId graph = batch.source.empty() ? default_graph_ : dictionary_.InternIri(batch.source);
+  const std::vector<QuadOperation>& readings = *read;
+  const bool bulk = IsBulk(batch);
+  if (bulk) AddAll(batch, graph, writer, &sum);
+  for (const std::vector<QuadOperation>* operations : {&batch.operations, &readings}) {
+    if (bulk && operations == &batch.operations) continue;
+    for (const QuadOperation& operation : *operations) {
+      if (operation.kind == QuadOperation::Kind::kAdd) {
+        Add(Intern(operation.quad, graph), batch, writer, &sum);
+      } else if (std::optional<Quad> known = Find(operation.quad, graph)) {
+        Remove(*known, writer, &sum);
+      }
+    }
+  }
+  Delta delta = sum.Net();
+  for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
+    for (const Quad& quad : *quads) {
+      if (quad.predicate == type_ && quad.object == state_property_) state_declarations_ = kUnknown;
+    }
+  }
+  return delta;
+}
+
+std::optional<TimeMicros> BatchApplier::NextDeadline() const {
+  if (by_deadline_.empty()) return std::nullopt;
+  return by_deadline_.begin()->first;
+}
+
+void BatchApplier::RestoreLifetimes(const std::vector<std::pair<TimeMicros, Quad>>& lifetimes) {
+  for (const auto& [end_us, quad] : lifetimes) {
+    deadlines_[quad] = end_us;
+    by_deadline_.insert({end_us, quad});
+  }
+}
+
+void BatchApplier::Commit() {
+  undo_.clear();
+}
+
+void BatchApplier::Rollback() {
+  std::vector<std::pair<Quad, std::optional<TimeMicros>>> undo = std::move(undo_);
+  undo_.clear();
+  for (auto it = undo.rbegin(); it != undo.rend(); ++it) SetDeadline(it->first, it->second);
+  undo_.clear();
+  state_declarations_ = kUnknown;
+}
+
+}  // namespace docent

@@ -1,0 +1,86 @@
+// The first stage of a turn: a batch of text becomes changes of the graph.
+//
+//  - terms are checked and interned; quads without a graph go to the batch's source, or to docent:default
+//  - kAssert: a new value of a property typed docent:StateProperty replaces the old one of the same subject
+//  and graph,
+//    the last in the batch wins
+//  - a fact told with a lifetime is withdrawn when it has passed, unless told again: with a new lifetime, or
+//  without one
+//    (then it stays). The first batch at or after that time does it, a clock batch if no other comes
+//  - sensor readings become facts by the graph's docent:ReadingMapping resources (reading_mapper.h)
+//
+// Commit or Rollback at the end of each turn, together with the writer. Writer thread only.
+#ifndef DOCENT_GRAPH_STORE_BATCH_APPLIER_H_
+#define DOCENT_GRAPH_STORE_BATCH_APPLIER_H_
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/status/statusor.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/delta.h"
+#include "graph/store/delta_sum.h"
+#include "graph/store/graph_writer.h"
+#include "graph/store/write_batch.h"
+
+namespace docent {
+
+class BatchApplier {
+ public:
+  // `dictionary` must outlive the applier.
+  BatchApplier(Dictionary& dictionary, const Limits& limits);
+
+  // The net change. INVALID_ARGUMENT naming the place ("add[3]: subject: …", "readings[0]: …",
+  // "source: …"): a term that RDF does not allow (term_check.h), a graph that is no IRI or that the server
+  // alone writes, a reading that no mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error
+  // the graph is as it was and nothing was interned.
+  absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer);
+
+  // When the next lifetime ends, if any.
+  std::optional<TimeMicros> NextDeadline() const;
+
+  // The lifetimes that run, by when they end; and the same put back into a fresh applier (a start from a snapshot).
+  std::vector<std::pair<TimeMicros, Quad>> Lifetimes() const { return {by_deadline_.begin(), by_deadline_.end()}; }
+  void RestoreLifetimes(const std::vector<std::pair<TimeMicros, Quad>>& lifetimes);
+
+  void Commit();
+  void Rollback();
+
+ private:
+  static constexpr uint64_t kUnknown = ~uint64_t{0};
+
+  absl::Status Check(const WriteBatch& batch) const;
+  Quad Intern(const TermQuad& quad, TermId default_graph);
+  std::vector<Quad> InternAll(const std::vector<QuadOperation>& operations, TermId default_graph);
+  // Nothing if a term of it was never interned, so that the graph cannot hold it.
+  std::optional<Quad> Find(const TermQuad& quad, TermId default_graph) const;
+  void Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum);
+  void AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum);
+  void Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum);
+  void Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum);
+  void SetDeadline(const Quad& quad, std::optional<TimeMicros> deadline);
+  void RefreshStateProperties(const GraphVersion& version);
+
+  Dictionary& dictionary_;
+  const Limits limits_;
+  const TermId type_;
+  const TermId state_property_;
+  const TermId default_graph_;
+
+  absl::flat_hash_set<TermId> state_properties_;
+  uint64_t state_declarations_ = kUnknown;  // how many the graph held when state_properties_ was read
+
+  absl::flat_hash_map<Quad, TimeMicros> deadlines_;
+  std::set<std::pair<TimeMicros, Quad>> by_deadline_;
+  std::vector<std::pair<Quad, std::optional<TimeMicros>>> undo_;  // deadlines before this turn's changes
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_STORE_BATCH_APPLIER_H_

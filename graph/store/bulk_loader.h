@@ -1,0 +1,42 @@
+// Large files into a graph: statements are interned as they are parsed, and the indexes are built sorted, at once.
+// Writer thread only.
+#ifndef DOCENT_GRAPH_STORE_BULK_LOADER_H_
+#define DOCENT_GRAPH_STORE_BULK_LOADER_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/parser.h"
+#include "graph/store/graph_writer.h"
+
+namespace docent {
+
+class BulkLoader {
+ public:
+  // Statements without a graph go to docent:default. `dictionary` must outlive the loader.
+  explicit BulkLoader(Dictionary& dictionary);
+
+  // Adds the statements of a document. Where there are mistakes nothing of it is added; its terms may have been interned.
+  Diagnostics Add(std::string_view text, RdfFormat format, const ParseRdfOptions& options);
+  // Statements so far, repeats included.
+  size_t size() const { return quads_.size(); }
+  // Puts all of them into the graph of `writer`; the loader is empty afterwards.
+  void Build(GraphWriter& writer);
+
+ private:
+  void Take(const TermQuad& quad);
+  TermId IdOf(const Term& term, int position);
+
+  Dictionary& dictionary_;
+  TermId default_graph_;
+  std::vector<Quad> quads_;
+  // The last term of each position: neighbours in a file mostly share subject, predicate and graph.
+  Term last_[4];
+  TermId last_id_[4];
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_STORE_BULK_LOADER_H_

@@ -1,0 +1,111 @@
+// Everything that may change the server's mind, in one shape: the one thing that passes the door and the one
+// thing that the log records as input. Terms are text here; ids exist only behind the writer thread.
+//
+// A batch is applied whole or not at all. Value; any thread until pushed through the door.
+#ifndef DOCENT_GRAPH_STORE_WRITE_BATCH_H_
+#define DOCENT_GRAPH_STORE_WRITE_BATCH_H_
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "graph/base/clock.h"
+#include "graph/base/ids.h"
+#include "graph/rdf/term.h"
+
+namespace docent {
+
+// Add or remove one quad.
+struct QuadOperation {
+  enum class Kind : uint8_t { kAdd, kRemove };
+  Kind kind = Kind::kAdd;
+  TermQuad quad;
+
+  friend bool operator==(const QuadOperation&, const QuadOperation&) = default;
+};
+
+// A raw sensor reading (the paper's context: sensor, value, time). Readings become facts by the
+// docent:ReadingMapping resources of the graph (ontology/sensor.ttl).
+struct SensorReading {
+  std::string sensor;      // IRI
+  Term value;              // literal or IRI
+  TimeMicros time_us = 0;  // when it was measured; 0: the batch's time
+
+  friend bool operator==(const SensorReading&, const SensorReading&) = default;
+};
+
+// A document that changes how the server behaves.
+struct Document {
+  enum class Kind : uint8_t { kOntology, kRules, kCawl, kRsel };
+  enum class Action : uint8_t { kPut, kRemove };
+  Kind kind = Kind::kOntology;
+  Action action = Action::kPut;
+  std::string name;  // unique within its kind; putting it again replaces it
+  std::string text;  // as the user wrote it. Ontologies: empty, their quads are this batch's `operations`
+
+  friend bool operator==(const Document&, const Document&) = default;
+};
+
+// What a robot client proxy learnt of a command.
+struct CommandReport {
+  enum class Outcome : uint8_t {
+    kAccepted,    // the adapter has it and works on it
+    kProgress,    // `progress` tells how far
+    kSucceeded,   // final
+    kFailed,      // final; `message` says why
+    kCancelled,   // final
+    kUnknown,     // final: the adapter restarted, nobody knows whether it was done
+    kUnreachable  // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
+  };
+  CommandId command;
+  Outcome outcome = Outcome::kAccepted;
+  std::string message;                                // for people; empty on success
+  double progress = 0;                                // 0..1
+  std::string incarnation;                            // the adapter's incarnation that reports
+  std::vector<std::pair<std::string, Term>> results;  // named result values of a finished command
+
+  friend bool operator==(const CommandReport&, const CommandReport&) = default;
+};
+
+// What an operator or client wants of workflow runs.
+struct RunRequest {
+  enum class Kind : uint8_t { kStart, kCancel, kInvokeService };
+  Kind kind = Kind::kStart;
+  std::string target;  // kStart: the workflow's name (optionally "name/flow"); kInvokeService: an RSEL
+                       // process; else a run id
+  std::vector<std::pair<std::string, Term>>
+      arguments;  // kStart, kInvokeService: variable or part name → value
+
+  friend bool operator==(const RunRequest&, const RunRequest&) = default;
+};
+
+struct WriteBatch {
+  // How adds are meant. kAssert: a new value of a docent:StateProperty replaces the old one of the same
+  // source. kLoad: plain RDF set semantics.
+  enum class Mode : uint8_t { kAssert, kLoad };
+
+  std::string
+      request_id;  // chosen by the client; a repeat is answered with the first answer and not applied again
+  std::string source;  // IRI of who says it: the named graph of quads that give none. Empty: docent:default
+  Mode mode = Mode::kAssert;
+  TimeMicros time_us = 0;    // stamped by the door, never decreases
+  uint64_t lifetime_ms = 0;  // kAssert: the facts are withdrawn after this time unless renewed; 0: they stay
+
+  std::vector<QuadOperation> operations;
+  std::vector<SensorReading> readings;
+  std::vector<Document> documents;
+  std::vector<CommandReport> reports;
+  std::vector<RunRequest> run_requests;
+  bool clock_tick = false;  // a deadline is due; nothing else in the batch
+
+  size_t OperationCount() const {
+    return operations.size() + readings.size() + reports.size() + documents.size() + run_requests.size();
+  }
+
+  friend bool operator==(const WriteBatch&, const WriteBatch&) = default;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_STORE_WRITE_BATCH_H_

@@ -1,0 +1,154 @@
+#include "kb_server/cli/check_files.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/turn/spatial_functions.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/sparql/syntax/prefix_places.h"
+#include "reasoner/ontology/meaning_check.h"
+#include "reasoner/ontology/word_check.h"
+#include "reasoner/rules/rule_parser.h"
+#include "reasoner/shapes/shape_reader.h"
+
+namespace docent {
+namespace {
+
+constexpr char kGraph[] = "urn:docent:checked";
+
+std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findings& findings) {
+  const size_t left_out = findings.left_out();
+  std::vector<ontology::Finding> out = findings.Take();
+  if (left_out > 0) {
+    out.push_back({"limit",
+                   {file, {}, absl::StrCat("and ", left_out, " more; the limit check_diagnostics is ", out.size()),
+                    "correct these first", Diagnostic::Severity::kWarning},
+                   ""});
+  }
+  return out;
+}
+
+// A clash is told as what it is, with the proof of the inconsistency that rests on the same fact.
+bool IsProvedBy(const ontology::Finding& finding, const ConsistencyCheck::Result& result) {
+  const bool domain = finding.rule == "domain-clash", range = finding.rule == "range-clash";
+  const bool of_classes = result.check == "cax-dw" || result.check == "cax-adc" || result.check == "cls-com";
+  if (!finding.proof.empty() || !((domain && of_classes) || (range && (of_classes || result.check == "dt-not-type")))) return false;
+  return std::any_of(result.told.begin(), result.told.end(), [&](const auto& told) {
+    const SourceSpan& at = domain ? told.second.subject : told.second.object;
+    const SourceSpan& found = finding.diagnostic.span;
+    return told.first == finding.diagnostic.file && at.line == found.line && at.column == found.column;
+  });
+}
+
+}  // namespace
+
+std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics) {
+  std::vector<ontology::Finding> findings;
+  for (const Diagnostic& diagnostic : diagnostics) findings.push_back({rule, diagnostic, ""});
+  return findings;
+}
+
+FileChecker::FileChecker() { RegisterSpatialFunctions(&functions_); }
+
+void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
+  ParseRdfOptions options;
+  options.file = file;
+  options.blank_node_scope = absl::StrCat("f", ++texts_, "_");
+  LocatedRdf document = ParseLocatedRdf(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+  if (document.rdf.ok()) {
+    vocabulary_.Add(document.rdf.quads);
+    if (!only_words) graph_.Add(file, document, kGraph);
+    consistency_.AddDocument(file, document, !only_words);
+    ImportedRules imported = ImportShaclRules(document, text, file, &functions_);
+    if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
+    if (!only_words) imported_[file] = std::move(imported);
+  }
+  if (!only_words) documents_[file] = std::move(document);
+}
+
+void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text, true); }
+
+void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
+  const ImportedRules& imported = imported_[file];
+  for (const Diagnostic& d : imported.diagnostics) {
+    findings.Add({d.severity == Diagnostic::Severity::kError ? "syntax" : "rule", d, ""});
+  }
+  for (const ImportedConstruct& construct : imported.constructs) {
+    ontology::Findings in_query(file, limits_.check_diagnostics);
+    ontology::CheckWords(construct.query, vocabulary_, in_query);
+    for (ontology::Finding& finding : in_query.Take()) {
+      // a word is judged at its first place in the document
+      if (findings.Find([&](const ontology::Finding& f) { return f.diagnostic.message == finding.diagnostic.message; }) != nullptr) continue;
+      finding.diagnostic.span = construct.InDocument(finding.diagnostic.span);
+      findings.Add(std::move(finding));
+    }
+  }
+}
+
+void FileChecker::AddInconsistencies(const std::string& file, ontology::Findings& findings) {
+  if (!consistency_checked_) inconsistencies_ = consistency_.Run();
+  consistency_checked_ = true;
+  for (const ConsistencyCheck::Result& result : inconsistencies_[file]) {
+    ontology::Finding* same = findings.Find([&](const ontology::Finding& f) { return IsProvedBy(f, result); });
+    if (same != nullptr) {
+      same->proof = result.finding.proof;
+    } else {
+      findings.Add(result.finding);
+    }
+  }
+}
+
+void FileChecker::CheckShapes() {
+  shapes_read_ = true;
+  const shapes::GraphView view = graph_.View(kGraph);
+  for (Diagnostic& d : shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph)).diagnostics) {
+    of_shapes_[d.file].push_back(std::move(d));
+  }
+}
+
+std::vector<ontology::Finding> FileChecker::CheckRdf(const std::string& file) {
+  if (!shapes_read_) CheckShapes();
+  const LocatedRdf& document = documents_[file];
+  if (!document.rdf.ok()) return AsFindings("syntax", document.rdf.diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  for (const Diagnostic& warning : document.rdf.diagnostics) {
+    findings.Warning("syntax", warning.span, warning.message, warning.hint);
+  }
+  ontology::CheckWords(document, vocabulary_, findings);
+  ontology::CheckMeaning(document, vocabulary_, &cycles_, findings);
+  CheckImported(file, findings);
+  AddInconsistencies(file, findings);
+  for (const Diagnostic& d : of_shapes_[file]) {
+    if (d.severity == Diagnostic::Severity::kError) {
+      findings.Error("shape", d.span, d.message, d.hint);
+    } else {
+      findings.Warning("shape", d.span, d.message, d.hint);
+    }
+  }
+  return TakeAll(file, findings);
+}
+
+std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, const std::string& text) {
+  const Diagnostics diagnostics = rules_.PutRules(file, text);
+  if (HasErrors(diagnostics)) return AsFindings("syntax", diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
+  ontology::CheckWords(ParseRules(text, file, {}, &functions_), vocabulary_, findings);
+  ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
+  AddInconsistencies(file, findings);
+  return TakeAll(file, findings);
+}
+
+std::vector<ontology::Finding> FileChecker::CheckQuery(const std::string& file, const std::string& text) {
+  sparql::ParseOptions options = sparql::ParseOptionsWith({}, &functions_);
+  options.file = file;
+  const sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
+  if (!parsed.ok()) return AsFindings("syntax", parsed.diagnostics);
+  ontology::Findings findings(file, limits_.check_diagnostics);
+  ontology::CheckWords(parsed.query, vocabulary_, findings);
+  ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
+  return TakeAll(file, findings);
+}
+
+}  // namespace docent

@@ -1,0 +1,70 @@
+// RDF, rules and queries as `docent check` looks at them: each file by itself, its words against the vocabulary of all.
+// One thread.
+#ifndef DOCENT_KB_SERVER_CLI_CHECK_FILES_H_
+#define DOCENT_KB_SERVER_CLI_CHECK_FILES_H_
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "kb_server/cli/consistency_check.h"
+#include "graph/base/check_limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/sparql/values/function_registry.h"
+#include "reasoner/ontology/finding.h"
+#include "reasoner/ontology/vocabulary.h"
+#include "reasoner/rules/rule_engine.h"
+#include "reasoner/rules/shacl_rules_import.h"
+#include "reasoner/shapes/file_graph.h"
+
+namespace docent {
+
+class FileChecker {
+ public:
+  FileChecker();
+
+  // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
+  // first is checked.
+  void AddRdf(const std::string& file, const std::string& text, bool only_words);
+  // Rules that the others are to be consistent with; likewise before the first is checked.
+  void AddRules(const std::string& file, const std::string& text);
+
+  // What is wrong with an RDF document that was added; with a `.rules` text, beside those that were checked before and had
+  // no errors, as a server would say that has them; with a query. Syntax errors have the rule "syntax", and hide all others.
+  std::vector<ontology::Finding> CheckRdf(const std::string& file);
+  std::vector<ontology::Finding> CheckRules(const std::string& file, const std::string& text);
+  std::vector<ontology::Finding> CheckQuery(const std::string& file, const std::string& text);
+
+ private:
+  // The shapes of all documents, read once; each finding with its file.
+  void CheckShapes();
+  // The rules of the file's shapes: their mistakes, and the words of their queries.
+  void CheckImported(const std::string& file, ontology::Findings& findings);
+  // The inconsistencies of all, looked for once, into the findings of the file.
+  void AddInconsistencies(const std::string& file, ontology::Findings& findings);
+
+  const CheckLimits limits_;
+  sparql::FunctionRegistry functions_;  // that a server has
+  Dictionary dictionary_;
+  RuleEngine rules_{dictionary_, {}, &functions_};
+  ontology::Vocabulary vocabulary_;
+  std::map<std::string, LocatedRdf> documents_;
+  std::set<std::string> cycles_;
+  shapes::FileGraph graph_;
+  bool shapes_read_ = false;
+  std::map<std::string, Diagnostics> of_shapes_;  // by file
+  std::map<std::string, ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
+  size_t texts_ = 0;  // that were added: each has blank nodes of its own
+  ConsistencyCheck consistency_{limits_, &functions_};
+  bool consistency_checked_ = false;
+  std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file
+};
+
+// Diagnostics that need no rule of their own, under one name.
+std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_CLI_CHECK_FILES_H_

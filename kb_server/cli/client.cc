@@ -1,0 +1,167 @@
+#include "kb_server/cli/client.h"
+
+#include <google/protobuf/util/json_util.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "graph/base/limits.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/wire/term_proto.h"
+
+namespace docent {
+namespace {
+
+// The object of `_:s <urn:p> TEXT .`, which is how a single term is read with the N-Triples parser.
+absl::StatusOr<Term> ParseNTriplesTerm(const std::string& text) {
+  ParsedRdf parsed = ParseRdf(absl::StrCat("_:s <urn:p> ", text, " .\n"), RdfFormat::kNTriples);
+  if (!parsed.ok() || parsed.quads.size() != 1) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not an RDF term"));
+  }
+  return parsed.quads[0].object;
+}
+
+}  // namespace
+
+void AddClientOptions(CLI::App* command, ClientOptions* options) {
+  command->add_option("--server", options->server, "gRPC address of the server")
+      ->envname("DOCENT_SERVER")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print JSON for machines");
+}
+
+std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(static_cast<int>(Limits().grpc_message_bytes));
+  // a server that comes back is found within a second or two, not after minutes of waiting ever longer
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 500);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 1000);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
+  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+}
+
+int Fail(const grpc::Status& status, const ClientOptions& options) {
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    std::cerr << "docent: no server answers at " << options.server << " (" << status.error_message()
+              << "); start one with `docent serve` or name it with --server\n";
+  } else if (status.error_code() == grpc::StatusCode::INTERNAL && status.error_message().empty()) {
+    // how gRPC says that protobuf refused to write the message
+    std::cerr << "docent: nothing was sent: what was given does not fit into a message; is all of it UTF-8?\n";
+  } else {
+    std::cerr << "docent: " << status.error_message() << "\n";
+  }
+  return kExitBad;
+}
+
+int Fail(const absl::Status& status) {
+  std::cerr << "docent: " << status.message() << "\n";
+  return kExitBad;
+}
+
+void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
+  if (options.json) {
+    std::cout << "{\"revision\":" << reply.offset() << ",\"added\":" << reply.added()
+              << ",\"removed\":" << reply.removed() << ",\"inferred\":" << reply.inferred()
+              << ",\"repeated\":" << (reply.repeated() ? "true" : "false") << "}\n";
+    return;
+  }
+  std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
+            << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
+}
+
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text) {
+  size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not NAME=VALUE"));
+  }
+  std::string name = text.substr(0, equals);
+  std::string value = text.substr(equals + 1);
+  if (absl::StartsWith(value, "<") || absl::StartsWith(value, "\"")) {
+    auto term = ParseNTriplesTerm(value);
+    if (!term.ok()) return term.status();
+    return std::make_pair(name, *term);
+  }
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+    if (absl::StartsWith(value, Concat(prefix, ":"))) {
+      return std::make_pair(name, Term::Iri(Concat(iri, value.substr(prefix.size() + 1))));
+    }
+  }
+  int64_t integer = 0;
+  if (absl::SimpleAtoi(value, &integer)) return std::make_pair(name, Term::Integer(integer));
+  double number = 0;
+  if (absl::SimpleAtod(value, &number)) {
+    return std::make_pair(name, Term::Literal(value, std::string(kXsdDecimal)));
+  }
+  if (value == "true" || value == "false") return std::make_pair(name, Term::Boolean(value == "true"));
+  if (value.find("://") != std::string::npos || absl::StartsWith(value, "urn:")) {
+    return std::make_pair(name, Term::Iri(value));
+  }
+  return std::make_pair(name, Term::Literal(value));
+}
+
+std::string MediaTypeOfFile(const std::string& file) {
+  switch (FormatOfFile(file).value_or(RdfFormat::kTurtle)) {
+    case RdfFormat::kTurtle:
+      return "text/turtle";
+    case RdfFormat::kTriG:
+      return "application/trig";
+    case RdfFormat::kNTriples:
+      return "application/n-triples";
+    case RdfFormat::kNQuads:
+      return "application/n-quads";
+    case RdfFormat::kRdfXml:
+      return "application/rdf+xml";
+  }
+  return "text/turtle";
+}
+
+void PauseToReconnect(bool first) {
+  if (first) std::cerr << "docent: the connection was lost; trying again every second\n";
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+}
+
+void PrintJson(const google::protobuf::Message& message) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string json;
+  // It fails for Any and the like of unknown types alone, which the API does not have.
+  (void)google::protobuf::util::MessageToJsonString(message, &json, options);
+  std::cout << json << std::endl;
+}
+
+void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics) {
+  for (const v1::Diagnostic& d : diagnostics) {
+    if (!d.file().empty()) std::cerr << d.file() << ":" << d.line() << ":" << d.column() << ": ";
+    std::cerr << (d.warning() ? "warning: " : "error: ") << d.message() << "\n";
+    if (!d.hint().empty()) std::cerr << "  hint: " << d.hint() << "\n";
+  }
+}
+
+std::string ToNTriples(const v1::Term& term) {
+  return ToNTriples(FromProto(term).value_or(Term::Literal("")));
+}
+std::string ToDisplay(const v1::Term& term) {
+  return ToDisplay(FromProto(term).value_or(Term::Literal("")));
+}
+
+std::string OneLine(std::string_view text, size_t width) {
+  std::string out;
+  size_t points = 0;
+  for (char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0) != 0x80 && ++points > width) return out + "…";
+    out += (c == '\n' || c == '\r' || c == '\t') ? ' ' : c;
+  }
+  return std::string(absl::StripTrailingAsciiWhitespace(out));
+}
+
+}  // namespace docent

@@ -1,0 +1,218 @@
+// docent check FILES: everything that can be said about files before a server has them. No server is needed.
+#include <CLI/CLI.hpp>
+#include <deque>
+#include <iostream>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/cli/check_files.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "graph/rdf/text_input.h"
+#include "graph/base/source_texts.h"
+#include "graph/rdf/parser.h"
+#include "nlohmann/json.hpp"
+#include "workflow/cawl/check.h"
+#include "workflow/engine/engine.h"
+#include "workflow/rsel/parser.h"
+#include "workflow/rsel/service_registry.h"
+
+namespace docent {
+namespace {
+
+struct CheckArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> ontologies;
+  bool ask = false;
+  bool json = false;
+  bool strict = false;
+};
+
+enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
+
+Kind KindOf(const std::string& file) {
+  if (absl::EndsWith(file, ".rules")) return Kind::kRules;
+  if (absl::EndsWith(file, ".rq") || absl::EndsWith(file, ".sparql")) return Kind::kSparql;
+  if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return Kind::kCawl;
+  if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return Kind::kRsel;
+  return FormatOfFile(file) ? Kind::kRdf : Kind::kUnknown;
+}
+
+// A text of whole lines.
+std::string Indented(const std::string& text, const std::string& by) {
+  std::string out;
+  for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) absl::StrAppend(&out, by, line, "\n");
+  return out;
+}
+
+class Checker {
+ public:
+  explicit Checker(const CheckArguments& arguments) : arguments_(arguments) {}
+
+  // Ontologies and RSEL processes first, so that workflows are checked against them whatever the order of the
+  // files.
+  absl::Status Prepare() {
+    for (const std::string& file : arguments_.ontologies) {
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      ParseRdfOptions options;
+      options.file = file;
+      ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+      if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+      environment_.AddOntology(parsed.quads);
+      has_environment_ = true;
+      files_.AddRdf(file, *text, true);
+    }
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRdf) continue;
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      files_.AddRdf(file, *text, false);
+    }
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRules) continue;
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      files_.AddRules(file, *text);
+    }
+    rsel::ServiceRegistry registry;
+    for (const std::string& file : arguments_.files) {
+      if (KindOf(file) != Kind::kRsel) continue;
+      auto text = ReadBytes(file);
+      if (!text.ok()) return text.status();
+      rsel::ParsedRsel parsed = rsel::ParseRsel(*text, file);
+      if (!parsed.ok()) continue;
+      services_[file] = registry.Put(parsed.document);
+    }
+    for (const rsel::PlanPtr& plan : registry.Plans()) {
+      environment_.AddOperation({plan->process, plan->inputs, true});
+      has_operations_ = true;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Check(const std::string& file) {
+    auto read = ReadBytes(file);
+    if (!read.ok()) return read.status();
+    const std::string* text = &read_.emplace_back(*std::move(read));
+    for (const std::string& name : {file, std::string()}) texts_.Put(name, *text);
+    std::vector<ontology::Finding> findings;
+    switch (KindOf(file)) {
+      case Kind::kRdf:
+        findings = files_.CheckRdf(file);
+        break;
+      case Kind::kSparql:
+        findings = files_.CheckQuery(file, *text);
+        break;
+      case Kind::kRules:
+        findings = files_.CheckRules(file, *text);
+        break;
+      case Kind::kCawl:
+        findings = AsFindings("workflow", CheckCawl(file, *text));
+        break;
+      case Kind::kRsel: {
+        Diagnostics diagnostics = rsel::ParseRsel(*text, file).diagnostics;
+        if (!HasErrors(diagnostics)) diagnostics = services_[file];
+        findings = AsFindings("service", diagnostics);
+        break;
+      }
+      case Kind::kUnknown:
+        return absl::InvalidArgumentError(absl::StrCat(file,
+                                                       ": I do not know this ending; use .ttl .trig .nt .nq "
+                                                       ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
+    }
+    Print(file, findings);
+    return absl::OkStatus();
+  }
+
+  bool failed() const { return failed_; }
+
+ private:
+  Diagnostics CheckCawl(const std::string& file, const std::string& text) {
+    bool check_words = has_environment_ || has_operations_;
+    cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
+    if (report.ok()) {
+      Diagnostics unsupported = Engine::CheckSupported(*report.document);
+      report.diagnostics.insert(report.diagnostics.end(), unsupported.begin(), unsupported.end());
+    }
+    if (!arguments_.ask) return report.diagnostics;
+    for (const cawl::ConditionText& condition : report.conditions) {
+      if (arguments_.json) {
+        nlohmann::json object = {{"file", file}, {"place", condition.place}, {"ask", condition.ask}};
+        std::cout << object.dump() << "\n";
+      } else {
+        std::cout << "# " << condition.place << "\n" << condition.ask << "\n\n";
+      }
+    }
+    return report.diagnostics;
+  }
+
+  void Print(const std::string& file, const std::vector<ontology::Finding>& findings) {
+    Diagnostics diagnostics;
+    for (const ontology::Finding& finding : findings) diagnostics.push_back(finding.diagnostic);
+    const bool bad = HasErrors(diagnostics) || (arguments_.strict && !diagnostics.empty());
+    failed_ = failed_ || bad;
+    if (arguments_.json) {
+      for (const ontology::Finding& finding : findings) {
+        const Diagnostic& d = finding.diagnostic;
+        nlohmann::json object = {
+            {"file", d.file.empty() ? file : d.file},
+            {"line", d.span.line},
+            {"column", d.span.column},
+            {"severity", d.severity == Diagnostic::Severity::kError ? "error" : "warning"},
+            {"rule", finding.rule},
+            {"message", d.message},
+            {"hint", d.hint}};
+        if (!finding.proof.empty()) object["proof"] = finding.proof;
+        std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+      }
+      return;
+    }
+    for (const ontology::Finding& finding : findings) {
+      std::cerr << texts_.Render({finding.diagnostic});
+      if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(finding.proof, "    ");
+    }
+    if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
+  }
+
+  const CheckArguments& arguments_;
+  FileChecker files_;
+  std::deque<std::string> read_;
+  SourceTexts texts_;  // of them
+  cawl::QuadEnvironment environment_;
+  bool has_environment_ = false;
+  bool has_operations_ = false;
+  std::map<std::string, Diagnostics> services_;  // what the registry says of each RSEL file
+  bool failed_ = false;
+};
+
+}  // namespace
+
+void AddCheckCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<CheckArguments>();
+  CLI::App* command = app->add_subcommand(
+      "check",
+      "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors). Words of RDF, "
+      "rules and queries are checked against the vocabulary of all RDF files named");
+  command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
+  command
+      ->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used; may be given several times")
+      ->allow_extra_args(false);
+  command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
+  command->add_flag("--strict", arguments->strict, "Warnings, too, make the exit code 1");
+  command->add_flag("--json", arguments->json, "Print JSON for machines");
+  command->callback([arguments, exit_code] {
+    Checker checker(*arguments);
+    if (absl::Status status = checker.Prepare(); !status.ok()) {
+      *exit_code = Fail(status);
+      return;
+    }
+    for (const std::string& file : arguments->files) {
+      if (absl::Status status = checker.Check(file); !status.ok()) *exit_code = Fail(status);
+    }
+    if (*exit_code == kExitOk && checker.failed()) *exit_code = kExitNegative;
+  });
+}
+
+}  // namespace docent

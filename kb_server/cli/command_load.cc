@@ -1,0 +1,219 @@
+// docent load FILES: data, ontologies, rules, workflows and robot services into a running server.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/ontologies.grpc.pb.h"
+#include "docent/v1/robot_services.grpc.pb.h"
+#include "docent/v1/workflows.grpc.pb.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "kb_server/cli/fact_arguments.h"
+#include "kb_server/cli/part_loader.h"
+#include "graph/rdf/text_input.h"
+#include "graph/rdf/parser.h"
+
+namespace docent {
+namespace {
+
+struct LoadArguments {
+  ClientOptions client;
+  std::vector<std::string> files;
+  std::string as;      // data, ontology, rules, cawl, rsel; empty: by the file's ending
+  std::string graph;   // data only
+  std::string source;  // facts only
+  std::string format;  // of RDF, as an ending; empty: that of the file
+};
+
+// Empty: its ending does not tell. Standard input has none, and is Turtle where no format is given.
+std::string LoadKindOf(const std::string& file, const std::string& format) {
+  if (!format.empty()) return "data";
+  if (absl::EndsWith(file, ".rules")) return "rules";
+  if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return "cawl";
+  if (absl::EndsWith(file, ".rsel.xml") || absl::EndsWith(file, ".rsel")) return "rsel";
+  return file == "-" || FormatOfFile(file) ? "data" : "";
+}
+
+class Loader {
+ public:
+  explicit Loader(const LoadArguments& arguments)
+      : arguments_(arguments), channel_(Connect(arguments.client)) {}
+
+  int Load(const std::string& file) {
+    std::string kind = arguments_.as.empty() ? LoadKindOf(file, arguments_.format) : arguments_.as;
+    auto text = ReadText(file);
+    if (!text.ok()) return Fail(text.status());
+    if (kind.empty()) {
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat(file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .xml .rules .cawl.xml or .rsel.xml, or say "
+                             "with --as what it is (data is read as Turtle)")));
+    }
+    if (kind == "facts" && !arguments_.graph.empty()) {
+      return Fail(absl::InvalidArgumentError("facts lie in the graph of who says them; name that with --source, not with --graph"));
+    }
+    if (kind != "data" && kind != "facts" && !arguments_.graph.empty()) {
+      return Fail(absl::InvalidArgumentError(absl::StrCat("--graph goes with data, and ", file, " is read as ", kind)));
+    }
+    if (kind != "data" && kind != "facts" && kind != "ontology" && !arguments_.format.empty()) {
+      return Fail(absl::InvalidArgumentError(absl::StrCat("--format goes with RDF, and ", file, " is read as ", kind)));
+    }
+    if (kind != "facts" && !arguments_.source.empty()) {
+      return Fail(absl::InvalidArgumentError("--source says who tells facts; give --as facts, too, or --graph for data"));
+    }
+    if (kind == "cawl") return Deploy(file, *text);
+    if (kind == "rsel") return Register(file, *text);
+    if (kind == "facts") return Assert(file, *text);
+    if (kind == "data" && text->size() > kPartBytes) return LoadInParts(file, *text);
+    return LoadModule(file, kind, *text);
+  }
+
+ private:
+  int Deploy(const std::string& file, const std::string& text) {
+    v1::DeployRequest request;
+    request.set_name(file);
+    request.set_cawl(text);
+    v1::DeployReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = v1::Workflows::NewStub(channel_)->Deploy(&context, request, &reply);
+    if (!status.ok()) return Fail(status, arguments_.client);
+    PrintDiagnostics(reply.diagnostics());
+    std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision()
+              << "\n";
+    return kExitOk;
+  }
+
+  int Register(const std::string& file, const std::string& text) {
+    v1::RegisterRequest request;
+    request.set_name(file);
+    request.set_rsel(text);
+    v1::RegisterReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = v1::RobotServices::NewStub(channel_)->Register(&context, request, &reply);
+    if (!status.ok()) return Fail(status, arguments_.client);
+    PrintDiagnostics(reply.diagnostics());
+    std::cout << file << ": robot services";
+    for (const std::string& process : reply.processes()) std::cout << " " << process;
+    std::cout << " registered, revision " << reply.revision() << "\n";
+    return kExitOk;
+  }
+
+  // Facts as a robot or sensor would tell them: state properties replace.
+  int Assert(const std::string& file, const std::string& text) {
+    v1::AssertRequest request;
+    request.set_rdf(text);
+    request.set_rdf_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_source(ReadIri({}, arguments_.source));
+    v1::AssertReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
+    if (!status.ok()) return Fail(status, arguments_.client);
+    std::cout << file << ": " << reply.added() << " added, " << reply.removed() << " removed, "
+              << reply.inferred() << " inferred, revision " << reply.offset() << "\n";
+    return kExitOk;
+  }
+
+  // A large file: checked whole before anything of it is sent.
+  int LoadInParts(const std::string& file, const std::string& text) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto document = CutDocument(text, FormatOfFile(FormatName(file)).value_or(RdfFormat::kTurtle), file);
+    if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, text));
+    const auto rate = [&](size_t bytes) {
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double share = document->bytes == 0 ? 1 : static_cast<double>(bytes) / static_cast<double>(document->bytes);
+      return absl::StrFormat("%.0f statements/s", share * static_cast<double>(document->statements) / seconds);
+    };
+    v1::LoadRequest request;
+    request.set_name(NameOf(file));
+    request.set_graph(ReadIri({}, arguments_.graph));
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
+      if (terminal) std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
+    });
+    if (terminal) std::cerr << "\n";
+    if (!outcome.status.ok()) {
+      std::cerr << file << ": " << outcome.parts << " of " << document->parts.size() << " parts are loaded ("
+                << outcome.added << " statements were new); loading the file again adds the rest\n";
+      return Fail(outcome.status, arguments_.client);
+    }
+    std::cout << file << ": data, " << outcome.added << " added, " << outcome.removed << " removed, "
+              << outcome.inferred << " inferred, revision " << outcome.revision << " (" << document->parts.size()
+              << " parts, " << rate(document->bytes) << ")\n";
+    return kExitOk;
+  }
+
+  // By the ending of this the format is known.
+  std::string FormatName(const std::string& file) const {
+    return arguments_.format.empty() ? file : absl::StrCat(".", arguments_.format);
+  }
+  static std::string NameOf(const std::string& file) {
+    return file == "-" ? "stdin" : std::filesystem::path(file).filename().string();
+  }
+
+  static std::string ProgressBar(size_t done, size_t all) {
+    constexpr size_t kWidth = 30;
+    const size_t filled = all == 0 ? kWidth : done * kWidth / all;
+    return absl::StrCat("[", std::string(filled, '#'), std::string(kWidth - filled, '.'), "] ",
+                        all == 0 ? 100 : done * 100 / all, " %");
+  }
+
+  int LoadModule(const std::string& file, const std::string& kind, const std::string& text) {
+    v1::LoadRequest request;
+    request.set_name(NameOf(file));
+    request.set_kind(kind == "rules"      ? v1::LoadRequest::RULES
+                     : kind == "ontology" ? v1::LoadRequest::ONTOLOGY
+                                          : v1::LoadRequest::DATA);
+    request.set_text(text);
+    request.set_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_graph(ReadIri({}, arguments_.graph));
+    v1::LoadReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
+    if (!status.ok()) return Fail(status, arguments_.client);
+    PrintDiagnostics(reply.diagnostics());
+    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
+              << " removed, " << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
+    return kExitOk;
+  }
+
+  const LoadArguments& arguments_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+}  // namespace
+
+void AddLoadCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<LoadArguments>();
+  CLI::App* command = app->add_subcommand("load",
+                                          "Load files into a running server: RDF data, ontologies, .rules, "
+                                          ".cawl.xml workflows, .rsel.xml services");
+  AddClientOptions(command, &arguments->client);
+  command->add_option("files", arguments->files, "Files, in this order; - is standard input")->required();
+  command
+      ->add_option(
+          "--as", arguments->as,
+          "What the files are, where the ending does not tell. facts: as a robot or sensor would tell them, "
+          "a new value of a state property replaces the old one")
+      ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
+  command
+      ->add_option("--format", arguments->format,
+                   "The syntax of RDF, where the ending does not tell, as for standard input (else read as Turtle)")
+      ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
+  command->add_option("--graph", arguments->graph, "Data: IRI of the named graph to load into, whole or with a well-known prefix");
+  command->add_option("--source", arguments->source, "Facts: IRI of who says it, likewise");
+  command->callback([arguments, exit_code] {
+    Loader loader(*arguments);
+    for (const std::string& file : arguments->files) {
+      *exit_code = loader.Load(file);
+      if (*exit_code != kExitOk) return;
+    }
+  });
+}
+
+}  // namespace docent

@@ -1,0 +1,264 @@
+// docent ontology: the modules of a running server, changed while it runs.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "docent/v1/ontologies.grpc.pb.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "graph/rdf/text_input.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "kb_server/door/catalog.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/validation_proto.h"
+#include "nlohmann/json.hpp"
+#include "reasoner/ontology/module_diff.h"
+#include "reasoner/shapes/report.h"
+
+namespace docent {
+namespace {
+
+struct OntologyArguments {
+  ClientOptions client;
+  std::vector<std::string> files;  // load, replace, check, diff
+  std::string name;                // the module; empty: the file's name
+  std::vector<std::string> names;  // remove
+};
+
+std::string NameOf(const OntologyArguments& arguments, const std::string& file) {
+  return arguments.name.empty() ? std::filesystem::path(file).filename().string() : arguments.name;
+}
+
+std::string VersionText(const std::string& info, const std::string& iri) {
+  if (info.empty()) return iri.empty() ? "" : Concat("version <", iri, ">");
+  return Concat("version ", info);
+}
+
+int List(const OntologyArguments& arguments) {
+  v1::ListOntologiesReply reply;
+  grpc::ClientContext context;
+  grpc::Status status =
+      v1::Ontologies::NewStub(Connect(arguments.client))->List(&context, v1::ListOntologiesRequest(), &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  for (const auto& module : reply.modules()) {
+    const bool rules = module.kind() == v1::LoadRequest::RULES;
+    if (arguments.client.json) {
+      nlohmann::json object = {{"name", module.name()},         {"kind", rules ? "rules" : "ontology"},
+                               {"size", module.size()},         {"revision", module.revision()},
+                               {"ontology", module.ontology()}, {"version_iri", module.version_iri()},
+                               {"version", module.version_info()}};
+      object["missing_imports"] = std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
+      std::cout << object.dump() << "\n";
+      continue;
+    }
+    std::cout << absl::StreamFormat("%-24s %8d %-8s revision %d  %s%s%s\n", module.name(), module.size(),
+                                    rules ? "rules" : "triples", module.revision(), module.ontology(),
+                                    module.ontology().empty() ? "" : "  ",
+                                    VersionText(module.version_info(), module.version_iri()));
+    for (const std::string& iri : module.missing_imports()) std::cout << "    imports <" << iri << ">, which is not loaded\n";
+  }
+  return kExitOk;
+}
+
+absl::StatusOr<v1::LoadRequest> ToRequest(const OntologyArguments& arguments, const std::string& file) {
+  auto text = ReadText(file);
+  if (!text.ok()) return text.status();
+  v1::LoadRequest request;
+  request.set_name(NameOf(arguments, file));
+  request.set_kind(v1::LoadRequest::ONTOLOGY);
+  request.set_text(*std::move(text));
+  request.set_media_type(MediaTypeOfFile(file));
+  return request;
+}
+
+int Load(const OntologyArguments& arguments, v1::LoadRequest::Mode mode) {
+  auto stub = v1::Ontologies::NewStub(Connect(arguments.client));
+  for (const std::string& file : arguments.files) {
+    auto request = ToRequest(arguments, file);
+    if (!request.ok()) return Fail(request.status());
+    request->set_mode(mode);
+    v1::LoadReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = stub->Load(&context, *request, &reply);
+    if (!status.ok()) return Fail(status, arguments.client);
+    PrintDiagnostics(reply.diagnostics());
+    if (arguments.client.json) {
+      nlohmann::json object = {{"name", request->name()},     {"added", reply.added()},       {"removed", reply.removed()},
+                               {"inferred", reply.inferred()}, {"revision", reply.revision()}};
+      std::cout << object.dump() << "\n";
+      continue;
+    }
+    std::cout << request->name() << ": " << reply.added() << " added, " << reply.removed() << " removed, "
+              << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
+  }
+  return kExitOk;
+}
+
+int Check(const OntologyArguments& arguments) {
+  auto stub = v1::Ontologies::NewStub(Connect(arguments.client));
+  int exit_code = kExitOk;
+  for (const std::string& file : arguments.files) {
+    auto request = ToRequest(arguments, file);
+    if (!request.ok()) return Fail(request.status());
+    v1::CheckModuleReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = stub->Check(&context, *request, &reply);
+    if (!status.ok()) return Fail(status, arguments.client);
+    PrintDiagnostics(reply.diagnostics());
+    for (const v1::ValidationResult& r : reply.results()) {
+      std::cerr << shapes::Render(FromProto(r));
+    }
+    std::cout << request->name() << (reply.conforms() ? ": ok" : ": would violate shapes") << ", tried on revision "
+              << reply.revision() << "\n";
+    if (!reply.conforms()) exit_code = kExitNegative;
+  }
+  return exit_code;
+}
+
+int Remove(const OntologyArguments& arguments) {
+  auto stub = v1::Ontologies::NewStub(Connect(arguments.client));
+  for (const std::string& name : arguments.names) {
+    v1::RemoveOntologyRequest request;
+    request.set_name(name);
+    request.set_kind(v1::LoadRequest::ONTOLOGY);
+    v1::LoadReply reply;
+    grpc::ClientContext context;
+    grpc::Status status = stub->Remove(&context, request, &reply);
+    if (!status.ok()) return Fail(status, arguments.client);
+    std::cout << name << ": " << reply.removed() << " removed, revision " << reply.revision() << "\n";
+  }
+  return kExitOk;
+}
+
+// Asked where its graph is empty: a module may be.
+bool IsListed(const OntologyArguments& arguments, const std::string& name) {
+  v1::ListOntologiesReply reply;
+  grpc::ClientContext context;
+  const grpc::Status status =
+      v1::Ontologies::NewStub(Connect(arguments.client))->List(&context, v1::ListOntologiesRequest(), &reply);
+  return status.ok() && std::any_of(reply.modules().begin(), reply.modules().end(), [&](const auto& module) {
+    return module.kind() == v1::LoadRequest::ONTOLOGY && module.name() == name;
+  });
+}
+
+// The triples of a module as the server has them.
+absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, const std::string& name, int* exit_code) {
+  v1::QueryRequest request;
+  request.set_query(absl::StrCat("CONSTRUCT { ?s ?p ?o } WHERE { GRAPH ", ToNTriples(Term::Iri(OntologyGraph(name))),
+                                 " { ?s ?p ?o } }"));
+  grpc::ClientContext context;
+  auto reader = v1::Context::NewStub(Connect(arguments.client))->Query(&context, request);
+  std::vector<TermQuad> quads;
+  v1::QueryReply reply;
+  while (reader->Read(&reply)) {
+    if (!reply.has_quad()) continue;
+    auto quad = FromProto(reply.quad(), "triple");
+    if (!quad.ok()) return quad.status();
+    quads.push_back(*std::move(quad));
+  }
+  grpc::Status status = reader->Finish();
+  if (!status.ok()) {
+    *exit_code = Fail(status, arguments.client);
+    return absl::UnavailableError("");
+  }
+  if (quads.empty() && !IsListed(arguments, name)) return absl::NotFoundError(absl::StrCat("the server has no module \"", name, "\""));
+  return quads;
+}
+
+absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file) {
+  auto text = ReadText(file);
+  if (!text.ok()) return text.status();
+  ParseRdfOptions options;
+  options.file = file;
+  options.blank_node_scope = "file_";
+  ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+  return std::move(parsed.quads);
+}
+
+void PrintChanges(char sign, const std::vector<TermQuad>& triples) {
+  for (const TermQuad& t : triples) {
+    std::cout << sign << " " << ToDisplay(t.subject) << " " << ToDisplay(t.predicate) << " " << ToDisplay(t.object) << "\n";
+  }
+}
+
+nlohmann::json AsJson(const std::vector<TermQuad>& triples) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TermQuad& t : triples) {
+    list.push_back(absl::StrCat(ToNTriples(t.subject), " ", ToNTriples(t.predicate), " ", ToNTriples(t.object)));
+  }
+  return list;
+}
+
+// One file: the server's module against it. Two: the first against the second.
+int Diff(const OntologyArguments& arguments) {
+  int exit_code = kExitOk;
+  auto after = Parse(arguments.files.back());
+  if (!after.ok()) return Fail(after.status());
+  auto before = arguments.files.size() == 1 ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
+                                            : Parse(arguments.files[0]);
+  if (exit_code != kExitOk) return exit_code;
+  if (!before.ok()) return Fail(before.status());
+  const ontology::ModuleDiff diff = ontology::DiffModules(*before, *after);
+  const ontology::ModuleVersion old_version = ontology::VersionOf(*before), new_version = ontology::VersionOf(*after);
+  if (arguments.client.json) {
+    nlohmann::json object = {{"removed", AsJson(diff.removed)},
+                             {"added", AsJson(diff.added)},
+                             {"version_before", old_version.version_info},
+                             {"version_after", new_version.version_info}};
+    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    return diff.empty() ? kExitOk : kExitNegative;
+  }
+  const std::string from = VersionText(old_version.version_info, old_version.version_iri);
+  const std::string to = VersionText(new_version.version_info, new_version.version_iri);
+  if (from != to) std::cout << "# " << (from.empty() ? "no version" : from) << " → " << (to.empty() ? "no version" : to) << "\n";
+  PrintChanges('-', diff.removed);
+  PrintChanges('+', diff.added);
+  std::cout << "# " << diff.removed.size() << " removed, " << diff.added.size() << " added\n";
+  return diff.empty() ? kExitOk : kExitNegative;
+}
+
+CLI::App* AddPart(CLI::App* command, const std::shared_ptr<OntologyArguments>& arguments, const char* name,
+                  const char* help, const std::function<int(const OntologyArguments&)>& run, int* exit_code) {
+  CLI::App* part = command->add_subcommand(name, help);
+  AddClientOptions(part, &arguments->client);
+  part->callback([arguments, run, exit_code] { *exit_code = run(*arguments); });
+  return part;
+}
+
+}  // namespace
+
+void AddOntologyCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<OntologyArguments>();
+  CLI::App* command = app->add_subcommand("ontology", "The ontology modules of a running server");
+  command->require_subcommand(1);
+  AddPart(command, arguments, "list", "The modules with their sizes, revisions and versions", List, exit_code);
+  const auto with_files = [&arguments](CLI::App* part, const char* help) {
+    part->add_option("files", arguments->files, help)->required();
+    part->add_option("--name", arguments->name, "Name of the module; the file's name otherwise");
+  };
+  with_files(AddPart(command, arguments, "load", "Load modules that the server does not have",
+                     [](const auto& a) { return Load(a, v1::LoadRequest::ADD); }, exit_code),
+             "RDF files (Turtle, RDF/XML as Protégé writes it …), a module each");
+  with_files(AddPart(command, arguments, "replace", "Put new versions in the place of modules, while it runs",
+                     [](const auto& a) { return Load(a, v1::LoadRequest::REPLACE); }, exit_code),
+             "RDF files, a module each");
+  with_files(AddPart(command, arguments, "check", "What loading them would violate of the server's shapes (exit code 1)",
+                     Check, exit_code),
+             "RDF files, a module each");
+  CLI::App* remove = AddPart(command, arguments, "remove", "Remove modules", Remove, exit_code);
+  remove->add_option("names", arguments->names, "Names as `docent ontology list` shows them")->required();
+  CLI::App* diff = AddPart(command, arguments, "diff",
+                           "Triples that are different (exit code 1) between the server's module and a file, or two files", Diff,
+                           exit_code);
+  with_files(diff, "One file, or two");
+  diff->get_option("files")->expected(1, 2);
+}
+
+}  // namespace docent

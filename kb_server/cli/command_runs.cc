@@ -1,0 +1,316 @@
+// docent run WORKFLOW: starts a run and follows it. docent runs: lists runs, shows one, watches.
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "absl/time/time.h"
+#include "docent/v1/workflows.grpc.pb.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "graph/rdf/term.h"
+#include "kb_server/grpc/convert.h"
+
+namespace docent {
+namespace {
+
+struct RunArguments {
+  ClientOptions client;
+  std::string workflow;
+  std::string flow;
+  std::vector<std::string> variables;
+  bool detach = false;
+};
+
+struct RunsArguments {
+  ClientOptions client;
+  std::string run;
+  bool live = false;
+  bool watch = false;
+  bool cancel = false;
+};
+
+std::string LocalTime(int64_t time_us, const char* format) {
+  if (time_us == 0) return "";
+  return absl::FormatTime(format, absl::FromUnixMicros(time_us), absl::LocalTimeZone());
+}
+
+void PrintEvent(const v1::RunEvent& event) {
+  std::cout << LocalTime(event.time_us(), "%H:%M:%E3S") << "  " << event.run();
+  if (!event.node().empty()) std::cout << "/" << event.node();
+  std::cout << "  " << event.kind() << " ";
+  if (!event.from().empty()) std::cout << event.from() << " → ";
+  std::cout << event.to();
+  if (!event.detail().empty()) std::cout << "  " << OneLine(event.detail(), 200);
+  std::cout << std::endl;
+}
+
+void Print(const ClientOptions& client, const v1::RunEvent& event) {
+  if (client.json)
+    PrintJson(event);
+  else
+    PrintEvent(event);
+}
+
+void PrintNode(const v1::Node& node) {
+  std::cout << "  " << node.name() << "  " << node.state();
+  if (node.since_us() > 0) std::cout << " since " << LocalTime(node.since_us(), "%H:%M:%S");
+  if (!node.reason().empty()) std::cout << "  (" << node.reason() << ")";
+  std::cout << "\n";
+  if (!node.waits_for().empty()) {
+    std::cout << "    waits for\n";
+    for (absl::string_view line : absl::StrSplit(node.waits_for(), '\n')) {
+      if (!line.empty() && !absl::StartsWith(line, "PREFIX")) std::cout << "      " << line << "\n";
+    }
+  }
+  if (!node.fired_because().empty()) {
+    std::cout << "    fired because\n";
+    for (absl::string_view line : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty())) {
+      std::cout << "      " << line << "\n";
+    }
+  }
+  for (const v1::Invocation& invocation : node.invocations()) {
+    std::cout << "    " << invocation.operation() << "  " << invocation.state();
+    if (!invocation.robot().empty()) std::cout << "  on " << ToDisplay(Term::Iri(invocation.robot()));
+    if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
+    if (invocation.state() == "running")
+      std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
+    if (!invocation.reason().empty()) std::cout << "  (" << invocation.reason() << ")";
+    std::cout << "\n";
+  }
+}
+
+void PrintRun(const v1::Run& run, bool nodes) {
+  std::cout << run.id() << "  " << run.state() << "  workflow " << run.workflow() << "  started "
+            << LocalTime(run.started_us(), "%H:%M:%S");
+  if (run.ended_us() > 0) std::cout << "  ended " << LocalTime(run.ended_us(), "%H:%M:%S");
+  if (!run.reason().empty()) std::cout << "  (" << run.reason() << ")";
+  std::cout << "\n";
+  if (!nodes) return;
+  for (const v1::NamedTerm& variable : run.variables()) {
+    std::cout << "  $" << variable.name() << " = " << ToDisplay(variable.value()) << "\n";
+  }
+  for (const v1::Node& node : run.nodes()) PrintNode(node);
+}
+
+int ExitCodeOf(const v1::Run& run) {
+  return run.state() == "failed" || run.state() == "cancelled" ? kExitNegative : kExitOk;
+}
+
+// Events of one run, or of all, from when it is made. A lost connection is taken up again where it broke.
+class EventReader {
+ public:
+  EventReader(std::shared_ptr<grpc::Channel> channel, const std::string& run)
+      : channel_(std::move(channel)), stub_(v1::Workflows::NewStub(channel_)) {
+    request_.set_run(run);
+    Open();
+  }
+  ~EventReader() { context_->TryCancel(); }
+
+  enum class Next { kEvent, kGap, kEnd };
+  // kGap: there may be events that were missed. kEnd: see status().
+  Next Read(v1::RunEvent* event) {
+    while (true) {
+      while (reader_->Read(event)) {
+        if (event->revision() != revision_) {
+          revision_ = event->revision();
+          seen_ = again_ = 0;
+        }
+        if (again_ > 0) {
+          --again_;
+          continue;
+        }
+        ++seen_;
+        return Next::kEvent;
+      }
+      status_ = reader_->Finish();
+      const bool forgotten = status_.error_code() == grpc::StatusCode::OUT_OF_RANGE && revision_ > 0;
+      if (forgotten) {
+        std::cerr << "docent: the server no longer has all events of the meantime; going on with new ones\n";
+        revision_ = seen_ = 0;
+      } else if (status_.error_code() == grpc::StatusCode::UNAVAILABLE && connected_) {
+        PauseToReconnect(!std::exchange(lost_, true));
+      } else {
+        return Next::kEnd;
+      }
+      Open();
+      if (revision_ == 0 && !lost_) return Next::kGap;
+    }
+  }
+  const grpc::Status& status() const { return status_; }
+
+ private:
+  // The turn in which the connection broke is asked for again, for those of its events that did not come.
+  void Open() {
+    request_.set_after(revision_ > 0 ? revision_ - 1 : 0);
+    again_ = seen_;
+    context_ = std::make_unique<grpc::ClientContext>();
+    reader_ = stub_->Watch(context_.get(), request_);
+    reader_->WaitForInitialMetadata();  // what happens from here on is heard
+    if (channel_->GetState(false) != GRPC_CHANNEL_READY) return;
+    connected_ = true;
+    lost_ = false;
+  }
+
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<v1::Workflows::Stub> stub_;
+  v1::WatchRequest request_;
+  std::unique_ptr<grpc::ClientContext> context_;
+  std::unique_ptr<grpc::ClientReader<v1::RunEvent>> reader_;
+  bool connected_ = false;  // ever
+  bool lost_ = false;       // and not there again
+  uint64_t revision_ = 0;   // of the newest event
+  uint64_t seen_ = 0;       // events of that revision
+  uint64_t again_ = 0;      // of those, still to come a second time
+  grpc::Status status_;
+};
+
+// Follows events until the run ends; then shows it.
+int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* reader, const std::string& run_id) {
+  v1::RunEvent event;
+  v1::Run run;
+  auto get = [&] {
+    grpc::ClientContext context;
+    v1::GetRunRequest request;
+    request.set_run(run_id);
+    run.Clear();
+    return stub->Get(&context, request, &run);
+  };
+  grpc::Status status = get();
+  while (status.ok() && run.state() == "running") {
+    const EventReader::Next next = reader->Read(&event);
+    if (next == EventReader::Next::kEnd) break;
+    if (next == EventReader::Next::kGap) {
+      status = get();
+      continue;
+    }
+    if (event.run() != run_id) continue;
+    Print(client, event);
+    if (event.kind() == "run" && event.to() != "running") break;
+  }
+  if (status.ok()) status = get();
+  if (!status.ok()) return Fail(status, client);
+  if (client.json)
+    PrintJson(run);
+  else
+    PrintRun(run, true);
+  return ExitCodeOf(run);
+}
+
+int StartRun(const RunArguments& arguments) {
+  v1::StartRequest request;
+  request.set_workflow(arguments.workflow);
+  request.set_flow(arguments.flow);
+  for (const std::string& text : arguments.variables) {
+    auto variable = ParseVariable(text);
+    if (!variable.ok()) return Fail(variable.status());
+    v1::NamedTerm* named = request.add_variables();
+    named->set_name(variable->first);
+    ToProto(variable->second, named->mutable_value());
+  }
+  const std::shared_ptr<grpc::Channel> channel = Connect(arguments.client);
+  auto stub = v1::Workflows::NewStub(channel);
+  std::optional<EventReader> reader;
+  if (!arguments.detach) reader.emplace(channel, "");  // before the run starts
+  grpc::ClientContext context;
+  v1::StartReply reply;
+  grpc::Status status = stub->Start(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.detach) {
+    if (arguments.client.json)
+      PrintJson(reply);
+    else
+      std::cout << reply.run() << "\n";
+    return kExitOk;
+  }
+  return Follow(arguments.client, stub.get(), &*reader, reply.run());
+}
+
+int Watch(const ClientOptions& client, const std::string& run) {
+  const std::shared_ptr<grpc::Channel> channel = Connect(client);
+  EventReader reader(channel, run);
+  if (!run.empty()) return Follow(client, v1::Workflows::NewStub(channel).get(), &reader, run);
+  v1::RunEvent event;
+  for (auto next = reader.Read(&event); next != EventReader::Next::kEnd; next = reader.Read(&event)) {
+    if (next == EventReader::Next::kEvent) Print(client, event);
+  }
+  return reader.status().ok() ? kExitOk : Fail(reader.status(), client);
+}
+
+int ShowRuns(const RunsArguments& arguments) {
+  auto stub = v1::Workflows::NewStub(Connect(arguments.client));
+  if (arguments.cancel) {
+    if (arguments.run.empty()) return Fail(absl::InvalidArgumentError("--cancel needs the id of a run"));
+    grpc::ClientContext context;
+    v1::CancelRunRequest request;
+    request.set_run(arguments.run);
+    v1::Run run;
+    grpc::Status status = stub->Cancel(&context, request, &run);
+    if (!status.ok()) return Fail(status, arguments.client);
+    PrintRun(run, true);
+    return kExitOk;
+  }
+  if (arguments.watch) return Watch(arguments.client, arguments.run);
+  grpc::ClientContext context;
+  if (!arguments.run.empty()) {
+    v1::GetRunRequest request;
+    request.set_run(arguments.run);
+    v1::Run run;
+    grpc::Status status = stub->Get(&context, request, &run);
+    if (!status.ok()) return Fail(status, arguments.client);
+    if (arguments.client.json)
+      PrintJson(run);
+    else
+      PrintRun(run, true);
+    return ExitCodeOf(run);
+  }
+  v1::ListRunsRequest request;
+  request.set_live_only(arguments.live);
+  v1::ListRunsReply reply;
+  grpc::Status status = stub->ListRuns(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  for (const v1::Run& run : reply.runs()) {
+    if (arguments.client.json)
+      PrintJson(run);
+    else
+      PrintRun(run, false);
+  }
+  if (reply.runs().empty() && !arguments.client.json) std::cerr << "no runs\n";
+  return kExitOk;
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command =
+      app->add_subcommand("run", "Start a run of a deployed workflow and follow it (exit code 1: it failed)");
+  AddClientOptions(command, &arguments->client);
+  command->add_option("workflow", arguments->workflow, "Name of the workflow (CAWL/@name)")->required();
+  command->add_option("--flow", arguments->flow,
+                      "Flow within it (default: the one that its activator starts)");
+  command->add_option("--var", arguments->variables, "NAME=VALUE, a variable of the run; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--detach", arguments->detach, "Print the run's id and do not wait");
+  command->callback([arguments, exit_code] { *exit_code = StartRun(*arguments); });
+}
+
+void AddRunsCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<RunsArguments>();
+  CLI::App* command =
+      app->add_subcommand("runs", "List runs; show one: what it waits for and why its steps fired; watch");
+  AddClientOptions(command, &arguments->client);
+  command->add_option("run", arguments->run, "Id of the run to show");
+  command->add_flag("--live", arguments->live, "Only runs that have not ended");
+  command->add_flag("--watch", arguments->watch,
+                    "Print what happens, as it happens (one run: until it ends)");
+  command->add_flag("--cancel", arguments->cancel, "End the run");
+  command->callback([arguments, exit_code] { *exit_code = ShowRuns(*arguments); });
+}
+
+}  // namespace docent

@@ -1,0 +1,93 @@
+// docent whatif '+S P O' '-S P O': what facts would do if they were told.
+#include <iostream>
+
+#include "docent/v1/context.grpc.pb.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "kb_server/cli/fact_arguments.h"
+
+namespace docent {
+namespace {
+
+struct WhatIfArguments {
+  ClientOptions client;
+  std::vector<std::string> with;
+  std::vector<std::string> without;
+  std::vector<std::string> prefixes;
+  std::string source;
+};
+
+absl::StatusOr<v1::WhatIfRequest> MakeRequest(const WhatIfArguments& arguments) {
+  auto prologue = FactPrologue(arguments.prefixes);
+  if (!prologue.ok()) return prologue.status();
+  v1::WhatIfRequest request;
+  for (const std::string& text : arguments.with) {
+    auto quads = ParseFacts(*prologue, text, "+fact");
+    if (!quads.ok()) return quads.status();
+    AddQuads(*quads, request.mutable_add());
+  }
+  for (const std::string& text : arguments.without) {
+    auto quads = ParseFacts(*prologue, text, "-fact");
+    if (!quads.ok()) return quads.status();
+    AddQuads(*quads, request.mutable_remove());
+  }
+  if (request.add_size() + request.remove_size() == 0)
+    return absl::InvalidArgumentError("no facts given; e.g. docent whatif '+expo:R01 docent:localised true'");
+  request.set_source(ReadIri(arguments.prefixes, arguments.source));
+  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok()) return status;
+  return request;
+}
+
+int RunWhatIf(const WhatIfArguments& arguments) {
+  auto request = MakeRequest(arguments);
+  if (!request.ok()) return Fail(request.status());
+  v1::WhatIfReply reply;
+  grpc::ClientContext context;
+  const auto server = v1::Context::NewStub(Connect(arguments.client));
+  grpc::Status status = server->WhatIf(&context, *request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json) {
+    PrintJson(reply);
+  } else {
+    std::cout << reply.text();
+    if (reply.removed_size() == 0) std::cerr << WhereElse(*server, request->remove());
+    std::cerr << "revision " << reply.revision() << "; nothing was written\n";
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+std::vector<std::string> WithSignedFacts(std::vector<std::string> arguments) {
+  if (arguments.empty() || arguments[0] != "whatif") return arguments;
+  std::vector<std::string> out;
+  for (std::string& argument : arguments) {
+    const bool fact = argument.size() > 1 && argument.find_first_of(" \t\n") != std::string::npos;
+    if (fact && (argument[0] == '+' || (argument[0] == '-' && argument[1] != '-'))) {
+      out.push_back(argument[0] == '+' ? "--with" : "--without");
+      out.push_back(argument.substr(1));
+    } else {
+      out.push_back(std::move(argument));
+    }
+  }
+  return out;
+}
+
+void AddWhatIfCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<WhatIfArguments>();
+  CLI::App* command = app->add_subcommand(
+      "whatif",
+      "What '+S P O' '-S P O' would do if it were told: what would be inferred, which conditions would flip, which "
+      "steps would fire. Nothing is written");
+  AddClientOptions(command, &arguments->client);
+  command->add_option("--with", arguments->with, "Turtle: facts that would be told (the same as '+S P O')")
+      ->allow_extra_args(false);
+  command->add_option("--without", arguments->without, "Turtle: facts that would be withdrawn ('-S P O')")
+      ->allow_extra_args(false);
+  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
+      ->allow_extra_args(false);
+  command->add_option("--source", arguments->source, "IRI of who would say it, whole or with a prefix");
+  command->callback([arguments, exit_code] { *exit_code = RunWhatIf(*arguments); });
+}
+
+}  // namespace docent

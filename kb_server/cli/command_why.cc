@@ -1,0 +1,130 @@
+// docent why: who told a fact, or which rules and facts it follows from. docent whynot: what is missing.
+#include <iostream>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "docent/v1/context.grpc.pb.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
+#include "kb_server/cli/fact_arguments.h"
+#include "graph/rdf/term.h"
+
+namespace docent {
+namespace {
+
+struct WhyArguments {
+  ClientOptions client;
+  std::vector<std::string> question;
+  std::vector<std::string> prefixes;
+  uint32_t sets = 0;
+  bool prov = false;
+};
+
+bool IsQuery(const std::string& text) {
+  const std::string start = absl::AsciiStrToUpper(absl::StripLeadingAsciiWhitespace(text.substr(0, 200)));
+  for (const char* word : {"ASK", "SELECT", "PREFIX", "BASE"}) {
+    if (absl::StartsWith(start, word)) return true;
+  }
+  return false;
+}
+
+// The query, or the fact with both an empty query.
+struct Question {
+  std::string query;
+  TermQuad fact;
+};
+
+absl::StatusOr<Question> Read(const WhyArguments& arguments) {
+  const std::vector<std::string>& words = arguments.question;
+  Question question;
+  if (words.size() == 2 && absl::EqualsIgnoreCase(words[0], "ask")) {
+    question.query = IsQuery(words[1]) ? words[1] : absl::StrCat("ASK ", words[1]);
+    return question;
+  }
+  if (words.size() != 1)
+    return absl::InvalidArgumentError("ask about one fact ('S P O') or one query (ask 'ASK { … }')");
+  if (IsQuery(words[0])) {
+    question.query = words[0];
+    return question;
+  }
+  auto prologue = FactPrologue(arguments.prefixes);
+  if (!prologue.ok()) return prologue.status();
+  auto quads = ParseFacts(*prologue, words[0], "fact");
+  if (!quads.ok()) return quads.status();
+  if (quads->size() != 1) return absl::InvalidArgumentError("ask about one fact at a time");
+  question.fact = (*quads)[0];
+  return question;
+}
+
+std::string AskOf(const TermQuad& fact) {
+  return absl::StrCat("ASK { ", ToNTriples(fact.subject), " ", ToNTriples(fact.predicate), " ",
+                      ToNTriples(fact.object), " }");
+}
+
+int Print(const v1::ExplainReply& reply, const WhyArguments& arguments) {
+  if (arguments.client.json) {
+    PrintJson(reply);
+  } else {
+    std::cout << (arguments.prov && !reply.prov().empty() ? reply.prov() : reply.text());
+    std::cerr << "revision " << reply.revision() << "\n";
+  }
+  return kExitOk;
+}
+
+int RunWhy(const WhyArguments& arguments, bool why) {
+  auto question = Read(arguments);
+  if (!question.ok()) return Fail(question.status());
+  v1::ExplainRequest request;
+  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok())
+    return Fail(status);
+  request.set_sets(arguments.sets);
+  if (!why) {
+    request.set_why_not(question->query.empty() ? AskOf(question->fact) : question->query);
+  } else if (!question->query.empty()) {
+    request.set_why_ask(question->query);
+  } else {
+    google::protobuf::RepeatedPtrField<v1::Quad> quads;
+    AddQuads({question->fact}, &quads);
+    *request.mutable_why_fact() = quads[0];
+  }
+  v1::ExplainReply reply;
+  grpc::ClientContext context;
+  grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Explain(&context, request, &reply);
+  if (!status.ok()) return Fail(status, arguments.client);
+  if (int code = Print(reply, arguments); code != kExitOk) return code;
+  const bool answered = why ? reply.holds() : !reply.holds() && reply.sets_size() > 0;
+  return answered ? kExitOk : kExitNegative;
+}
+
+void AddCommon(CLI::App* command, WhyArguments* arguments) {
+  AddClientOptions(command, &arguments->client);
+  command->add_option("question", arguments->question, "'S P O' in Turtle, or: ask 'ASK { … }'")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
+      ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void AddWhyCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<WhyArguments>();
+  CLI::App* command = app->add_subcommand(
+      "why", "Why a fact or an ASK holds: its rules and facts, down to who told what when (exit code 1: it does not)");
+  AddCommon(command, arguments.get());
+  command->add_flag("--prov", arguments->prov, "The proof as PROV-O in Turtle");
+  command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, true); });
+}
+
+void AddWhyNotCommand(CLI::App* app, int* exit_code) {
+  auto arguments = std::make_shared<WhyArguments>();
+  CLI::App* command = app->add_subcommand(
+      "whynot", "Why an ASK does not hold: the smallest sets of facts that are missing or in the way (exit code 1: it "
+                "holds, or none is found)");
+  AddCommon(command, arguments.get());
+  command->add_option("--sets", arguments->sets, "How many sets to show at most (default: 3)");
+  command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, false); });
+}
+
+}  // namespace docent

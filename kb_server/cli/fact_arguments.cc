@@ -1,0 +1,118 @@
+#include "kb_server/cli/fact_arguments.h"
+
+#include <algorithm>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/cli/client.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/text.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/vocabulary.h"
+#include "graph/wire/term_proto.h"
+
+namespace docent {
+namespace {
+
+// "NAME=IRI", "NAME:=IRI" or ":=IRI".
+absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::string& given) {
+  std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
+  if (parts.first.empty() || parts.second.empty())
+    return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
+  if (parts.first.back() == ':') parts.first.pop_back();
+  return parts;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixes) {
+  std::string text;
+  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
+    absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
+  }
+  for (const std::string& given : prefixes) {
+    const auto parts = SplitPrefix(given);
+    if (!parts.ok()) return parts.status();
+    absl::StrAppend(&text, "@prefix ", parts->first, ": <", parts->second, "> . ");
+  }
+  return text + "\n";
+}
+
+absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
+                                                 const std::string& name) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
+  if (text.empty()) return std::vector<TermQuad>();
+  if (text.back() != '.') text += " .";
+  ParseRdfOptions options;
+  options.file = name;
+  ParsedRdf parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
+  if (!parsed.ok()) {
+    for (Diagnostic& d : parsed.diagnostics) {
+      if (d.span.line > 1) --d.span.line;
+      d.span.offset -= std::min(d.span.offset, prologue.size());
+    }
+    return ToStatus(parsed.diagnostics, text);
+  }
+  return std::move(parsed.quads);
+}
+
+std::string ReadIri(const std::vector<std::string>& prefixes, const std::string& text) {
+  if (absl::StartsWith(text, "<") && absl::EndsWith(text, ">")) return text.substr(1, text.size() - 2);
+  const size_t colon = text.find(':');
+  if (colon == std::string::npos) return text;
+  const std::string local = text.substr(colon + 1);
+  std::string iri = text;
+  for (const auto& [prefix, name_space] : kWellKnownPrefixes) {
+    if (prefix == text.substr(0, colon)) iri = Concat(name_space, local);
+  }
+  // as in Turtle, the last declaration holds
+  for (const std::string& given : prefixes) {
+    const auto parts = SplitPrefix(given);
+    if (parts.ok() && parts->first == text.substr(0, colon)) iri = parts->second + local;
+  }
+  return iri;
+}
+
+void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
+  for (const TermQuad& quad : quads) ToProto(quad, out->Add());
+}
+
+std::string WhereElse(v1::Context::Stub& server, const google::protobuf::RepeatedPtrField<v1::Quad>& facts) {
+  v1::QueryRequest request;
+  request.set_default_graph(v1::QueryRequest::UNION);
+  for (const v1::Quad& fact : facts) {
+    if (fact.subject().has_blank() || fact.object().has_blank()) continue;  // no query can name it
+    absl::StrAppend(request.mutable_query(), "(", ToNTriples(fact.subject()), " ", ToNTriples(fact.predicate()), " ",
+                    ToNTriples(fact.object()), ") ");
+  }
+  if (request.query().empty()) return "";
+  request.set_query(absl::StrCat("SELECT ?s ?p ?o ?g WHERE { VALUES (?s ?p ?o) { ", request.query(),
+                                 "} GRAPH ?g { ?s ?p ?o } } LIMIT 10"));
+  grpc::ClientContext context;
+  const auto reader = server.Query(&context, request);
+  std::string text;
+  for (v1::QueryReply reply; reader->Read(&reply);) {
+    if (reply.row().values_size() != 4) continue;
+    const auto word = [&reply](int i) { return ToDisplay(reply.row().values(i)); };
+    const std::string graph = reply.row().values(3).iri();
+    absl::StrAppend(&text, word(0), " ", word(1), " ", word(2), " ",
+                    graph == kInferredGraph  ? "is inferred; docent why tells from what"
+                    : graph == kDefaultGraph ? "is told by docent:default; withdraw it there without --source"
+                                             : absl::StrCat("is told by ", word(3), "; withdraw it there with --source ", word(3)),
+                    "\n");
+  }
+  return reader->Finish().ok() ? text : "";
+}
+
+absl::Status AddPrefixes(const std::vector<std::string>& prefixes,
+                         google::protobuf::Map<std::string, std::string>* out) {
+  for (const std::string& given : prefixes) {
+    const auto parts = SplitPrefix(given);
+    if (!parts.ok()) return parts.status();
+    (*out)[parts->first] = parts->second;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace docent

@@ -1,0 +1,13 @@
+#include "kb_server/door/await_version.h"
+
+namespace docent {
+
+absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision revision,
+                                             absl::Time deadline, Cancellation* cancellation) {
+  GraphVersionPtr newest = ports.queries->Newest();
+  if (newest->revision() >= revision) return newest;
+  WorkerPool::Waiting waiting(ports.workers);
+  return ports.queries->WaitForRevision(revision, deadline, cancellation);
+}
+
+}  // namespace docent

@@ -1,0 +1,90 @@
+#include "kb_server/door/fleet_leases.h"
+
+#include <utility>
+
+namespace docent {
+
+void FleetLeases::Renew(const std::string& robot, const std::string& description, Decided decided) {
+  bool tell = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    Lease& lease = leases_[robot];
+    lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+    if (lease.under_way) {
+      lease.waiting.push_back({description, std::move(decided)});
+      return;
+    }
+    tell = lease.under_way = HasToBeTold(lease, description);
+  }
+  decided(tell);
+}
+
+void FleetLeases::Told(const std::string& robot, const std::string& description, bool taken) {
+  End(robot, [&](Lease* lease) {
+    if (!taken) return;
+    lease->online = true;
+    lease->told = description;
+  });
+}
+
+void FleetLeases::Expect(const std::string& robot) {
+  absl::MutexLock lock(&mutex_);
+  Lease& lease = leases_[robot];
+  lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+  lease.online = true;
+}
+
+std::vector<std::string> FleetLeases::TakeLost() {
+  absl::MutexLock lock(&mutex_);
+  std::vector<std::string> lost;
+  for (auto it = leases_.begin(); it != leases_.end();) {
+    Lease& lease = it->second;
+    if (lease.under_way || lease.until_us > clock_.Now()) {
+      ++it;
+    } else if (lease.online) {
+      lease.under_way = true;
+      lost.push_back(it->first);
+      ++it;
+    } else {
+      it = leases_.erase(it);
+    }
+  }
+  return lost;
+}
+
+void FleetLeases::ToldLost(const std::string& robot, bool taken) {
+  End(robot, [&](Lease* lease) {
+    if (taken) {
+      lease->online = false;
+    } else if (lease->until_us <= clock_.Now()) {
+      lease->until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+    }
+  });
+}
+
+// What was under way has ended. Those that waited for it are answered up to the first that has to tell the
+// graph.
+void FleetLeases::End(const std::string& robot, const std::function<void(Lease*)>& note) {
+  std::vector<Decided> nothing_to_tell;
+  Decided next;
+  {
+    absl::MutexLock lock(&mutex_);
+    Lease& lease = leases_[robot];
+    note(&lease);
+    lease.under_way = false;
+    auto it = lease.waiting.begin();
+    for (; it != lease.waiting.end() && next == nullptr; ++it) {
+      if (HasToBeTold(lease, it->description)) {
+        next = std::move(it->decided);
+        lease.under_way = true;
+      } else {
+        nothing_to_tell.push_back(std::move(it->decided));
+      }
+    }
+    lease.waiting.erase(lease.waiting.begin(), it);
+  }
+  for (const Decided& decided : nothing_to_tell) decided(false);
+  if (next != nullptr) next(true);
+}
+
+}  // namespace docent

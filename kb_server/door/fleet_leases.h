@@ -1,0 +1,71 @@
+// Which robots have shown themselves lately. Heartbeats stay here and are not logged; what is told to the
+// graph is that a robot joined, changed its description, or was lost (docent:status docent:Offline).
+//
+// At most one batch about a robot's presence is under way at a time: what comes next is decided when the
+// graph has it, or has refused it. So a robot that joins while its Offline is under way is told as being
+// there again, and what was refused is told again.
+//
+// Thread-safe.
+#ifndef DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_
+#define DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/synchronization/mutex.h"
+#include "graph/base/clock.h"
+
+namespace docent {
+
+class FleetLeases {
+ public:
+  explicit FleetLeases(const Clock* clock) : clock_(*clock) {}
+
+  // How long a lease lasts.
+  static constexpr uint32_t kLeaseMs = 5000;
+
+  // Called once; true: tell the graph that the robot is there, and then call `Told`.
+  using Decided = std::function<void(bool tell)>;
+
+  // A robot shows itself. `decided` is called at once or, while a batch about the robot is under way, after
+  // that (from the thread that calls Told or ToldLost). The graph has to be told if the robot is new here,
+  // was lost, or `description` (not empty) is not the one that the graph was told.
+  void Renew(const std::string& robot, const std::string& description, Decided decided);
+  // Whether the graph took what Renew asked for.
+  void Told(const std::string& robot, const std::string& description, bool taken);
+  // A robot that the graph has as online after a restart of the server: it gets one lease to show itself.
+  void Expect(const std::string& robot);
+  // Robots that the graph has as online and whose lease ran out. For each: tell the graph, then call
+  // `ToldLost`.
+  std::vector<std::string> TakeLost();
+  // Whether the graph took it; if not, the robot is lost again one lease later.
+  void ToldLost(const std::string& robot, bool taken);
+
+ private:
+  struct Renewal {
+    std::string description;
+    Decided decided;
+  };
+  struct Lease {
+    TimeMicros until_us = 0;
+    bool online = false;           // so the graph says, as far as known here
+    std::string told;              // the description that the graph has, as far as known here
+    bool under_way = false;        // a batch about the robot
+    std::vector<Renewal> waiting;  // for that
+  };
+
+  bool HasToBeTold(const Lease& lease, const std::string& description) const {
+    return !lease.online || lease.told != description;
+  }
+  void End(const std::string& robot, const std::function<void(Lease*)>& note);
+
+  const Clock& clock_;
+  absl::Mutex mutex_;
+  std::map<std::string, Lease> leases_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_

@@ -1,0 +1,43 @@
+#include "kb_server/door/history_port.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "kb_server/door/await_version.h"
+#include "graph/sparql/values/time_text.h"
+
+namespace docent {
+
+absl::StatusOr<AsOf> ParseAsOf(const std::string& text) {
+  uint64_t revision = 0;
+  if (std::all_of(text.begin(), text.end(), absl::ascii_isdigit) && absl::SimpleAtoi(text, &revision)) {
+    return AsOf(Revision(revision));
+  }
+  if (const std::optional<sparql::ZonedTime> time = sparql::ParseDateTimeText(text)) {
+    return AsOf(time->local_us - TimeMicros{time->zone_minutes.value_or(0)} * 60'000'000);
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "as-of must be a revision number or a time like 2026-01-31T12:00:00Z, not \"", text, "\""));
+}
+
+absl::StatusOr<QueryGraph> GraphForQuery(const ServicePorts& ports, Revision min_revision,
+                                         const std::string& as_of, absl::Time deadline,
+                                         Cancellation* cancellation) {
+  absl::StatusOr<AsOf> when;
+  if (!as_of.empty()) {
+    when = ParseAsOf(as_of);
+    if (!when.ok()) return when.status();
+    if (ports.history == nullptr) return absl::UnimplementedError("this server keeps no history");
+  }
+  absl::StatusOr<GraphVersionPtr> newest = AwaitVersion(ports, min_revision, deadline, cancellation);
+  if (!newest.ok()) return newest.status();
+  if (!as_of.empty()) return ports.history->At(*when, cancellation);
+  // the server's dictionary outlives all queries
+  return QueryGraph{std::shared_ptr<const Dictionary>(std::shared_ptr<void>(), ports.dictionary),
+                    *std::move(newest)};
+}
+
+}  // namespace docent

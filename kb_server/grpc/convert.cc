@@ -1,0 +1,209 @@
+#include "kb_server/grpc/convert.h"
+
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
+#include "graph/rdf/document_name.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/term_check.h"
+
+namespace docent {
+namespace {
+
+// Terms of a message are absolute: a scheme, a colon, and nothing that an IRI may not hold (RFC 3987, 2.2).
+bool IsAbsoluteIri(std::string_view iri) {
+  size_t colon = iri.find(':');
+  if (colon == std::string_view::npos || colon == 0) return false;
+  for (char c : iri) {
+    if (static_cast<unsigned char>(c) <= 0x20 ||
+        std::string_view("<>\"{}|^`\\").find(c) != std::string_view::npos) {
+      return false;
+    }
+  }
+  return true;
+}
+
+absl::Status CheckSize(size_t bytes, const Limits& limits, const std::string& what) {
+  if (bytes <= limits.term_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat(what, " has ", bytes, " bytes; the limit term_bytes is ", limits.term_bytes));
+}
+
+}  // namespace
+
+void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out) {
+  out->set_file(diagnostic.file);
+  out->set_line(diagnostic.span.line);
+  out->set_column(diagnostic.span.column);
+  out->set_message(diagnostic.message);
+  out->set_hint(diagnostic.hint);
+  out->set_warning(diagnostic.severity == Diagnostic::Severity::kWarning);
+}
+
+void ToProto(const BatchOutcome& outcome, v1::AssertReply* out) {
+  out->set_offset(outcome.offset);
+  out->set_added(outcome.added);
+  out->set_removed(outcome.removed);
+  out->set_inferred(outcome.inferred);
+  out->set_repeated(outcome.repeated);
+}
+
+absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what) {
+  if (term.kind_case() == v1::Term::kIri && !IsAbsoluteIri(term.iri())) {
+    return absl::InvalidArgumentError(absl::StrCat(what, ": \"", term.iri(), "\" is not an absolute IRI"));
+  }
+  if (std::optional<Term> out = FromProto(term)) return *std::move(out);
+  return absl::InvalidArgumentError(absl::StrCat(what, " is not set; give iri, blank or literal"));
+}
+
+absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what) {
+  TermQuad out;
+  auto subject = FromProto(quad.subject(), what + ".subject");
+  if (!subject.ok()) return subject.status();
+  auto predicate = FromProto(quad.predicate(), what + ".predicate");
+  if (!predicate.ok()) return predicate.status();
+  auto object = FromProto(quad.object(), what + ".object");
+  if (!object.ok()) return object.status();
+  out.subject = *std::move(subject);
+  out.predicate = *std::move(predicate);
+  out.object = *std::move(object);
+  if (quad.has_graph() && quad.graph().kind_case() != v1::Term::KIND_NOT_SET) {
+    auto graph = FromProto(quad.graph(), what + ".graph");
+    if (!graph.ok()) return graph.status();
+    out.graph = *std::move(graph);
+  }
+  return out;
+}
+
+absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits) {
+  if (request.request_id().size() > 256) {
+    return absl::InvalidArgumentError("request_id is longer than 256 bytes");
+  }
+  if (!request.source().empty() && !IsAbsoluteIri(request.source())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
+  }
+  if (!v1::AssertRequest::Mode_IsValid(request.mode())) {
+    return absl::InvalidArgumentError(absl::StrCat("mode ", static_cast<int>(request.mode()), " is not known; give ASSERT or LOAD"));
+  }
+  if (request.mode() == v1::AssertRequest::LOAD && request.lifetime_ms() > 0) {
+    return absl::InvalidArgumentError("lifetime_ms goes with the mode ASSERT alone: what is loaded stays");
+  }
+  WriteBatch batch;
+  batch.request_id = request.request_id();
+  batch.source = request.source();
+  batch.mode =
+      request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
+  batch.lifetime_ms = request.lifetime_ms();
+  batch.operations.reserve(request.remove_size() + request.add_size());
+  auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
+    absl::StatusOr<TermQuad> out = FromProto(quad, what);
+    if (!out.ok()) return out.status();
+    for (const Term* term : {&out->subject, &out->predicate, &out->object}) {
+      if (absl::Status size = CheckSize(term->lexical.size(), limits, what); !size.ok()) return size;
+    }
+    batch.operations.push_back({kind, *std::move(out)});
+    return absl::OkStatus();
+  };
+  for (int i = 0; i < request.remove_size(); ++i) {
+    absl::Status status =
+        append(request.remove(i), QuadOperation::Kind::kRemove, absl::StrCat("remove[", i, "]"));
+    if (!status.ok()) return status;
+  }
+  for (int i = 0; i < request.add_size(); ++i) {
+    absl::Status status = append(request.add(i), QuadOperation::Kind::kAdd, absl::StrCat("add[", i, "]"));
+    if (!status.ok()) return status;
+  }
+  if (!request.rdf().empty()) {
+    if (absl::Status size = CheckDocumentSize("rdf", request.rdf(), limits); !size.ok()) return size;
+    std::string media_type = request.rdf_media_type().empty() ? "text/turtle" : request.rdf_media_type();
+    auto format = FormatOfMediaType(media_type);
+    if (!format) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("rdf_media_type \"", media_type,
+                       "\" is not known; use text/turtle, "
+                       "application/trig, application/n-triples, application/n-quads or "
+                       "application/rdf+xml"));
+    }
+    ParseRdfOptions options;
+    options.file = "rdf";
+    options.limits = limits;
+    options.blank_node_scope = BlankLabelStart(request.rdf());
+    ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
+    for (TermQuad& quad : parsed.quads)
+      batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+  }
+  for (int i = 0; i < request.readings_size(); ++i) {
+    const v1::SensorReading& in = request.readings(i);
+    std::string what = absl::StrCat("readings[", i, "]");
+    if (!IsAbsoluteIri(in.sensor())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(what, ".sensor: \"", in.sensor(), "\" is not an absolute IRI"));
+    }
+    auto value = FromProto(in.value(), what + ".value");
+    if (!value.ok()) return value.status();
+    batch.readings.push_back({in.sensor(), *std::move(value), in.time_us()});
+  }
+  return batch;
+}
+
+namespace {
+
+// A status message travels in HTTP/2 headers, of which clients accept 8 KiB by default, and bytes outside of
+// printable ASCII take three there (gRPC over HTTP/2, "Status-Message").
+std::string CutToHeaders(absl::string_view message) {
+  constexpr size_t kHeaderBytes = 6000;
+  size_t encoded = 0, line_end = 0;
+  for (size_t i = 0; i < message.size(); ++i) {
+    encoded += message[i] < ' ' || message[i] > '~' || message[i] == '%' ? 3 : 1;
+    if (encoded > kHeaderBytes) {
+      size_t cut = line_end > 0 ? line_end : i;
+      while (cut > 0 && (static_cast<unsigned char>(message[cut]) & 0xC0) == 0x80)
+        --cut;  // whole code points
+      return absl::StrCat(message.substr(0, cut), "… (", message.size() - cut, " more bytes)");
+    }
+    if (message[i] == '\n') line_end = i + 1;
+  }
+  return std::string(message);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::NamedTerm>& terms, const std::string& what,
+    const Limits& limits) {
+  std::vector<std::pair<std::string, Term>> out;
+  for (const v1::NamedTerm& named : terms) {
+    const std::string place = absl::StrCat(what, ".", named.name());
+    auto term = FromProto(named.value(), place);
+    if (!term.ok()) return term.status();
+    if (absl::Status status = CheckTerm(*term, limits.term_bytes); !status.ok()) {
+      return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+    }
+    out.emplace_back(named.name(), *std::move(term));
+  }
+  return out;
+}
+
+absl::Status CheckDocumentSize(std::string_view name, std::string_view text, const Limits& limits) {
+  if (text.size() <= limits.document_bytes) return absl::OkStatus();
+  return absl::ResourceExhaustedError(absl::StrCat(name.empty() ? "the document" : ToAbsl(name), " has ",
+                                                   text.size(), " bytes; the limit document_bytes is ",
+                                                   limits.document_bytes));
+}
+
+grpc::Status ToGrpc(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  return grpc::Status(static_cast<grpc::StatusCode>(status.code()), CutToHeaders(status.message()));
+}
+
+v1::StreamError ToStreamError(const absl::Status& status) {
+  v1::StreamError error;
+  error.set_code(static_cast<int>(status.code()));
+  error.set_message(std::string(status.message()));
+  return error;
+}
+
+}  // namespace docent

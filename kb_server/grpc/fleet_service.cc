@@ -1,0 +1,127 @@
+// Fleet: which robots are there, from leases and the graph.
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/work/graph_reader.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/unary_reactors.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kOperationPrefix = "urn:docent:operation:";
+
+// What joining means for the graph: who the robot is, what it offers, where its adapter listens.
+WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
+  const v1::RobotDescription& description = request.description();
+  WriteBatch batch;
+  batch.source = description.robot();
+  auto say = [&batch](const std::string& subject, std::string_view predicate, Term object,
+                      QuadOperation::Kind kind = QuadOperation::Kind::kAdd) {
+    batch.operations.push_back(
+        {kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
+  };
+  const std::string& robot = description.robot();
+  // in the place of what was told before, whether or not an ontology says that there is one value only
+  auto replace = [&](std::string_view predicate, const Term& object) {
+    for (const Term& old : graph.Objects(robot, predicate)) {
+      if (old != object) say(robot, predicate, old, QuadOperation::Kind::kRemove);
+    }
+    say(robot, predicate, object);
+  };
+  say(robot, kRdfType, Term::Iri(DocentIri("Robot")));
+  if (!description.type().empty()) say(robot, kRdfType, Term::Iri(description.type()));
+  if (!description.label().empty()) replace(Concat(kRdfsNs, "label"), Term::Literal(description.label()));
+  replace(DocentIri("incarnation"), Term::Literal(description.incarnation()));
+  replace(DocentIri("adapterAddress"), Term::Literal(request.address()));
+  std::string status = graph.Object(robot, DocentIri("status"));
+  if (status.empty() || status == DocentIri("Offline")) {
+    replace(DocentIri("status"), Term::Iri(DocentIri("Standby")));
+  }
+  for (const Term& offered : graph.Objects(robot, DocentIri("offers"))) {
+    say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
+  }
+  for (const v1::OperationDescription& operation : description.operations()) {
+    std::string iri = Concat(kOperationPrefix, operation.name());
+    say(robot, DocentIri("offers"), Term::Iri(iri));
+    say(iri, kRdfType, Term::Iri(DocentIri("Operation")));
+    say(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
+    say(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent()));
+  }
+  return batch;
+}
+
+bool Number(const GraphReader& graph, const std::string& robot, std::string_view local, double* value) {
+  return absl::SimpleAtod(graph.Object(robot, DocentIri(local)), value);
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context,
+                                             const v1::JoinRequest* request, v1::JoinReply* reply) {
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  auto refuse = [reactor](const std::string& why) {
+    reactor->Finish(grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, why));
+    return reactor;
+  };
+  const v1::RobotDescription& description = request->description();
+  v1::Term robot;
+  robot.set_iri(description.robot());
+  if (auto term = FromProto(robot, "description.robot"); !term.ok())
+    return refuse(std::string(term.status().message()));
+  if (request->address().empty())
+    return refuse("address is empty; give the HOST:PORT where the adapter serves RobotAdapter");
+  if (description.incarnation().empty())
+    return refuse("description.incarnation is empty; it must change at every start");
+  reply->set_lease_ms(FleetLeases::kLeaseMs);
+  std::string text = absl::StrCat(request->address(), "\n", description.SerializeAsString());
+  leases_.Renew(description.robot(), text, [this, reactor, request, reply, text](bool tell) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    reply->set_revision(version->revision().value());
+    if (!tell) return reactor->Finish(grpc::Status::OK);
+    ports_.inbox->Push(JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
+                       [this, reactor, reply, robot = request->description().robot(),
+                        text](const absl::StatusOr<BatchOutcome>& outcome) {
+                         if (outcome.ok()) reply->set_revision(outcome->offset);
+                         leases_.Told(robot, text, outcome.ok());
+                         reactor->Finish(ToGrpc(outcome.status()));
+                       });
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
+                                             const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    GraphReader graph(*ports_.dictionary, *version);
+    for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+      v1::RobotStatus* out = reply->add_robots();
+      out->set_robot(robot);
+      out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
+      out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
+      out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
+      std::string status = graph.Object(robot, DocentIri("status"));
+      out->set_state(status == DocentIri("Standby") ? "standby"
+                     : status == DocentIri("Busy")  ? "busy"
+                                                    : "offline");
+      for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
+        out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
+      }
+      double x = 0, y = 0, heading = 0;
+      if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
+        out->set_has_pose(true);
+        out->set_x_m(x);
+        out->set_y_m(y);
+        if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
+      }
+      for (const Term& region : graph.Objects(robot, DocentIri("isAt"))) out->add_regions(region.lexical);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
+}
+
+}  // namespace docent

@@ -1,0 +1,107 @@
+#include "kb_server/grpc/module_requests.h"
+
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/rdf/document_name.h"
+#include "graph/rdf/line_parser.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/rdf/parser.h"
+#include "kb_server/door/catalog.h"
+#include "kb_server/grpc/convert.h"
+
+namespace docent {
+namespace {
+
+ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits) {
+  ParseRdfOptions options;
+  options.file = request.name();
+  options.limits = limits;
+  if (request.kind() == v1::LoadRequest::ONTOLOGY) {
+    options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
+  } else {
+    options.blank_node_scope = BlankLabelStart(request.document().empty() ? request.text() : request.document());
+  }
+  return options;
+}
+
+std::optional<RdfFormat> FormatFor(const v1::LoadRequest& request) {
+  return FormatOfMediaType(request.media_type().empty() ? "text/turtle" : request.media_type());
+}
+
+// The quads of an RDF text, each in `graph` unless the text names one.
+absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
+                        WriteBatch* batch) {
+  const auto format = FormatFor(request);
+  if (!format)
+    return absl::InvalidArgumentError(absl::StrCat("media type \"", request.media_type(), "\" is not known"));
+  const ParseRdfOptions options = OptionsFor(request, limits);
+  absl::Status other_graph;
+  const auto add = [&](TermQuad quad) {
+    if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
+      other_graph = absl::InvalidArgumentError(absl::StrCat(request.name(), ": the text names the graph ", ToDisplay(quad.graph),
+                                                            request.kind() == v1::LoadRequest::ONTOLOGY
+                                                                ? ", and a module is one graph; load it as data"
+                                                                : "; what is loaded into one graph cannot name others; leave graph (--graph) away"));
+      return false;
+    }
+    if (!graph.empty()) quad.graph = Term::Iri(graph);
+    batch->operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    return true;
+  };
+  if (*format == RdfFormat::kNTriples || *format == RdfFormat::kNQuads) {
+    const absl::Status status = ToStatus(ParseLines(request.text(), *format, options, add), request.text());
+    return status.ok() ? other_graph : status;
+  }
+  ParsedRdf parsed = ParseRdf(request.text(), *format, options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
+  batch->operations.reserve(parsed.quads.size());
+  for (TermQuad& quad : parsed.quads) {
+    if (!add(std::move(quad))) break;
+  }
+  return other_graph;
+}
+
+}  // namespace
+
+LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
+  if (!request.document().empty() || request.kind() == v1::LoadRequest::RULES) return {};
+  return {request.name().empty() ? "text" : request.name(), [&request, limits] {
+            return ParseLocatedRdf(request.text(), FormatFor(request).value_or(RdfFormat::kTurtle), OptionsFor(request, limits));
+          }};
+}
+
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits) {
+  if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
+  if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
+    return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
+  }
+  if (request.name().empty() && request.kind() != v1::LoadRequest::DATA) {
+    return absl::InvalidArgumentError(
+        "name is empty; an ontology or rule set is replaced and removed by its name");
+  }
+  if (request.kind() == v1::LoadRequest::DATA && request.mode() != v1::LoadRequest::PUT) {
+    return absl::InvalidArgumentError("data has no name to add or replace; leave mode out");
+  }
+  WriteBatch batch;
+  batch.mode = WriteBatch::Mode::kLoad;
+  absl::Status status;
+  switch (request.kind()) {
+    case v1::LoadRequest::RULES:
+      batch.documents.push_back(
+          {Document::Kind::kRules, Document::Action::kPut, request.name(), request.text()});
+      break;
+    case v1::LoadRequest::ONTOLOGY:
+      batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
+      status = ParseQuads(request, OntologyGraph(request.name()), limits, &batch);
+      break;
+    default:
+      status = ParseQuads(request, request.graph(), limits, &batch);
+      break;
+  }
+  if (!status.ok()) return status;
+  return batch;
+}
+
+}  // namespace docent

@@ -1,0 +1,22 @@
+// A request that brings a document for Ontologies, as a batch. Any thread.
+#ifndef DOCENT_KB_SERVER_GRPC_MODULE_REQUESTS_H_
+#define DOCENT_KB_SERVER_GRPC_MODULE_REQUESTS_H_
+
+#include "absl/status/statusor.h"
+#include "docent/v1/ontologies.pb.h"
+#include "graph/base/limits.h"
+#include "kb_server/work/load_judge.h"
+#include "graph/store/write_batch.h"
+
+namespace docent {
+
+// INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits);
+
+// Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
+// are not the document's) and rules have no places.
+LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_GRPC_MODULE_REQUESTS_H_

@@ -1,0 +1,163 @@
+// Ontologies: modules, rule sets and data files.
+#include <algorithm>
+#include <chrono>
+
+#include "absl/strings/str_cat.h"
+#include "graph/base/cancellation.h"
+#include "graph/rdf/document_name.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/work/load_runner.h"
+#include "kb_server/grpc/module_requests.h"
+#include "kb_server/grpc/unary_reactors.h"
+
+namespace docent {
+namespace {
+
+constexpr uint32_t kMostShown = 10000;  // facts of each kind in one preview
+
+void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
+  reply->set_revision(outcome.offset);
+  reply->set_added(outcome.added);
+  reply->set_removed(outcome.removed);
+  reply->set_inferred(outcome.inferred);
+}
+
+// Whether there is a module of that name, on the writer's turn, when that is exact. A graph that was filled otherwise
+// counts, too.
+BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& ports) {
+  if (request.mode() == v1::LoadRequest::PUT) return nullptr;
+  return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](const TurnView& view,
+                                                                                       WriteBatch*) -> absl::Status {
+    const bool rules = kind == v1::LoadRequest::RULES;
+    bool there = view.has_document(rules ? Document::Kind::kRules : Document::Kind::kOntology, name);
+    if (const auto graph = ports.dictionary->FindIri(OntologyGraph(name)); graph && !rules)
+      there = there || view.graph.Count({{}, {}, {}, *graph}) > 0;
+    if (mode == v1::LoadRequest::ADD && there) {
+      return absl::AlreadyExistsError(absl::StrCat("there is a module \"", name, "\" already; replace it, or name the new one otherwise"));
+    }
+    if (mode == v1::LoadRequest::REPLACE && !there) {
+      return absl::NotFoundError(absl::StrCat("there is no module \"", name, "\" to replace"));
+    }
+    return absl::OkStatus();
+  };
+}
+
+// The imports of a module that nothing in the graph is.
+void FillMissingImports(const GraphVersion& version, const Dictionary& dictionary, TermId graph, TermId type, TermId ontology,
+                        v1::ListOntologiesReply::Module* out) {
+  const auto imports = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "imports"));
+  if (!imports) return;
+  const auto version_iri = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "versionIRI"));
+  for (QuadCursor found = version.Scan({{}, *imports, {}, graph}); found.Valid(); found.Next()) {
+    const TermId imported = found.quad().object;
+    const bool there = version.Count({imported, type, ontology, {}}) > 0 ||
+                       (version_iri && version.Count({{}, *version_iri, imported, {}}) > 0);
+    if (!there) out->add_missing_imports(dictionary.Decode(imported).lexical);
+  }
+}
+
+// What a module says of itself, from its graph.
+void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::ListOntologiesReply::Module* out) {
+  const auto graph = dictionary.FindIri(OntologyGraph(out->name()));
+  const auto type = dictionary.FindIri(kRdfType), ontology = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "Ontology"));
+  if (!graph || !type || !ontology) return;
+  QuadCursor found = version.Scan({{}, *type, *ontology, *graph});
+  if (!found.Valid()) return;
+  const TermId subject = found.quad().subject;
+  const auto text_of = [&](const char* word) -> std::string {
+    const auto property = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), word));
+    if (!property) return "";
+    QuadCursor cursor = version.Scan({subject, *property, {}, *graph});
+    return cursor.Valid() ? dictionary.Decode(cursor.quad().object).lexical : "";
+  };
+  out->set_ontology(dictionary.Decode(subject).lexical);
+  out->set_version_iri(text_of("versionIRI"));
+  out->set_version_info(text_of("versionInfo"));
+  FillMissingImports(version, dictionary, *graph, *type, *ontology, out);
+}
+
+}  // namespace
+
+std::string OntologyGraph(const std::string& name) {
+  return absl::StrCat("https://w3id.org/docent/ontology/", NameInIri(name));
+}
+
+grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
+                                                  const v1::LoadRequest* request, v1::LoadReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
+    if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
+    LoadJob job;
+    job.batch = *std::move(batch);
+    job.text = TextOf(*request, ports_.limits);
+    job.prepare = CheckMode(*request, ports_);
+    job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+    job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+      if (outcome.ok()) Fill(*outcome, reply);
+      for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
+      reactor->Finish(ToGrpc(outcome.status()));
+    };
+    ports_.loads->Run(std::move(job));
+  });
+}
+
+grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
+                                                  const v1::ListOntologiesRequest*,
+                                                  v1::ListOntologiesReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
+    const GraphVersionPtr version = ports_.queries->Newest();
+    for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
+      auto* out = reply->add_modules();
+      out->set_name(module.name);
+      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES : v1::LoadRequest::ONTOLOGY);
+      out->set_size(module.size);
+      out->set_revision(module.revision.value());
+      if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
+}
+
+grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
+                                                    const v1::RemoveOntologyRequest* request,
+                                                    v1::LoadReply* reply) {
+  Document::Kind kind =
+      request->kind() == v1::LoadRequest::RULES ? Document::Kind::kRules : Document::Kind::kOntology;
+  if (request->kind() == v1::LoadRequest::DATA) {
+    return FinishNow(context,
+                     grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "data is removed with Context.Assert"));
+  }
+  WriteBatch batch;
+  batch.mode = WriteBatch::Mode::kLoad;
+  batch.documents.push_back({kind, Document::Action::kRemove, request->name(), ""});
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) Fill(*outcome, reply);
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext*,
+                                                          const v1::PreviewRulesRequest* request,
+                                                          v1::PreviewRulesReply* reply) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
+      return reactor->Finish(ToGrpc(size));
+    const auto preview = ports_.preview_rules(request->name(), request->remove() ? nullptr : &request->text(),
+                                              std::min(request->shown(), kMostShown), cancellation.get());
+    if (!preview.ok()) return reactor->Finish(ToGrpc(preview.status()));
+    reply->set_revision(preview->revision);
+    reply->set_added(preview->added);
+    reply->set_removed(preview->removed);
+    for (const std::string& triple : preview->added_triples) reply->add_added_triples(triple);
+    for (const std::string& triple : preview->removed_triples) reply->add_removed_triples(triple);
+    reactor->Finish(grpc::Status::OK);
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
+}
+
+}  // namespace docent

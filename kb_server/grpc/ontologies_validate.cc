@@ -1,0 +1,166 @@
+// Ontologies.Validate and Ontologies.Check: SHACL on the newest version, and on what it would be after a load.
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/rdf/located_parser.h"
+#include "kb_server/door/await_version.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/work/load_judge.h"
+#include "kb_server/grpc/module_requests.h"
+#include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/grpc/validation_proto.h"
+#include "graph/store/graph_writer.h"
+#include "reasoner/shapes/shape_reader.h"
+#include "reasoner/shapes/source_map.h"
+#include "reasoner/shapes/validator.h"
+
+namespace docent {
+namespace {
+
+// The shapes of a request's texts, in a graph of their own. Its dictionary knows the server's terms.
+struct GivenShapes {
+  explicit GivenShapes(const Dictionary* base) : dictionary(base), writer(nullptr) {}
+  Dictionary dictionary;
+  GraphWriter writer;
+  shapes::SourceMap places;
+};
+
+absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits, GivenShapes* given) {
+  const TermId graph = given->dictionary.InternIri("urn:docent:shapes");
+  int number = 0;
+  for (const v1::ShapesText& text : request.shapes()) {
+    if (absl::Status size = CheckDocumentSize(text.name(), text.text(), limits); !size.ok()) return size;
+    const std::string media_type = text.media_type().empty() ? "text/turtle" : text.media_type();
+    const auto format = FormatOfMediaType(media_type);
+    if (!format) return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+    ParseRdfOptions options;
+    options.file = text.name();
+    options.limits = limits;
+    options.blank_node_scope = absl::StrCat("shapes", number++, "_");
+    const LocatedRdf document = ParseLocatedRdf(text.text(), *format, options);
+    if (!document.rdf.ok()) return ToStatus(document.rdf.diagnostics, text.text());
+    for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
+      const TermQuad& q = document.rdf.quads[i];
+      const Quad quad{given->dictionary.Intern(q.subject), given->dictionary.Intern(q.predicate),
+                      given->dictionary.Intern(q.object), graph};
+      given->writer.Add(quad);
+      given->places.Add(quad, {text.name(), document.places[i].subject}, {text.name(), document.places[i].object});
+    }
+  }
+  return absl::OkStatus();
+}
+
+// As much of the report as fits into half a message.
+absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary, const shapes::SourceMap& shape_places, bool rdf,
+                  const Limits& limits, v1::ValidateReply* reply) {
+  reply->set_conforms(report.conforms());
+  reply->set_total(report.total);
+  reply->set_focus_nodes(report.focus_nodes);
+  reply->set_summary(shapes::Summary(report, dictionary));
+  const size_t room = limits.grpc_message_bytes / 2;
+  size_t bytes = 0;
+  if (rdf) {
+    for (const TermQuad& triple : shapes::ToRdf(report, dictionary)) {
+      v1::Quad* out = reply->add_report();
+      docent::ToProto(triple, out);
+      bytes += out->ByteSizeLong();
+      if (bytes > room) {
+        return absl::ResourceExhaustedError(absl::StrCat("the report as RDF is larger than half of the limit grpc_message_bytes = ",
+                                                         limits.grpc_message_bytes, "; ask for it as text"));
+      }
+    }
+    return absl::OkStatus();
+  }
+  for (const shapes::ValidationResult& result : report.results) {
+    v1::ValidationResult* out = reply->add_results();
+    const Term value = result.value.IsNone() ? Term() : dictionary.Decode(result.value);
+    ToProto(shapes::Describe(result, dictionary, nullptr, &shape_places), dictionary.Decode(result.focus), value,
+            dictionary.Decode(result.shape), out);
+    bytes += out->ByteSizeLong();
+    if (bytes > room) {
+      reply->mutable_results()->RemoveLast();
+      break;
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
+                      Cancellation* cancellation, v1::ValidateReply* reply) {
+  GivenShapes given(ports.dictionary);
+  if (absl::Status status = ReadTexts(request, ports.limits, &given); !status.ok()) return status;
+  auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
+  if (!version.ok()) return version.status();
+  const bool own = request.shapes().empty();
+  const Dictionary& dictionary = own ? *ports.dictionary : given.dictionary;
+  const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
+                                      : shapes::GraphView(given.writer.current());
+  const shapes::ParsedShapes parsed = shapes::ReadShapes(graph, dictionary, {}, &given.places);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
+  if (!parsed.shapes.HasTargets()) {
+    return absl::InvalidArgumentError(own ? "no shape is loaded that has a target; load one as an ontology, or give shapes"
+                                          : "no shape has a target: give them sh:targetClass, sh:targetNode, "
+                                            "sh:targetSubjectsOf or sh:targetObjectsOf");
+  }
+  for (const Diagnostic& diagnostic : parsed.diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  shapes::ValidateOptions options;
+  options.memory_bytes = ports.limits.query_memory_bytes;
+  options.cancellation = cancellation;
+  auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
+  if (!report.ok()) return report.status();
+  reply->set_revision((*version)->revision().value());
+  return Fill(*report, dictionary, given.places, request.rdf(), ports.limits, reply);
+}
+
+absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
+                   v1::CheckModuleReply* reply) {
+  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits);
+  if (!batch.ok()) return batch.status();
+  const GraphVersionPtr version = ports.queries->Newest();
+  auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);
+  if (!verdict.ok()) return verdict.status();
+  reply->set_revision(version->revision().value());
+  reply->set_conforms(!verdict->HasViolations());
+  for (const Diagnostic& diagnostic : verdict->diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  size_t bytes = 0;
+  for (const JudgedResult& result : verdict->results) {
+    v1::ValidationResult* out = reply->add_results();
+    ToProto(result.text, result.focus, result.value, result.shape, out);
+    bytes += out->ByteSizeLong();
+    if (bytes > ports.limits.grpc_message_bytes / 2) {
+      reply->mutable_results()->RemoveLast();
+      break;
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*, const v1::ValidateRequest* request,
+                                                      v1::ValidateReply* reply) {
+  int timeout_ms = ports_.limits.query_timeout_ms;
+  if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+  const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
+  const auto validate = [this, request, reply, cancellation, deadline](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(docent::Validate(ports_, *request, deadline, cancellation.get(), reply)));
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
+}
+
+grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*, const v1::LoadRequest* request,
+                                                   v1::CheckModuleReply* reply) {
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
+    reactor->Finish(ToGrpc(docent::Check(ports_, *request, cancellation.get(), reply)));
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, check);
+}
+
+}  // namespace docent

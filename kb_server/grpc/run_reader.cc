@@ -1,0 +1,81 @@
+#include "kb_server/grpc/run_reader.h"
+
+#include <algorithm>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/convert.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kRunPrefix = "urn:docent:run:";
+
+void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invocation* out) {
+  out->set_operation(graph.Object(iri, DocentIri("operation")));
+  out->set_state(graph.Object(iri, DocentIri("invocationState")));
+  out->set_robot(graph.Object(iri, DocentIri("robot")));
+  out->set_command(graph.Object(iri, DocentIri("command")));
+  out->set_step(graph.Object(iri, DocentIri("step")));
+  out->set_reason(graph.Object(iri, DocentIri("reason")));
+  double progress = 0;
+  if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
+}
+
+void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
+  out->set_name(graph.Object(iri, DocentIri("nodeName")));
+  out->set_state(graph.Object(iri, DocentIri("nodeState")));
+  out->set_waits_for(graph.Object(iri, DocentIri("waitsFor")));
+  out->set_fired_because(graph.Object(iri, DocentIri("firedBecause")));
+  out->set_reason(graph.Object(iri, DocentIri("reason")));
+  out->set_since_us(MicrosOfDateTime(graph.Object(iri, DocentIri("since"))));
+  for (const std::string& invocation : graph.Subjects(DocentIri("ofNode"), Term::Iri(iri))) {
+    ReadInvocation(graph, invocation, out->add_invocations());
+  }
+}
+
+}  // namespace
+
+bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
+  std::string iri = Concat(kRunPrefix, id);
+  std::string state = graph.Object(iri, DocentIri("runState"));
+  if (state.empty()) return false;
+  run->set_id(id);
+  run->set_state(state);
+  run->set_workflow(graph.Object(iri, DocentIri("workflow")));
+  run->set_flow(graph.Object(iri, DocentIri("flow")));
+  run->set_reason(graph.Object(iri, DocentIri("reason")));
+  run->set_started_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "startedAtTime"))));
+  run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
+  run->set_parent(
+      std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), ToAbsl(kRunPrefix))));
+  for (const Term& variable : graph.Objects(iri, DocentIri("hasVariable"))) {
+    std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
+    if (values.empty()) continue;
+    v1::NamedTerm* named = run->add_variables();
+    named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
+    ToProto(values.front(), named->mutable_value());
+  }
+  for (const std::string& node : graph.Subjects(DocentIri("ofRun"), Term::Iri(iri))) {
+    ReadNode(graph, node, run->add_nodes());
+  }
+  return true;
+}
+
+std::vector<std::string> RunIds(const GraphReader& graph, bool live_only) {
+  std::vector<std::pair<std::string, std::string>> by_time;
+  for (const std::string& iri : graph.Subjects(kRdfType, Term::Iri(DocentIri("Run")))) {
+    if (live_only && graph.Object(iri, DocentIri("runState")) != "running") continue;
+    by_time.emplace_back(graph.Object(iri, Concat(kProvNs, "startedAtTime")),
+                         std::string(absl::StripPrefix(iri, ToAbsl(kRunPrefix))));
+  }
+  std::sort(by_time.begin(), by_time.end());
+  std::vector<std::string> ids;
+  for (auto& [time, id] : by_time) ids.push_back(std::move(id));
+  return ids;
+}
+
+}  // namespace docent

@@ -1,0 +1,172 @@
+// Workflows: check, deploy, start, look at and end runs.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "kb_server/work/condition_cost.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/work/graph_environment.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/run_reader.h"
+#include "kb_server/grpc/unary_reactors.h"
+#include "workflow/cawl/check.h"
+
+namespace docent {
+namespace {
+
+cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
+  auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
+  cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
+  for (Diagnostic& warning : CostWarnings(report, name, ports)) report.diagnostics.push_back(std::move(warning));
+  return report;
+}
+
+// Whether the flow that `target` names ("name" or "name/flow") declares each of the variables. What names none is left to
+// the engine to say.
+absl::Status CheckVariables(const Catalog& catalog, const std::string& target, const RunRequest& start) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(target, absl::MaxSplits('/', 1));
+  for (const auto& [document, revision] : catalog.workflows) {
+    if (document->name.value != parts.first) continue;
+    const cawl::Flow* flow = document->FlowToStart(parts.second);
+    if (flow == nullptr) return absl::OkStatus();
+    std::vector<std::string> names;
+    const auto add = [&names](const std::vector<cawl::Variable>& variables) {
+      for (const cawl::Variable& variable : variables) names.push_back(variable.name.value);
+    };
+    add(flow->variables);
+    add(document->variables);
+    const auto& activator = document->activator;
+    if (activator && activator->flow.value == flow->name.value) add(activator->variables);
+    for (const auto& [name, value] : start.arguments) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      const std::string near = Nearest(name, names);
+      return absl::InvalidArgumentError(absl::StrCat(
+          "flow ", flow->name.value, " has no variable ", name,
+          !near.empty()   ? absl::StrCat("; did you mean ", near, "?")
+          : names.empty() ? "; it has none"
+                          : absl::StrCat("; it has ", absl::StrJoin(names, ", "))));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
+                                                  const v1::CheckRequest* request, v1::CheckReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    for (const cawl::ConditionText& condition : report.conditions) {
+      v1::CompiledCondition* out = reply->add_conditions();
+      out->set_place(condition.place);
+      out->set_ask(condition.ask);
+    }
+    reactor->Finish(grpc::Status::OK);
+  });
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
+                                                   const v1::DeployRequest* request, v1::DeployReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
+      return reactor->Finish(ToGrpc(size));
+    }
+    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+    if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+    reply->set_workflow(report.document->name.value);
+    WriteBatch batch;
+    batch.documents.push_back(
+        {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (outcome.ok()) reply->set_revision(outcome->offset);
+      reactor->Finish(ToGrpc(outcome.status()));
+    });
+  });
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
+                                                 const v1::ListWorkflowsRequest*,
+                                                 v1::ListWorkflowsReply* reply) {
+  for (const auto& [document, revision] : ports_.catalog->Get()->workflows) {
+    v1::Workflow* out = reply->add_workflows();
+    out->set_name(document->name.value);
+    out->set_version(document->version.value);
+    for (const cawl::Flow& flow : document->flows) out->add_flows(flow.name.value);
+    if (document->activator) out->set_activated_flow(document->activator->flow.value);
+    out->set_revision(revision.value());
+  }
+  return FinishNow(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* context,
+                                                  const v1::StartRequest* request, v1::StartReply* reply) {
+  WriteBatch batch;
+  batch.request_id = request->request_id();
+  RunRequest start;
+  start.kind = RunRequest::Kind::kStart;
+  start.target = request->workflow();
+  if (!request->flow().empty()) absl::StrAppend(&start.target, "/", request->flow());
+  auto arguments = FromProto(request->variables(), "variables", ports_.limits);
+  if (!arguments.ok()) return FinishNow(context, ToGrpc(arguments.status()));
+  start.arguments = *std::move(arguments);
+  if (absl::Status known = CheckVariables(*ports_.catalog->Get(), start.target, start); !known.ok()) {
+    return FinishNow(context, ToGrpc(known));
+  }
+  batch.run_requests.push_back(std::move(start));
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) {
+      reply->set_revision(outcome->offset);
+      if (!outcome->started.empty()) reply->set_run(outcome->started.front().value());
+    }
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* context,
+                                                const v1::GetRunRequest* request, v1::Run* reply) {
+  GraphVersionPtr version = ports_.queries->Newest();
+  if (!ReadRun(GraphReader(*ports_.dictionary, *version), request->run(), reply)) {
+    return FinishNow(context, grpc::Status(grpc::StatusCode::NOT_FOUND,
+                                           absl::StrCat("there is no run \"", request->run(), "\"")));
+  }
+  return FinishNow(context, grpc::Status::OK);
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
+                                                     const v1::ListRunsRequest* request,
+                                                     v1::ListRunsReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+    GraphVersionPtr version = ports_.queries->Newest();
+    GraphReader graph(*ports_.dictionary, *version);
+    for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
+    reactor->Finish(grpc::Status::OK);
+  });
+}
+
+grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,
+                                                   const v1::CancelRunRequest* request, v1::Run* reply) {
+  WriteBatch batch;
+  batch.run_requests.push_back({RunRequest::Kind::kCancel, request->run(), {}});
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  ports_.inbox->Push(std::move(batch), [this, reactor, reply,
+                                        run = request->run()](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (outcome.ok()) {
+      GraphVersionPtr version = ports_.queries->Newest();
+      ReadRun(GraphReader(*ports_.dictionary, *version), run, reply);
+    }
+    reactor->Finish(ToGrpc(outcome.status()));
+  });
+  return reactor;
+}
+
+}  // namespace docent

@@ -1,0 +1,122 @@
+#include "kb_server/http/http_exchange.h"
+
+#include <utility>
+
+namespace docent {
+
+HttpAnswer::Progress HttpAnswer::Take() {
+  absl::MutexLock lock(&mutex_);
+  woken_ = false;
+  Progress taken;
+  std::swap(taken, progress_);
+  progress_.ended = taken.ended;
+  progress_.aborted = taken.aborted;
+  return taken;
+}
+
+void HttpAnswer::OnProgress(std::function<void()> wake) {
+  absl::MutexLock lock(&mutex_);
+  wake_ = std::move(wake);
+  if (begun_) Wake();
+}
+
+void HttpAnswer::SetGone() {
+  std::vector<std::function<void()>> callbacks;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (gone_) return;
+    gone_ = true;
+    wake_ = nullptr;
+    if (!progress_.ended) callbacks.swap(on_gone_);
+    on_gone_.clear();
+  }
+  for (const auto& callback : callbacks) callback();
+}
+
+void HttpAnswer::Wake() {
+  if (woken_ || !wake_) return;
+  woken_ = true;
+  wake_();
+}
+
+HttpExchange::~HttpExchange() {
+  bool begun;
+  bool ended;
+  {
+    absl::MutexLock lock(&answer_->mutex_);
+    begun = answer_->begun_;
+    ended = answer_->progress_.ended;
+  }
+  if (!begun) Respond(TextResponse(500, "the request was dropped without an answer"));
+  if (begun && !ended) Abort();
+}
+
+void HttpExchange::Respond(HttpResponse response) {
+  absl::MutexLock lock(&answer_->mutex_);
+  if (answer_->begun_) return;
+  answer_->begun_ = true;
+  answer_->progress_.head = std::move(response);
+  answer_->progress_.ended = true;
+  answer_->on_gone_.clear();
+  answer_->Wake();
+}
+
+void HttpExchange::Begin(HttpResponse head) {
+  absl::MutexLock lock(&answer_->mutex_);
+  if (answer_->begun_) return;
+  answer_->begun_ = true;
+  answer_->progress_.streamed = true;
+  answer_->progress_.head = std::move(head);
+  answer_->progress_.data = std::move(answer_->progress_.head->body);
+  answer_->progress_.head->body.clear();
+  answer_->Wake();
+}
+
+bool HttpExchange::begun() const {
+  absl::MutexLock lock(&answer_->mutex_);
+  return answer_->begun_;
+}
+
+bool HttpExchange::full() const {
+  absl::MutexLock lock(&answer_->mutex_);
+  return !answer_->HasRoom();
+}
+
+bool HttpExchange::Write(std::string_view piece) {
+  absl::MutexLock lock(&answer_->mutex_);
+  answer_->mutex_.Await(absl::Condition(answer_.get(), &HttpAnswer::HasRoom));
+  if (answer_->gone_ || answer_->progress_.ended) return false;
+  answer_->progress_.data.append(piece);
+  answer_->Wake();
+  return true;
+}
+
+void HttpExchange::End() {
+  absl::MutexLock lock(&answer_->mutex_);
+  answer_->progress_.ended = true;
+  answer_->on_gone_.clear();
+  answer_->Wake();
+}
+
+void HttpExchange::Abort() {
+  absl::MutexLock lock(&answer_->mutex_);
+  if (answer_->progress_.ended) return;
+  answer_->progress_.ended = true;
+  answer_->progress_.aborted = true;
+  answer_->on_gone_.clear();
+  answer_->Wake();
+}
+
+void HttpExchange::OnGone(std::function<void()> callback) {
+  {
+    absl::MutexLock lock(&answer_->mutex_);
+    if (answer_->progress_.ended) return;
+    if (!answer_->gone_) {
+      answer_->on_gone_.push_back(std::move(callback));
+      return;
+    }
+  }
+  callback();
+}
+
+}  // namespace docent

@@ -1,0 +1,98 @@
+// One request being answered: what a handler holds while it works, on whatever thread it likes.
+//
+// A handler answers once: `Respond` with the whole response, or `Begin`, `Write` …, `End` for one that is
+// made while it is sent. It may keep the exchange (shared_ptr) and answer later from another thread.
+// Thread-safe. An exchange that is dropped without an answer is answered with 500.
+#ifndef DOCENT_KB_SERVER_HTTP_HTTP_EXCHANGE_H_
+#define DOCENT_KB_SERVER_HTTP_HTTP_EXCHANGE_H_
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/synchronization/mutex.h"
+#include "kb_server/work/http_message.h"
+
+namespace docent {
+
+class MemoryUse;
+
+// What the connection and the handler share. Handlers use HttpExchange below.
+class HttpAnswer {
+ public:
+  // The connection's side: what came since the last call.
+  struct Progress {
+    std::optional<HttpResponse> head;  // once. Its body belongs to the answer
+    bool streamed = false;             // with head: more may follow
+    std::string data;
+    bool ended = false;    // all has been said
+    bool aborted = false;  // ended before all was said
+  };
+  Progress Take();
+  // `wake` is called, from any thread, when Take has something new. Called at most once between two Takes.
+  void OnProgress(std::function<void()> wake);
+  // The client is gone, or the server stops: nothing will be sent any more.
+  void SetGone();
+
+ private:
+  friend class HttpExchange;
+  static constexpr size_t kBufferBytes = 1u << 20;  // not yet sent; Write waits beyond
+
+  void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool HasRoom() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return gone_ || progress_.data.size() < kBufferBytes;
+  }
+
+  absl::Mutex mutex_;
+  Progress progress_ ABSL_GUARDED_BY(mutex_);
+  bool begun_ ABSL_GUARDED_BY(mutex_) = false;
+  bool gone_ ABSL_GUARDED_BY(mutex_) = false;
+  bool woken_ ABSL_GUARDED_BY(mutex_) = false;
+  std::function<void()> wake_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::function<void()>> on_gone_ ABSL_GUARDED_BY(mutex_);
+};
+
+class HttpExchange {
+ public:
+  // `memory`: counts the request's body, and lives as long.
+  HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer, std::shared_ptr<MemoryUse> memory = nullptr)
+      : request_(std::move(request)), answer_(std::move(answer)), memory_(std::move(memory)) {}
+  ~HttpExchange();
+  HttpExchange(const HttpExchange&) = delete;
+  HttpExchange& operator=(const HttpExchange&) = delete;
+
+  const HttpRequest& request() const { return request_; }
+
+  // The whole answer. Later calls of any answering method do nothing.
+  void Respond(HttpResponse response);
+
+  // Status and headers of a streamed answer; its body is the first piece.
+  void Begin(HttpResponse head);
+  // True once part of the answer is given.
+  bool begun() const;
+  // True if the next Write would wait now.
+  bool full() const;
+  // The next piece. Waits while the client is slower than the answer is made: never call it on a network
+  // thread. False: the client is gone, stop.
+  bool Write(std::string_view piece);
+  void End();
+  // The answer cannot be completed: the connection is cut, so that the client sees that something is missing.
+  void Abort();
+
+  // `callback` is called once, from any thread, when the client has gone before the answer was complete; at
+  // once if it already has. It must not block.
+  void OnGone(std::function<void()> callback);
+
+ private:
+  const HttpRequest request_;
+  const std::shared_ptr<HttpAnswer> answer_;
+  const std::shared_ptr<MemoryUse> memory_;
+};
+
+using HttpHandler = std::function<void(std::shared_ptr<HttpExchange>)>;
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_HTTP_HTTP_EXCHANGE_H_

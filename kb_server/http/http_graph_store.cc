@@ -1,0 +1,363 @@
+#include "kb_server/http/http_graph_store.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/memory_budget.h"
+#include "graph/rdf/iri.h"
+#include "graph/rdf/text_bytes.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/door/history_port.h"
+#include "kb_server/http/http_formats.h"
+#include "kb_server/http/http_multipart.h"
+#include "kb_server/http/http_sparql.h"
+#include "kb_server/http/http_sparql_request.h"
+#include "kb_server/http/long_answer.h"
+#include "kb_server/work/update_runner.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/server_graphs.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kRoot = "/rdf-graphs";
+constexpr char kAcceptPatch[] = "Accept-Patch";  // RFC 5789 section 3.1
+constexpr char kPatchType[] = "application/sparql-update";
+constexpr size_t kTextOfQuad = 200;                      // of a graph that is read, roughly, without what its terms say
+constexpr size_t kSlowestBytesASecond = size_t{1} << 20;  // at which a client may take a graph, beyond the time of a query
+
+using Exchange = std::shared_ptr<HttpExchange>;
+using Operation = sparql::UpdateOperation;
+
+// Which graph a request is about.
+struct Address {
+  std::optional<HttpResponse> refusal;
+  Term graph;
+  bool is_default = false;
+  bool is_new = false;  // POST to the store itself
+  std::string as_of;    // GET and HEAD: the past
+  Revision min_revision;
+};
+
+Address ReadAddress(const HttpRequest& http) {
+  Address address;
+  int named = 0;
+  const bool reads = http.method == "GET" || http.method == "HEAD";
+  for (const auto& [name, value] : http.parameters) {
+    if (name == "as-of" || name == "min-revision") {
+      uint64_t number = 0;
+      if (!reads) {
+        address.refusal = TextResponse(400, name + " goes with GET and HEAD alone");
+      } else if (name == "as-of" && value.empty()) {
+        address.refusal = TextResponse(400, "as-of is empty; give a revision number or an xsd:dateTime");
+      } else if (name == "as-of") {
+        address.as_of = value;
+      } else if (absl::SimpleAtoi(value, &number)) {
+        address.min_revision = Revision(number);
+      } else {
+        address.refusal = TextResponse(400, "min-revision must be a revision number, not \"" + value + "\"");
+      }
+    }
+    if (address.refusal) return address;
+    if (name != "default" && name != "graph") continue;
+    ++named;
+    address.is_default = name == "default";
+    address.graph = Term::Iri(address.is_default ? std::string(kDefaultGraph) : value);
+  }
+  const bool below = http.path.size() > kRoot.size() + 1;
+  if (below) {
+    ++named;
+    address.graph = Term::Iri(AddressOf(http));
+  }
+  if (named == 0 && http.method == "POST") {
+    address.is_new = true;
+  } else if (named != 1) {
+    address.refusal =
+        TextResponse(400, "name one graph: ?default, ?graph=IRI, or an address below /rdf-graphs/");
+  } else if (!IsValidTermIri(address.graph.lexical)) {
+    address.refusal =
+        TextResponse(400, "graph must be an absolute IRI, not \"" + address.graph.lexical + "\"");
+  } else if (!reads && IsServerGraph(address.graph.lexical)) {
+    address.refusal = TextResponse(403, "the server alone writes " + ToDisplay(address.graph));
+  }
+  return address;
+}
+
+// Answers with a whole graph.
+void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& exchange) {
+  const std::string accept = exchange.request().Header("accept");
+  if (ChooseGraphType(accept) == nullptr) return exchange.Respond(NoGraphType());
+  const absl::Duration patience = absl::Milliseconds(ports.limits.query_timeout_ms);
+  Cancellation waiting(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  absl::StatusOr<QueryGraph> read =
+      GraphForQuery(ports, address.min_revision, address.as_of, absl::Now() + patience, &waiting);
+  if (!read.ok()) return exchange.Respond(ErrorResponse(read.status()));
+  const std::shared_ptr<const Dictionary> dictionary = read->dictionary;
+  GraphVersionPtr version = std::move(read->version);
+  const std::optional<TermId> graph = dictionary->Find(address.graph);
+  const uint64_t count = graph ? version->Count({{}, {}, {}, *graph}) : 0;
+  if (count == 0 && !address.is_default) {
+    HttpResponse missing = TextResponse(404, "there is no graph " + ToDisplay(address.graph));
+    missing.headers.emplace_back(kAcceptPatch, kPatchType);
+    return exchange.Respond(std::move(missing));
+  }
+  const size_t limit = ports.limits.query_memory_bytes;
+  MemoryUse memory(limit, ports.query_memory);  // until the client has it
+  const auto too_long = [&] {
+    exchange.Respond(ErrorResponse(memory.Refusal(absl::ResourceExhaustedError(
+        absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
+                     "; ask for parts of it with CONSTRUCT")))));
+  };
+  if (!memory.Add(count * (sizeof(TermQuad) + kTextOfQuad))) return too_long();
+  std::vector<TermQuad> triples;
+  triples.reserve(count);
+  bool fits = true;
+  if (graph) {
+    version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
+      triples.push_back({dictionary->Decode(quad.subject), dictionary->Decode(quad.predicate), dictionary->Decode(quad.object), Term{}});
+      fits = memory.Add(2 * TextBytes(triples.back()));  // as a term, and as text
+      return fits;
+    });
+  }
+  if (!fits) return too_long();
+  HttpResponse head;
+  head.headers = {{"Docent-Revision", absl::StrCat(version->revision().value())},
+                  {"Cache-Control", "no-cache"},
+                  {"Vary", "Accept"},
+                  {kAcceptPatch, kPatchType}};
+  version.reset();
+  GraphText answer = WriteGraph(std::move(triples), accept, sparql::WellKnownPrefixes());
+  if (answer.refusal) return exchange.Respond(*std::move(answer.refusal));
+  head.content_type = answer.told;
+  memory.Release(memory.used() - std::min(memory.used(), answer.text.size()));
+  const size_t seconds = answer.text.size() / kSlowestBytesASecond;
+  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) + std::chrono::seconds(seconds));
+  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(std::move(answer.text), &cancellation).IgnoreError();
+}
+
+// What a body says.
+struct Content {
+  std::optional<HttpResponse> refusal;
+  std::vector<TermQuad> triples;
+  std::unique_ptr<MemoryUse> memory;  // counts them
+};
+
+// `part`: its number among several.
+void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number, Content* content) {
+  if ((content->refusal = RefuseCharset(part.content_type))) return;
+  const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
+  std::optional<RdfFormat> format = FormatOfMediaType(type);
+  if (!format && type == "application/octet-stream") format = FormatOfFile(part.file);  // of whoever knows no better
+  if (!format) {
+    content->refusal = TextResponse(415,
+                                    "send RDF as text/turtle, application/n-triples, application/rdf+xml, "
+                                    "application/trig or application/n-quads, not as " +
+                                        type);
+    return;
+  }
+  ParseRdfOptions options;
+  options.base_iri = graph.lexical;
+  options.blank_node_scope = absl::StrCat("p", number);
+  options.limits = ports.limits;
+  ParsedRdf parsed = ParseRdf(part.body, *format, options);
+  if (!parsed.ok()) {
+    content->refusal = ErrorResponse(ToStatus(parsed.diagnostics, part.body));
+    return;
+  }
+  for (TermQuad& quad : parsed.quads) {
+    if (!quad.graph.lexical.empty()) {
+      content->refusal = TextResponse(400, "the body names the graph " + ToDisplay(quad.graph) +
+                                               "; what is sent to one graph cannot name others");
+      return;
+    }
+    const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
+    content->triples.push_back(std::move(quad));
+    if (fits) continue;
+    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
+        "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
+    return;
+  }
+}
+
+Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph) {
+  Content content;
+  content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
+  const std::string type = http.Header("content-type");
+  if (MediaTypeOnly(type) != "multipart/form-data") {
+    ReadPart(ports, {type, "", http.body}, graph, 1, &content);
+    return content;
+  }
+  const std::optional<std::vector<HttpPart>> parts = ParseMultipart(type, http.body);
+  if (!parts) {
+    content.refusal = TextResponse(400, "the multipart body has no boundary, or does not end with it");
+    return content;
+  }
+  for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
+    ReadPart(ports, (*parts)[i], graph, i + 1, &content);
+  }
+  return content;
+}
+
+// An update about one graph, on its way: remembers whether the graph was there.
+struct Change {
+  UpdateRequest request;
+  Address address;
+  bool existed = false;
+  bool condition_failed = false;      // of If-Match or If-None-Match
+  std::unique_ptr<MemoryUse> memory;  // of what it loads
+};
+
+// RFC 9110 section 13.1, of a graph that is there or not. Graphs have no entity tags, so that none that is named can match.
+bool ConditionHolds(const HttpRequest& http, bool exists) {
+  const std::string match = http.Header("if-match");
+  if (!match.empty() && (match != "*" || !exists)) return false;
+  return http.Header("if-none-match") != "*" || !exists;
+}
+
+void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
+  change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
+  change->request.cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
+  change->request.precondition = [&ports, must_exist, exchange,
+                                  weak = std::weak_ptr(change)](const GraphVersion& version) {
+    const std::shared_ptr<Change> c = weak.lock();
+    if (c == nullptr) return absl::OkStatus();
+    const std::optional<TermId> graph = ports.dictionary->Find(c->address.graph);
+    c->existed = c->address.is_default || (graph && version.Count({{}, {}, {}, *graph}) > 0);
+    c->condition_failed = !ConditionHolds(exchange->request(), c->existed);
+    if (c->condition_failed) return absl::FailedPreconditionError("the graph is not as If-Match or If-None-Match want it");
+    if (c->existed || !must_exist) return absl::OkStatus();
+    return absl::NotFoundError("there is no graph " + ToDisplay(c->address.graph));
+  };
+  UpdateRequest request = std::move(change->request);
+  ports.updates->Submit(std::move(request), [change, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
+    if (change->condition_failed) return exchange->Respond(TextResponse(412, std::string(outcome.status().message())));
+    if (!outcome.ok()) return exchange->Respond(ErrorResponse(outcome.status()));
+    const bool made = !change->existed && outcome->added > 0;  // a graph without triples does not exist
+    HttpResponse response = OutcomeResponse(made ? 201 : 200, *outcome);
+    if (made && change->address.is_new) response.headers.emplace_back("Location", change->address.graph.lexical);
+    exchange->Respond(std::move(response));
+  });
+}
+
+Operation MakeOperation(Operation::Kind kind, const Address& address) {
+  Operation operation;
+  operation.kind = kind;
+  operation.silent = kind == Operation::Kind::kDrop;
+  operation.target.kind =
+      address.is_default ? sparql::GraphTarget::Kind::kDefault : sparql::GraphTarget::Kind::kGraph;
+  operation.target.graph = address.graph;
+  return operation;
+}
+
+// PUT and POST: DROP where it replaces, then LOAD of the body.
+void Write(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const HttpRequest& http = exchange->request();
+  Content content = ReadContent(ports, http, address.graph);
+  if (content.refusal) return exchange->Respond(*std::move(content.refusal));
+  auto change = std::make_shared<Change>();
+  std::vector<Operation>& operations = change->request.update.operations;
+  if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
+  operations.push_back(MakeOperation(Operation::Kind::kLoad, address));
+  change->request.load =
+      [triples = std::make_shared<const std::vector<TermQuad>>(std::move(content.triples))](
+          const std::string&) -> absl::StatusOr<std::vector<TermQuad>> { return *triples; };
+  change->memory = std::move(content.memory);
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+// The update's default graph becomes the graph of the request; an update that is about others is refused.
+absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
+  const auto names_a_graph = [](const std::vector<sparql::QuadTemplate>& quads) {
+    return std::any_of(quads.begin(), quads.end(), [](const auto& quad) { return quad.graph.has_value(); });
+  };
+  for (Operation& operation : update->operations) {
+    const bool quads = operation.kind == Operation::Kind::kInsertData ||
+                       operation.kind == Operation::Kind::kDeleteData ||
+                       operation.kind == Operation::Kind::kModify;
+    if (!quads || operation.with || !operation.from.empty() || !operation.from_named.empty() ||
+        names_a_graph(operation.insert) || names_a_graph(operation.remove)) {
+      return absl::InvalidArgumentError(
+          "a PATCH changes its own graph alone: INSERT and DELETE without GRAPH, WITH or USING; POST others "
+          "to /sparql");
+    }
+    operation.with = graph;
+  }
+  return absl::OkStatus();
+}
+
+void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const HttpRequest& http = exchange->request();
+  const std::string type = http.Header("content-type");
+  if (std::optional<HttpResponse> refusal = RefuseCharset(type)) return exchange->Respond(*std::move(refusal));
+  if (MediaTypeOnly(type) != kPatchType) {
+    HttpResponse refusal = TextResponse(415, absl::StrCat("PATCH a graph with ", kPatchType));
+    refusal.headers.emplace_back(kAcceptPatch, kPatchType);
+    return exchange->Respond(std::move(refusal));
+  }
+  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
+  options.base_iri = address.graph.lexical;
+  sparql::ParsedUpdate parsed = sparql::ParseUpdate(http.body, options);
+  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, http.body)));
+  if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
+    return exchange->Respond(TextResponse(422, std::string(status.message())));
+  }
+  auto change = std::make_shared<Change>();
+  change->request.update = std::move(parsed.update);
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+// On a worker.
+void Answer(const ServicePorts& ports, Address address, const Exchange& exchange) {
+  const std::string& method = exchange->request().method;
+  if (method == "GET" || method == "HEAD") {
+    return ReadGraph(ports, address, *exchange);
+  }
+  if (method == "PATCH") return Patch(ports, std::move(address), exchange);
+  if (method != "DELETE") return Write(ports, std::move(address), exchange);
+  auto change = std::make_shared<Change>();
+  change->request.update.operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
+  change->address = std::move(address);
+  Submit(ports, std::move(change), exchange);
+}
+
+void Handle(const ServicePorts& ports, Exchange exchange) {
+  Address address = ReadAddress(exchange->request());
+  if (address.refusal) return exchange->Respond(*std::move(address.refusal));
+  if (address.is_new) {
+    address.graph = Term::Iri(absl::StrCat(AddressOf(exchange->request()),
+                                           absl::EndsWith(exchange->request().raw_path, "/") ? "" : "/", "g",
+                                           ports.clock->Now(), "n", ports.updates->NextNumber()));
+  }
+  const int timeout_ms = ports.limits.query_timeout_ms;
+  const bool accepted = ports.workers->Submit(
+      [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
+      {absl::Now() + absl::Milliseconds(timeout_ms), [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
+  if (accepted) return;
+  HttpResponse busy = TextResponse(503, "too much work waits; try again");
+  busy.headers.emplace_back("Retry-After", "1");
+  exchange->Respond(std::move(busy));
+}
+
+}  // namespace
+
+void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports) {
+  for (const char* method : {"GET", "PUT", "POST", "DELETE", "PATCH"}) {
+    for (const char* path : {"/rdf-graphs", "/rdf-graphs/*"}) {
+      routes->Add(method, path, [ports](Exchange exchange) { Handle(*ports, std::move(exchange)); });
+    }
+  }
+}
+
+}  // namespace docent

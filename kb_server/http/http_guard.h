@@ -1,0 +1,42 @@
+// Whom the HTTP server answers: the defence against web pages of other sites that make a visitor's browser
+// talk to a server on its own machine (cross-site requests, DNS rebinding). Immutable; any thread.
+#ifndef DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_
+#define DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kb_server/work/http_message.h"
+
+namespace docent {
+
+class HttpGuard {
+ public:
+  // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
+  // loopback names with `port`, which are always allowed.
+  HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
+
+  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
+  // Origin that is not allowed.
+  std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
+  // The host of requests that need not name one.
+  std::string OwnName() const;
+
+ private:
+  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is given.
+  bool IsOwnName(const HostAndPort& asked, uint16_t default_port) const;
+  // One of its own names, or an address: who rebinds a name cannot send that.
+  bool IsAllowedHost(std::string_view host) const;
+  // The page of a server of one of these names, or of what the request itself calls this server; "null" is not.
+  bool IsAllowedOrigin(std::string_view origin, std::string_view host) const;
+
+  const uint16_t port_;
+  const std::vector<std::string> allowed_hosts_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_

@@ -1,0 +1,24 @@
+// multipart/form-data (RFC 7578): a body of several files. Pure function.
+#ifndef DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_
+#define DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace docent {
+
+struct HttpPart {
+  std::string content_type;  // as sent; empty: none
+  std::string file;          // its name; empty: none
+  std::string_view body;     // points into the whole
+};
+
+// The parts of `body`, whose boundary stands in `content_type`. nullopt where there is no boundary or no end.
+// Lines may end with LF alone.
+std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_

@@ -1,0 +1,21 @@
+// A query over HTTP, answered on a worker thread: parse, evaluate on the newest version, write in the format
+// that the client accepts. Long answers are sent while they are made.
+#ifndef DOCENT_KB_SERVER_HTTP_HTTP_QUERY_H_
+#define DOCENT_KB_SERVER_HTTP_HTTP_QUERY_H_
+
+#include <memory>
+
+#include "graph/base/cancellation.h"
+#include "kb_server/http/http_exchange.h"
+#include "kb_server/http/http_sparql_request.h"
+#include "kb_server/door/ports.h"
+
+namespace docent {
+
+// Answers the exchange, whatever happens. The HTTP status that the answer has.
+int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
+                std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_HTTP_HTTP_QUERY_H_

@@ -1,0 +1,177 @@
+#include "kb_server/http/http_server.h"
+
+#include "kb_server/http/http_connection.h"  // before Asio's own headers: it includes <utility>, which they forget
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/strand.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <list>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+
+namespace docent {
+namespace {
+
+namespace net = boost::asio;
+using Tcp = net::ip::tcp;
+using ErrorCode = boost::system::error_code;
+
+net::awaitable<void> Serve(std::shared_ptr<HttpConnection> connection, bool turn_away) {
+  if (turn_away) {
+    co_await connection->TurnAway();
+  } else {
+    co_await connection->Run();
+  }
+}
+
+}  // namespace
+
+void HttpRoutes::Add(const std::string& method, const std::string& path, HttpHandler handler) {
+  if (method == "GET") handlers_[path].emplace("HEAD", handler);
+  handlers_[path].insert_or_assign(method, std::move(handler));
+}
+
+const HttpHandler* HttpRoutes::Find(std::string_view method, const std::string& path,
+                                    HttpResponse* refusal) const {
+  auto methods = handlers_.find(path);
+  for (size_t end = path.size(); methods == handlers_.end() && end != 0;) {
+    end = path.rfind('/', end - 1);
+    if (end == std::string::npos) break;
+    methods = handlers_.find(path.substr(0, end) + "/*");
+  }
+  if (methods == handlers_.end()) {
+    *refusal = TextResponse(404, absl::StrCat("there is nothing at ", path, "; there are ", Paths()));
+    return nullptr;
+  }
+  const auto handler = methods->second.find(method);
+  if (handler != methods->second.end()) return &handler->second;
+  std::string allowed;
+  for (const auto& [name, ignored] : methods->second)
+    absl::StrAppend(&allowed, allowed.empty() ? "" : ", ", name);
+  *refusal = TextResponse(405, absl::StrCat(path, " answers only ", allowed));
+  refusal->headers.emplace_back("Allow", allowed);
+  return nullptr;
+}
+
+std::string HttpRoutes::Paths() const {
+  std::string paths;
+  for (const auto& [path, ignored] : handlers_) {
+    if (path.ends_with('/') || path.ends_with("/*")) continue;  // of one that is named without them
+    absl::StrAppend(&paths, paths.empty() ? "" : ", ", path);
+  }
+  return paths;
+}
+
+struct HttpServer::Impl {
+  Impl(const HttpServerOptions& options, HttpRoutes routes, uint16_t port)
+      : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts),
+               std::make_shared<MemoryBudget>("http_bodies_bytes", options.bodies_bytes)} {}
+
+  net::awaitable<void> AcceptLoop();
+  void Stop();
+
+  HttpShared shared;
+  net::io_context context;
+  // One strand for accepting and for the list of connections.
+  net::strand<net::io_context::executor_type> strand = net::make_strand(context);
+  Tcp::acceptor acceptor{strand};
+  std::list<std::weak_ptr<HttpConnection>> connections;
+  bool stopping = false;
+  std::string address;
+  uint16_t port = 0;
+  std::vector<std::thread> threads;
+};
+
+net::awaitable<void> HttpServer::Impl::AcceptLoop() {
+  while (!stopping) {
+    ErrorCode error;
+    Tcp::socket socket(net::make_strand(context));
+    co_await acceptor.async_accept(socket, net::redirect_error(net::use_awaitable, error));
+    if (stopping || error == net::error::operation_aborted) co_return;
+    if (error) {  // out of file descriptors, or the client went at once: others may be luckier in a moment
+      net::steady_timer pause(strand, std::chrono::milliseconds(50));
+      co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
+      continue;
+    }
+    ++shared.connections;
+    connections.remove_if([](const std::weak_ptr<HttpConnection>& one) { return one.expired(); });
+    // Those turned away are bounded as well: beyond them nobody even gets an answer.
+    if (shared.open >= shared.options.connections + 64) continue;
+    const bool full = shared.open >= shared.options.connections;
+    const auto executor = socket.get_executor();
+    auto connection = std::make_shared<HttpConnection>(std::move(socket), &shared);
+    connections.push_back(connection);
+    net::co_spawn(executor, Serve(std::move(connection), full), net::detached);
+  }
+}
+
+void HttpServer::Impl::Stop() {
+  net::post(strand, [this] {
+    stopping = true;
+    ErrorCode ignored;
+    acceptor.close(ignored);
+    for (const std::weak_ptr<HttpConnection>& one : connections) {
+      if (const auto connection = one.lock()) connection->Close();
+    }
+  });
+  // The threads end when no connection is left.
+  for (std::thread& thread : threads) thread.join();
+}
+
+HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+HttpServer::~HttpServer() {
+  impl_->Stop();
+}
+const std::string& HttpServer::address() const {
+  return impl_->address;
+}
+uint16_t HttpServer::port() const {
+  return impl_->port;
+}
+
+HttpServer::Counts HttpServer::counts() const {
+  return {impl_->shared.connections, impl_->shared.open, impl_->shared.requests, impl_->shared.refused,
+          impl_->shared.bodies->taken()};
+}
+
+absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOptions& options,
+                                                              HttpRoutes routes) {
+  const std::optional<HostAndPort> where = SplitHostAndPort(options.listen);
+  if (!where || !where->port) {
+    return absl::InvalidArgumentError(absl::StrCat("cannot listen for HTTP on \"", options.listen,
+                                                   "\": give HOST:PORT, e.g. 127.0.0.1:7480"));
+  }
+  const std::string what = absl::StrCat("cannot listen for HTTP on ", options.listen);
+  net::io_context
+      early;  // for looking up the name and binding: the guard must know the port before anything is served
+  ErrorCode error;
+  const auto found = Tcp::resolver(early).resolve(where->host, std::to_string(*where->port), error);
+  if (error || found.empty()) return absl::InvalidArgumentError(absl::StrCat(what, ": ", error.message()));
+  const Tcp::endpoint endpoint = found.begin()->endpoint();
+  Tcp::acceptor bound(early);
+  bound.open(endpoint.protocol(), error);
+  if (!error) bound.set_option(net::socket_base::reuse_address(true), error);
+  if (!error) bound.bind(endpoint, error);
+  if (!error) bound.listen(net::socket_base::max_listen_connections, error);
+  if (error) return absl::FailedPreconditionError(absl::StrCat(what, ": ", error.message()));
+  const Tcp::endpoint listening = bound.local_endpoint();
+
+  auto impl = std::make_unique<Impl>(options, std::move(routes), listening.port());
+  impl->port = listening.port();
+  const std::string host = listening.address().to_string();
+  impl->address =
+      absl::StrCat(listening.address().is_v6() ? absl::StrCat("[", host, "]") : host, ":", impl->port);
+  impl->acceptor.assign(endpoint.protocol(), bound.release(error), error);
+  if (error) return absl::FailedPreconditionError(absl::StrCat(what, ": ", error.message()));
+  net::co_spawn(impl->strand, impl->AcceptLoop(), net::detached);
+  for (int i = 0; i < options.threads; ++i) {
+    impl->threads.emplace_back([context = &impl->context] { context->run(); });
+  }
+  return std::unique_ptr<HttpServer>(new HttpServer(std::move(impl)));
+}
+
+}  // namespace docent

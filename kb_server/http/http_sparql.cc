@@ -1,0 +1,147 @@
+#include "kb_server/http/http_sparql.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
+#include "graph/base/diagnostic.h"
+#include "kb_server/http/http_query.h"
+#include "kb_server/http/http_sparql_request.h"
+#include "kb_server/http/service_description.h"
+#include "kb_server/work/update_runner.h"
+#include "graph/sparql/syntax/parser.h"
+
+namespace docent {
+namespace {
+
+using Kind = SparqlRequest::Kind;
+
+struct SparqlMetrics {
+  explicit SparqlMetrics(Metrics* metrics)
+      : seconds(metrics->AddHistogram("docent_sparql_seconds",
+                                      "Time from request to whole answer of HTTP queries and updates.",
+                                      Metrics::LatencyBounds())),
+        ok(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries and updates by outcome.",
+                               {{"outcome", "answered"}})),
+        failed(metrics->AddCounter("docent_sparql_requests_total", "HTTP queries and updates by outcome.",
+                                   {{"outcome", "refused"}})) {}
+
+  Histogram& seconds;
+  Counter& ok;
+  Counter& failed;
+};
+
+// Counts one request when it is answered.
+class Measured {
+ public:
+  explicit Measured(const SparqlMetrics& metrics) : metrics_(metrics) {}
+  void Answered(int status) const {
+    (status < 300 ? metrics_.ok : metrics_.failed).Add();
+    metrics_.seconds.Observe(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+  }
+
+ private:
+  SparqlMetrics metrics_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void Respond(const std::shared_ptr<HttpExchange>& exchange, const Measured& measured, HttpResponse response) {
+  measured.Answered(response.status);
+  exchange->Respond(std::move(response));
+}
+
+HttpResponse Busy() {
+  HttpResponse busy = TextResponse(503, "too much work waits; try again");
+  busy.headers.emplace_back("Retry-After", "1");
+  return busy;
+}
+
+// The data set that the protocol's parameters give (protocol, section 2.2.3).
+absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
+  if (request.default_graphs.empty() && request.named_graphs.empty()) return absl::OkStatus();
+  for (sparql::UpdateOperation& operation : update->operations) {
+    if (operation.with || !operation.from.empty() || !operation.from_named.empty()) {
+      return absl::InvalidArgumentError(
+          "using-graph-uri and using-named-graph-uri do not go with USING or WITH in the update; leave one "
+          "out");
+    }
+    operation.from = request.default_graphs;
+    operation.from_named = request.named_graphs;
+  }
+  return absl::OkStatus();
+}
+
+// On a worker: parsing may take long.
+void Update(const ServicePorts& ports, const Measured& measured, const SparqlRequest& request,
+            std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation, absl::Time until) {
+  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
+  options.base_iri = request.base_iri;
+  sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
+  absl::Status status =
+      parsed.ok() ? SetUsing(request, &parsed.update) : ToStatus(parsed.diagnostics, request.text);
+  if (!status.ok()) return Respond(exchange, measured, ErrorResponse(status));
+  UpdateRequest update;
+  update.update = std::move(parsed.update);
+  update.request_id = request.request_id;
+  update.min_revision = request.min_revision;
+  update.cancellation = std::move(cancellation);
+  update.timeout = std::max(absl::ZeroDuration(), until - absl::Now());
+  ports.updates->Submit(std::move(update), [measured, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
+    Respond(exchange, measured,
+            outcome.ok() ? OutcomeResponse(200, *outcome) : ErrorResponse(outcome.status()));
+  });
+}
+
+void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared_ptr<HttpExchange> exchange) {
+  const Measured measured(metrics);
+  ReadSparqlRequest read = ReadSparql(exchange->request(), ports.limits);
+  if (read.refusal) return Respond(exchange, measured, *std::move(read.refusal));
+  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(read.request.timeout_ms));
+  exchange->OnGone([cancellation] { cancellation->Cancel(); });
+  const int timeout_ms = read.request.timeout_ms;
+  const absl::Time until = absl::Now() + absl::Milliseconds(timeout_ms);
+  const bool accepted = ports.workers->Submit(
+      [&ports, measured, exchange, cancellation, until, request = std::move(read.request)] {
+        switch (request.kind) {
+          case Kind::kQuery:
+            return measured.Answered(AnswerQuery(ports, request, exchange, cancellation.get()));
+          case Kind::kUpdate:
+            return Update(ports, measured, request, exchange, cancellation, until);
+          case Kind::kDescription:
+            return Respond(exchange, measured,
+                           DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
+        }
+      },
+      {until, [measured, exchange, timeout_ms] { Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms))); }});
+  if (!accepted) Respond(exchange, measured, Busy());
+}
+
+}  // namespace
+
+HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome) {
+  HttpResponse response;
+  response.status = status;
+  response.content_type = "application/json";
+  response.body = absl::StrCat("{\"revision\":", outcome.offset, ",\"added\":", outcome.added,
+                               ",\"removed\":", outcome.removed, ",\"inferred\":", outcome.inferred,
+                               ",\"repeated\":", outcome.repeated ? "true" : "false", "}\n");
+  response.headers.emplace_back("Docent-Revision", absl::StrCat(outcome.offset));
+  return response;
+}
+
+void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* metrics) {
+  const SparqlMetrics counts(metrics);
+  for (const char* method : {"GET", "POST"}) {
+    for (const char* path : {"/sparql", "/sparql/"}) {
+      routes->Add(method, path, [ports, counts](std::shared_ptr<HttpExchange> exchange) {
+        Handle(*ports, counts, std::move(exchange));
+      });
+    }
+  }
+}
+
+}  // namespace docent

@@ -1,0 +1,126 @@
+// The composition root: makes every part, gives each its ports, starts and stops them in order.
+#ifndef DOCENT_KB_SERVER_SERVER_H_
+#define DOCENT_KB_SERVER_SERVER_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "kb_server/writer/log_history.h"
+#include "kb_server/writer/what_if.h"
+#include "kb_server/writer/writer.h"
+#include "graph/base/clock.h"
+#include "graph/base/limits.h"
+#include "graph/base/memory_budget.h"
+#include "kb_server/door/fleet_leases.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/http/http_server.h"
+#include "kb_server/work/load_runner.h"
+#include "kb_server/door/metrics.h"
+#include "kb_server/door/ports.h"
+#include "kb_server/work/remote_access.h"
+#include "kb_server/work/update_runner.h"
+
+namespace docent {
+
+struct ServerSettings {
+  std::string data_folder;                      // made if absent
+  std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
+  std::string http_address = "127.0.0.1:7480";
+  std::vector<std::string> http_names;  // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
+  bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
+  sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
+  std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
+  std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
+  OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
+  std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
+  Limits limits;
+  ExplainLimits explain_limits;
+  SubscriptionLimits subscription_limits;
+  const Clock* clock = nullptr;  // null: the system's; must outlive the server
+};
+
+class Server {
+ public:
+  // Opens the log, replays it, loads the files, listens. Errors are one clear line: a port in use, an
+  // unreadable folder, a log of a newer format, damage with its offset. `progress(done, all)` tells of the
+  // replay.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(
+      const ServerSettings& settings, const std::function<void(uint64_t, uint64_t)>& progress);
+  // Stops: no new requests, batches that wait are answered, what is written is durable; the state is left as a
+  // snapshot, so that the next start replays nothing.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  const std::string& grpc_address() const { return grpc_address_; }
+  const std::string& http_address() const { return http_address_; }
+
+  // To be called now and then (about once a second): tells the graph of robots that were lost. False: the
+  // writer had to stop, see status().
+  bool Tend();
+  absl::Status status() const;
+
+ private:
+  explicit Server(const ServerSettings& settings);
+  absl::Status OpenLog();
+  void LeaveSnapshot();
+  absl::Status StartGrpc();
+  absl::Status StartHttp();
+  absl::Status LoadFiles();
+  absl::Status LoadOntologies();
+  absl::Status LoadRules();
+  absl::Status PushAndWait(WriteBatch batch, const std::string& what);
+  absl::StatusOr<RulesPreview> PreviewRuleChange(const std::string& name, const std::string* text,
+                                                 size_t shown, Cancellation* cancellation) const;
+  void ExpectRobots();
+  void RegisterMetrics();
+  void RegisterSubscriptionMetrics();
+
+  const ServerSettings settings_;
+  const SystemClock system_clock_;
+  const Clock& clock_;
+  Dictionary dictionary_;
+  sparql::FunctionRegistry functions_;
+  std::unique_ptr<ContextLog> log_;
+  Inbox inbox_;
+  QueryPort queries_;
+  CatalogPort catalog_;
+  RunFeed feed_;
+  FleetLeases leases_;
+  Metrics metrics_;
+  std::unique_ptr<RobotProxies> proxies_;
+  std::unique_ptr<SnapshotKeeper> snapshots_;
+  std::unique_ptr<History> history_;
+  std::unique_ptr<Writer> writer_;
+  std::unique_ptr<Subscriptions> subscriptions_;
+  std::unique_ptr<LogHistory> fact_history_;
+  std::unique_ptr<WhatIf> what_if_;
+  std::unique_ptr<WorkerPool> workers_;
+  MemoryBudget query_memory_;
+  ServicePorts ports_;
+  UpdateRunner updates_{&ports_};
+  LoadRunner loads_{&ports_};
+  std::unique_ptr<RemoteAccess> remote_;
+  std::unique_ptr<ContextService> context_service_;
+  std::unique_ptr<OntologiesService> ontologies_service_;
+  std::unique_ptr<WorkflowsService> workflows_service_;
+  std::unique_ptr<RobotServicesService> robot_services_service_;
+  std::unique_ptr<FleetService> fleet_service_;
+  std::unique_ptr<grpc::Server> grpc_server_;
+  std::unique_ptr<HttpServer> http_server_;
+  std::thread writer_thread_;
+  mutable absl::Mutex status_mutex_;
+  absl::Status writer_status_ ABSL_GUARDED_BY(status_mutex_);
+  bool writer_ended_ ABSL_GUARDED_BY(status_mutex_) = false;
+  std::string grpc_address_;
+  std::string http_address_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SERVER_H_

@@ -1,0 +1,33 @@
+// A query that is followed, as Subscriptions keeps it. Private to this folder.
+#ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_
+#define DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kb_server/subscriptions/followed_form.h"
+#include "kb_server/subscriptions/subscriptions.h"
+
+namespace docent {
+
+struct Subscriptions::Standing {
+  uint32_t number = 0;
+  FollowedQuery followed;
+  sparql::Query query;
+  std::optional<FollowedForm> form;  // nullopt: always asked whole
+  TriggerAnalysis analysis;
+  std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
+  std::unique_ptr<sparql::PreparedQuery> prepared;  // null while it is kept
+  std::optional<ConstraintId> kept;
+  std::vector<PatternIndex::Handle> watches;
+  StandingAnswerPtr answer;
+  std::optional<TimeMicros> ripens_at_us;  // its place in ripening_
+  absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_

@@ -1,0 +1,533 @@
+#include "kb_server/subscriptions/subscriptions.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/diagnostic.h"
+#include "kb_server/work/condition_cost.h"
+#include "kb_server/subscriptions/standing_query.h"
+#include "graph/sparql/syntax/algebra_walk.h"
+#include "graph/sparql/syntax/parser.h"
+
+namespace docent {
+namespace {
+
+using sparql::Algebra;
+using sparql::Expression;
+using sparql::PatternTerm;
+
+// Turns that wait are looked at before followers are woken, up to so many and so long after the first change.
+constexpr size_t kTurnsTogether = 16;
+constexpr absl::Duration kUnheard = absl::Milliseconds(5);
+
+void AddConstant(const PatternTerm& term, std::vector<Term>& constants) {
+  const bool empty = term.term().IsIri() && term.term().lexical.empty();
+  if (!term.IsVariable() && !empty) constants.push_back(term.term());
+}
+
+void AddConstants(const sparql::Path& path, std::vector<Term>& constants) {
+  if (path.kind == sparql::Path::Kind::kIri) constants.push_back(path.iri);
+  for (const sparql::Path& child : path.children) AddConstants(child, constants);
+}
+
+// Every term that the query names, wherever it stands.
+std::vector<Term> ConstantsOf(const Algebra& whole) {
+  std::vector<Term> constants;
+  sparql::AnyNode(whole, [&](const Algebra& node) {
+    for (const sparql::TriplePattern& t : node.triples) {
+      for (const PatternTerm* term : {&t.subject, &t.predicate, &t.object}) AddConstant(*term, constants);
+    }
+    for (const PatternTerm* term : {&node.subject, &node.object, &node.name}) AddConstant(*term, constants);
+    if (node.kind == Algebra::Kind::kPath) AddConstants(node.path, constants);
+    for (const auto& row : node.rows) {
+      for (const auto& value : row) {
+        if (value) constants.push_back(*value);
+      }
+    }
+    sparql::ForEachExpression(node, [&](const Expression& e) {
+      if (e.kind == Expression::Kind::kTerm) constants.push_back(e.term);
+    });
+    return false;
+  });
+  return constants;
+}
+
+}  // namespace
+
+Subscriptions::Subscriptions(const Settings& settings) : settings_(settings), names_(settings.dictionary) {
+  ForgetKept();
+  version_ = std::make_shared<const GraphVersion>();
+  newest_ = version_;
+  newest_time_us_ = settings.clock->Now();
+  thread_ = std::thread([this] { Run(); });
+}
+
+Subscriptions::~Subscriptions() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+  }
+  thread_.join();
+}
+
+void Subscriptions::Publish(GraphVersionPtr version, const Delta& delta, TimeMicros time_us) {
+  absl::MutexLock lock(&mutex_);
+  newest_ = version;
+  newest_time_us_ = time_us;
+  if (!followed_ && !busy_ && turns_.empty() && openings_.empty()) {
+    counters_.revision = newest_->revision().value();
+    return;  // nobody is woken for nothing
+  }
+  if (turns_.size() < settings_.subscription_limits.subscription_backlog) {
+    turns_.emplace_back().first_us = time_us;
+  } else {
+    ++counters_.coalesced;
+  }
+  Turn& turn = turns_.back();
+  turn.version = std::move(version);
+  turn.changes.Add(delta);
+  turn.time_us = time_us;
+}
+
+void Subscriptions::PublishWhole(GraphVersionPtr version) {
+  absl::MutexLock lock(&mutex_);
+  newest_ = version;
+  newest_time_us_ = settings_.clock->Now();
+  Turn& turn = turns_.emplace_back();
+  turn.version = std::move(version);
+  turn.time_us = turn.first_us = newest_time_us_;
+  turn.whole = true;
+}
+
+void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done) {
+  sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
+  sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
+  if (!parsed.ok()) {
+    done(ToStatus(parsed.diagnostics, query.text));
+    return;
+  }
+  if (parsed.query.form != sparql::Query::Form::kSelect && parsed.query.form != sparql::Query::Form::kAsk) {
+    done(absl::InvalidArgumentError("only ASK and SELECT can be followed"));
+    return;
+  }
+  size_t open = 0;
+  {
+    absl::MutexLock lock(&followers_mutex_);
+    open = followers_.size();
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
+      openings_.push_back({query, std::move(parsed.query), std::move(follower), std::move(done)});
+      return;
+    }
+  }
+  done(absl::ResourceExhaustedError(
+      absl::StrCat("the limit subscriptions_open is ", settings_.subscription_limits.subscriptions_open)));
+}
+
+void Subscriptions::Drain() {
+  const auto idle = [this]()
+                        ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return turns_.empty() && openings_.empty() && !busy_; };
+  absl::MutexLock lock(&mutex_);
+  mutex_.Await(absl::Condition(&idle));
+}
+
+void Subscriptions::Run() {
+  pthread_setname_np(pthread_self(), "followers");
+  size_t turns_together = 0;
+  while (true) {
+    std::optional<Turn> turn;
+    std::deque<Opening> openings;
+    std::vector<std::weak_ptr<Follower>> due;
+    bool more_turns = false;
+    {
+      absl::MutexLock lock(&mutex_);
+      busy_ = false;
+      followed_ = !by_query_.empty();
+      absl::Time until = absl::Now() + absl::Seconds(1);  // an alarm that is set meanwhile is at most so late
+      if (!alarms_.empty()) until = std::min(until, alarms_.begin()->first);
+      if (!ripening_.empty())
+        until = std::min(until, absl::Now() + absl::Microseconds(ripening_.begin()->first - settings_.clock->Now()));
+      const auto work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return HasWork(); };
+      mutex_.AwaitWithDeadline(absl::Condition(&work), until);
+      if (stopping_) return;
+      busy_ = true;
+      while (!alarms_.empty() && alarms_.begin()->first <= absl::Now()) {
+        due.push_back(std::move(alarms_.begin()->second));
+        alarms_.erase(alarms_.begin());
+      }
+      if (!turns_.empty()) {
+        turn = std::move(turns_.front());
+        turns_.pop_front();
+      } else {
+        version_ = newest_;
+        time_us_ = newest_time_us_;
+      }
+      // who opened now has seen versions up to the newest: not before all turns are looked at
+      more_turns = !turns_.empty();
+      if (!more_turns) {
+        openings.swap(openings_);
+        now_us_ = std::max(time_us_, settings_.clock->Now());
+      }
+    }
+    if (turn) Process(*std::move(turn));
+    if (!more_turns) Ripen(now_us_);
+    const bool unheard = !changed_.empty() && absl::Now() - changed_since_ > kUnheard;
+    if (!more_turns || unheard || ++turns_together == kTurnsTogether) {
+      WakeFollowers();
+      turns_together = 0;
+    }
+    for (Opening& opening : openings) OpenNow(std::move(opening));
+    if (!due.empty()) WakeDue(due);
+    DropIdle();
+  }
+}
+
+void Subscriptions::Process(Turn turn) {
+  Ripen(turn.first_us);
+  version_ = turn.version;
+  time_us_ = turn.time_us;
+  std::vector<uint32_t> anew = LearnConstants();
+  if (!turn.whole) {
+    const Delta delta = turn.changes.Net();
+    if (!UpdateKept(delta)) {
+      for (const auto& [id, number] : by_constraint_) anew.push_back(number);
+      ForgetKept();
+    }
+    for (const uint32_t number : Touched(delta)) Evaluate(*standing_[number]).IgnoreError();  // its followers know
+  } else {
+    anew.clear();
+    for (const auto& standing : standing_) {
+      if (standing != nullptr) anew.push_back(standing->number);
+    }
+    ForgetKept();
+  }
+  for (const uint32_t number : anew) {
+    if (standing_[number] != nullptr) BeginAnew(*standing_[number]);
+  }
+  counters_.revision = version_->revision().value();
+}
+
+std::vector<uint32_t> Subscriptions::LearnConstants() {
+  std::vector<uint32_t> learnt;
+  const size_t size = settings_.dictionary->size();
+  for (; dictionary_size_ < size && !awaited_.empty(); ++dictionary_size_) {
+    const TermId id = TermId::Make(settings_.dictionary->EntryAt(dictionary_size_).tag, dictionary_size_);
+    const auto found = awaited_.find(settings_.dictionary->Decode(id));
+    if (found == awaited_.end()) continue;
+    for (const uint32_t number : std::vector<uint32_t>(found->second)) {
+      Forget(*standing_[number]);  // which forgets that it waits
+      learnt.push_back(number);
+    }
+  }
+  dictionary_size_ = size;
+  return learnt;
+}
+
+absl::Status Subscriptions::Prepare(Standing& standing) {
+  if (awaited_.empty()) dictionary_size_ = settings_.dictionary->size();  // what is in it now, Find finds
+  for (Term& term : ConstantsOf(*standing.query.algebra)) {
+    if (settings_.dictionary->Find(term)) continue;
+    std::vector<uint32_t>& waiting = awaited_[term];
+    if (std::find(waiting.begin(), waiting.end(), standing.number) != waiting.end()) continue;
+    waiting.push_back(standing.number);
+    standing.unknown.push_back(std::move(term));
+  }
+  sparql::PrepareOptions options;
+  options.default_graph = settings_.default_graph;
+  options.functions = settings_.functions;
+  options.memory_bytes = settings_.limits.query_memory_bytes;
+  auto prepared = sparql::PreparedQuery::Prepare(standing.query, *settings_.dictionary, options);
+  if (!prepared.ok()) return prepared.status();
+  standing.prepared = *std::move(prepared);
+  return absl::OkStatus();
+}
+
+absl::Status Subscriptions::Begin(Standing& standing) {
+  if (absl::Status status = Evaluate(standing); !status.ok()) return status;
+  if (Keep(standing)) {
+    standing.prepared.reset();
+  } else {
+    Watch(standing);
+  }
+  return absl::OkStatus();
+}
+
+void Subscriptions::BeginAnew(Standing& standing) {
+  Forget(standing);
+  if (absl::Status status = Prepare(standing); !status.ok()) return FailAll(standing, status);
+  Begin(standing).IgnoreError();
+}
+
+// Evaluates once more, for the set keeps other things than rows; what it will keep, Evaluate has bounded.
+bool Subscriptions::Keep(Standing& standing) {
+  if (!standing.form || !standing.unknown.empty()) return false;
+  names_.FollowBase();
+  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  const auto id = kept_->Register(standing.query, *version_, {standing.form->keys, time_us_, &cancellation});
+  if (!id.ok()) {
+    kept_->Rollback();
+    return false;
+  }
+  kept_->Commit();
+  standing.kept = *id;
+  by_constraint_.emplace(*id, standing.number);
+  return true;
+}
+
+std::string Subscriptions::WarningOf(const Standing& standing, absl::Duration took) const {
+  if (standing.analysis.is_volatile) {
+    return "it asks for the time or for chance: both are those of the newest change, and the passing of time alone tells nothing; to "
+           "wait for what lasts use at_least_ms";
+  }
+  const std::string why = WhyWhole(standing.analysis);
+  if (why.empty()) return "";
+  return absl::StrCat("it is expensive: ", why, "; beginning it took ", absl::FormatDuration(absl::Trunc(took, absl::Microseconds(1))),
+                      " on ", version_->size(), " facts; see docent_subscription_seconds_total in /metrics");
+}
+
+void Subscriptions::ForgetKept() {
+  for (const auto& [id, number] : by_constraint_) standing_[number]->kept.reset();
+  by_constraint_.clear();
+  kept_ = std::make_unique<ConstraintSet>(names_, settings_.functions);
+}
+
+// What a changed quad must look like to matter to a trigger; nullopt: none can yet.
+std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) const {
+  MatchPattern match;
+  const std::array<std::pair<const PatternTerm*, TermId*>, 4> places = {
+      {{&source.pattern.subject, &match.constants.subject},
+       {&source.pattern.predicate, &match.constants.predicate},
+       {&source.pattern.object, &match.constants.object},
+       {&source.graph, &match.constants.graph}}};
+  for (const auto& [term, id] : places) {
+    if (term->IsVariable()) continue;
+    const auto known = settings_.dictionary->Find(term->term());
+    if (!known) return std::nullopt;
+    *id = *known;
+  }
+  return match;
+}
+
+void Subscriptions::Watch(Standing& standing) {
+  const std::vector<TriggerSource>& triggers = standing.analysis.triggers;
+  for (uint32_t i = 0; i < triggers.size(); ++i) {
+    if (const auto match = MatchOf(triggers[i])) {
+      standing.watches.push_back(watches_.Add(*match, {standing.number, i}));
+    } else if (triggers[i].required) {
+      return Unwatch(standing);  // without that term there is no solution
+    }
+  }
+  if (standing.analysis.is_volatile) volatile_.insert(standing.number);
+}
+
+void Subscriptions::Unwatch(Standing& standing) {
+  for (const PatternIndex::Handle handle : standing.watches) watches_.Remove(handle);
+  standing.watches.clear();
+  volatile_.erase(standing.number);
+}
+
+void Subscriptions::Forget(Standing& standing) {
+  Unwatch(standing);
+  if (standing.kept) {
+    kept_->Remove(*standing.kept);
+    kept_->Commit();
+    by_constraint_.erase(*standing.kept);
+    standing.kept.reset();
+  }
+  for (const Term& term : standing.unknown) {
+    const auto found = awaited_.find(term);
+    std::erase(found->second, standing.number);
+    if (found->second.empty()) awaited_.erase(found);
+  }
+  standing.unknown.clear();
+}
+
+bool Subscriptions::UpdateKept(const Delta& delta) {
+  if (by_constraint_.empty()) return true;
+  names_.FollowBase();
+  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  const uint64_t before = kept_->evaluations();
+  const auto changes = kept_->Update(*version_, delta, time_us_, &cancellation);
+  counters_.evaluations += kept_->evaluations() - before;
+  if (!changes.ok()) return false;
+  kept_->Commit();
+  for (const ConstraintChange& change : *changes) {
+    Standing& standing = *standing_[by_constraint_.at(change.id)];
+    bool changed = false;
+    if (standing.answer->is_boolean()) {
+      changed = standing.answer->SetBoolean(version_->revision(), change.edge == ConstraintChange::Edge::kRose, time_us_);
+    } else {
+      changed = standing.answer->ChangeRows(version_->revision(), standing.form->RowsOf(change.appeared),
+                                            standing.form->RowsOf(change.disappeared), time_us_);
+      if (standing.answer->size() > settings_.subscription_limits.subscription_rows) {
+        FailAll(standing, TooManyRows());
+        continue;
+      }
+    }
+    NoteRipening(standing);
+    if (changed) Changed(standing);
+  }
+  return true;
+}
+
+bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {
+  const Standing& standing = *standing_[reference.owner];
+  const Polarity polarity = standing.analysis.triggers[reference.pattern].polarity;
+  if (!standing.answer->is_boolean() || polarity == Polarity::kBoth) return true;
+  const bool helps = added == (polarity == Polarity::kPositive);
+  return helps != standing.answer->boolean();
+}
+
+absl::btree_set<uint32_t> Subscriptions::Touched(const Delta& delta) const {
+  absl::btree_set<uint32_t> touched(volatile_.begin(), volatile_.end());
+  const auto look = [&](const Quad& quad, bool added) {
+    watches_.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+      if (MayTurn(reference, added)) touched.insert(reference.owner);
+    });
+  };
+  for (const Quad& quad : delta.added) look(quad, true);
+  for (const Quad& quad : delta.removed) look(quad, false);
+  return touched;
+}
+
+absl::Status Subscriptions::TooManyRows() const {
+  return absl::ResourceExhaustedError(absl::StrCat("the answer has more rows than the limit subscription_rows = ",
+                                                   settings_.subscription_limits.subscription_rows));
+}
+
+absl::Status Subscriptions::Evaluate(Standing& standing) {
+  ++counters_.evaluations;
+  const absl::Time start = absl::Now();
+  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  sparql::RunOptions run;
+  run.version = version_.get();
+  run.cancellation = &cancellation;
+  run.now_us = time_us_;
+  run.seed = version_->revision().value();
+  bool changed = false;
+  absl::Status status;
+  if (standing.answer->is_boolean()) {
+    const auto holds = standing.prepared->Ask(run);
+    status = holds.status();
+    if (holds.ok()) changed = standing.answer->SetBoolean(version_->revision(), *holds, time_us_);
+  } else {
+    StandingAnswer::Rows rows;
+    size_t count = 0;
+    status = standing.prepared->Select(run, {}, [&](absl::Span<const TermId> row) {
+      StandingAnswer::Row ids(row.begin(), row.end());
+      for (TermId& id : ids) {
+        if (id.tag() == TermId::Tag::kLocal) id = standing.answer->Local(standing.prepared->Decode(id));
+      }
+      ++rows[ids];
+      return ++count <= settings_.subscription_limits.subscription_rows;
+    });
+    if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
+    if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows), time_us_);
+  }
+  standing.prepared->Stop();
+  counters_.evaluation_ns += static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
+  if (absl::IsDeadlineExceeded(status)) {
+    status = absl::DeadlineExceededError(
+        absl::StrCat("the query took longer than the limit subscription_evaluation_ms = ",
+                     settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
+  }
+  if (!status.ok()) {
+    FailAll(standing, status);
+    return status;
+  }
+  NoteRipening(standing);
+  if (changed) Changed(standing);
+  return status;
+}
+
+void Subscriptions::NoteRipening(Standing& standing) {
+  const std::optional<TimeMicros> next = standing.answer->ripens_at_us();
+  if (next == standing.ripens_at_us) return;
+  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, standing.number});
+  if (next) ripening_.emplace(*next, standing.number);
+  standing.ripens_at_us = next;
+}
+
+void Subscriptions::Ripen(TimeMicros now_us) {
+  while (!ripening_.empty() && ripening_.begin()->first <= now_us) {
+    Standing& standing = *standing_[ripening_.begin()->second];
+    if (standing.answer->Ripen(version_->revision(), now_us)) Changed(standing);
+    NoteRipening(standing);
+  }
+}
+
+absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const FollowedQuery& followed, sparql::Query query) {
+  if (const auto known = by_query_.find(followed); known != by_query_.end()) return standing_[known->second].get();
+  auto standing = std::make_unique<Standing>();
+  standing->followed = followed;
+  standing->query = std::move(query);
+  standing->analysis = AnalyseTriggers(WithoutModifiers(*standing->query.algebra));
+  if (settings_.default_graph == sparql::DefaultGraph::kUnion)
+    standing->form = FollowedFormOf(standing->query, standing->analysis);
+  if (free_.empty()) {
+    standing->number = static_cast<uint32_t>(standing_.size());
+    standing_.emplace_back();
+  } else {
+    standing->number = free_.back();
+    free_.pop_back();
+  }
+  const uint32_t number = standing->number;
+  Standing* made = standing.get();
+  standing_[number] = std::move(standing);
+  by_query_[followed] = number;
+  counters_.queries = by_query_.size();
+  if (absl::Status status = Prepare(*made); !status.ok()) {
+    Drop(number);
+    return status;
+  }
+  made->answer = std::make_shared<StandingAnswer>(next_answer_++, made->query.form == sparql::Query::Form::kAsk,
+                                                  made->prepared->variables(), settings_.dictionary,
+                                                  settings_.subscription_limits, followed.at_least_us);
+  return made;
+}
+
+void Subscriptions::OpenNow(Opening opening) {
+  auto standing = FindOrMake(opening.followed, std::move(opening.query));
+  if (!standing.ok()) {
+    opening.done(standing.status());
+    return;
+  }
+  const uint32_t number = (*standing)->number;
+  const StandingAnswerPtr answer = (*standing)->answer;
+  {
+    absl::MutexLock lock(&followers_mutex_);
+    followed_by_.resize(standing_.size());
+    followers_[opening.follower] = {number, static_cast<uint32_t>(followed_by_[number].size())};
+    followed_by_[number].push_back(opening.follower);
+    counters_.open = followers_.size();
+  }
+  NoteIdle(**standing, absl::InfiniteFuture());
+  absl::Status status;
+  if (!answer->evaluated()) {
+    const absl::Time start = absl::Now();
+    status = Begin(**standing);
+    if (status.ok()) answer->SetWarning(WarningOf(**standing, absl::Now() - start));
+  }
+  Ripen(now_us_);  // what has been so since before the last turn
+  const bool there = opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
+  if (!there) Close(opening.follower);
+}
+
+void Subscriptions::Drop(uint32_t number) {
+  Standing& standing = *standing_[number];
+  Forget(standing);
+  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, number});
+  NoteIdle(standing, absl::InfiniteFuture());
+  by_query_.erase(standing.followed);
+  counters_.queries = by_query_.size();
+  standing_[number].reset();
+  free_.push_back(number);
+}
+
+}  // namespace docent

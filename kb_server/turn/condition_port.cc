@@ -1,0 +1,225 @@
+#include "kb_server/turn/condition_port.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/sparql/syntax/parser.h"
+
+namespace docent {
+
+ConditionPort::ConditionPort(Dictionary* dictionary, ConstraintSet* constraints)
+    : dictionary_(dictionary), constraints_(constraints) {}
+
+TermBinding ConditionPort::Decode(const Binding& binding) const {
+  TermBinding terms;
+  for (const auto& [name, id] : binding) {
+    if (!id.IsNone()) terms.emplace(name, dictionary_->Decode(id));
+  }
+  return terms;
+}
+
+std::vector<TermBinding> ConditionPort::Decode(const std::vector<Binding>& bindings) const {
+  std::vector<TermBinding> terms;
+  for (const Binding& binding : bindings) terms.push_back(Decode(binding));
+  return terms;
+}
+
+absl::StatusOr<ConstraintId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
+                                                     const std::vector<std::string>& key_variables,
+                                                     const GraphVersion& version, TimeMicros now_us,
+                                                     Cancellation* cancellation) {
+  RegisterOptions options;
+  options.cancellation = cancellation;
+  options.key_variables = key_variables;
+  options.now_us = now_us;
+  auto id = constraints_->Register(query, version, options);
+  if (id.ok()) return id;
+  return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", text));
+}
+
+absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
+                                TimeMicros now_us, Cancellation* cancellation) {
+  for (const ConditionRequest& request : requests) {
+    if (cancellation != nullptr) {
+      if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
+    }
+    sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
+    const sparql::Query& query = parsed.query;
+    std::shared_ptr<Lasting> lasting;
+    if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
+    auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
+                       now_us, cancellation);
+    if (!id.ok()) return id.status();
+    conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
+                                   std::make_shared<const ConditionRequest>(request), lasting};
+    handles_[*id] = request.handle;
+    armed_.push_back(request.handle);
+    if (lasting) {
+      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us, cancellation); !s.ok()) return s;
+      continue;
+    }
+    if (request.only_new || !constraints_->Holds(*id)) continue;
+    ConditionEdge edge;
+    edge.handle = request.handle;
+    edge.rose = true;
+    if (!request.key_variables.empty()) edge.appeared = Decode(constraints_->Keys(*id));
+    Gather(std::move(edge));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& requests,
+                                    const std::vector<LastingSince>& times, const GraphVersion& version,
+                                    TimeMicros now_us, Cancellation* cancellation) {
+  absl::Status status = Arm(requests, version, now_us, cancellation);
+  if (status.ok()) RestoreTimes(times);
+  gathered_.clear();
+  gathered_at_.clear();
+  return status;
+}
+
+void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
+  for (ConditionHandle handle : handles) {
+    auto it = conditions_.find(handle);
+    if (it == conditions_.end()) continue;
+    constraints_->Remove(it->second.id);
+    handles_.erase(it->second.id);
+    if (it->second.lasting) DisarmParts(*it->second.lasting);
+    disarmed_.emplace_back(handle, std::move(it->second));
+    conditions_.erase(it);
+  }
+}
+
+std::vector<ConditionRequest> ConditionPort::Requests() const {
+  std::vector<ConditionRequest> requests;
+  for (const auto& [handle, condition] : conditions_) requests.push_back(*condition.request);
+  std::sort(requests.begin(), requests.end(),
+            [](const ConditionRequest& a, const ConditionRequest& b) { return a.handle < b.handle; });
+  return requests;
+}
+
+void ConditionPort::Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us) {
+  for (const ConstraintChange& change : changes) {
+    if (TakeLasting(change, now_us)) continue;
+    auto it = handles_.find(change.id);
+    if (it == handles_.end()) continue;
+    ConditionEdge edge;
+    edge.handle = it->second;
+    edge.rose = change.edge == ConstraintChange::Edge::kRose;
+    edge.fell = change.edge == ConstraintChange::Edge::kFell;
+    edge.appeared = Decode(change.appeared);
+    edge.disappeared = Decode(change.disappeared);
+    Gather(std::move(edge));
+  }
+}
+
+void ConditionPort::Gather(ConditionEdge edge) {
+  auto [it, inserted] = gathered_at_.try_emplace(edge.handle, gathered_.size());
+  if (inserted) {
+    gathered_.push_back(std::move(edge));
+    return;
+  }
+  // what appeared and went again before anybody looked was never there
+  ConditionEdge& before = gathered_[it->second];
+  ConditionEdge net;
+  net.handle = edge.handle;
+  net.rose = edge.rose || (before.rose && !edge.fell);
+  net.fell = edge.fell ? !before.rose : before.fell && !edge.rose;
+  auto without = [](const std::vector<TermBinding>& all, const std::vector<TermBinding>& gone,
+                    std::vector<TermBinding>* out) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const TermBinding& key) {
+      return std::find(gone.begin(), gone.end(), key) == gone.end();
+    });
+  };
+  without(before.appeared, edge.disappeared, &net.appeared);
+  without(edge.appeared, before.disappeared, &net.appeared);
+  without(edge.disappeared, before.appeared, &net.disappeared);
+  without(before.disappeared, edge.appeared, &net.disappeared);
+  std::sort(net.appeared.begin(), net.appeared.end());
+  std::sort(net.disappeared.begin(), net.disappeared.end());
+  before = std::move(net);
+}
+
+void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
+  SettleLasting(now_us);
+  edges_ = std::move(gathered_);
+  gathered_.clear();
+  gathered_at_.clear();
+  version_ = &version;
+  now_us_ = now_us;
+  cancellation_ = cancellation;
+}
+
+bool ConditionPort::Holds(ConditionHandle handle) const {
+  auto it = conditions_.find(handle);
+  if (it == conditions_.end()) return false;
+  if (it->second.lasting) return it->second.lasting->condition.holds();
+  return constraints_->Holds(it->second.id);
+}
+
+absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle,
+                                                                  const TermBinding& fixed,
+                                                                  size_t limit) const {
+  auto it = conditions_.find(handle);
+  if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
+  const Lasting* lasting = it->second.lasting.get();
+  std::vector<TermBinding> bindings;
+  Binding wanted;
+  for (const auto& [name, term] : fixed) {
+    const std::optional<TermId> id = dictionary_->Find(term);
+    if (!id) return bindings;
+    wanted.emplace_back(name, *id);
+  }
+  auto solutions = constraints_->Solutions(it->second.id, *version_, wanted, lasting != nullptr ? SIZE_MAX : limit, now_us_,
+                                           cancellation_);
+  if (!solutions.ok()) return solutions.status();
+  for (const Binding& solution : *solutions) {
+    if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;
+    bindings.push_back(Decode(solution));
+    if (bindings.size() >= limit) break;
+  }
+  return bindings;
+}
+
+std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
+  auto it = conditions_.find(handle);
+  if (it == conditions_.end()) return "";
+  return it->second.evidence->Text(*version_, binding);
+}
+
+void ConditionPort::Commit() {
+  for (const std::shared_ptr<Lasting>& lasting : changed_) lasting->condition.Commit();
+  changed_.clear();
+  armed_.clear();
+  disarmed_.clear();
+}
+
+void ConditionPort::Rollback() {
+  for (ConditionHandle handle : armed_) {
+    auto it = conditions_.find(handle);
+    if (it == conditions_.end()) continue;
+    handles_.erase(it->second.id);
+    if (it->second.lasting) ForgetParts(*it->second.lasting);
+    conditions_.erase(it);
+  }
+  for (auto& [handle, condition] : disarmed_) {
+    if (std::find(armed_.begin(), armed_.end(), handle) != armed_.end()) continue;
+    handles_[condition.id] = handle;
+    if (condition.lasting) RememberParts(*condition.lasting);
+    conditions_[handle] = std::move(condition);
+  }
+  for (const std::shared_ptr<Lasting>& lasting : changed_) {
+    lasting->condition.Rollback();
+    if (conditions_.contains(lasting->handle)) List(*lasting, lasting->condition.NextDeadline());
+  }
+  unsettled_.clear();
+  gathered_.clear();
+  gathered_at_.clear();
+  edges_.clear();
+  Commit();
+}
+
+}  // namespace docent

@@ -1,0 +1,133 @@
+// The engine's conditions, kept by the constraint set: handles ↔ constraints, text ↔ queries, ids ↔ terms,
+// and the facts that made a condition hold.
+//
+// Conditions with parts that must have held for some time are several constraints and a LastingCondition; when the
+// next of those times is full, a clock tick is needed.
+//
+// Journaled like the stages it stands between: Commit or Rollback at the end of a turn. Writer thread only.
+#ifndef DOCENT_KB_SERVER_TURN_CONDITION_PORT_H_
+#define DOCENT_KB_SERVER_TURN_CONDITION_PORT_H_
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
+#include "absl/types/span.h"
+#include "kb_server/turn/condition_evidence.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/lasting_condition.h"
+#include "workflow/engine/ports.h"
+
+namespace docent {
+
+// Since when a binding of a condition's part has held, for snapshots.
+struct LastingSince {
+  ConditionHandle handle = 0;
+  uint32_t part = 0;
+  TermBinding binding;
+  TimeMicros since_us = 0;
+  bool full = false;
+};
+
+class ConditionPort final : public ConditionView {
+ public:
+  // All must outlive the port.
+  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints);
+
+  // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
+  // and the key bindings that are there already count as edges of the next round.
+  // `cancellation`, here and below: null: none.
+  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version, TimeMicros now_us,
+                   Cancellation* cancellation = nullptr);
+  void Disarm(const std::vector<ConditionHandle>& handles);
+  // As Arm, for conditions whose edges the engine has had and whose times run already (a start from a snapshot).
+  absl::Status Restore(const std::vector<ConditionRequest>& requests, const std::vector<LastingSince>& times,
+                       const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);
+  // The times that run, in order of handle, part and binding.
+  std::vector<LastingSince> Times() const;
+  // When a clock tick is needed, if ever.
+  std::optional<TimeMicros> NextDeadline() const;
+  // What is armed now, in order of the handles.
+  std::vector<ConditionRequest> Requests() const;
+  // Adds the edges of these changes to the next round's.
+  void Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us);
+  // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
+  // `cancellation` (null: none) ends Solutions of this round early; the turn is then to be refused, since the engine goes on.
+  void BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);
+
+  const std::vector<ConditionEdge>& edges() const override { return edges_; }
+  bool Holds(ConditionHandle handle) const override;
+  absl::StatusOr<std::vector<TermBinding>> Solutions(ConditionHandle handle, const TermBinding& fixed,
+                                                     size_t limit) const override;
+  std::string Evidence(ConditionHandle handle, const TermBinding& binding) const override;
+
+  void Commit();
+  void Rollback();
+
+ private:
+  struct Lasting {
+    Lasting(ConditionHandle handle_in, const ConditionRequest& request);
+    const ConditionHandle handle;
+    LastingCondition condition;
+    std::vector<ConstraintId> parts;
+    std::optional<TimeMicros> listed_us;  // its place in deadlines_
+  };
+  struct Condition {
+    ConstraintId id;
+    std::shared_ptr<const ConditionEvidence> evidence;
+    std::shared_ptr<const ConditionRequest> request;
+    std::shared_ptr<Lasting> lasting;  // null: it has no such parts
+  };
+
+  TermBinding Decode(const Binding& binding) const;
+  std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
+  absl::StatusOr<ConstraintId> Register(const sparql::Query& query, const std::string& text,
+                                        const std::vector<std::string>& key_variables, const GraphVersion& version,
+                                        TimeMicros now_us, Cancellation* cancellation);
+  // Registers the parts and tells the condition what holds now.
+  absl::Status ArmParts(const ConditionRequest& request, const Condition& condition, const GraphVersion& version,
+                        TimeMicros now_us, Cancellation* cancellation);
+  // What a condition with parts is like at once. False: the change is not about one.
+  bool TakeLasting(const ConstraintChange& change, TimeMicros now_us);
+  // Something changed about it in this round.
+  void Touch(const std::shared_ptr<Lasting>& lasting);
+  void SettleLasting(TimeMicros now_us);
+  void RestoreTimes(const std::vector<LastingSince>& times);
+  // Which constraint is which part.
+  void RememberParts(Lasting& lasting);
+  void ForgetParts(Lasting& lasting);
+  void DisarmParts(Lasting& lasting);
+  // Brings its place in deadlines_ in line; nullopt: none.
+  void List(Lasting& lasting, std::optional<TimeMicros> due_us);
+  // One edge a condition and round, however often it changed.
+  void Gather(ConditionEdge edge);
+
+  Dictionary* dictionary_;
+  ConstraintSet* constraints_;
+  absl::flat_hash_map<ConditionHandle, Condition> conditions_;
+  absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
+  absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>> parts_;  // → condition and which part of it
+  absl::btree_set<std::pair<TimeMicros, ConditionHandle>> deadlines_;
+  absl::btree_set<ConditionHandle> unsettled_;  // of which something changed in this round
+  std::vector<ConditionEdge> gathered_;
+  absl::flat_hash_map<ConditionHandle, size_t> gathered_at_;  // index in gathered_
+  std::vector<ConditionEdge> edges_;
+  const GraphVersion* version_ = nullptr;
+  TimeMicros now_us_ = 0;
+  Cancellation* cancellation_ = nullptr;
+  // the journal
+  std::vector<ConditionHandle> armed_;
+  std::vector<std::pair<ConditionHandle, Condition>> disarmed_;
+  std::vector<std::shared_ptr<Lasting>> changed_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_TURN_CONDITION_PORT_H_

@@ -1,0 +1,153 @@
+// Conditions with parts that must have held for some time.
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "kb_server/turn/condition_port.h"
+#include "graph/sparql/syntax/parser.h"
+
+namespace docent {
+namespace {
+
+std::vector<LastingCondition::Part> PartsOf(const ConditionRequest& request) {
+  std::vector<LastingCondition::Part> parts;
+  for (const LastingPart& part : request.lasting) parts.push_back({part.variables, part.at_least_us});
+  return parts;
+}
+
+// The bindings that a change tells of; of a constraint without key variables there is one, the empty one.
+template <typename Set>
+void Apply(const ConstraintChange& change, Set set) {
+  if (change.appeared.empty() && change.disappeared.empty()) {
+    if (change.edge == ConstraintChange::Edge::kRose) set(Binding(), true);
+    if (change.edge == ConstraintChange::Edge::kFell) set(Binding(), false);
+  }
+  for (const Binding& binding : change.disappeared) set(binding, false);
+  for (const Binding& binding : change.appeared) set(binding, true);
+}
+
+}  // namespace
+
+ConditionPort::Lasting::Lasting(ConditionHandle handle_in, const ConditionRequest& request)
+    : handle(handle_in), condition(request.key_variables, PartsOf(request)) {}
+
+absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Condition& condition,
+                                     const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
+  Lasting& lasting = *condition.lasting;
+  changed_.push_back(condition.lasting);
+  for (size_t i = 0; i < request.lasting.size(); ++i) {
+    const LastingPart& part = request.lasting[i];
+    sparql::ParsedQuery parsed = sparql::ParseQuery(part.ask);
+    if (!parsed.ok()) return ToStatus(parsed.diagnostics, part.ask);
+    auto id = Register(parsed.query, part.ask, part.variables, version, now_us, cancellation);
+    if (!id.ok()) return id.status();
+    lasting.parts.push_back(*id);
+    for (const Binding& key : constraints_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);
+  }
+  RememberParts(lasting);
+  for (const Binding& key : constraints_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
+  lasting.condition.Settle(now_us);
+  List(lasting, lasting.condition.NextDeadline());
+  return absl::OkStatus();
+}
+
+void ConditionPort::RememberParts(Lasting& lasting) {
+  for (size_t i = 0; i < lasting.parts.size(); ++i) parts_[lasting.parts[i]] = {lasting.handle, i};
+  List(lasting, lasting.condition.NextDeadline());
+}
+
+void ConditionPort::ForgetParts(Lasting& lasting) {
+  for (const ConstraintId id : lasting.parts) parts_.erase(id);
+  List(lasting, std::nullopt);
+}
+
+void ConditionPort::DisarmParts(Lasting& lasting) {
+  for (const ConstraintId id : lasting.parts) constraints_->Remove(id);
+  ForgetParts(lasting);
+}
+
+void ConditionPort::List(Lasting& lasting, std::optional<TimeMicros> due_us) {
+  if (lasting.listed_us == due_us) return;
+  if (lasting.listed_us) deadlines_.erase({*lasting.listed_us, lasting.handle});
+  if (due_us) deadlines_.emplace(*due_us, lasting.handle);
+  lasting.listed_us = due_us;
+}
+
+std::optional<TimeMicros> ConditionPort::NextDeadline() const {
+  if (deadlines_.empty()) return std::nullopt;
+  return deadlines_.begin()->first;
+}
+
+bool ConditionPort::TakeLasting(const ConstraintChange& change, TimeMicros now_us) {
+  if (const auto part = parts_.find(change.id); part != parts_.end()) {
+    const auto [handle, number] = part->second;
+    const std::shared_ptr<Lasting>& lasting = conditions_[handle].lasting;
+    Apply(change, [&lasting, number = number, now_us](const Binding& binding, bool present) {
+      lasting->condition.SetPart(number, binding, present, now_us);
+    });
+    Touch(lasting);
+    return true;
+  }
+  const auto whole = handles_.find(change.id);
+  if (whole == handles_.end()) return false;
+  const std::shared_ptr<Lasting>& lasting = conditions_[whole->second].lasting;
+  if (!lasting) return false;
+  Apply(change,
+        [&lasting](const Binding& binding, bool present) { lasting->condition.SetWhole(binding, present); });
+  Touch(lasting);
+  return true;
+}
+
+void ConditionPort::Touch(const std::shared_ptr<Lasting>& lasting) {
+  if (unsettled_.insert(lasting->handle).second) changed_.push_back(lasting);
+}
+
+void ConditionPort::SettleLasting(TimeMicros now_us) {
+  for (auto due = deadlines_.begin(); due != deadlines_.end() && due->first <= now_us; ++due) {
+    Touch(conditions_[due->second].lasting);
+  }
+  for (const ConditionHandle handle : unsettled_) {
+    const auto found = conditions_.find(handle);
+    if (found == conditions_.end()) continue;
+    const std::shared_ptr<Lasting>& lasting = found->second.lasting;
+    const LastingCondition::Changes changes = lasting->condition.Settle(now_us);
+    List(*lasting, lasting->condition.NextDeadline());
+    if (!changes.any()) continue;
+    ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared), Decode(changes.disappeared)};
+    std::sort(edge.appeared.begin(), edge.appeared.end());
+    std::sort(edge.disappeared.begin(), edge.disappeared.end());
+    Gather(std::move(edge));
+  }
+  unsettled_.clear();
+}
+
+std::vector<LastingSince> ConditionPort::Times() const {
+  std::vector<LastingSince> times;
+  for (const auto& [handle, condition] : conditions_) {
+    if (!condition.lasting) continue;
+    for (const LastingCondition::Since& since : condition.lasting->condition.Times()) {
+      times.push_back({handle, since.part, Decode(since.binding), since.since_us, since.full});
+    }
+  }
+  std::sort(times.begin(), times.end(), [](const LastingSince& a, const LastingSince& b) {
+    return std::tie(a.handle, a.part, a.binding) < std::tie(b.handle, b.part, b.binding);
+  });
+  return times;
+}
+
+void ConditionPort::RestoreTimes(const std::vector<LastingSince>& times) {
+  for (const LastingSince& time : times) {
+    const auto found = conditions_.find(time.handle);
+    if (found == conditions_.end() || !found->second.lasting) continue;
+    if (time.part >= found->second.lasting->parts.size()) continue;
+    LastingCondition::Since since{time.part, {}, time.since_us, time.full};
+    for (const auto& [name, term] : time.binding) {
+      if (const std::optional<TermId> id = dictionary_->Find(term)) since.binding.emplace_back(name, *id);
+    }
+    found->second.lasting->condition.SetTime(since);
+    Touch(found->second.lasting);
+  }
+  SettleLasting(0);
+}
+
+}  // namespace docent

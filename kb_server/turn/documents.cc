@@ -1,0 +1,216 @@
+#include "kb_server/turn/documents.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
+#include "kb_server/turn/robot_directory.h"
+#include "graph/base/source_texts.h"
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+#include "workflow/cawl/parser.h"
+#include "workflow/rsel/parser.h"
+
+namespace docent {
+namespace {
+
+const std::string& DocumentsGraph() {
+  static const std::string* graph = new std::string(DocentIri("documents"));
+  return *graph;
+}
+
+using Fact = std::tuple<std::string, std::string, Term>;
+
+// What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not
+// there.
+std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::string& name) {
+  std::set<Fact> facts;
+  const std::string type(kRdfType);
+  const std::string label = Concat(kRdfsNs, "label");
+  if (kind == Document::Kind::kRsel) {
+    for (const rsel::PlanPtr& plan : engine.services().Plans()) {
+      if (plan->document != name) continue;
+      std::string iri = absl::StrCat("urn:docent:service:", plan->process);
+      facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
+      facts.insert({iri, label, Term::Literal(plan->process)});
+      for (const rsel::PlanStep& step : plan->steps) {
+        facts.insert({iri, DocentIri("hasStep"), Term::Iri(OperationIri(step.operation))});
+      }
+    }
+  }
+  if (kind == Document::Kind::kCawl) {
+    if (cawl::DocumentPtr document = engine.FindWorkflow(name)) {
+      std::string iri = absl::StrCat("urn:docent:workflow:", name);
+      facts.insert({iri, type, Term::Iri(DocentIri("Workflow"))});
+      facts.insert({iri, label, Term::Literal(name)});
+      for (const cawl::Flow& flow : document->flows)
+        facts.insert({iri, DocentIri("flow"), Term::Literal(flow.name.value)});
+    }
+  }
+  return facts;
+}
+
+// Adds to the batch what leads from `before` to `after`.
+void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBatch* batch) {
+  auto change = [&](const Fact& fact, QuadOperation::Kind kind) {
+    const auto& [subject, predicate, object] = fact;
+    batch->operations.push_back(
+        {kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
+  };
+  for (const Fact& fact : before) {
+    if (after.count(fact) == 0) change(fact, QuadOperation::Kind::kRemove);
+  }
+  for (const Fact& fact : after) {
+    if (before.count(fact) == 0) change(fact, QuadOperation::Kind::kAdd);
+  }
+}
+
+}  // namespace
+
+absl::Status Documents::ApplyOntology(const Document& document, const Dictionary& dictionary,
+                                      const GraphVersion& version, WriteBatch* batch) {
+  if (document.action == Document::Action::kRemove && entries_.count({document.kind, document.name}) == 0) {
+    return absl::NotFoundError(absl::StrCat("there is no ontology \"", document.name, "\""));
+  }
+  // what the graph has now goes, unless the new text has it too; the applier nets removals and additions out
+  std::vector<QuadOperation> operations;
+  std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name));
+  if (graph) {
+    version.ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
+      operations.push_back({QuadOperation::Kind::kRemove,
+                            {dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
+                             dictionary.Decode(quad.object), dictionary.Decode(quad.graph)}});
+      return true;
+    });
+  }
+  operations.insert(operations.end(), std::make_move_iterator(batch->operations.begin()),
+                    std::make_move_iterator(batch->operations.end()));
+  batch->operations = std::move(operations);
+  return absl::OkStatus();
+}
+
+absl::Status Documents::ApplyRules(const Document& document, RuleEngine* rules) {
+  if (document.action == Document::Action::kRemove) {
+    if (rules->RemoveRules(document.name)) return absl::OkStatus();
+    return absl::NotFoundError(absl::StrCat("there is no rule set \"", document.name, "\""));
+  }
+  const Diagnostics diagnostics = rules->PutRules(document.name, document.text);
+  if (!HasErrors(diagnostics)) return absl::OkStatus();
+  SourceTexts texts;
+  for (const auto& [key, entry] : entries_) {
+    if (key.first == Document::Kind::kRules && entry.text != nullptr) texts.Put(key.second, *entry.text);
+  }
+  texts.Put(document.name, document.text);
+  return texts.ToStatus(diagnostics);
+}
+
+absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits,
+                                  WriteBatch* batch, std::string* name) {
+  if (document.action == Document::Action::kRemove) {
+    std::set<Fact> before = Facts(*engine, document.kind, document.name);
+    if (!engine->Undeploy(document.name)) {
+      return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\""));
+    }
+    Describe(before, {}, batch);
+    return absl::OkStatus();
+  }
+  cawl::ParsedCawl parsed = cawl::ParseCawl(document.text, document.name, limits);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
+  Diagnostics unsupported = Engine::CheckSupported(*parsed.document);
+  if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
+  *name = parsed.document->name.value;
+  std::set<Fact> before = Facts(*engine, document.kind, *name);
+  engine->Deploy(parsed.document);
+  Describe(before, Facts(*engine, document.kind, *name), batch);
+  return absl::OkStatus();
+}
+
+absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits,
+                                  WriteBatch* batch, std::string* name) {
+  if (document.action == Document::Action::kRemove) {
+    std::set<Fact> before = Facts(*engine, document.kind, document.name);
+    absl::Status status = engine->RemoveServices(document.name);
+    if (status.ok()) Describe(before, {}, batch);
+    return status;
+  }
+  rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
+  *name = parsed.document->name.value;
+  std::set<Fact> before = Facts(*engine, document.kind, *name);
+  absl::Status status = ToStatus(engine->PutServices(parsed.document), document.text);
+  if (status.ok()) Describe(before, Facts(*engine, document.kind, *name), batch);
+  return status;
+}
+
+absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
+                              const GraphVersion& version, RuleEngine* rules, Engine* engine,
+                              const Limits& limits) {
+  if (batch->documents.empty()) return absl::OkStatus();
+  if (!undo_) undo_ = entries_;
+  for (const Document& document : batch->documents) {
+    std::string name = document.name;
+    uint64_t size = document.text.size();  // triples of ontologies, rules of rule sets; else bytes
+    absl::Status status;
+    switch (document.kind) {
+      case Document::Kind::kOntology:
+        size = batch->operations.size();
+        status = ApplyOntology(document, dictionary, version, batch);
+        break;
+      case Document::Kind::kRules:
+        status = ApplyRules(document, rules);
+        size = rules->rule_count(document.name);
+        break;
+      case Document::Kind::kCawl:
+        status = ApplyCawl(document, engine, limits, batch, &name);
+        break;
+      case Document::Kind::kRsel:
+        status = ApplyRsel(document, engine, limits, batch, &name);
+        break;
+    }
+    if (!status.ok()) return status;
+    if (document.action == Document::Action::kRemove) {
+      entries_.erase({document.kind, name});
+      continue;
+    }
+    std::shared_ptr<const std::string> text;
+    if (document.kind == Document::Kind::kRules) text = std::make_shared<const std::string>(document.text);
+    entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision,
+                                       std::move(text)};
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Documents::Restore(std::map<Key, Entry> entries, RuleEngine* rules) {
+  for (auto& [key, entry] : entries) {
+    if (key.first != Document::Kind::kRules) continue;
+    entry.fingerprint = std::hash<std::string>()(*entry.text);
+    const Diagnostics diagnostics = rules->PutRules(key.second, *entry.text);
+    if (HasErrors(diagnostics)) return ToStatus(diagnostics, *entry.text);
+  }
+  entries_ = std::move(entries);
+  return absl::OkStatus();
+}
+
+void Documents::Rollback() {
+  if (undo_) entries_ = *std::move(undo_);
+  undo_.reset();
+}
+
+std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) const {
+  auto catalog = std::make_shared<Catalog>();
+  for (const auto& [key, entry] : entries_) {
+    if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
+      catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
+    }
+    if (key.first == Document::Kind::kRules) catalog->rules.push_back({key.second, entry.text});
+  }
+  for (const cawl::DocumentPtr& document : engine.workflows()) {
+    auto it = entries_.find({Document::Kind::kCawl, document->name.value});
+    catalog->workflows.emplace_back(document, it == entries_.end() ? Revision() : it->second.revision);
+  }
+  catalog->services = engine.services();
+  return catalog;
+}
+
+}  // namespace docent

@@ -1,0 +1,49 @@
+// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status,
+// docent:idempotent. Answers are kept until a change of one of these properties. Writer thread only.
+#ifndef DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
+#define DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "graph/rdf/dictionary.h"
+#include "graph/store/delta.h"
+#include "graph/store/graph_version.h"
+#include "workflow/engine/ports.h"
+
+namespace docent {
+
+class GraphRobotDirectory final : public RobotDirectory {
+ public:
+  // `dictionary` must outlive the directory.
+  explicit GraphRobotDirectory(Dictionary* dictionary);
+
+  // From now on answers are those of `version`, to which `delta` leads from the one before.
+  void Refresh(const GraphVersion& version, const Delta& delta);
+  // The turn failed: nothing that was kept counts.
+  void Rollback() { known_.clear(); }
+
+  const std::vector<RobotOffer>& Offers(const std::string& operation) const override;
+  bool changed() const override { return changed_; }
+
+ private:
+  std::vector<RobotOffer> Read(const std::string& operation) const;
+
+  const Dictionary& dictionary_;
+  const std::vector<TermId> properties_;  // what an offer is read from
+  const GraphVersion* version_ = nullptr;
+  bool changed_ = true;
+  mutable std::map<std::string, std::vector<RobotOffer>> known_;
+};
+
+// "urn:docent:operation:NAME".
+std::string OperationIri(std::string_view name);
+
+// The lexical form of the first object of (subject, predicate, ?) in term order; empty: none.
+std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
+                     std::string_view predicate);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_

@@ -1,0 +1,65 @@
+#include "kb_server/turn/spatial_functions.h"
+
+#include <cmath>
+#include <string>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "graph/rdf/vocabulary.h"
+#include "maps/geometry.h"
+#include "maps/wkt.h"
+
+namespace docent {
+namespace {
+
+// Outlines are read once a thread; one that has seen so many begins anew.
+constexpr size_t kOutlinesRemembered = 1024;
+
+absl::StatusOr<double> Number(const Term& term) {
+  double value = 0;
+  const bool numeric = term.IsLiteral() && term.language.empty() && term.datatype.starts_with(kXsdNs);
+  if (!numeric || !absl::SimpleAtod(term.lexical, &value) || !std::isfinite(value)) {
+    return absl::InvalidArgumentError(absl::StrCat(ToDisplay(term), " is not a number"));
+  }
+  return value;
+}
+
+absl::StatusOr<maps::Point2> Position(absl::Span<const Term> arguments) {
+  const auto x = Number(arguments[0]), y = Number(arguments[1]);
+  if (!x.ok()) return x.status();
+  if (!y.ok()) return y.status();
+  return maps::Point2{*x, *y};
+}
+
+absl::StatusOr<Term> Distance(absl::Span<const Term> arguments) {
+  const auto a = Position(arguments), b = Position(arguments.subspan(2));
+  if (!a.ok()) return a.status();
+  if (!b.ok()) return b.status();
+  return Term::Literal(absl::StrFormat("%.3f", std::hypot(a->x_m - b->x_m, a->y_m - b->y_m)), std::string(kXsdDecimal));
+}
+
+absl::StatusOr<Term> InRegion(absl::Span<const Term> arguments) {
+  thread_local absl::flat_hash_map<std::string, absl::StatusOr<maps::Polygon>> outlines;
+  const auto position = Position(arguments);
+  if (!position.ok()) return position.status();
+  if (!arguments[2].IsLiteral()) return absl::InvalidArgumentError("an outline is a literal");
+  if (outlines.size() > kOutlinesRemembered) outlines.clear();
+  auto outline = outlines.find(arguments[2].lexical);
+  if (outline == outlines.end()) {
+    outline = outlines.emplace(arguments[2].lexical, maps::ReadWktPolygon(arguments[2].lexical)).first;
+  }
+  if (!outline->second.ok()) return outline->second.status();
+  const bool inside = maps::Contains(*outline->second, *position);
+  return Term::Literal(inside ? "true" : "false", std::string(kXsdBoolean));
+}
+
+}  // namespace
+
+void RegisterSpatialFunctions(sparql::FunctionRegistry* functions) {
+  functions->Register(DocentIri("distance"), 4, 4, Distance).IgnoreError();
+  functions->Register(DocentIri("inRegion"), 3, 3, InRegion).IgnoreError();
+}
+
+}  // namespace docent

@@ -1,0 +1,159 @@
+#include "kb_server/turn/turn.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/log/record_codec.h"
+#include "graph/store/delta_sum.h"
+
+namespace docent {
+namespace {
+
+void Record(const EngineOutput& output, TurnResult* result) {
+  for (const EngineTransition& t : output.transitions) {
+    result->record.transitions.push_back({t.subject, t.from, t.to, t.cause});
+  }
+  for (const RobotCommand& c : output.commands) {
+    result->record.commands.push_back({c.id, c.robot, c.operation, c.arguments, c.expected_incarnation,
+                                       c.guard_revision, c.deadline_us, c.idempotent});
+  }
+  result->cancels.insert(result->cancels.end(), output.cancels.begin(), output.cancels.end());
+  result->started.insert(result->started.end(), output.started.begin(), output.started.end());
+}
+
+absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
+  if (batch.documents.empty()) return stages->applier.Apply(batch, stages->writer);
+  WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
+  absl::Status documents =
+      stages->documents.Apply(&input, Revision(offset), stages->dictionary, stages->writer.current(),
+                              &stages->rules, &stages->engine, stages->limits);
+  if (!documents.ok()) return documents;
+  return stages->applier.Apply(input, stages->writer);
+}
+
+absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
+  for (const RunRequest& request : batch.run_requests) {
+    if (absl::Status status = stages->engine.CheckRequest(request); !status.ok()) return status;
+  }
+
+  absl::StatusOr<Delta> delta = ApplyToStore(stages, batch, offset);  // store
+  if (!delta.ok()) return delta.status();
+
+  if (stages->cancellation != nullptr) {
+    stages->cancellation->AllowSteps(stages->limits.StepsOfTurn(stages->writer.current().size()));
+  }
+
+  DeltaSum sum;
+  for (int round = 0;; ++round) {
+    if (round == stages->limits.engine_rounds_per_turn) {
+      return absl::ResourceExhaustedError(absl::StrCat(
+          "workflows went on for ", round, " rounds in one turn; the limit engine_rounds_per_turn is ",
+          stages->limits.engine_rounds_per_turn, "; look for a loop without a wait"));
+    }
+    if (stages->cancellation != nullptr) {
+      if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
+    }
+    size_t told = delta->size();
+    delta = stages->rules.Update(stages->writer, *delta, stages->cancellation);  // rules, to a fixpoint
+    if (!delta.ok()) return delta.status();
+    result->inferred += delta->size() - std::min(told, delta->size());
+    sum.Add(*delta);
+
+    const GraphVersion& graph = stages->writer.current();
+    auto changes = stages->constraints.Update(graph, *delta, batch.time_us, stages->cancellation);  // standing constraints
+    if (!changes.ok()) return changes.status();
+    stages->conditions.Take(*changes, batch.time_us);
+    stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
+
+    stages->robots.Refresh(graph, *delta);
+    EngineInput view;
+    view.now_us = batch.time_us;
+    view.revision = Revision(offset);
+    view.reports = round == 0 ? &batch.reports : nullptr;
+    view.requests = round == 0 ? &batch.run_requests : nullptr;
+    view.conditions = &stages->conditions;
+    view.robots = &stages->robots;
+    EngineOutput output = stages->engine.Step(view);  // workflow engine
+    if (stages->cancellation != nullptr) {  // it took what it could get
+      if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
+    }
+    Record(output, result);
+    stages->conditions.Disarm(output.disarm);
+    if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us, stages->cancellation);
+        !armed.ok()) {
+      return armed;
+    }
+    if (output.quiet()) break;
+    delta = stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
+  }
+  result->delta = sum.Net();
+  return absl::OkStatus();
+}
+
+absl::Status Encode(const TurnRecord& record, const Limits& limits, std::string* bytes) {
+  absl::StatusOr<std::string> encoded = EncodeTurnRecord(record);
+  if (!encoded.ok()) return encoded.status();
+  if (encoded->size() > limits.record_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat("the turn's record has ", encoded->size(),
+                                                     " bytes; the limit record_bytes is ",
+                                                     limits.record_bytes, "; send smaller batches"));
+  }
+  *bytes = *std::move(encoded);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void Stages::Commit() {
+  writer.Commit();
+  applier.Commit();
+  rules.Commit();
+  constraints.Commit();
+  conditions.Commit();
+  engine.Commit();
+  documents.Commit();
+}
+
+void Stages::Rollback() {
+  writer.Rollback();
+  applier.Rollback();
+  rules.Rollback();
+  conditions.Rollback();
+  robots.Rollback();
+  constraints.Rollback();
+  engine.Rollback();
+  documents.Rollback();
+}
+
+std::optional<TimeMicros> Stages::NextDeadline() const {
+  std::optional<TimeMicros> next;
+  for (const std::optional<TimeMicros>& due :
+       {applier.NextDeadline(), conditions.NextDeadline(), engine.NextDeadline()}) {
+    if (due && (!next || *due < *next)) next = due;
+  }
+  return next;
+}
+
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
+                                   std::string* record_bytes) {
+  TurnResult result;
+  absl::Status status = Decide(stages, batch, offset, &result);
+  if (status.ok()) {
+    result.documents_changed = !batch.documents.empty();
+    result.record.offset = offset;
+    result.record.time_us = batch.time_us;
+    result.record.engine_version = kEngineVersion;
+    result.record.batch = std::move(batch);
+    if (record_bytes != nullptr) status = Encode(result.record, stages->limits, record_bytes);
+  }
+  if (!status.ok()) {
+    stages->Rollback();
+    return status;
+  }
+  stages->Commit();
+  if (stages->freezes) result.version = stages->writer.Freeze(Revision(offset));
+  return result;
+}
+
+}  // namespace docent

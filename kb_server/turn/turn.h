@@ -1,0 +1,92 @@
+// One batch in, one new graph version out: the whole product in one function.
+//
+//   store → rules → constraints → engine, again until the engine is quiet
+//
+// A turn decides; it makes nothing durable, visible or heard. The caller (kb_server/writer/writer.h) appends the
+// record to the log, and only then publishes the version, answers the client and sends the commands. Replay
+// calls the same function with the batches of the log. Writer thread only.
+#ifndef DOCENT_KB_SERVER_TURN_TURN_H_
+#define DOCENT_KB_SERVER_TURN_TURN_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "kb_server/turn/condition_port.h"
+#include "kb_server/turn/documents.h"
+#include "kb_server/turn/robot_directory.h"
+#include "graph/base/limits.h"
+#include "graph/log/turn_record.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/store/batch_applier.h"
+#include "graph/store/graph_writer.h"
+#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/rules/rule_engine.h"
+#include "workflow/engine/engine.h"
+
+namespace docent {
+
+// Changes when the same log may lead to other decisions than before.
+inline constexpr char kEngineVersion[] = "7";
+
+// The state of the stages, in the order in which a batch passes them.
+struct Stages {
+  // `start`: the graph to begin with; null: empty.
+  Stages(Dictionary* dictionary_in, const sparql::FunctionRegistry* functions, const Limits& limits_in,
+         GraphVersionPtr start = nullptr)
+      : limits(limits_in),
+        dictionary(*dictionary_in),
+        writer(std::move(start)),
+        applier(*dictionary_in, limits_in),
+        rules(*dictionary_in, limits_in, functions),
+        constraints(*dictionary_in, functions),
+        conditions(dictionary_in, &constraints),
+        robots(dictionary_in),
+        engine(dictionary_in, limits_in) {
+    writer.SetObserver(&constraints);
+  }
+
+  const Limits limits;
+  Dictionary& dictionary;
+  GraphWriter writer;
+  BatchApplier applier;
+  RuleEngine rules;
+  ConstraintSet constraints;
+  ConditionPort conditions;
+  GraphRobotDirectory robots;
+  Engine engine;
+  Documents documents;
+  // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.
+  bool freezes = true;
+  // Ends a turn early, as an error: one that nobody waits for any more, or that makes more steps than the limits allow (which
+  // RunTurn tells it). Null: no such limits; so while the log is replayed, whose turns were decided.
+  Cancellation* cancellation = nullptr;
+
+  void Commit();
+  void Rollback();
+  // When the next clock tick is due, if ever.
+  std::optional<TimeMicros> NextDeadline() const;
+};
+
+struct TurnResult {
+  TurnRecord record;
+  GraphVersionPtr version;         // null unless Stages::freezes
+  Delta delta;                     // everything that changed in the graph, net
+  size_t inferred = 0;             // facts that rules added or withdrew
+  std::vector<CommandId> cancels;  // commands to be ended
+  std::vector<RunId> started;      // by the batch's run requests
+  bool documents_changed = false;
+};
+
+// INVALID_ARGUMENT (what the batch says is wrong, with its place), RESOURCE_EXHAUSTED (a limit, named),
+// FAILED_PRECONDITION, NOT_FOUND: nothing has changed. `offset`: of the record that this turn will be.
+// `record_bytes`: becomes what the log is to keep of the turn, which is refused if that is too much for the
+// log; null for a turn that the log has already.
+absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
+                                   std::string* record_bytes = nullptr);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_TURN_TURN_H_

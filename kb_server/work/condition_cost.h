@@ -1,0 +1,24 @@
+// What a workflow's conditions cost by nature: those that are evaluated whole when something changes, and how long that
+// takes now. They are accepted; whoever deploys them is told.
+#ifndef DOCENT_KB_SERVER_WORK_CONDITION_COST_H_
+#define DOCENT_KB_SERVER_WORK_CONDITION_COST_H_
+
+#include <string>
+
+#include "graph/base/diagnostic.h"
+#include "kb_server/door/ports.h"
+#include "reasoner/matching/trigger_analysis.h"
+#include "workflow/cawl/check.h"
+
+namespace docent {
+
+// Why changes do not narrow a query, so that it is evaluated whole; empty: they do.
+std::string WhyWhole(const TriggerAnalysis& analysis);
+
+// A warning for each such condition of a correct document, at its place, with its cost as measured on the newest
+// version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it.
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ServicePorts& ports);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_WORK_CONDITION_COST_H_

@@ -1,0 +1,127 @@
+#include "kb_server/work/graph_environment.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "graph/base/text.h"
+#include "graph/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kOperationPrefix = "urn:docent:operation:";
+
+class LiveEnvironment final : public cawl::Environment {
+ public:
+  LiveEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
+                  std::shared_ptr<const Catalog> catalog)
+      : dictionary_(dictionary),
+        version_(std::move(version)),
+        catalog_(std::move(catalog)),
+        class_types_({Concat(kRdfsNs, "Class"), Concat(kOwlNs, "Class")}),
+        property_types_({Concat(kRdfNs, "Property"), Concat(kOwlNs, "ObjectProperty"),
+                         Concat(kOwlNs, "DatatypeProperty"), Concat(kOwlNs, "AnnotationProperty")}) {}
+
+  std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
+    if (rsel::PlanPtr plan = catalog_->services.Find(name))
+      return cawl::OperationSignature{plan->process, plan->inputs, true};
+    if (Has({}, DocentIri("offers"), Concat(kOperationPrefix, name)))
+      return cawl::OperationSignature{std::string(name), {}, false};
+    return std::nullopt;
+  }
+  std::vector<std::string> OperationNames() const override {
+    std::vector<std::string> names = catalog_->services.ProcessNames();
+    auto offers = dictionary_.FindIri(DocentIri("offers"));
+    if (!offers) return names;
+    version_->ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
+      std::string iri = dictionary_.Decode(quad.object).lexical;
+      if (iri.rfind(kOperationPrefix, 0) == 0) names.push_back(iri.substr(kOperationPrefix.size()));
+      return true;
+    });
+    return names;
+  }
+  std::vector<std::string> ApplicationServices() const override {
+    std::vector<std::string> names;
+    for (const auto& [document, revision] : catalog_->workflows) names.push_back(document->name.value);
+    return names;
+  }
+  bool IsClass(const std::string& iri) const override {
+    return HasType(iri, class_types_) || Has(iri, Concat(kRdfsNs, "subClassOf"), {});
+  }
+  bool IsProperty(const std::string& iri) const override {
+    return HasType(iri, property_types_) || Has(iri, Concat(kRdfsNs, "subPropertyOf"), {});
+  }
+  bool IsKnown(const std::string& iri) const override {
+    return Has(iri, std::string(kRdfType), {}) || IsClass(iri) || IsProperty(iri);
+  }
+  std::vector<std::string> Classes(std::string_view namespace_iri) const override {
+    return OfTypes(class_types_, namespace_iri);
+  }
+  std::vector<std::string> Properties(std::string_view namespace_iri) const override {
+    return OfTypes(property_types_, namespace_iri);
+  }
+  std::vector<std::string> Words(std::string_view namespace_iri) const override {
+    std::vector<std::string> words;
+    auto type = dictionary_.FindIri(kRdfType);
+    if (type)
+      version_->ForEach({{}, *type, {}, {}},
+                        [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
+    return words;
+  }
+
+ private:
+  // Empty text is a wildcard.
+  bool Has(const std::string& subject, const std::string& predicate, const std::string& object) const {
+    QuadPattern pattern;
+    for (auto [text, place] : {std::pair{&subject, &pattern.subject},
+                               {&predicate, &pattern.predicate},
+                               {&object, &pattern.object}}) {
+      if (text->empty()) continue;
+      auto id = dictionary_.FindIri(*text);
+      if (!id) return false;
+      *place = *id;
+    }
+    return version_->ContainsMatch(pattern);
+  }
+  bool HasType(const std::string& iri, const std::vector<std::string>& types) const {
+    return std::any_of(types.begin(), types.end(),
+                       [&](const std::string& type) { return Has(iri, std::string(kRdfType), type); });
+  }
+  bool Take(TermId id, std::string_view namespace_iri, std::vector<std::string>* words) const {
+    if (!id.IsIri()) return true;
+    std::string_view iri = dictionary_.Lexical(id);
+    if (iri.substr(0, namespace_iri.size()) == namespace_iri) words->emplace_back(iri);
+    return true;
+  }
+  std::vector<std::string> OfTypes(const std::vector<std::string>& types,
+                                   std::string_view namespace_iri) const {
+    std::vector<std::string> words;
+    auto type = dictionary_.FindIri(kRdfType);
+    for (const std::string& name : types) {
+      auto id = dictionary_.FindIri(name);
+      if (!type || !id) continue;
+      version_->ForEach({{}, *type, *id, {}},
+                        [&](const Quad& quad) { return Take(quad.subject, namespace_iri, &words); });
+    }
+    std::sort(words.begin(), words.end());
+    words.erase(std::unique(words.begin(), words.end()), words.end());
+    return words;
+  }
+
+  const Dictionary& dictionary_;
+  const GraphVersionPtr version_;
+  const std::shared_ptr<const Catalog> catalog_;
+  const std::vector<std::string> class_types_;
+  const std::vector<std::string> property_types_;
+};
+
+}  // namespace
+
+std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
+                                                    std::shared_ptr<const Catalog> catalog) {
+  return std::make_unique<LiveEnvironment>(dictionary, std::move(version), std::move(catalog));
+}
+
+}  // namespace docent

@@ -1,0 +1,160 @@
+#include "kb_server/work/load_judge.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/door/catalog.h"
+#include "graph/store/graph_writer.h"
+#include "reasoner/shapes/shape_reader.h"
+#include "reasoner/shapes/source_map.h"
+#include "reasoner/shapes/validator.h"
+
+namespace docent {
+namespace {
+
+// The batch as the server's stages would apply it, rules aside.
+void Apply(const WriteBatch& batch, Dictionary& dictionary, GraphWriter& writer) {
+  for (const Document& document : batch.documents) {
+    if (document.kind != Document::Kind::kOntology) continue;
+    const std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name));
+    if (!graph) continue;
+    std::vector<Quad> old;
+    writer.current().ForEach({{}, {}, {}, *graph}, [&old](const Quad& quad) {
+      old.push_back(quad);
+      return true;
+    });
+    for (const Quad& quad : old) writer.Remove(quad);
+  }
+  const Term default_graph = Term::Iri(batch.source.empty() ? std::string(kDefaultGraph) : batch.source);
+  for (const QuadOperation& operation : batch.operations) {
+    const TermQuad& q = operation.quad;
+    const Quad quad{dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object),
+                    dictionary.Intern(q.graph.lexical.empty() ? default_graph : q.graph)};
+    if (operation.kind == QuadOperation::Kind::kAdd) {
+      writer.Add(quad);
+    } else {
+      writer.Remove(quad);
+    }
+  }
+}
+
+struct Outcome {
+  shapes::ParsedShapes shapes;
+  shapes::ValidationReport report;
+};
+
+absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& version, const Dictionary& dictionary,
+                                 Cancellation* cancellation) {
+  Outcome outcome;
+  outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)), dictionary);
+  if (!outcome.shapes.ok() || !outcome.shapes.shapes.HasTargets()) return outcome;
+  shapes::ValidateOptions options;
+  options.memory_bytes = ports.limits.query_memory_bytes;
+  options.cancellation = cancellation;
+  auto report = shapes::Validate(outcome.shapes.shapes, shapes::GraphView(version), dictionary, options);
+  if (!report.ok()) return report.status();
+  outcome.report = *std::move(report);
+  return outcome;
+}
+
+// What makes a result the same one before and after. Ids of the version are those of its copy.
+std::string KeyOf(const shapes::ValidationResult& result, const Dictionary& dictionary) {
+  return absl::StrCat(result.focus.bits(), " ", result.value.bits(), " ", result.shape.bits(), " ",
+                      static_cast<int>(result.component), " ",
+                      result.has_path ? shapes::PathText(result.path, dictionary) : "", " ", result.messages[0].lexical);
+}
+
+// Where the quads of the text stand, by the ids of the private copy.
+shapes::SourceMap PlacesOf(const LoadedText& text, const Dictionary& dictionary) {
+  shapes::SourceMap places;
+  if (text.name.empty()) return places;
+  const LocatedRdf document = text.parse();
+  for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
+    const TermQuad& q = document.rdf.quads[i];
+    const auto subject = dictionary.Find(q.subject), predicate = dictionary.Find(q.predicate), object = dictionary.Find(q.object);
+    if (!subject || !predicate || !object) continue;
+    places.Add({*subject, *predicate, *object, TermId()}, {text.name, document.places[i].subject}, {text.name, document.places[i].object});
+  }
+  return places;
+}
+
+void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batch, const LoadedText& loaded, const Dictionary& dictionary,
+             LoadVerdict* verdict) {
+  shapes::SourceMap places;
+  std::multiset<std::string> old;
+  for (const shapes::ValidationResult& result : before.report.results) old.insert(KeyOf(result, dictionary));
+  for (const shapes::ValidationResult& result : after.report.results) {
+    if (auto known = old.find(KeyOf(result, dictionary)); known != old.end()) {
+      old.erase(known);
+      continue;
+    }
+    JudgedResult judged;
+    if (verdict->results.empty()) places = PlacesOf(loaded, dictionary);
+    // shapes are those of modules: data that speak of one do not say where it is
+    judged.text = shapes::Describe(result, dictionary, &places, batch.documents.empty() ? nullptr : &places);
+    judged.focus = dictionary.Decode(result.focus);
+    if (!result.value.IsNone()) judged.value = dictionary.Decode(result.value);
+    judged.shape = dictionary.Decode(result.shape);
+    judged.violation = judged.text.severity == "violation";
+    verdict->results.push_back(std::move(judged));
+  }
+}
+
+}  // namespace
+
+bool LoadVerdict::HasViolations() const {
+  return HasErrors(diagnostics) ||
+         std::any_of(results.begin(), results.end(), [](const JudgedResult& r) { return r.violation; });
+}
+
+std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary) {
+  const std::string base = OntologyGraph("");
+  std::vector<TermId> graphs;
+  for (const TermId graph : version.graphs()) {
+    if (graph.IsIri() && dictionary.Lexical(graph).starts_with(base)) graphs.push_back(graph);
+  }
+  return graphs;
+}
+
+absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+                                      const LoadedText& text, Cancellation* cancellation) {
+  Dictionary dictionary(ports.dictionary);
+  // a version without owner: it outlives the writer, which only shares its nodes
+  GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
+  Apply(batch, dictionary, writer);
+  auto after = Validate(ports, writer.current(), dictionary, cancellation);
+  if (!after.ok()) return after.status();
+  LoadVerdict verdict;
+  verdict.diagnostics = after->shapes.diagnostics;
+  // Whether there are shapes at all is looked for, too.
+  for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf"}) {
+    verdict.reads.push_back({std::nullopt, Term::Iri(shapes::Shacl(word)), std::nullopt, std::nullopt});
+  }
+  for (const char* word : {"NodeShape", "PropertyShape"}) {
+    verdict.reads.push_back(
+        {std::nullopt, Term::Iri(std::string(kRdfType)), Term::Iri(shapes::Shacl(word)), std::nullopt});
+  }
+  if (after->shapes.shapes.any_property) {
+    verdict.reads.push_back({});
+  } else if (after->shapes.shapes.HasTargets()) {
+    for (const TermId property : after->shapes.shapes.properties) {
+      verdict.reads.push_back({std::nullopt, dictionary.Decode(property), std::nullopt, std::nullopt});
+    }
+  }
+  if (after->report.conforms()) return verdict;
+  auto before = Validate(ports, version, dictionary, cancellation);
+  if (!before.ok()) return before.status();
+  Collect(*before, *after, batch, text, dictionary, &verdict);
+  if (verdict.results.empty() && after->report.total > before->report.total) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the graph has ", after->report.total, " validation results, more than the limit validation_results = ",
+                     after->report.results.size(), ", so that new ones cannot be told from old ones; correct those it has"));
+  }
+  return verdict;
+}
+
+}  // namespace docent

@@ -1,0 +1,51 @@
+// Would the graph violate its shapes after a load? The batch is applied to a private copy of a version, beside the writer;
+// rules are not: what they would derive of the load is not seen. Any thread.
+#ifndef DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_
+#define DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/located_parser.h"
+#include "kb_server/door/ports.h"
+#include "graph/store/recent_changes.h"
+#include "graph/store/write_batch.h"
+#include "reasoner/shapes/report.h"
+
+namespace docent {
+
+// A result with terms in the place of ids, which a private copy's dictionary gave.
+struct JudgedResult {
+  shapes::ResultText text;
+  Term focus, value, shape;  // an empty IRI as value: none
+  bool violation = false;    // sh:Violation
+};
+
+struct LoadVerdict {
+  std::vector<JudgedResult> results;  // that the version before does not have
+  Diagnostics diagnostics;            // ill-formed shapes
+  std::vector<ReadPattern> reads;     // what the shapes looked at
+  bool HasViolations() const;
+};
+
+// The text that the batch was made of, for the places of results. Its blank nodes are those of the batch.
+struct LoadedText {
+  std::string name;                    // as the client named it; empty: there is no text
+  std::function<LocatedRdf()> parse;  // only where there are results
+};
+
+// The batch of a Load on `version`: its documents are ontologies (replaced or removed), its operations quads. CANCELLED,
+// DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED: there is no verdict.
+absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+                                      const LoadedText& text, Cancellation* cancellation);
+
+// The graphs of the ontology modules: where shapes are looked for.
+std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_

@@ -1,0 +1,211 @@
+#include "kb_server/work/remote_access.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/text.h"
+#include "graph/rdf/iri.h"
+#include "graph/rdf/parser.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kFile = "file://";
+constexpr int kRedirects = 5;
+
+std::string PathOf(const HttpUrl& url) {
+  return url.target.substr(0, url.target.find('?'));
+}
+
+// "/a/b" is below "/a", "/a/" and "/", and is itself.
+bool IsBelow(std::string_view path, std::string_view above) {
+  if (!path.starts_with(above)) return false;
+  return path.size() == above.size() || above.ends_with('/') || path[above.size()] == '/';
+}
+
+// ".." or an escape that a server may read as '.', '/' or '\'.
+bool IsTricky(std::string_view path) {
+  const std::string lower = absl::AsciiStrToLower(ToAbsl(path));
+  return absl::StrContains(lower, "/../") || absl::EndsWith(lower, "/..") ||
+         absl::StrContains(lower, "%2e") || absl::StrContains(lower, "%2f") ||
+         absl::StrContains(lower, "%5c") || absl::StrContains(lower, "\\");
+}
+
+absl::StatusOr<std::string> ReadFile(std::string_view url, size_t max_bytes) {
+  const std::optional<std::string> path = PercentDecode(url.substr(kFile.size()), false);
+  if (!path) return absl::InvalidArgumentError("a broken %-escape");
+  if (std::error_code ignored; std::filesystem::is_directory(*path, ignored)) return absl::InvalidArgumentError("it is a folder; name a file");
+  std::ifstream file(*path, std::ios::binary | std::ios::ate);
+  if (!file) return absl::NotFoundError("it cannot be read");
+  const std::streamoff size = file.tellg();
+  if (size < 0 || static_cast<size_t>(size) > max_bytes) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("it is larger than the limit remote_bytes = ", max_bytes));
+  }
+  file.seekg(0);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// An RDF term in SPARQL 1.1 Query Results JSON, section 3.2.2.
+std::optional<Term> ToTerm(const nlohmann::json& value) {
+  const auto text = [&value](const char* name) {
+    const auto it = value.find(name);
+    return it != value.end() && it->is_string() ? it->get<std::string>() : std::string();
+  };
+  const std::string type = text("type");
+  if (type == "uri") return IsValidTermIri(text("value")) ? std::optional(Term::Iri(text("value"))) : std::nullopt;
+  if (type == "bnode") return Term::Blank(text("value"));
+  if (type != "literal" && type != "typed-literal") return std::nullopt;
+  const std::string language = text("xml:lang");
+  if (!language.empty()) return Term::LangString(text("value"), absl::AsciiStrToLower(language));
+  return Term::Literal(text("value"), text("datatype"));
+}
+
+constexpr size_t kValuesARow = 4;  // on the average, in an answer of as many rows as it may have
+
+absl::StatusOr<sparql::ServiceAnswer> ReadAnswer(const std::string& body, size_t max_rows) {
+  const nlohmann::json root = nlohmann::json::parse(body, nullptr, false);
+  if (root.is_discarded() || !root.is_object()) return absl::UnknownError("the answer is not JSON");
+  const auto head = root.find("head");
+  const auto results = root.find("results");
+  if (head == root.end() || results == root.end() || !results->is_object() ||
+      !results->contains("bindings") || !(*results)["bindings"].is_array() || !head->is_object()) {
+    return absl::UnknownError("the answer is JSON, but no rows of SPARQL results");
+  }
+  sparql::ServiceAnswer answer;
+  for (const auto& name : head->value("vars", nlohmann::json::array())) {
+    if (name.is_string()) answer.variables.push_back(name.get<std::string>());
+  }
+  std::vector<std::string> names = answer.variables;
+  std::sort(names.begin(), names.end());
+  if (std::adjacent_find(names.begin(), names.end()) != names.end())
+    return absl::UnknownError("the answer names a variable twice");
+  for (const auto& binding : (*results)["bindings"]) {
+    if (answer.rows.size() == max_rows) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("the answer has more rows than the limit remote_rows = ", max_rows));
+    }
+    if ((answer.rows.size() + 1) * answer.variables.size() > kValuesARow * max_rows) {
+      return absl::ResourceExhaustedError(absl::StrCat("the answer has more values than ", kValuesARow,
+                                                       " times the limit remote_rows = ", max_rows));
+    }
+    std::vector<std::optional<Term>>& row = answer.rows.emplace_back();
+    for (const std::string& name : answer.variables) {
+      const auto cell = binding.is_object() ? binding.find(name) : binding.end();
+      row.emplace_back();
+      if (!binding.is_object() || cell == binding.end()) continue;
+      row.back() = cell->is_object() ? ToTerm(*cell) : std::nullopt;
+      if (!row.back()) return absl::UnknownError("the answer holds what is no RDF term");
+    }
+  }
+  return answer;
+}
+
+}  // namespace
+
+absl::Status RemoteAccess::CheckAllowed(const std::string& entry) {
+  if (ParseHttpUrl(entry)) return absl::OkStatus();
+  if (absl::StartsWith(entry, "file:///") && !IsTricky(entry)) return absl::OkStatus();
+  return absl::InvalidArgumentError("\"" + entry +
+                                    "\" is not http://HOST[:PORT][/PATH], https://… or file:///FOLDER");
+}
+
+bool RemoteAccess::IsAllowed(std::string_view url) const {
+  const std::optional<HttpUrl> given = ParseHttpUrl(url);
+  return std::any_of(allowed_.begin(), allowed_.end(), [&](const std::string& entry) {
+    if (absl::StartsWith(entry, "file:///")) return !IsTricky(url) && IsBelow(url, entry);
+    const std::optional<HttpUrl> above = ParseHttpUrl(entry);
+    return given && above && given->tls == above->tls && given->host == above->host &&
+           given->port == above->port && !IsTricky(PathOf(*given)) && IsBelow(PathOf(*given), PathOf(*above));
+  });
+}
+
+absl::Status RemoteAccess::Refuse(std::string_view url) const {
+  return absl::PermissionDeniedError(Concat(
+      "<", url, "> is not among the addresses that this server may reach; start it with --allow ", url));
+}
+
+absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellation* cancellation) const {
+  request->timeout = std::chrono::milliseconds(limits_.query_timeout_ms);
+  request->max_bytes = limits_.remote_bytes;
+  for (int redirects = 0;; ++redirects) {
+    if (!IsAllowed(request->url)) return Refuse(request->url);
+    std::optional<WorkerPool::Waiting> waiting;
+    if (workers_ != nullptr) waiting.emplace(workers_);
+    absl::StatusOr<HttpResponse> response = Fetch(*request, cancellation);
+    waiting.reset();
+    if (absl::IsUnavailable(response.status())) return absl::UnknownError(response.status().message());
+    if (!response.ok() || response->status == 200) return response;
+    const int status = response->status;
+    const auto location = std::find_if(response->headers.begin(), response->headers.end(),
+                                       [](const auto& field) { return field.first == "location"; });
+    // What is sent is sent again only where the status says so (RFC 9110, section 15.4).
+    const bool again = status == 307 || status == 308 || (request->method == "GET" && (status == 301 || status == 302 || status == 303));
+    if (!again || location == response->headers.end() || redirects == kRedirects) {
+      return absl::UnknownError(absl::StrCat(request->url, " answered with status ", status, ": ",
+                                             response->body.substr(0, response->body.find('\n')).substr(0, 200)));
+    }
+    request->url = ResolveIri(location->second, request->url);
+  }
+}
+
+absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint, const std::string& query,
+                                                           bool silent, Cancellation* cancellation) {
+  FetchRequest request;
+  request.method = "POST";
+  request.url = endpoint;
+  request.headers = {{"Content-Type", "application/sparql-query"},
+                     {"Accept", "application/sparql-results+json"}};
+  request.body = query;
+  request.half_time = silent;
+  absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
+  if (!response.ok()) return response.status();
+  return ReadAnswer(response->body, limits_.remote_rows);
+}
+
+absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
+                                                         Cancellation* cancellation) const {
+  std::string text, base = url;
+  std::optional<RdfFormat> format;
+  if (absl::StartsWith(url, ToAbsl(kFile))) {
+    if (!IsAllowed(url)) return Refuse(url);
+    absl::StatusOr<std::string> file = ReadFile(url, limits_.remote_bytes);
+    if (!file.ok())
+      return absl::Status(file.status().code(), absl::StrCat("<", url, ">: ", file.status().message()));
+    text = *std::move(file);
+  } else {
+    FetchRequest request;
+    request.url = url;
+    request.headers = {
+        {"Accept",
+         "text/turtle, application/n-triples, application/trig;q=0.9, application/n-quads;q=0.9, "
+         "application/rdf+xml;q=0.8"}};
+    absl::StatusOr<HttpResponse> response = Get(&request, cancellation);
+    if (!response.ok()) return response.status();
+    base = request.url;
+    text = std::move(response->body);
+    format = FormatOfMediaType(response->content_type);
+  }
+  if (!format) format = FormatOfFile(base);
+  if (!format)
+    return absl::InvalidArgumentError("<" + url + ">: neither its type nor its name says which RDF it is");
+  ParseRdfOptions options;
+  options.file = url;
+  options.base_iri = base;
+  options.limits = limits_;
+  ParsedRdf parsed = ParseRdf(text, *format, options);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
+  return std::move(parsed.quads);
+}
+
+}  // namespace docent

@@ -1,0 +1,56 @@
+// What the server may fetch from other servers, and the fetching: SERVICE asks SPARQL endpoints, LOAD reads
+// documents. Only addresses on the allow-list are reached, by default none, so that a query cannot make the
+// server touch what its sender could not. Redirects are followed to such addresses, too. Thread-safe.
+#ifndef DOCENT_KB_SERVER_WORK_REMOTE_ACCESS_H_
+#define DOCENT_KB_SERVER_WORK_REMOTE_ACCESS_H_
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/term.h"
+#include "kb_server/work/http_fetch.h"
+#include "kb_server/door/worker_pool.h"
+#include "graph/sparql/run/federation.h"
+
+namespace docent {
+
+class RemoteAccess final : public sparql::ServiceClient {
+ public:
+  // Who fetches on one of `workers` (may be null) gives its place up meanwhile. `allowed`: "http://host:port/path", "https://…"
+  // or "file:///folder": that address and all below it (whole path segments). See CheckAllowed.
+  RemoteAccess(std::vector<std::string> allowed, const Limits& limits, WorkerPool* workers = nullptr)
+      : allowed_(std::move(allowed)), limits_(limits), workers_(workers) {}
+
+  // INVALID_ARGUMENT for an entry that is not of one of these forms.
+  static absl::Status CheckAllowed(const std::string& entry);
+  // Whether the list has `url`, or something above it. Scheme, host and port must be the same; a path with
+  // ".." or
+  // %-escapes of '.' or '/' is never on it.
+  bool IsAllowed(std::string_view url) const;
+  bool allows_any() const { return !allowed_.empty(); }
+
+  // For SERVICE: POST of the query, answer in SPARQL JSON.
+  absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool silent,
+                                               Cancellation* cancellation) override;
+  // For LOAD: the document's quads, in the format that its Content-Type or name says.
+  absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation) const;
+
+ private:
+  absl::Status Refuse(std::string_view url) const;
+  // The answer with status 200, and in request->url where it came from. UNKNOWN: what the other server did instead.
+  absl::StatusOr<HttpResponse> Get(FetchRequest* request, Cancellation* cancellation) const;
+
+  const std::vector<std::string> allowed_;
+  const Limits limits_;
+  WorkerPool* const workers_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_WORK_REMOTE_ACCESS_H_

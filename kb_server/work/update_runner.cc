@@ -1,0 +1,183 @@
+#include "kb_server/work/update_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "graph/rdf/text_bytes.h"
+#include "kb_server/door/await_version.h"
+#include "kb_server/door/ports.h"
+#include "kb_server/work/remote_access.h"
+#include "graph/sparql/run/update_evaluator.h"
+
+namespace docent {
+namespace {
+
+constexpr size_t kRequestIdBytes = 256;  // as in Context.Assert
+
+}  // namespace
+
+// One update on its way. It is in one thread at a time: a worker's or the writer's.
+class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
+ public:
+  Job(const ServicePorts& ports, UpdateRequest request, uint64_t seed, TimeMicros now_us, BatchCallback done)
+      : ports_(ports), request_(std::move(request)), done_(std::move(done)), needed_(request_.min_revision) {
+    run_.now_us = now_us;
+    run_.seed = seed;
+    options_.prepare.default_graph = ports.default_graph;
+    options_.prepare.functions = ports.functions;
+    options_.prepare.memory_bytes = ports.limits.query_memory_bytes;
+    options_.prepare.all_memory = ports.query_memory;
+    options_.load = [this](const std::string& iri) { return Document(iri); };
+    deadline_ = absl::Now() + request_.timeout;
+  }
+
+  // On a worker.
+  void Attempt() {
+    ++attempts_;
+    absl::StatusOr<GraphVersionPtr> version =
+        AwaitVersion(ports_, needed_, deadline_, request_.cancellation.get());
+    if (!version.ok()) return done_(version.status());
+    if (attempts_ == 1) {
+      if (absl::Status status = AskOthers(**version); !status.ok()) return done_(status);
+    }
+    if (attempts_ > ports_.limits.update_attempts) return PushUnevaluated();
+    absl::StatusOr<sparql::UpdateEffect> effect = Evaluate(**version, request_.cancellation.get());
+    if (!effect.ok()) return done_(effect.status());
+    if (effect->operations.empty() && request_.request_id.empty()) {
+      return done_(BatchOutcome{(*version)->revision().value()});
+    }
+    Push(std::move(*effect), (*version)->revision());
+  }
+
+ private:
+  // What other servers know is fetched once, and never on the writer's turn.
+  absl::Status AskOthers(const GraphVersion& version) {
+    sparql::RunOptions run = run_;
+    run.version = &version;
+    run.cancellation = request_.cancellation.get();
+    absl::Status status =
+        sparql::ResolveServices(&request_.update, ports_.remote, *ports_.dictionary, options_.prepare, run);
+    size_t loaded = 0;  // bytes
+    for (const sparql::UpdateOperation& operation : request_.update.operations) {
+      if (!status.ok()) break;
+      if (operation.kind != sparql::UpdateOperation::Kind::kLoad) continue;
+      const std::string& iri = operation.document.lexical;
+      if (documents_.contains(iri)) continue;
+      if (!request_.load && ports_.remote == nullptr) continue;
+      const auto& document =
+          documents_.emplace(iri, request_.load ? request_.load(iri) : ports_.remote->Load(iri, request_.cancellation.get()))
+              .first->second;
+      if (!document.ok()) continue;
+      for (const TermQuad& quad : *document) loaded += sizeof(TermQuad) + TextBytes(quad);
+      if (loaded <= options_.prepare.memory_bytes) continue;
+      status = absl::ResourceExhaustedError(
+          absl::StrCat("the documents to LOAD are more than fit into the limit query_memory_bytes = ",
+                       options_.prepare.memory_bytes, "; <", iri, "> is the one too many"));
+    }
+    return status;
+  }
+
+  absl::StatusOr<std::vector<TermQuad>> Document(const std::string& iri) const {
+    const auto it = documents_.find(iri);
+    if (it == documents_.end()) return absl::FailedPreconditionError("LOAD is not permitted here");
+    return it->second;
+  }
+
+  absl::StatusOr<sparql::UpdateEffect> Evaluate(const GraphVersion& version, Cancellation* cancellation) {
+    if (request_.precondition) {
+      if (absl::Status status = request_.precondition(version); !status.ok()) return status;
+    }
+    sparql::RunOptions run = run_;
+    run.version = &version;
+    run.cancellation = cancellation;
+    return sparql::EvaluateUpdate(request_.update, *ports_.dictionary, run, options_);
+  }
+
+  WriteBatch Batch() const {
+    WriteBatch batch;
+    batch.request_id = request_.request_id;
+    batch.mode = WriteBatch::Mode::kLoad;
+    return batch;
+  }
+
+  void Push(sparql::UpdateEffect effect, Revision evaluated_on) {
+    WriteBatch batch = Batch();
+    batch.operations = std::move(effect.operations);
+    conflict_ = false;
+    auto check = [self = shared_from_this(), evaluated_on, reads = std::move(effect.reads)](
+                     const TurnView& view, WriteBatch*) -> absl::Status {
+      if (view.revision == evaluated_on ||
+          !view.changes.Touched(evaluated_on, reads, *self->ports_.dictionary)) {
+        return absl::OkStatus();
+      }
+      self->conflict_ = true;
+      self->needed_ = view.revision;
+      return absl::AbortedError("what the update read has changed meanwhile");
+    };
+    auto done = [self = shared_from_this()](const absl::StatusOr<BatchOutcome>& outcome) {
+      if (absl::IsAborted(outcome.status()) && self->conflict_) return self->Again();
+      self->done_(outcome);
+    };
+    ports_.inbox->Push(std::move(batch), std::move(done), std::move(check));
+  }
+
+  void Again() {
+    deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
+    if (!ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); })) {
+      done_(absl::ResourceExhaustedError("too much work waits; nothing was changed, try again"));
+    }
+  }
+
+  // Whatever else is written, this version stays until the update is done.
+  void PushUnevaluated() {
+    auto evaluate = [self = shared_from_this()](const TurnView& view, WriteBatch* batch) -> absl::Status {
+      const int limit_ms = self->ports_.limits.update_turn_ms;
+      Cancellation cancellation{std::chrono::milliseconds(limit_ms)};
+      absl::StatusOr<sparql::UpdateEffect> effect = self->Evaluate(view.graph, &cancellation);
+      if (effect.ok()) {
+        batch->operations = std::move(effect->operations);
+        return absl::OkStatus();
+      }
+      if (effect.status().code() != absl::StatusCode::kDeadlineExceeded) return effect.status();
+      return absl::AbortedError(absl::StrCat(
+          "what the update reads was changed by others during each of ", self->attempts_ - 1,
+          " evaluations, and the one while they waited took longer than the limit update_turn_ms = ",
+          limit_ms, "; nothing was changed, try again or make it smaller"));
+    };
+    ports_.inbox->Push(Batch(), done_, std::move(evaluate));
+  }
+
+  const ServicePorts& ports_;
+  UpdateRequest request_;
+  std::map<std::string, absl::StatusOr<std::vector<TermQuad>>> documents_;  // of LOAD
+  const BatchCallback done_;
+  sparql::RunOptions run_;
+  sparql::UpdateOptions options_;
+  absl::Time deadline_;
+  Revision needed_;
+  int attempts_ = 0;
+  bool conflict_ = false;
+};
+
+void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
+  if (request.request_id.size() > kRequestIdBytes) {
+    return done(
+        absl::InvalidArgumentError(absl::StrCat("request_id is longer than ", kRequestIdBytes, " bytes")));
+  }
+  const TimeMicros now_us = ports_.clock->Now();
+  // No two updates of a log share a seed: the time to the microsecond, and a count within it.
+  const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
+  const absl::Duration timeout = request.timeout;
+  auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
+  if (ports_.workers->Submit([job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
+                               done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
+                             }}))
+    return;
+  done(absl::ResourceExhaustedError("too much work waits; try again"));
+}
+
+}  // namespace docent

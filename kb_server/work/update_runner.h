@@ -1,0 +1,58 @@
+// Runs SPARQL Updates: evaluates each beside the writer on the newest version and brings it through the door
+// as quads, atomically. Where what it read has changed until its turn, it is evaluated again; after
+// Limits::update_attempts it is evaluated on the writer's turn itself, within Limits::update_turn_ms.
+// Thread-safe.
+#ifndef DOCENT_KB_SERVER_WORK_UPDATE_RUNNER_H_
+#define DOCENT_KB_SERVER_WORK_UPDATE_RUNNER_H_
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "graph/base/cancellation.h"
+#include "graph/base/ids.h"
+#include "kb_server/door/inbox.h"
+#include "graph/sparql/syntax/update_algebra.h"
+#include "graph/sparql/run/update_evaluator.h"
+#include "graph/store/graph_version.h"
+
+namespace docent {
+
+struct ServicePorts;
+
+struct UpdateRequest {
+  sparql::Update update;
+  std::string request_id;                      // as in a WriteBatch
+  Revision min_revision;                       // to be evaluated on this version or a later one
+  std::shared_ptr<Cancellation> cancellation;  // not null. Cancels the evaluation, not what is at the door
+  absl::Duration timeout;                      // of waiting for a worker, and for min_revision
+  sparql::LoadDocument load;                   // for LOAD; empty: what ServicePorts::remote allows
+  // Looks at each version that the update is evaluated on; an error ends it (a precondition). May be null.
+  std::function<absl::Status(const GraphVersion& version)> precondition;
+};
+
+class UpdateRunner {
+ public:
+  // `ports` must outlive it, and the workers must be ended before it.
+  explicit UpdateRunner(const ServicePorts* ports) : ports_(*ports) {}
+
+  // Answers through `done`, exactly once, from any thread: when the quads are durable and visible, or why
+  // nothing was changed. An update that changes nothing is answered with the revision that it was evaluated
+  // on. RESOURCE_EXHAUSTED at once where too much work waits.
+  void Submit(UpdateRequest request, BatchCallback done);
+
+  // A number that no other call gets: for names that must differ.
+  uint64_t NextNumber() { return count_++; }
+
+ private:
+  class Job;
+  const ServicePorts& ports_;
+  std::atomic<uint64_t> count_{0};
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_WORK_UPDATE_RUNNER_H_

@@ -1,0 +1,52 @@
+#include "kb_server/writer/run_events.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+
+namespace docent {
+namespace {
+
+// An event of that turn about "RUN/NODE/…".
+RunEvent NewEvent(const TurnRecord& record, const std::string& subject) {
+  std::vector<std::string> parts = absl::StrSplit(subject, absl::MaxSplits('/', 2));
+  RunEvent event;
+  event.revision = Revision(record.offset);
+  event.time_us = record.time_us;
+  event.run = parts[0];
+  if (parts.size() > 1) event.node = parts[1];
+  event.kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
+  return event;
+}
+
+}  // namespace
+
+std::vector<RunEvent> EventsOf(const TurnRecord& record) {
+  std::vector<RunEvent> events;
+  for (const Transition& transition : record.transitions) {
+    RunEvent& event = events.emplace_back(NewEvent(record, transition.subject));
+    event.from = transition.from;
+    event.to = transition.to;
+    event.detail = transition.cause;
+    if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
+  }
+  for (const CommandEntry& command : record.commands) {
+    RunEvent& event = events.emplace_back(NewEvent(record, command.id.value()));
+    event.kind = "command";
+    event.to = "sent";
+    event.detail = ToDisplay(command);
+  }
+  for (const CommandReport& report : record.batch.reports) {
+    if (report.outcome == CommandReport::Outcome::kProgress) continue;
+    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
+                                                "cancelled", "unknown",  "unreachable"};
+    RunEvent& event = events.emplace_back(NewEvent(record, report.command.value()));
+    event.kind = "report";
+    event.to = kOutcomes[static_cast<int>(report.outcome)];
+    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
+  }
+  return events;
+}
+
+}  // namespace docent

@@ -1,0 +1,17 @@
+// What a turn means for those who watch runs. Pure.
+#ifndef DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
+#define DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
+
+#include <vector>
+
+#include "graph/log/turn_record.h"
+#include "kb_server/door/run_feed.h"
+
+namespace docent {
+
+// In the order in which they happened in the turn.
+std::vector<RunEvent> EventsOf(const TurnRecord& record);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_

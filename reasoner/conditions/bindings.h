@@ -1,0 +1,17 @@
+// Order of bindings, as users see them. Private to this folder. Any thread.
+#ifndef DOCENT_REASONER_CONDITIONS_BINDINGS_H_
+#define DOCENT_REASONER_CONDITIONS_BINDINGS_H_
+
+#include <vector>
+
+#include "graph/rdf/dictionary.h"
+#include "reasoner/conditions/constraint_set.h"
+
+namespace docent {
+
+// Sorts by the values, first variable first, in SPARQL's term order (CompareTerms).
+void SortBindings(std::vector<Binding>& bindings, const Dictionary& dictionary);
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_CONDITIONS_BINDINGS_H_

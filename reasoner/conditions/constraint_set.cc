@@ -1,0 +1,333 @@
+#include "reasoner/conditions/constraint_set.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "absl/strings/str_cat.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/run/evaluator.h"
+#include "reasoner/conditions/bindings.h"
+#include "reasoner/conditions/constraint_set_impl.h"
+
+namespace docent {
+namespace {
+
+// Two queries with the same fingerprint have the same answers.
+std::string Fingerprint(const sparql::Query& query, const std::vector<std::string>& keys) {
+  std::string text = sparql::PrintAlgebra(WithoutModifiers(*query.algebra));
+  for (const Term& term : query.from) absl::StrAppend(&text, "\nFROM ", term.lexical);
+  for (const Term& term : query.from_named) absl::StrAppend(&text, "\nNAMED ", term.lexical);
+  for (const std::string& key : keys) absl::StrAppend(&text, "\n?", key);
+  return text;
+}
+
+}  // namespace
+
+bool ConstraintSet::Impl::Shared::IsFollowed() const {
+  if (groups == nullptr) return !followers.empty();
+  return !followers.empty() ||
+         std::any_of(groups->begin(), groups->end(), [](const auto& group) { return group && !group->empty(); });
+}
+
+ConstraintSet::ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions)
+    : impl_(std::make_unique<Impl>(dictionary, functions)) {}
+ConstraintSet::~ConstraintSet() = default;
+
+namespace {
+
+// The columns of the key variables.
+absl::StatusOr<Condition::Keys> KeyColumns(const Body& body, const std::vector<std::string>& names) {
+  Condition::Keys keys;
+  for (const std::string& name : names) {
+    const int column = body.ColumnOf(name);
+    if (column < 0) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("key variable ?", name, " is not bound by the constraint"));
+    }
+    keys.push_back(static_cast<int16_t>(column));
+  }
+  return keys;
+}
+
+}  // namespace
+
+absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, const GraphVersion& now,
+                                                   const RegisterOptions& options, std::string fingerprint) {
+  const std::optional<ShapeForm> form = SplitConstants(query);
+  std::string shape_name = form ? Fingerprint(form->shared, {}) : "";
+  const uint32_t number = conditions.Next();
+  Shared* condition = nullptr;
+  if (form) {
+    const absl::StatusOr<Shared*> borrower = BorrowBody(*form, shape_name, options);
+    if (!borrower.ok()) return borrower.status();
+    condition = *borrower;
+  }
+  const bool borrowed = condition != nullptr;
+  if (!borrowed) {
+    auto body = Body::Compile(query, dictionary, functions);
+    if (!body.ok()) return body.status();
+    auto keys = KeyColumns(**body, options.key_variables);
+    if (!keys.ok()) return keys.status();
+    condition = &conditions.Make(number, *std::move(body), *std::move(keys), indexes);
+  }
+  Shared& shared = *condition;
+  Condition::Edits first;
+  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
+  if (absl::Status status = shared.Refresh(run, first); !status.ok()) {
+    conditions.Remove(number);
+    return status;
+  }
+  if (shared.body().is_volatile()) volatile_conditions.push_back(number);
+  by_fingerprint.emplace(fingerprint, number);
+  shared.fingerprint = std::move(fingerprint);
+  shared.shape = std::move(shape_name);
+  if (form) JoinShape(number, *form, borrowed, now);
+  shared.Arm(&now);
+  return number;
+}
+
+absl::StatusOr<ConstraintSet::Impl::Shared*> ConstraintSet::Impl::BorrowBody(const ShapeForm& form,
+                                                                             const std::string& shape_name,
+                                                                             const RegisterOptions& options) {
+  const auto like = alike.find(shape_name);
+  if (like == alike.end() || !like->second.shape) return nullptr;
+  Shape& shape = *shapes[*like->second.shape];
+  if (!shape.lends_body()) return nullptr;
+  auto keys = KeyColumns(shape.body(), options.key_variables);
+  if (!keys.ok()) return keys.status();
+  Shape::Constants constants;
+  for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
+  return &conditions.Make(conditions.Next(), &shape, std::move(constants), *keys);
+}
+
+void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
+  Shared& shared = conditions[number];
+  Alike& like = alike[shared.shape];
+  ++like.count;
+  if (like.hopeless || borrowed) return;
+  Shape::Constants constants;
+  for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
+  like.alone.emplace_back(number, std::move(constants));
+  if (like.count <= kShapesAlone) return;
+  if (!like.shape) {
+    const auto free = std::find(shapes.begin(), shapes.end(), nullptr);
+    const auto place = static_cast<uint32_t>(free - shapes.begin());
+    auto shape = Shape::Make(place, form, shared.body(), indexes, dictionary, functions);
+    like.hopeless = !shape.ok() || *shape == nullptr;
+    if (free == shapes.end() && !like.hopeless) shapes.emplace_back();
+    if (!like.hopeless) shapes[place] = *std::move(shape);
+    if (!like.hopeless) like.shape = place;
+  }
+  for (auto& [alone, values] : std::exchange(like.alone, {})) {
+    if (like.hopeless) continue;
+    conditions[alone].SetShape(shapes[*like.shape].get(), std::move(values));
+    if (alone == number) continue;  // its maker arms it
+    conditions[alone].Arm(&now);
+    journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
+  }
+}
+
+// After its condition is gone.
+void ConstraintSet::Impl::LeaveShape(const std::string& shape, uint32_t number) {
+  const auto found = alike.find(shape);
+  if (found == alike.end()) return;
+  std::erase_if(found->second.alone, [number](const auto& alone) { return alone.first == number; });
+  if (--found->second.count > 0) return;
+  if (found->second.shape) shapes[*found->second.shape].reset();
+  alike.erase(found);
+}
+
+absl::StatusOr<uint32_t> ConstraintSet::Impl::FindOrMake(const sparql::Query& query, const GraphVersion& now,
+                                                         const RegisterOptions& options) {
+  std::string fingerprint = Fingerprint(query, options.key_variables);
+  const auto found = by_fingerprint.find(fingerprint);
+  return found != by_fingerprint.end() ? found->second : Make(query, now, options, std::move(fingerprint));
+}
+
+// nullopt: too few alike, or too many values to remember.
+absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(const ThresholdForm& form,
+                                                                            const GraphVersion& now,
+                                                                            const RegisterOptions& options) {
+  const RegisterOptions grouped{{form.variable}, options.now_us, options.cancellation};
+  std::string fingerprint = Fingerprint(form.shared, grouped.key_variables);
+  const auto found = by_fingerprint.find(fingerprint);
+  if (found != by_fingerprint.end()) return found->second;
+  if (thresholds_alone.size() > 100000) thresholds_alone.clear();
+  int64_t& alone = thresholds_alone[fingerprint];
+  if (++alone <= kThresholdsAlone || alone >= kMaxGroupSolutions) return std::nullopt;
+  auto body = Body::Compile(form.shared, dictionary, functions);
+  if (!body.ok()) return body.status();
+  int64_t solutions = 0;
+  const std::vector<TermId> nothing((*body)->columns().size());
+  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
+  const absl::Status status = (*body)->Evaluate(
+      run, nothing, [&](absl::Span<const TermId>) { return ++solutions <= kMaxGroupSolutions; });
+  if (!status.ok()) return status;
+  if (solutions > kMaxGroupSolutions) {
+    alone = kMaxGroupSolutions;
+    return std::nullopt;
+  }
+  const absl::StatusOr<uint32_t> made = Make(form.shared, now, grouped, std::move(fingerprint));
+  if (!made.ok()) return made.status();
+  return *made;
+}
+
+absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl::JoinGroup(
+    ConstraintId id, const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options) {
+  if (!options.key_variables.empty()) return std::nullopt;
+  const std::optional<ThresholdForm> form = SplitThreshold(query);
+  if (!form) return std::nullopt;
+  const absl::StatusOr<std::optional<uint32_t>> number = GroupCondition(*form, now, options);
+  if (!number.ok()) return number.status();
+  if (!*number) return std::nullopt;
+  Shared& shared = conditions[**number];
+  const bool above = ThresholdGroup::IsAbove(form->op);
+  if (!shared.groups) shared.groups = std::make_unique<Groups>();
+  shared.set_grouped();
+  std::unique_ptr<ThresholdGroup>& group = (*shared.groups)[above];
+  const sparql::RunOptions run{.version = &no_graph};
+  if (!group) {
+    group = std::make_unique<ThresholdGroup>(above, dictionary, comparer);
+    for (const Condition::Key& key : shared.Present()) group->SetKey(key[0], true);
+    if (absl::Status status = group->Relevel(run, [](ConstraintId, bool) {}); !status.ok()) return status;
+  }
+  const TermId constant = dictionary.Intern(form->constant);
+  if (absl::Status status = group->AddMember(id, form->op, constant, run); !status.ok()) return status;
+  return Follower{**number, false, Threshold{above, constant}};
+}
+
+absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, const GraphVersion& now,
+                                                     const RegisterOptions& options) {
+  if (ask.form != sparql::Query::Form::kAsk && ask.form != sparql::Query::Form::kSelect) {
+    return absl::InvalidArgumentError("a standing constraint is an ASK or SELECT query");
+  }
+  const ConstraintId id(impl_->next_id);
+  absl::StatusOr<std::optional<Impl::Follower>> grouped = impl_->JoinGroup(id, ask, now, options);
+  if (!grouped.ok()) return grouped.status();
+  Impl::Follower follower;
+  if (*grouped) {
+    follower = **grouped;
+  } else {
+    const absl::StatusOr<uint32_t> number = impl_->FindOrMake(ask, now, options);
+    if (!number.ok()) return number.status();
+    follower.condition = *number;
+    impl_->conditions[*number].followers.push_back(id);
+  }
+  ++impl_->next_id;
+  impl_->followers.emplace(id, follower);
+  impl_->journal.push_back({Impl::JournalEntry::Kind::kRegistered, follower.condition, id});
+  return id;
+}
+
+void ConstraintSet::Remove(ConstraintId id) {
+  const auto found = impl_->followers.find(id);
+  if (found == impl_->followers.end() || found->second.removed) return;
+  found->second.removed = true;
+  ++impl_->removals;
+  impl_->journal.push_back({Impl::JournalEntry::Kind::kRemoved, found->second.condition, id});
+}
+
+ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {
+  return *(*conditions[follower.condition].groups)[follower.threshold->above];
+}
+
+void ConstraintSet::Impl::Unfollow(ConstraintId id) {
+  const auto found = followers.find(id);
+  const Follower follower = found->second;
+  followers.erase(found);
+  Shared& shared = conditions[follower.condition];
+  if (follower.threshold) {
+    GroupOf(follower).RemoveMember(id, follower.threshold->constant);
+  } else {
+    shared.followers.erase(std::find(shared.followers.begin(), shared.followers.end(), id));
+  }
+  if (shared.IsFollowed()) return;
+  std::erase(volatile_conditions, follower.condition);
+  by_fingerprint.erase(shared.fingerprint);
+  const std::string shape = std::move(shared.shape);
+  conditions.Remove(follower.condition);
+  LeaveShape(shape, follower.condition);
+}
+
+bool ConstraintSet::Impl::Holds(ConstraintId id, const Follower& follower) const {
+  if (follower.threshold) return GroupOf(follower).Holds(id, follower.threshold->constant);
+  return conditions[follower.condition].holds();
+}
+
+bool ConstraintSet::Holds(ConstraintId id) const {
+  const auto found = impl_->followers.find(id);
+  return found != impl_->followers.end() && impl_->Holds(id, found->second);
+}
+
+std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
+  std::vector<Binding> bindings;
+  const auto found = impl_->followers.find(id);
+  if (found == impl_->followers.end()) return bindings;
+  if (found->second.threshold) {
+    if (impl_->Holds(id, found->second)) bindings.emplace_back();
+    return bindings;
+  }
+  const Condition& condition = impl_->conditions[found->second.condition];
+  for (const Condition::Key& key : condition.Present()) bindings.push_back(impl_->BindingOf(condition, key));
+  SortBindings(bindings, impl_->dictionary);
+  return bindings;
+}
+
+absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, const GraphVersion& version,
+                                                              const Binding& fixed, size_t limit,
+                                                              TimeMicros now_us, Cancellation* cancellation) {
+  const auto found = impl_->followers.find(id);
+  if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
+  const Impl::Follower& follower = found->second;
+  Condition& condition = impl_->conditions[follower.condition];
+  const std::vector<Body::Column>& columns = condition.body().columns();
+  std::vector<TermId> seed = condition.Seed();
+  std::vector<std::pair<size_t, TermId>> wanted;  // column and value
+  for (const auto& [name, value] : fixed) {
+    const int column = condition.body().ColumnOf(name);
+    if (column < 0 || !columns[column].visible) return std::vector<Binding>();
+    wanted.emplace_back(column, value);
+    if (columns[column].certain) seed[column] = value;
+  }
+  std::vector<Binding> bindings;
+  absl::flat_hash_set<Binding> seen;
+  absl::Status compared;
+  const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
+  const absl::Status status = condition.body().Evaluate(run, seed, [&](absl::Span<const TermId> row) {
+    for (const auto& [column, value] : wanted) {
+      if (row[column] != value) return true;
+    }
+    if (follower.threshold) {
+      const TermId value = row[condition.keys()[0]];
+      const auto admitted = impl_->GroupOf(follower).Admits(id, follower.threshold->constant, value, run);
+      compared = admitted.status();
+      if (!compared.ok()) return false;
+      if (!*admitted) return true;
+    }
+    Binding binding;
+    for (size_t i = 0; i < row.size(); ++i) {
+      if (columns[i].visible && !row[i].IsNone()) binding.emplace_back(columns[i].name, row[i]);
+    }
+    if (seen.insert(binding).second) bindings.push_back(std::move(binding));
+    return true;
+  });
+  if (!status.ok() || !compared.ok()) return status.ok() ? compared : status;
+  SortBindings(bindings, impl_->dictionary);
+  if (bindings.size() > limit) bindings.resize(limit);
+  return bindings;
+}
+
+size_t ConstraintSet::size() const {
+  return impl_->followers.size() - impl_->removals;
+}
+
+void ConstraintSet::SetStopWatch(StopWatch now_ns) {
+  impl_->now_ns = now_ns;
+}
+
+const ConstraintSet::Counters& ConstraintSet::counters() const {
+  return impl_->counters;
+}
+
+}  // namespace docent

@@ -1,0 +1,107 @@
+// Many constraints that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21, … 0.3.
+//
+// They share one condition, the query without that comparison with ?b as its key variable, and are kept here
+// in the order of their numbers. Which of them hold depends on the extreme value of ?b alone, so when it
+// moves only those between the old and the new extreme are looked at. Private to this folder. Writer thread
+// only.
+#ifndef DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_
+#define DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/btree_map.h"
+#include "absl/container/btree_set.h"
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/syntax/algebra.h"
+#include "graph/sparql/run/evaluator.h"
+#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/matching/number_range.h"
+
+namespace docent {
+
+// A query as a template and one comparison of a variable with a number.
+struct ThresholdForm {
+  sparql::Query shared;  // without the comparison
+  std::string variable;
+  Comparison op = Comparison::kLess;  // ?variable op constant
+  Term constant;
+};
+// nullopt where `query` does not have exactly one such comparison in its outermost filters.
+std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query);
+
+// `a op b` of SPARQL, decided on ids where they can and by the evaluator otherwise.
+class NumberComparer {
+ public:
+  explicit NumberComparer(const Dictionary& dictionary) : dictionary_(dictionary) {}
+  absl::StatusOr<bool> Compare(TermId left, Comparison op, TermId right, const sparql::RunOptions& run);
+
+ private:
+  const Dictionary& dictionary_;
+  std::array<std::unique_ptr<sparql::PreparedExpression>, 4>
+      expressions_;  // by Comparison, when first needed
+};
+
+class ThresholdGroup {
+ public:
+  // `above`: its members ask for a value above their number (> and >=); otherwise for one below.
+  ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer);
+
+  static bool IsAbove(Comparison op) {
+    return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual;
+  }
+
+  // `key` is, or is no longer, a value of the variable. Levels follow at the next Relevel.
+  void SetKey(TermId key, bool present);
+  // Its level is right for the keys as of the last Relevel.
+  absl::Status AddMember(ConstraintId id, Comparison op, TermId constant, const sparql::RunOptions& run);
+  void RemoveMember(ConstraintId id, TermId constant);
+  bool Holds(ConstraintId id, TermId constant) const;
+  // Whether `value` of the variable makes the member hold.
+  absl::StatusOr<bool> Admits(ConstraintId id, TermId constant, TermId value,
+                              const sparql::RunOptions& run) const;
+  bool empty() const { return members_.empty(); }
+
+  // Brings the levels in line with the keys and calls `visit` with each that changed.
+  absl::Status Relevel(const sparql::RunOptions& run,
+                       absl::FunctionRef<void(ConstraintId, bool level)> visit);
+
+ private:
+  struct Member {
+    Comparison op;
+    TermId constant;
+    bool level = false;
+  };
+  using Place = std::pair<double, ConstraintId>;
+  using Members = absl::btree_map<Place, Member>;
+
+  static Place PlaceOf(ConstraintId id, TermId constant) { return {ViewNumber(constant).value, id}; }
+  double Extreme() const;
+  // The first with a number not below `low`, which is at most settled_extreme_.
+  Members::iterator FirstFrom(double low);
+  absl::StatusOr<bool> LevelOf(const Place& place, const Member& member, double extreme,
+                               const sparql::RunOptions& run) const;
+
+  const bool above_;
+  const Dictionary& dictionary_;
+  NumberComparer& comparer_;
+  Members members_;
+  // The first with a number not below settled_extreme_, where known: the next extreme is most often near.
+  std::optional<Members::iterator> settled_at_;
+  absl::btree_set<std::pair<double, TermId>> numbers_;  // keys whose double says where they stand
+  absl::btree_set<TermId>
+      irregular_;  // other numeric keys (xsd:float, numbers too long for an id): tried one by one
+  bool irregular_changed_ = false;
+  double settled_extreme_;  // as of the last Relevel
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_

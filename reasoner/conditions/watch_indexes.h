@@ -1,0 +1,66 @@
+// The indexes that all conditions and shapes share. Private to this folder. Writer thread only.
+#ifndef DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
+#define DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "reasoner/matching/pattern_index.h"
+#include "reasoner/matching/trigger_analysis.h"
+
+namespace docent {
+
+// Who is concerned by a quad that comes, and by one that goes. A reference's owner is a condition, its pattern one of
+// its triggers, which may rise, or one of its witnesses, which may be broken; the detail then is the trigger.
+struct WatchIndexes {
+  static constexpr uint32_t kIsShape = 0x80000000u;    // in an owner: it is a shape
+  static constexpr uint32_t kIsWitness = 0x80000000u;  // in a pattern: it is a witness
+  static constexpr uint16_t kSomeTrigger = 0xffff;     // in a detail: too many triggers to say which
+
+  // A handle of on_add, or with kGoes of on_remove.
+  using Watch = PatternIndex::Handle;
+  static constexpr Watch kGoes = 0x80000000u;
+
+  // `match` with `constants` instead of its own.
+  Watch Comes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+    return on_add.Add(match, constants, reference);
+  }
+  Watch Goes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+    return on_remove.Add(match, constants, reference) | kGoes;
+  }
+  template <typename Watches>
+  void RemoveAll(Watches& watches) {
+    for (const Watch watch : watches) {
+      if ((watch & kGoes) == 0) {
+        on_add.Remove(watch);
+      } else {
+        on_remove.Remove(watch & ~kGoes);
+      }
+    }
+    watches.clear();
+  }
+
+  const PatternIndex& ForChange(bool added) const { return added ? on_add : on_remove; }
+
+  PatternIndex on_add;
+  PatternIndex on_remove;
+};
+
+// Nothing in any column. (Most often it has the size; then this is quicker than assign.)
+inline void ClearSeed(size_t columns, std::vector<TermId>& seed) {
+  if (seed.size() != columns) seed.resize(columns);
+  std::fill(seed.begin(), seed.end(), TermId());
+}
+
+// In which direction a trigger can make a condition rise.
+inline bool RisesOnAdd(Polarity polarity) {
+  return polarity != Polarity::kNegative;
+}
+inline bool RisesOnRemove(Polarity polarity) {
+  return polarity != Polarity::kPositive;
+}
+
+}  // namespace docent
+
+#endif  // DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_

@@ -1,0 +1,71 @@
+#include "graph/base/diagnostic.h"
+
+#include <gtest/gtest.h>
+
+namespace docent {
+namespace {
+
+TEST(DiagnosticTest, SpanCountsLinesAndCodePoints) {
+  std::string text = "one\ntw\xC3\xB6 x\n";
+  SourceSpan span = SpanAt(text, text.find('x'), 1);
+  EXPECT_EQ(span.line, 2);
+  EXPECT_EQ(span.column, 5);  // ö is one column
+  EXPECT_EQ(span.offset, 9u);
+  EXPECT_EQ(SpanAt(text, 1000).line, 3);  // past the end: the end
+}
+
+TEST(DiagnosticTest, RenderShowsLineCaretAndHint) {
+  std::string text = "first\n\t\xC3\xA4 wrong here\nlast";
+  Diagnostic diagnostic{"f.ttl", SpanAt(text, text.find("wrong"), 5), "it is wrong", "make it right"};
+  EXPECT_EQ(Render({diagnostic}, text),
+            "f.ttl:2:4: error: it is wrong\n"
+            "  \t\xC3\xA4 wrong here\n"
+            "  \t  ^\n"
+            "  hint: make it right\n");
+}
+
+TEST(DiagnosticTest, RenderShowsTheNeighbourhoodOfAPlaceInALongLine) {
+  std::string text = std::string(1000, 'a') + "X" + std::string(1000000, 'b');
+  Diagnostic diagnostic{"", SpanAt(text, 1000, 1), "bad", ""};
+  EXPECT_EQ(Render({diagnostic}, text), "1:1001: error: bad\n  …" + std::string(100, 'a') + "X" +
+                                            std::string(60, 'b') + "…\n  " + std::string(101, ' ') + "^\n");
+  std::string umlauts;
+  for (int i = 0; i < 300; ++i) umlauts += "ä";
+  diagnostic.span = SpanAt(umlauts, 400);  // code point 201
+  EXPECT_NE(Render({diagnostic}, umlauts).find("\n  " + std::string(101, ' ') + "^\n"), std::string::npos);
+}
+
+TEST(DiagnosticTest, RenderWithoutSourceOrPlace) {
+  Diagnostic placed{"f.ttl", {3, 7, 0, 0}, "bad", ""};
+  EXPECT_EQ(Render({placed}, ""), "f.ttl:3:7: error: bad\n");
+  Diagnostic warning{"", {}, "old", "", Diagnostic::Severity::kWarning};
+  EXPECT_EQ(Render({warning}, ""), "warning: old\n");
+}
+
+TEST(DiagnosticTest, OnlyErrorsMakeAStatus) {
+  Diagnostic warning{"", {}, "old", "", Diagnostic::Severity::kWarning};
+  EXPECT_TRUE(ToStatus({warning}, "").ok());
+  Diagnostic error{"", {}, "bad", ""};
+  absl::Status status = ToStatus({warning, error}, "");
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("bad"), absl::string_view::npos);
+}
+
+TEST(DiagnosticTest, NearestWord) {
+  std::vector<std::string> words = {"isAt", "status", "heading"};
+  EXPECT_EQ(Nearest("isat", words), "isAt");
+  EXPECT_EQ(Nearest("headings", words), "heading");
+  EXPECT_EQ(Nearest("colour", words), "");
+}
+
+TEST(DiagnosticTest, WhatIsNoTextIsShownAsReplacementCharacters) {
+  const std::string source = "a \xFF b \xC3( \xE2\x82\xAC \xED\xA0\x80 \x1B[2J";
+  Diagnostic diagnostic;
+  diagnostic.span = {1, 3, 2, 1};
+  diagnostic.message = "this byte is not UTF-8";
+  EXPECT_EQ(Render({diagnostic}, source),
+            "1:3: error: this byte is not UTF-8\n  a \uFFFD b \uFFFD( \u20AC \uFFFD\uFFFD\uFFFD \uFFFD[2J\n    ^\n");
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,53 @@
+#include "graph/base/pace.h"
+
+#include <sys/resource.h>
+#include <time.h>
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace docent {
+namespace {
+
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+nanoseconds CpuOfThread() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + nanoseconds(time.tv_nsec);
+}
+
+// How often the thread has gone to sleep of itself.
+long Sleeps() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nvcsw;
+}
+
+// Some 20 ms of work in small pieces.
+void Work(Pace* pace) {
+  const nanoseconds end = CpuOfThread() + std::chrono::milliseconds(20);
+  while (CpuOfThread() < end) pace->Rest();
+}
+
+TEST(PaceTest, WorkTakesAThirdOfACoreAtMost) {
+  Pace pace;
+  const steady_clock::time_point start = steady_clock::now();
+  const nanoseconds cpu = CpuOfThread();
+  Work(&pace);
+  // The last stretch has no rest after it, and a stretch that was interrupted for long rests for less.
+  EXPECT_GT(steady_clock::now() - start, 2 * (CpuOfThread() - cpu));
+}
+
+TEST(PaceTest, WhoIsWaitedForDoesNotRest) {
+  Pace pace;
+  pace.Hurry();
+  const long before = Sleeps();
+  Work(&pace);
+  EXPECT_EQ(Sleeps(), before);
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,181 @@
+#include "graph/rdf/dictionary.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "graph/rdf/vocabulary.h"
+
+namespace docent {
+namespace {
+
+std::vector<Term> ManyKinds() {
+  return {Term::Iri("http://a"),
+          Term::Blank("http://a"),
+          Term::Literal("http://a"),
+          Term::Literal(""),
+          Term::Literal(std::string("a\0b", 3)),
+          Term::Literal("http://a", "http://t"),
+          Term::Literal("http://a", "http://u"),
+          Term::LangString("http://a", "en"),
+          Term::LangString("http://a", "en-gb"),
+          Term::Literal("007", std::string(kXsdInteger)),
+          Term::Literal(std::string(100000, 'x'))};
+}
+
+TEST(DictionaryTest, RoundTripAndIdentity) {
+  Dictionary dictionary;
+  std::vector<TermId> ids;
+  for (const Term& term : ManyKinds()) {
+    EXPECT_FALSE(dictionary.Find(term).has_value());
+    ids.push_back(dictionary.Intern(term));
+  }
+  size_t size = dictionary.size();
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Term term = ManyKinds()[i];
+    EXPECT_EQ(dictionary.Decode(ids[i]), term);
+    EXPECT_EQ(dictionary.Intern(term), ids[i]);
+    EXPECT_EQ(dictionary.Find(term), ids[i]);
+    EXPECT_EQ(dictionary.Lexical(ids[i]), term.lexical);
+    for (size_t j = 0; j < i; ++j) EXPECT_NE(ids[i], ids[j]);
+  }
+  EXPECT_EQ(dictionary.size(), size);
+  EXPECT_GT(dictionary.bytes(), 100000u);
+}
+
+TEST(DictionaryTest, InlineLiteralsMakeNoEntry) {
+  Dictionary dictionary;
+  TermId id = dictionary.Intern(Term::Literal("1.25", std::string(kXsdDecimal)));
+  EXPECT_EQ(dictionary.size(), 0u);
+  EXPECT_EQ(dictionary.Decode(id), Term::Literal("1.25", std::string(kXsdDecimal)));
+  EXPECT_EQ(dictionary.Find(Term::Integer(3)), dictionary.Intern(Term::Integer(3)));
+}
+
+TEST(DictionaryTest, OneTermIsDecodedIntoAfterTheOther) {
+  Dictionary dictionary;
+  const Term terms[] = {Term::Iri("http://a.example/a-long-one"),
+                        Term::Literal("1.50", std::string(kXsdDecimal)),
+                        Term::LangString("text", "en-gb"),
+                        Term::Literal(""),
+                        Term::Literal("007", std::string(kXsdInteger)),
+                        Term::Literal("2014-02-28T23:59:59.050+05:45", std::string(kXsdDateTime)),
+                        Term::Literal("x", "http://a.example/a-datatype"),
+                        Term::Blank("b"),
+                        Term::Integer(-3),
+                        Term::Literal("-INF", std::string(kXsdDouble)),
+                        Term::Iri("http://a.example/b")};
+  std::vector<TermId> ids;
+  for (const Term& term : terms) ids.push_back(dictionary.Intern(term));
+  Term decoded;
+  for (size_t a = 0; a < ids.size(); ++a) {
+    for (size_t b = 0; b < ids.size(); ++b) {
+      dictionary.DecodeTo(ids[a], &decoded);
+      dictionary.DecodeTo(ids[b], &decoded);
+      EXPECT_EQ(decoded, terms[b]) << "after " << ToNTriples(terms[a]);
+    }
+  }
+}
+
+TEST(DictionaryTest, DatatypeAndLanguage) {
+  Dictionary dictionary;
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Literal("x"))), kXsdString);
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Literal("x", "http://t"))), "http://t");
+  TermId english = dictionary.Intern(Term::LangString("x", "en"));
+  EXPECT_EQ(dictionary.Datatype(english), kRdfLangString);
+  EXPECT_EQ(dictionary.Language(english), "en");
+  EXPECT_EQ(dictionary.Datatype(dictionary.Intern(Term::Integer(1))), kXsdInteger);
+  EXPECT_EQ(dictionary.Datatype(dictionary.InternIri("http://a")), "");
+  EXPECT_EQ(dictionary.Language(dictionary.Intern(Term::Literal("x"))), "");
+}
+
+TEST(DictionaryTest, SameOrderGivesTheSameIds) {
+  Dictionary a, b;
+  for (int i = 0; i < 5000; ++i) {
+    Term term = i % 3 == 0 ? Term::Literal("v" + std::to_string(i), "http://t" + std::to_string(i % 7))
+                           : Term::Iri("http://e/" + std::to_string(i % 1000));
+    ASSERT_EQ(a.Intern(term), b.Intern(term));
+  }
+}
+
+// The hash table is grown a few slots at a time: whatever has been moved, all are found, and nothing else.
+TEST(DictionaryTest, EveryTermIsFoundWhileTheTableGrows) {
+  Dictionary dictionary;
+  const auto text = [](uint64_t i) { return "http://example.org/" + std::to_string(i * 7919); };
+  for (uint64_t i = 0; i < 30000; ++i) {
+    const TermId id = dictionary.InternIri(text(i));
+    ASSERT_EQ(id, TermId::Make(TermId::Tag::kIri, i));
+    for (const uint64_t earlier : {i, i / 2, i * 7919 % (i + 1)}) {
+      ASSERT_EQ(dictionary.FindIri(text(earlier)), TermId::Make(TermId::Tag::kIri, earlier)) << i;
+      ASSERT_EQ(dictionary.InternIri(text(earlier)), TermId::Make(TermId::Tag::kIri, earlier)) << i;
+    }
+    ASSERT_FALSE(dictionary.FindIri(text(i + 1)).has_value()) << i;
+  }
+  EXPECT_EQ(dictionary.size(), 30000u);
+}
+
+// One writer; readers find and decode what it has published through an atomic, and look for terms not yet
+// there.
+TEST(DictionaryTest, ReadersBesideTheWriter) {
+  Dictionary dictionary;
+  constexpr uint64_t kTerms = 40000;
+  auto text = [](uint64_t i) { return "http://example.org/" + std::to_string(i); };
+  std::atomic<uint64_t> published{0};
+  std::atomic<bool> wrong{false};
+  auto read = [&](uint64_t step) {
+    for (uint64_t i = 0; published.load(std::memory_order_acquire) < kTerms; i += step) {
+      uint64_t count = published.load(std::memory_order_acquire);
+      if (count == 0) continue;
+      uint64_t n = i % count;
+      TermId id = TermId::Make(TermId::Tag::kIri, n);
+      if (dictionary.Lexical(id) != text(n) || dictionary.FindIri(text(n)) != id) wrong = true;
+      std::optional<TermId> later = dictionary.FindIri(text(n + 1000));
+      if (later && dictionary.Decode(*later).lexical != text(n + 1000)) wrong = true;
+    }
+  };
+  std::thread first(read, 7), second(read, 13);
+  for (uint64_t i = 0; i < kTerms; ++i) {
+    dictionary.InternIri(text(i));
+    published.store(i + 1, std::memory_order_release);
+  }
+  first.join();
+  second.join();
+  EXPECT_FALSE(wrong);
+}
+
+TEST(DictionaryTest, ADictionaryOverAnotherKeepsNewTermsToItself) {
+  Dictionary base;
+  const Term known = Term::Literal("x", "http://e/type"), later = Term::Iri("http://e/later");
+  const TermId known_id = base.Intern(known);
+  Dictionary over(&base);
+  EXPECT_EQ(over.Intern(known), known_id);
+  EXPECT_EQ(over.Find(Term::Integer(5)), InlineLiteral(Term::Integer(5)));
+  const Term fresh[] = {later,
+                        Term::Literal("y", "http://e/type"),
+                        Term::Literal("z", "http://e/new-type"),
+                        Term::LangString("n", "fr"),
+                        Term::Blank("b"),
+                        Term::Iri("http://e/new-type")};
+  EXPECT_EQ(over.Find(fresh[0]), std::nullopt);
+  std::vector<TermId> ids;
+  for (const Term& term : fresh) ids.push_back(over.Intern(term));
+  const TermId base_id = base.Intern(later);  // the base grows meanwhile
+  EXPECT_NE(base_id, ids[0]);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(over.Find(fresh[i]), ids[i]);
+    EXPECT_EQ(over.Intern(fresh[i]), ids[i]);
+    EXPECT_EQ(over.Decode(ids[i]), fresh[i]);
+    EXPECT_EQ(over.Lexical(ids[i]), fresh[i].lexical);
+  }
+  EXPECT_EQ(over.Datatype(ids[2]), "http://e/new-type");
+  EXPECT_EQ(over.Language(ids[3]), "fr");
+  EXPECT_EQ(over.Datatype(known_id), "http://e/type");
+  EXPECT_EQ(over.Decode(known_id), known);
+  EXPECT_EQ(over.FindIri("http://e/type"), base.FindIri("http://e/type"));
+  EXPECT_EQ(base.Find(fresh[1]), std::nullopt);
+}
+
+}  // namespace
+}  // namespace docent

@@ -1,0 +1,295 @@
+// Updates, the graph store and other servers over HTTP, through a whole server. What the W3C suites of these
+// protocols cover is in tests/conformance/http.
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "tests/kb_server/server_world.h"
+#include "tests/kb_server/http/http_client.h"
+
+namespace docent::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr char kTurtle[] = "Content-Type: text/turtle\r\n";
+constexpr char kUpdate[] = "Content-Type: application/sparql-update\r\n";
+constexpr char kForm[] = "Content-Type: application/x-www-form-urlencoded\r\n";
+
+class GraphStoreTest : public ServerTest {
+ protected:
+  HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
+                const std::string& body = "") {
+    return HttpClient(http_port()).Ask(method, target, headers, body);
+  }
+  bool Holds(const std::string& pattern) { return ServerTest::Ask(pattern); }
+  HttpReply Update(const std::string& text, const std::string& parameters = "") {
+    return Ask("POST", "/sparql" + parameters, kUpdate, "PREFIX : <urn:w:> " + text);
+  }
+};
+
+TEST_F(GraphStoreTest, AnUpdateOverHttpSaysWhatItDid) {
+  StartServer();
+  HttpReply reply = Update("INSERT DATA { :a :p 1, 2 }");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_THAT(reply.body, HasSubstr("\"added\":2"));
+  EXPECT_EQ(reply.headers.at("docent-revision"), absl::StrCat(Revision()));
+  reply = Ask("POST", "/sparql", kForm, "update=DELETE+WHERE+%7B+%3Furn+%3Fp+1+%7D");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_TRUE(Holds(":a :p 2") && !Holds(":a :p 1"));
+  reply = Update("INSERT DATA { ?x :p 1 }");
+  EXPECT_EQ(reply.status, 400);
+  EXPECT_THAT(reply.body, HasSubstr("^"));
+  EXPECT_EQ(Update("INSERT DATA { :b :p [] }", "?request-id=r1").status, 200);
+  EXPECT_THAT(Update("INSERT DATA { :b :p [] }", "?request-id=r1").body, HasSubstr("\"repeated\":true"));
+  EXPECT_EQ(Update("CREATE GRAPH :g ; INSERT DATA { GRAPH :g { :a :b :c } } ; CREATE GRAPH :g").status, 400);
+  EXPECT_EQ(Update("CLEAR ALL", "?default-graph-uri=urn:x").status, 400);
+}
+
+// As Java and Python clients ask that like RDF/XML best and take others.
+TEST_F(GraphStoreTest, WhatRdfXmlCannotSayIsSaidOtherwise) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  const std::string construct = "/sparql?query=CONSTRUCT%20WHERE%20%7B%20%3Curn:w:a%3E%20?p%20?o%20%7D";
+  const std::string both = "Accept: application/rdf+xml, text/html;q=0.9, */*;q=0.1\r\n", xml = "Accept: application/rdf+xml\r\n";
+  for (const char* triple : {"<urn:w:a> <http://e/1> 2 .", "<urn:w:a> <urn:w:p> \"\\u0001\" ."}) {
+    ASSERT_LT(Ask("PUT", graph, kTurtle, triple).status, 300);
+    const HttpReply other = Ask("GET", graph, both);
+    EXPECT_EQ(other.status, 200) << other.body;
+    EXPECT_EQ(other.headers.at("content-type"), "text/turtle; charset=utf-8");
+    EXPECT_THAT(other.body, HasSubstr("<urn:w:a> "));
+    const HttpReply none = Ask("GET", graph, xml);
+    EXPECT_EQ(none.status, 406);
+    EXPECT_THAT(none.body, HasSubstr("use Turtle"));
+    EXPECT_EQ(Ask("GET", graph, xml + "Accept: application/n-triples;q=0.2\r\n").headers.at("content-type"), "application/n-triples");
+  }
+  ASSERT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 .").status, 200);
+  EXPECT_EQ(Ask("GET", graph, both).headers.at("content-type"), "application/rdf+xml");
+  EXPECT_EQ(Ask("GET", construct, both).status, 200);
+  ASSERT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <http://e/1> 2 .").status, 200);
+  EXPECT_EQ(Ask("GET", construct, both).headers.at("content-type"), "text/turtle; charset=utf-8");
+  EXPECT_EQ(Ask("GET", construct, xml).status, 406);
+}
+
+TEST_F(GraphStoreTest, AGraphsLife) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(Ask("GET", graph).headers.at("accept-patch"), "application/sparql-update") << "which makes it";
+  EXPECT_EQ(Ask("DELETE", graph).status, 404);
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 1 , 2 .").status, 201);
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 , 3 .").status, 200);
+  EXPECT_EQ(Ask("POST", graph, kTurtle, "<urn:w:a> <urn:w:p> 4 .").status, 200);
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "DELETE { ?s ?p 2 } INSERT { ?s ?p 5 } WHERE { ?s ?p 2 }").status,
+            200);
+  HttpReply reply = Ask("GET", graph, "Accept: application/n-triples\r\n");
+  EXPECT_EQ(reply.status, 200);
+  EXPECT_THAT(reply.body, HasSubstr("\"5\""));
+  EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 3);
+  EXPECT_EQ(Ask("HEAD", graph).headers.at("content-type"), "text/turtle; charset=utf-8");
+  EXPECT_EQ(Ask("HEAD", graph).headers.at("accept-patch"), "application/sparql-update");
+  EXPECT_EQ(Ask("PATCH", graph, kTurtle, "").headers.at("accept-patch"), "application/sparql-update");
+  EXPECT_EQ(Ask("DELETE", graph).status, 200);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
+}
+
+// RFC 9110 section 13.1
+TEST_F(GraphStoreTest, ConditionalChanges) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g", is_there = "If-Match: *\r\n", is_not = "If-None-Match: *\r\n";
+  const auto put = [&](const std::string& condition) {
+    return Ask("PUT", graph, kTurtle + condition, "<urn:w:a> <urn:w:p> \"" + condition.substr(0, 7) + "\" .").status;
+  };
+  EXPECT_EQ(put(is_there), 412);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  EXPECT_EQ(put(is_not), 201);
+  EXPECT_EQ(put(is_not), 412);
+  EXPECT_EQ(put("If-Match: \"v1\"\r\n"), 412);
+  EXPECT_THAT(Ask("GET", graph).body, HasSubstr("If-None"));
+  EXPECT_EQ(put(is_there), 200);
+  EXPECT_EQ(put("If-None-Match: \"v1\"\r\n"), 200);
+  EXPECT_EQ(Ask("DELETE", graph, is_not).status, 412);
+  EXPECT_EQ(Ask("DELETE", graph, is_there).status, 200);
+  EXPECT_EQ(Ask("DELETE", graph, is_there).status, 412);
+}
+
+TEST_F(GraphStoreTest, EveryFormatInAndOut) {
+  StartServer();
+  const std::string graph = "/rdf-graphs/people/1";
+  for (const char* type : {"text/turtle", "application/n-triples", "application/rdf+xml", "application/trig",
+                           "application/n-quads"}) {
+    const std::string first =
+        Ask("PUT", "/rdf-graphs?graph=urn:w:one", kTurtle,
+            "<urn:w:a> <urn:w:name> \"A \\\"b\\\"\"@en , 1.50 ; <urn:w:of> [ <urn:w:p> <urn:w:a> ] .")
+            .body;
+    const HttpReply text = Ask("GET", "/rdf-graphs?graph=urn:w:one", absl::StrCat("Accept: ", type, "\r\n"));
+    ASSERT_EQ(text.status, 200) << type;
+    EXPECT_THAT(text.headers.at("content-type"), HasSubstr(type));
+    const HttpReply put = Ask("PUT", graph, absl::StrCat("Content-Type: ", type, "\r\n"), text.body);
+    EXPECT_LT(put.status, 300) << type << put.body;
+    EXPECT_THAT(Query("SELECT * { GRAPH ?g { ?s <urn:w:of> ?b . ?b <urn:w:p> ?s . ?s <urn:w:name> 1.50, 'A "
+                      "\"b\"'@en } }")
+                    .rows,
+                SizeIs(2))
+        << type;
+  }
+}
+
+TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
+  settings_.limits.queries_memory_bytes = 40u << 20;
+  StartServer();
+  std::string turtle;
+  for (int i = 0; i < 7000; ++i) absl::StrAppend(&turtle, "<urn:w:a> <urn:w:p> \"", i, std::string(2000, 'x'), "\" .\n");
+  ASSERT_EQ(Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, turtle).status, 201);
+  const auto await_free = [&] {
+    bool free = false;
+    for (int i = 0; i < 1000 && !free; ++i) {
+      free = Ask("GET", "/metrics").body.find("\ndocent_query_memory_bytes 0\n") != std::string::npos;
+      if (!free) absl::SleepFor(absl::Milliseconds(10));
+    }
+    return free;
+  };
+  ASSERT_TRUE(await_free());
+  const auto get = [&] { return Ask("GET", "/rdf-graphs?graph=urn:w:g", "Accept: application/n-triples\r\n"); };
+  HttpClient slow(http_port());
+  ASSERT_TRUE(slow.Send(absl::StrCat("GET /rdf-graphs?graph=urn:w:g HTTP/1.1\r\nHost: localhost:", http_port(),
+                                     "\r\nAccept: application/n-triples\r\n\r\n")));
+  ASSERT_TRUE(slow.AwaitAnswer());
+  HttpReply other = get();
+  ASSERT_EQ(other.status, 503);
+  EXPECT_THAT(other.body, HasSubstr("queries_memory_bytes = 41943040"));
+  EXPECT_TRUE(Holds(":a :p ?o")) << "small queries go on";
+  const HttpReply taken = slow.Receive();
+  ASSERT_EQ(taken.status, 200);
+  EXPECT_EQ(taken.headers.at("transfer-encoding"), "chunked");
+  EXPECT_TRUE(taken.whole);
+  EXPECT_EQ(std::count(taken.body.begin(), taken.body.end(), '\n'), 7000);
+  ASSERT_TRUE(await_free());
+  other = get();
+  EXPECT_EQ(other.status, 200);
+  EXPECT_TRUE(other.body == taken.body);
+}
+
+TEST_F(GraphStoreTest, AGraphWithoutTriplesIsNotMade) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  for (const char* method : {"PUT", "POST"}) EXPECT_EQ(Ask(method, graph, kTurtle, "# nothing").status, 200) << method;
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "DELETE DATA { <urn:w:a> <urn:w:p> 1 }").status, 200);
+  EXPECT_EQ(Ask("GET", graph).status, 404);
+  const HttpReply nowhere = Ask("POST", "/rdf-graphs", kTurtle, "# nothing");
+  EXPECT_EQ(nowhere.status, 200);
+  EXPECT_EQ(nowhere.headers.count("location"), 0u);
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate, "INSERT DATA { <urn:w:a> <urn:w:p> 1 }").status, 201);
+}
+
+TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
+  StartServer();
+  const auto status = [this](const std::string& method, const std::string& target,
+                             const std::string& headers = "", const std::string& body = "") {
+    return Ask(method, target, headers, body).status;
+  };
+  EXPECT_EQ(status("GET", "/rdf-graphs"), 400);
+  EXPECT_EQ(status("GET", "/rdf-graphs?default&graph=urn:x"), 400);
+  EXPECT_EQ(status("GET", "/rdf-graphs?graph=relative"), 400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", kTurtle, "<a:a> <a:b"), 400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: image/png\r\n", "x"), 415);
+  const std::string latin = "; charset=ISO-8859-1\r\n";
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle" + latin, "<a:a> <a:b> '\xC3\xA9' ."), 415);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", "Content-Type: application/sparql-update" + latin, "CLEAR ALL"), 415);
+  EXPECT_EQ(status("POST", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle; charset=\"UTF-8\"\r\n", "# nothing"), 200);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: application/trig\r\n",
+                   "<g:g> { <a:a> <a:b> <a:c> }"),
+            400);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=https://w3id.org/docent%23inferred", kTurtle, ""), 403);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kTurtle, ""), 415);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", kUpdate, "CLEAR ALL"), 422);
+  EXPECT_EQ(
+      status("PATCH", "/rdf-graphs?graph=urn:x", kUpdate, "INSERT DATA { GRAPH <urn:y> { <a:a> <a:b> 1 } }"),
+      422);
+  EXPECT_EQ(status("GET", "/rdf-graphs?default", "Accept: image/png\r\n"), 406);
+  EXPECT_EQ(status("OPTIONS", "/rdf-graphs"), 405);
+}
+
+TEST_F(GraphStoreTest, DescribeIsAnsweredOverHttpAndGrpc) {
+  StartServer();
+  MustTell(":a :p :b ; :card [ :name 'A' ] . :b :p :c .");
+  const HttpReply reply =
+      Ask("GET", "/sparql?query=DESCRIBE%20%3Curn:w:a%3E", "Accept: application/n-triples\r\n");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_EQ(std::count(reply.body.begin(), reply.body.end(), '\n'), 3) << reply.body;
+  EXPECT_THAT(Query("DESCRIBE <urn:w:a>").rows, SizeIs(3));
+}
+
+TEST_F(GraphStoreTest, AGraphAsItWas) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:g";
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 1 .").status, 201);
+  const std::string then = absl::StrCat(Revision());
+  EXPECT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 .").status, 200);
+  const HttpReply past = Ask("GET", graph + "&as-of=" + then, "Accept: application/n-triples\r\n");
+  EXPECT_THAT(past.body, HasSubstr("\"1\""));
+  EXPECT_EQ(past.headers.at("docent-revision"), then);
+  EXPECT_THAT(Ask("GET", graph, "Accept: application/n-triples\r\n").body, HasSubstr("\"2\""));
+  EXPECT_EQ(Ask("GET", graph + "&as-of=0").status, 404);
+  EXPECT_EQ(Ask("GET", graph + "&as-of=yesterday").status, 400);
+  EXPECT_EQ(Ask("GET", graph + absl::StrCat("&min-revision=", Revision())).status, 200);
+  EXPECT_EQ(Ask("DELETE", graph + "&as-of=" + then).status, 400);
+}
+
+TEST_F(GraphStoreTest, OtherServersAreAskedWhereThatIsAllowed) {
+  ServerSettings other = settings_;
+  other.data_folder = folder_ / "other";
+  auto second = Server::Start(other, nullptr);
+  ASSERT_TRUE(second.ok()) << second.status();
+  const std::string base = absl::StrCat("http://localhost:", PortOf(**second));
+  EXPECT_EQ(HttpClient(PortOf(**second))
+                .Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, "<urn:w:a> <urn:w:far> 7 .")
+                .status,
+            201);
+  settings_.allow = {base + "/sparql", base + "/rdf-graphs"};
+  StartServer();
+  MustTell(":a :near 1 .");
+  const std::string query =
+      "SELECT ?n ?f { ?x <urn:w:near> ?n SERVICE <" + base + "/sparql> { ?x <urn:w:far> ?f } }";
+  EXPECT_THAT(Query(query).rows, ElementsAre("\"1\" \"7\""));
+  EXPECT_EQ(Update("INSERT { :a :sum ?f } WHERE { ?x :near ?n SERVICE <" + base + "/sparql> { ?x :far ?f } }")
+                .status,
+            200);
+  EXPECT_TRUE(Holds(":a :sum 7"));
+  HttpReply reply = Update("LOAD <" + base + "/rdf-graphs?graph=urn:w:g> INTO GRAPH :copy");
+  EXPECT_EQ(reply.status, 200) << reply.body;
+  EXPECT_TRUE(Holds("GRAPH :copy { :a :far 7 }"));
+  reply = Update("LOAD <" + base + "/healthz>");
+  EXPECT_EQ(reply.status, 403);
+  EXPECT_THAT(reply.body, HasSubstr("--allow"));
+  EXPECT_EQ(Update("LOAD SILENT <" + base + "/healthz>").status, 200);
+}
+
+TEST_F(GraphStoreTest, FilesOfUnknownTypeAreReadByTheirNames) {
+  StartServer();
+  const auto body = [](const std::string& file) {
+    return "--x\r\nContent-Disposition: form-data; name=\"f\"; filename=\"" + file +
+           "\"\r\nContent-Type: application/octet-stream\r\n\r\n<urn:w:a> <urn:w:b> 1 .\r\n--x--\r\n";
+  };
+  const std::string type = "Content-Type: multipart/form-data; boundary=x\r\n";
+  EXPECT_EQ(Ask("POST", "/rdf-graphs?graph=urn:w:f", type, body("facts.ttl")).status, 201);
+  EXPECT_TRUE(Holds("GRAPH :f { :a :b 1 }"));
+  EXPECT_EQ(Ask("POST", "/rdf-graphs?graph=urn:w:f", type, body("facts")).status, 415);
+  const HttpReply read = Ask("GET", "/rdf-graphs?graph=urn:w:f", "Accept: application/xml\r\n");
+  EXPECT_EQ(read.headers.at("content-type"), "application/xml");
+  EXPECT_EQ(read.headers.at("vary"), "Accept");
+  EXPECT_THAT(read.body, HasSubstr("<rdf:RDF"));
+  EXPECT_EQ(Ask("GET", "/rdf-graphs?graph=urn:w:f&as-of=").status, 400);
+}
+
+TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
+  settings_.allow = {"everything"};
+  EXPECT_EQ(Server::Start(settings_, nullptr).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace docent::test

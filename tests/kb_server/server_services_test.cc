@@ -1,0 +1,248 @@
+// Robot services and the fleet over gRPC with a real adapter.
+#include <thread>
+
+#include "absl/synchronization/notification.h"
+#include "gmock/gmock.h"
+#include "tests/kb_server/scripted_adapter.h"
+#include "tests/kb_server/server_world.h"
+
+namespace docent::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST_F(ServerWorkflowTest, ARobotServiceIsRegisteredDescribedAndInvoked) {
+  StartServer();
+  ScriptedAdapter adapter;
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  v1::RegisterReply reply;
+  grpc::Status status = Register(kServices, &reply);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_THAT(reply.processes(), ElementsAre("greetTwice"));
+  status = Register("<rsel name=\"x\"><process/></rsel>");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("services.xml:1:"));
+
+  v1::ListServicesReply list;
+  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::List, v1::ListServicesRequest(), &list).ok());
+  ASSERT_EQ(list.services_size(), 1);
+  v1::DescribeServiceRequest describe;
+  describe.set_name("greetTwice");
+  v1::RobotService service;
+  ASSERT_TRUE(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).ok());
+  EXPECT_EQ(service.steps_size(), 2);
+  EXPECT_THAT(service.robots(), ElementsAre("urn:w:R1"));
+  describe.set_name("nothing");
+  EXPECT_EQ(Call(services_, &v1::RobotServices::Stub::Describe, describe, &service).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+
+  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_FALSE(replies.empty());
+  for (const auto& r : replies) EXPECT_EQ(r.final(), &r == &replies.back());
+  EXPECT_EQ(replies.back().state(), "done");
+  EXPECT_EQ(adapter.commands().size(), 2u);
+  EXPECT_NE(adapter.commands()[0], adapter.commands()[1]);
+
+  EXPECT_THAT(Invoke("nothing", &status), IsEmpty());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(ServerWorkflowTest, AServiceWhoseRobotFailsSaysWhy) {
+  StartServer();
+  ScriptedAdapter adapter([](const v1::InvokeRequest&) {
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::FAILED);
+    feedback.set_message("a wheel is stuck");
+    return feedback;
+  });
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  ASSERT_TRUE(Register(kServices).ok());
+  grpc::Status status;
+  std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status);
+  ASSERT_TRUE(status.ok());
+  ASSERT_FALSE(replies.empty());
+  EXPECT_EQ(replies.back().state(), "failed");
+  EXPECT_TRUE(replies.back().final());
+  EXPECT_THAT(GetRun(replies.back().run()).reason(), HasSubstr("a wheel is stuck"));
+}
+
+TEST_F(ServerWorkflowTest, ARobotThatStopsRenewingItsLeaseIsOffline) {
+  settings_.clock = &clock_;
+  StartServer();
+  MustTell(kStates);
+  auto state = [this] {
+    std::vector<v1::RobotStatus> robots = Robots();
+    return robots.size() == 1 ? robots[0].state() : absl::StrCat(robots.size(), " robots");
+  };
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  ASSERT_EQ(Robots().size(), 1u);
+  EXPECT_EQ(Robots()[0].label(), "a robot");
+  EXPECT_THAT(Robots()[0].operations(), ElementsAre("greet"));
+  EXPECT_EQ(state(), "standby");
+  uint64_t revision = Revision();
+  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs - 1));
+  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_TRUE(server_->Tend());
+  EXPECT_EQ(Revision(), revision) << "a renewed lease is no news";
+
+  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs));
+  EXPECT_TRUE(server_->Tend());
+  ASSERT_TRUE(Query("ASK {}", revision + 1).status.ok());
+  EXPECT_EQ(state(), "offline");
+  EXPECT_TRUE(server_->Tend());
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_EQ(state(), "standby");
+  EXPECT_EQ(Revision(), revision + 2);
+}
+
+TEST_F(ServerWorkflowTest, AJoinThatTheGraphRefusesIsRefusedAgain) {
+  StartServer();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(Join("urn:w:R1", "127.0.0.1:1", "not an IRI").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  }
+  EXPECT_EQ(Join("R1", "127.0.0.1:1").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Join("urn:w:R1", "").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(Robots(), IsEmpty());
+  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  EXPECT_EQ(Robots().size(), 1u);
+}
+
+TEST_F(ServerWorkflowTest, ARobotThatJoinsWhileItIsGivenUpIsThereAgain) {
+  settings_.clock = &clock_;
+  StartServer();
+  MustTell(kStates);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+    clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs));
+    EXPECT_TRUE(server_->Tend());  // Offline is on its way
+    ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+    ASSERT_EQ(Robots().size(), 1u);
+    EXPECT_EQ(Robots()[0].state(), "standby");
+  }
+}
+
+TEST_F(ServerWorkflowTest, AJoinReplacesWhatTheOneBeforeSaid) {
+  StartServer();
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:2").ok());
+  EXPECT_THAT(Query("SELECT ?a { <urn:w:R1> <https://w3id.org/docent#adapterAddress> ?a }").rows,
+              ElementsAre("\"127.0.0.1:2\""))
+      << "also where no ontology says that there is one only";
+}
+
+v1::Feedback Failure(const std::string& why) {
+  v1::Feedback feedback;
+  feedback.set_state(v1::Feedback::FAILED);
+  feedback.set_message(why);
+  return feedback;
+}
+
+TEST_F(ServerWorkflowTest, ARepeatedInvokeIsAnsweredWithTheRecordedEnd) {
+  StartServer();
+  bool fails = false;
+  ScriptedAdapter adapter([&fails](const v1::InvokeRequest&) {
+    if (fails) return Failure("a wheel is stuck");
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::SUCCEEDED);
+    return feedback;
+  });
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  ASSERT_TRUE(Register(kServices).ok());
+  grpc::Status status;
+  std::string run = Invoke("greetTwice", &status, "good").back().run();
+  fails = true;
+  EXPECT_EQ(Invoke("greetTwice", &status, "bad").back().state(), "failed");
+  size_t commands = adapter.commands().size();
+
+  for (bool restarted : {false, true}) {
+    if (restarted) {
+      StopServer();
+      StartServer();
+    }
+    std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status, "good");
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    ASSERT_EQ(replies.size(), 1u);
+    EXPECT_TRUE(replies[0].final());
+    EXPECT_EQ(replies[0].state(), "done");
+    EXPECT_EQ(replies[0].run(), run);
+    replies = Invoke("greetTwice", &status, "bad");
+    ASSERT_EQ(replies.size(), 1u);
+    EXPECT_EQ(replies[0].state(), "failed");
+    EXPECT_THAT(replies[0].message(), HasSubstr("a wheel is stuck"));
+  }
+  EXPECT_EQ(adapter.commands().size(), commands) << "nothing is done twice";
+
+  ASSERT_TRUE(Assert(Turtle(":a :b :c .", "told")).ok());
+  EXPECT_THAT(Invoke("greetTwice", &status, "told"), IsEmpty());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::ALREADY_EXISTS);
+}
+
+TEST_F(ServerWorkflowTest, ARepeatedInvokeFollowsARunThatIsUnderWay) {
+  StartServer();
+  absl::Notification go;
+  ScriptedAdapter adapter([&go](const v1::InvokeRequest&) {
+    go.WaitForNotificationWithTimeout(absl::Seconds(20));
+    v1::Feedback feedback;
+    feedback.set_state(v1::Feedback::SUCCEEDED);
+    return feedback;
+  });
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  ASSERT_TRUE(Register(kServices).ok());
+  auto follow = [this] {
+    grpc::Status status;
+    std::vector<v1::InvokeServiceReply> replies = Invoke("greetTwice", &status, "one");
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    ASSERT_FALSE(replies.empty());
+    EXPECT_EQ(replies.back().state(), "done");
+    EXPECT_TRUE(replies.back().final());
+  };
+  std::thread first(follow);
+  adapter.WaitForCommands(1);
+  std::thread second(follow);
+  go.Notify();
+  first.join();
+  second.join();
+  EXPECT_EQ(adapter.commands().size(), 2u);
+}
+
+TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndTheRunGoesOn) {
+  settings_.limits.stream_messages = 2;
+  StartServer();
+  ScriptedAdapter adapter;
+  MustTell(kStates);
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  // each command's event is larger than what gRPC takes for a client that does not read
+  std::string invoke = "<invoke operation=\"greet\"><input part=\"text\" value=\"&quot;" +
+                       std::string(300000, 'x') + "&quot;\"/></invoke>";
+  ASSERT_TRUE(Register("<rsel name=\"Talks\" namespace=\"urn:w:\" version=\"1.0\"><process name=\"talk\">" +
+                       invoke + invoke + invoke + "</process></rsel>")
+                  .ok());
+  v1::InvokeServiceRequest request;
+  request.set_name("talk");
+  grpc::ClientContext context;
+  Limit(&context);
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  auto stub = v1::RobotServices::NewStub(
+      grpc::CreateCustomChannel(server_->grpc_address(), grpc::InsecureChannelCredentials(), small_window));
+  auto reader = stub->Invoke(&context, request);
+  v1::InvokeServiceReply reply;
+  ASSERT_TRUE(reader->Read(&reply));
+  WaitForRun(reply.run(), "done");
+  bool saw_final = false;
+  while (reader->Read(&reply)) saw_final = saw_final || reply.final();
+  grpc::Status status = reader->Finish();
+  EXPECT_FALSE(saw_final);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("stream_messages"));
+}
+
+}  // namespace
+}  // namespace docent::test

@@ -1,0 +1,80 @@
+#include "kb_server/subscriptions/standing_answer.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace docent {
+namespace {
+
+// One row that stays and one with another value each time, long after the first values are of no use.
+TEST(StandingAnswer, ComputedValuesComeAndGo) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{});
+  for (uint64_t i = 1; i <= 5000; ++i) {
+    StandingAnswer::Rows rows;
+    ++rows[{answer.Local(Term::Literal("stays"))}];
+    ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
+    ASSERT_EQ(answer.SetRows(Revision(i), std::move(rows), 0), i > 1);  // the first answer is no change
+    if (i == 1) continue;
+    const auto change = answer.Get(answer.newest());
+    ASSERT_TRUE(change.ok() && *change != nullptr) << i;
+    ASSERT_EQ((*change)->appeared.size(), 1u) << i;
+    ASSERT_EQ((*change)->disappeared.size(), 1u) << i;
+    EXPECT_EQ((*change)->appeared[0].values[0], Term::Literal(std::to_string(i)));
+    EXPECT_EQ((*change)->disappeared[0].values[0], Term::Literal(std::to_string(i - 1)));
+  }
+  const AnswerChangePtr whole = answer.Whole();
+  ASSERT_EQ(whole->appeared.size(), 2u);
+  EXPECT_EQ(whole->appeared[0].values[0], Term::Literal("5000"));
+  EXPECT_EQ(whole->appeared[1].values[0], Term::Literal("stays"));
+}
+
+// The same where a row is told after two rounds: the one that stays, and never those that go before.
+TEST(StandingAnswer, ComputedValuesThatMustLast) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 2);
+  for (uint64_t i = 1; i <= 5000; ++i) {
+    StandingAnswer::Rows rows;
+    ++rows[{answer.Local(Term::Literal("stays"))}];
+    ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
+    const auto now_us = static_cast<TimeMicros>(i);
+    ASSERT_FALSE(answer.SetRows(Revision(i), std::move(rows), now_us)) << i;
+    ASSERT_EQ(answer.ripens_at_us(), i <= 3 ? 3 : now_us + 2) << i;
+    ASSERT_EQ(answer.Ripen(Revision(i), now_us), i == 3) << i;
+  }
+  const AnswerChangePtr whole = answer.Whole();
+  ASSERT_EQ(whole->appeared.size(), 1u);
+  EXPECT_EQ(whole->appeared[0].values[0], Term::Literal("stays"));
+  EXPECT_EQ(answer.size(), 2u);
+}
+
+// The clock's time may be ahead of that of the turns which come after.
+TEST(StandingAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, true, {}, &dictionary, SubscriptionLimits{}, 5);
+  EXPECT_FALSE(answer.SetBoolean(Revision(1), true, 0));
+  EXPECT_TRUE(answer.Ripen(Revision(1), 5));
+  EXPECT_FALSE(answer.SetBoolean(Revision(2), true, 4));
+  EXPECT_TRUE(answer.Whole()->boolean);
+  EXPECT_EQ(answer.ripens_at_us(), std::nullopt);
+  EXPECT_TRUE(answer.SetBoolean(Revision(3), false, 4));
+  EXPECT_FALSE(answer.SetBoolean(Revision(4), true, 4));
+  EXPECT_EQ(answer.ripens_at_us(), 9);
+}
+
+// A value that was computed, and that the dictionary learns before the rows are set, is the same row.
+TEST(StandingAnswer, AValueLearntMeanwhileKeepsItsTime) {
+  Dictionary dictionary;
+  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 5);
+  const Term value = Term::Literal("some text that is in no id");
+  EXPECT_FALSE(answer.SetRows(Revision(1), {{{answer.Local(value)}, 1}}, 0));
+  EXPECT_TRUE(answer.Ripen(Revision(1), 5));
+  StandingAnswer::Rows again = {{{answer.Local(value)}, 1}};
+  dictionary.Intern(value);
+  EXPECT_FALSE(answer.SetRows(Revision(2), std::move(again), 6));
+  EXPECT_EQ(answer.Whole()->appeared.size(), 1u);
+}
+
+}  // namespace
+}  // namespace docent
