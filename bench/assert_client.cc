@@ -5,7 +5,8 @@
 
 namespace docent::bench {
 
-AssertClient::AssertClient(const std::shared_ptr<grpc::Channel>& channel) : stub_(v1::Context::NewStub(channel)) {
+AssertClient::AssertClient(const std::shared_ptr<grpc::Channel>& channel)
+    : stub_(v1::Context::NewStub(channel)) {
   stub_->async()->AssertStream(&context_, this);
   AddHold();  // Send() is called from outside the reactions
   StartRead(&reply_);

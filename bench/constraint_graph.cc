@@ -15,7 +15,8 @@ ConstraintGraph::ConstraintGraph(size_t constraints) {
 }
 
 Quad ConstraintGraph::Encode(const TermQuad& fact) {
-  return {dictionary_.Intern(fact.subject), dictionary_.Intern(fact.predicate), dictionary_.Intern(fact.object), graph_};
+  return {dictionary_.Intern(fact.subject), dictionary_.Intern(fact.predicate),
+          dictionary_.Intern(fact.object), graph_};
 }
 
 sparql::Query ParseConstraint(const std::string& text) {
@@ -38,7 +39,8 @@ ConstraintQueries ParseConstraints(size_t count) {
   return queries;
 }
 
-std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph, ConstraintSet& set) {
+std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
+                                      ConstraintSet& set) {
   std::vector<ConstraintId> ids;
   for (const auto& [query, options] : queries) {
     const auto id = set.Register(query, graph.version(), options);

@@ -23,7 +23,9 @@ class ConstraintGraph {
   explicit ConstraintGraph(size_t constraints);
 
   Quad Encode(const TermQuad& fact);
-  Delta Apply(bool add, const Quad& quad) { return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad}); }
+  Delta Apply(bool add, const Quad& quad) {
+    return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad});
+  }
   // The constraints follow what Apply does, as in a turn of the server.
   void Observe(ConstraintSet* set) { writer_.SetObserver(set); }
   // The next immutable version.
@@ -43,7 +45,8 @@ sparql::Query ParseConstraint(const std::string& text);
 using ConstraintQueries = std::vector<std::pair<sparql::Query, RegisterOptions>>;
 ConstraintQueries ParseConstraints(size_t count);
 // By number. Ends the program where one is refused.
-std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph, ConstraintSet& set);
+std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
+                                      ConstraintSet& set);
 
 }  // namespace docent::bench
 

@@ -12,37 +12,55 @@ enum class Shape { kThreshold, kJoin, kNegated, kFree };
 Shape ShapeOf(size_t i) {
   switch (i % 6) {
     case 0:
-    case 1: return Shape::kThreshold;
+    case 1:
+      return Shape::kThreshold;
     case 2:
-    case 3: return Shape::kJoin;
-    case 4: return Shape::kNegated;
-    default: return Shape::kFree;
+    case 3:
+      return Shape::kJoin;
+    case 4:
+      return Shape::kNegated;
+    default:
+      return Shape::kFree;
   }
 }
 
-std::string Ex(const std::string& local) { return absl::StrCat("urn:mix:", local); }
-Term Iri(const std::string& local) { return Term::Iri(Ex(local)); }
-std::string Angle(const std::string& local) { return absl::StrCat("<", Ex(local), ">"); }
-std::string IsAt() { return absl::StrCat("<", DocentIri("isAt"), ">"); }
+std::string Ex(const std::string& local) {
+  return absl::StrCat("urn:mix:", local);
+}
+Term Iri(const std::string& local) {
+  return Term::Iri(Ex(local));
+}
+std::string Angle(const std::string& local) {
+  return absl::StrCat("<", Ex(local), ">");
+}
+std::string IsAt() {
+  return absl::StrCat("<", DocentIri("isAt"), ">");
+}
 
 std::string Escape(const std::string& text) {
   std::string out;
   for (char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else out += c;
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
   }
   return out;
 }
 
-std::string CawlConstraint(const std::string& name, const std::string& s, const std::string& v, const std::string& o) {
+std::string CawlConstraint(const std::string& name, const std::string& s, const std::string& v,
+                           const std::string& o) {
   return absl::StrCat("<constraint name=\"", name, "\"><subject>", Escape(s), "</subject><verb>", Escape(v),
                       "</verb><object>", Escape(o), "</object></constraint>");
 }
 
 // Visitors of the background; each update names one that no other update of the same round names.
 constexpr size_t kTriplesPerVisitor = 4;
-size_t Visitors(size_t triples) { return triples / kTriplesPerVisitor; }
+size_t Visitors(size_t triples) {
+  return triples / kTriplesPerVisitor;
+}
 
 }  // namespace
 
@@ -52,27 +70,34 @@ MixedConstraint ConstraintNumber(size_t i) {
   switch (ShapeOf(i)) {
     case Shape::kThreshold: {
       std::string threshold = absl::StrCat(20 + i % 10, ".5");
-      out.where = absl::StrCat(Angle("sensor" + n), " ", Angle("temperature"), " ?t . FILTER(?t > ", threshold, ")");
+      out.where =
+          absl::StrCat(Angle("sensor" + n), " ", Angle("temperature"), " ?t . FILTER(?t > ", threshold, ")");
       // in CAWL the value is bound by a second constraint, so that the run knows it
-      out.cawl_rule = absl::StrCat("<rule name=\"r\">", CawlConstraint("a", Angle("sensor" + n), Angle("temperature"), "?t"),
-                                   CawlConstraint("b", Angle("sensor" + n), Angle("temperature"), "> " + threshold), "</rule>");
+      out.cawl_rule = absl::StrCat(
+          "<rule name=\"r\">", CawlConstraint("a", Angle("sensor" + n), Angle("temperature"), "?t"),
+          CawlConstraint("b", Angle("sensor" + n), Angle("temperature"), "> " + threshold), "</rule>");
       break;
     }
     case Shape::kJoin:
-      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("region" + n), " . ?v ", Angle("likes"), " ", Angle("topic" + n));
-      out.cawl_rule = absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", IsAt(), Angle("region" + n)),
-                                   CawlConstraint("b", "?v", Angle("likes"), Angle("topic" + n)), "</rule>");
+      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("region" + n), " . ?v ", Angle("likes"), " ",
+                               Angle("topic" + n));
+      out.cawl_rule =
+          absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", IsAt(), Angle("region" + n)),
+                       CawlConstraint("b", "?v", Angle("likes"), Angle("topic" + n)), "</rule>");
       break;
     case Shape::kNegated:
-      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("room" + n), " . FILTER NOT EXISTS { ?v ", Angle("badge"), " ?b }");
+      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("room" + n), " . FILTER NOT EXISTS { ?v ",
+                               Angle("badge"), " ?b }");
       out.cawl_rule = absl::StrCat("<rule name=\"r\" expression=\"a and not b\">",
                                    CawlConstraint("a", "?v", IsAt(), Angle("room" + n)),
                                    CawlConstraint("b", "?v", Angle("badge"), "?b"), "</rule>");
       break;
     case Shape::kFree:
-      out.where = absl::StrCat("?v ", Angle("carries"), " ?item . ?item ", Angle("ownedBy"), " ", Angle("owner" + n));
-      out.cawl_rule = absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", Angle("carries"), "?item"),
-                                   CawlConstraint("b", "?item", Angle("ownedBy"), Angle("owner" + n)), "</rule>");
+      out.where =
+          absl::StrCat("?v ", Angle("carries"), " ?item . ?item ", Angle("ownedBy"), " ", Angle("owner" + n));
+      out.cawl_rule =
+          absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", Angle("carries"), "?item"),
+                       CawlConstraint("b", "?item", Angle("ownedBy"), Angle("owner" + n)), "</rule>");
       break;
   }
   return out;
@@ -85,10 +110,12 @@ std::vector<TermQuad> Background(size_t triples, size_t constraints) {
   for (size_t v = 0; v < Visitors(triples); ++v) {
     Term visitor = Iri(absl::StrCat("visitor", v));
     quads.push_back({visitor, type, Term::Iri(DocentIri("Visitor")), Term()});
-    quads.push_back({visitor, Term::Iri(Concat(kSchemaNs, "name")), Term::Literal(absl::StrCat("Visitor ", v)), Term()});
+    quads.push_back(
+        {visitor, Term::Iri(Concat(kSchemaNs, "name")), Term::Literal(absl::StrCat("Visitor ", v)), Term()});
     // joins are through the topic of "its" constraint, see UpdateNumber
     quads.push_back({visitor, Iri("likes"), Iri(absl::StrCat("topic", v % constraints)), Term()});
-    quads.push_back({Iri(absl::StrCat("item", v)), Iri("ownedBy"), Iri(absl::StrCat("owner", v % constraints)), Term()});
+    quads.push_back(
+        {Iri(absl::StrCat("item", v)), Iri("ownedBy"), Iri(absl::StrCat("owner", v % constraints)), Term()});
   }
   return quads;
 }
@@ -106,7 +133,8 @@ MixedUpdate UpdateNumber(uint64_t k, size_t constraints, size_t background_tripl
     case Shape::kThreshold: {
       // canonical decimals that never come back
       std::string value = absl::StrCat(40 + k / 1000, ".", absl::Dec(k % 1000, absl::kZeroPad3), "1");
-      update.add = {Iri("sensor" + n), Iri("temperature"), Term::Literal(value, std::string(kXsdDecimal)), Term()};
+      update.add = {Iri("sensor" + n), Iri("temperature"), Term::Literal(value, std::string(kXsdDecimal)),
+                    Term()};
       update.token = value;
       return update;
     }

@@ -24,14 +24,16 @@ double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& gr
       const Delta delta = graph.Apply(add, fact);
       const auto changes = set.Update(graph.version(), delta);
       if (!changes.ok() || changes->size() != flips) {
-        std::fprintf(stderr, "an update changes %zu constraints, not %zu\n", changes.ok() ? changes->size() : 0, flips);
+        std::fprintf(stderr, "an update changes %zu constraints, not %zu\n",
+                     changes.ok() ? changes->size() : 0, flips);
         std::exit(1);
       }
       set.Commit();
       graph.Freeze();
     }
   }
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count() / (2.0 * static_cast<double>(facts.size()));
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count() /
+         (2.0 * static_cast<double>(facts.size()));
 }
 
 }  // namespace
@@ -45,7 +47,8 @@ std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t 
   uint64_t serial = 0;
   const Term other = Term::Iri(absl::StrCat(kConstraintNs, "other"));
   std::array<double, kConstraintShapes> net = {};
-  for (const ConstraintShape shape : {ConstraintShape::kJoin, ConstraintShape::kNegated, ConstraintShape::kFree}) {
+  for (const ConstraintShape shape :
+       {ConstraintShape::kJoin, ConstraintShape::kNegated, ConstraintShape::kFree}) {
     const auto draw = [&](bool looked_at) {
       std::vector<Quad> facts;
       for (int i = 0; i < kPairsInBlock; ++i) {

@@ -110,7 +110,8 @@ bool MeasureConstraintStage(size_t triples, size_t constraints, std::vector<Meas
   for (int n = 0; n < kUpdates; ++n) {
     bool retract = n % 2 == 1;
     TermQuad quad = UpdateNumber(static_cast<uint64_t>(n / 2), constraints, triples).add;
-    update.operations = {{retract ? QuadOperation::Kind::kRemove : QuadOperation::Kind::kAdd, std::move(quad)}};
+    update.operations = {
+        {retract ? QuadOperation::Kind::kRemove : QuadOperation::Kind::kAdd, std::move(quad)}};
     auto delta = applier.Apply(update, writer);
     if (!delta.ok()) return false;
     applier.Commit();

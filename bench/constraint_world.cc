@@ -13,11 +13,15 @@ constexpr size_t kRooms = 64;
 constexpr size_t kVisitorsOfARoom = 64;
 constexpr size_t kMostTold = 16;  // facts of a shape that stand at once
 
-Term Named(const std::string& name) { return Term::Iri(absl::StrCat(kConstraintNs, name)); }
+Term Named(const std::string& name) {
+  return Term::Iri(absl::StrCat(kConstraintNs, name));
+}
 TermQuad Fact(const std::string& s, const std::string& p, Term object) {
   return {Named(s), Named(p), std::move(object), Term()};
 }
-TermQuad Fact(const std::string& s, const std::string& p, const std::string& o) { return Fact(s, p, Named(o)); }
+TermQuad Fact(const std::string& s, const std::string& p, const std::string& o) {
+  return Fact(s, p, Named(o));
+}
 
 Term Reading(size_t whole, uint64_t serial) {
   return Term::Literal(absl::StrCat(whole, ".", 100000000 + serial % 899999999), std::string(kXsdDecimal));
@@ -57,7 +61,9 @@ size_t NumberOf(ConstraintShape shape, size_t n) {
   return 0;
 }
 
-size_t FirstLevel(size_t count) { return count / 6; }  // half of the thresholds hold
+size_t FirstLevel(size_t count) {
+  return count / 6;
+}  // half of the thresholds hold
 
 }  // namespace
 
@@ -83,7 +89,9 @@ StandingConstraint StandingConstraintNumber(size_t i) {
     case ConstraintShape::kJoin:
       return {shape, absl::StrCat("ASK { ?v :at :room", n % kRooms, " . ?v :wants :topic", n, " }"), {}};
     case ConstraintShape::kNegated:
-      return {shape, absl::StrCat("ASK { :person", n, " :at ?r . FILTER NOT EXISTS { :person", n, " :badge ?b } }"), {}};
+      return {shape,
+              absl::StrCat("ASK { :person", n, " :at ?r . FILTER NOT EXISTS { :person", n, " :badge ?b } }"),
+              {}};
     case ConstraintShape::kFree:
       return {shape, absl::StrCat("ASK { ?v :carries ?item . ?item :ownedBy :owner", n, " }"), {"v"}};
   }
@@ -108,9 +116,11 @@ TermQuad FactThatFlips(ConstraintShape shape, size_t n, uint64_t draw, uint64_t 
     case ConstraintShape::kThreshold:
       return Fact("sensor", "reading", Reading(n, serial));
     case ConstraintShape::kJoin:
-      return Fact(absl::StrCat("visitor", draw % kVisitorsOfARoom * kRooms + n % kRooms), "wants", absl::StrCat("topic", n));
+      return Fact(absl::StrCat("visitor", draw % kVisitorsOfARoom * kRooms + n % kRooms), "wants",
+                  absl::StrCat("topic", n));
     case ConstraintShape::kNegated:
-      return Fact(absl::StrCat("person", n), "badge", Term::Literal(absl::StrCat(serial), std::string(kXsdInteger)));
+      return Fact(absl::StrCat("person", n), "badge",
+                  Term::Literal(absl::StrCat(serial), std::string(kXsdInteger)));
     case ConstraintShape::kFree:
       return Fact(absl::StrCat("carrier", serial), "carries", absl::StrCat("item", n));
   }

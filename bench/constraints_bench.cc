@@ -28,7 +28,9 @@ constexpr int kWarmUp = 20000;
 constexpr int kUpdates = 100000;
 constexpr int kRuns = 3;
 
-double Micros(Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); }
+double Micros(Clock::duration d) {
+  return std::chrono::duration<double, std::micro>(d).count();
+}
 
 // What reading the clock costs, twice, in microseconds.
 double ClockCost() {
@@ -89,7 +91,8 @@ class ConstraintsBench {
     std::array<std::vector<double>, kConstraintShapes> shapes;
   };
 
-  void Note(const std::string& system, const std::string& metric, const std::string& unit, std::vector<double> runs) {
+  void Note(const std::string& system, const std::string& metric, const std::string& unit,
+            std::vector<double> runs) {
     measurements.push_back({"constraints", name_, system, metric, unit, std::move(runs), ""});
   }
   void Require(bool met, const char* what) {
@@ -230,7 +233,8 @@ class ConstraintsBench {
         shapes[PairNetOf(static_cast<ConstraintShape>(s))].push_back(net[s]);
       }
       for (Measurement& m : MeasureConstraintPeers(count)) {
-        const auto same = std::find_if(theirs.begin(), theirs.end(), [&](const auto& known) { return known.metric == m.metric; });
+        const auto same = std::find_if(theirs.begin(), theirs.end(),
+                                       [&](const auto& known) { return known.metric == m.metric; });
         if (same == theirs.end()) {
           theirs.push_back(std::move(m));
         } else {
@@ -267,7 +271,8 @@ class ConstraintsBench {
 int RunConstraintsBench(const std::vector<std::string>& args) {
   bool json = false, peers = true;
   std::vector<size_t> counts;
-  CLI::App app{"An update beside standing constraints of a hard mix, asking again and CLIPS", "docent-bench constraints"};
+  CLI::App app{"An update beside standing constraints of a hard mix, asking again and CLIPS",
+               "docent-bench constraints"};
   app.add_flag("--json", json, "One JSON object a line");
   app.add_flag("!--no-peers", peers, "Without CLIPS");
   app.add_option("COUNT", counts, "How many constraints")

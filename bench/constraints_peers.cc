@@ -58,7 +58,9 @@ constexpr char kClips[] = R"clp(
 
 // By the CLIPS function that makes a pair.
 constexpr std::array<std::pair<ConstraintShape, const char*>, 3> kFunctions = {
-    {{ConstraintShape::kJoin, "join"}, {ConstraintShape::kNegated, "negated"}, {ConstraintShape::kFree, "free"}}};
+    {{ConstraintShape::kJoin, "join"},
+     {ConstraintShape::kNegated, "negated"},
+     {ConstraintShape::kFree, "free"}}};
 
 void WriteFacts(const std::string& path, size_t constraints) {
   std::ofstream file(path);
@@ -73,7 +75,9 @@ void WriteFacts(const std::string& path, size_t constraints) {
 
 }  // namespace
 
-std::string PairNetOf(ConstraintShape shape) { return absl::StrCat("pair net, ", NameOf(shape)); }
+std::string PairNetOf(ConstraintShape shape) {
+  return absl::StrCat("pair net, ", NameOf(shape));
+}
 
 std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   std::vector<Measurement> out;
@@ -91,10 +95,12 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   WriteFacts(folder + "/facts.dat", constraints);
   std::ofstream(folder + "/rules.clp") << kClips;
   std::ofstream run(folder + "/run.bat");
-  run << "(load \"" << folder << "/rules.clp\")\n(load-facts \"" << folder << "/facts.dat\")\n(run)\n(seed 7)\n";
+  run << "(load \"" << folder << "/rules.clp\")\n(load-facts \"" << folder
+      << "/facts.dat\")\n(run)\n(seed 7)\n";
   for (const auto& [shape, function] : kFunctions) {
     const size_t n = ConstraintsOfShape(shape, constraints);
-    run << "(compared " << function << " base-" << function << " " << n << " " << kPairBlocks << " " << kPairsInBlock << ")\n";
+    run << "(compared " << function << " base-" << function << " " << n << " " << kPairBlocks << " "
+        << kPairsInBlock << ")\n";
   }
   run << "(exit)\n";
   run.close();
@@ -103,8 +109,10 @@ std::vector<Measurement> MeasureConstraintPeers(size_t constraints) {
   bool whole = true;
   for (const auto& [shape, function] : kFunctions) {
     const std::vector<double> fired = NumbersAfter(text, absl::StrCat(function, "-fired"));
-    std::vector<double> differences = NumbersAfter(text, absl::StrCat(function, "-more"));  // seconds a block, the first to warm up
-    const bool exact = std::all_of(fired.begin(), fired.end(), [](double count) { return count == kPairsInBlock; });
+    std::vector<double> differences =
+        NumbersAfter(text, absl::StrCat(function, "-more"));  // seconds a block, the first to warm up
+    const bool exact =
+        std::all_of(fired.begin(), fired.end(), [](double count) { return count == kPairsInBlock; });
     if (differences.size() != 1 + kPairBlocks || !exact) {
       whole = false;
       add(PairNetOf(shape), {}, exact ? "no answer in time" : "did not fire once a pair");

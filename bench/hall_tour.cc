@@ -16,7 +16,8 @@ using maps::Point2;
 using maps::Pose2;
 
 // Shortest way over cells with enough clearance, by Dijkstra from `from`; empty where there is none.
-std::vector<Point2> ShortestWay(const DistanceGrid& grid, const Point2& from, const Point2& to, double clearance_m) {
+std::vector<Point2> ShortestWay(const DistanceGrid& grid, const Point2& from, const Point2& to,
+                                double clearance_m) {
   const int start = grid.RowOf(from.y_m) * grid.width + grid.ColumnOf(from.x_m);
   const int goal = grid.RowOf(to.y_m) * grid.width + grid.ColumnOf(to.x_m);
   std::vector<float> cost(grid.state.size(), std::numeric_limits<float>::infinity());
@@ -45,7 +46,8 @@ std::vector<Point2> ShortestWay(const DistanceGrid& grid, const Point2& from, co
   }
   std::vector<Point2> way;
   if (before[goal] < 0) return way;
-  for (int cell = goal; cell >= 0; cell = before[cell]) way.push_back(grid.CenterOf(cell % grid.width, cell / grid.width));
+  for (int cell = goal; cell >= 0; cell = before[cell])
+    way.push_back(grid.CenterOf(cell % grid.width, cell / grid.width));
   std::reverse(way.begin(), way.end());
   return way;
 }
@@ -74,7 +76,8 @@ struct Walker {
   double heading_rad;
 };
 
-std::vector<maps::Disc> Walk(std::vector<Walker>& walkers, const Pose2& robot, double step_s, std::mt19937_64& random) {
+std::vector<maps::Disc> Walk(std::vector<Walker>& walkers, const Pose2& robot, double step_s,
+                             std::mt19937_64& random) {
   std::normal_distribution<double> turn(0, 0.3);
   std::uniform_real_distribution<double> angle(-std::numbers::pi, std::numbers::pi), radius(0.8, 5.5);
   std::vector<maps::Disc> discs;
@@ -111,7 +114,8 @@ absl::StatusOr<std::vector<Pose2>> DrivenWay(const maps::HallLayout& layout, con
     poses.insert(poses.end(), leg.begin(), leg.end());
   }
   if (poses.size() < 2) {
-    return absl::FailedPreconditionError("no two service points of " + layout.iri + " can be reached from each other");
+    return absl::FailedPreconditionError("no two service points of " + layout.iri +
+                                         " can be reached from each other");
   }
   return poses;
 }
@@ -141,8 +145,9 @@ absl::StatusOr<Tour> SimulateTour(const maps::HallLayout& layout, const maps::Ha
     const double way_m = std::hypot(moved.x_m, moved.y_m), turn = std::abs(moved.heading_rad);
     step.odometry.x_m = scale_xy * moved.x_m + settings.xy_per_m * way_m * normal(random);
     step.odometry.y_m = scale_xy * moved.y_m + settings.xy_per_m * way_m * normal(random) / 2;
-    step.odometry.heading_rad = scale_heading * moved.heading_rad +
-                                (settings.heading_per_rad * turn + settings.heading_per_m * way_m) * normal(random);
+    step.odometry.heading_rad =
+        scale_heading * moved.heading_rad +
+        (settings.heading_per_rad * turn + settings.heading_per_m * way_m) * normal(random);
     step.scan = scanner.Scan(step.truth, Walk(walkers, step.truth, settings.step_s, random), random);
     tour.length_m += way_m;
     reckoned = maps::Compose(reckoned, step.odometry);

@@ -203,7 +203,8 @@ std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64
 }
 
 std::string ToJobJson(const std::string& data_file, const std::vector<KbCase>& cases, int budget_ms) {
-  nlohmann::json job = {{"data", data_file}, {"budget_ms", budget_ms}, {"passes", kPasses}, {"cases", nlohmann::json::array()}};
+  nlohmann::json job = {
+      {"data", data_file}, {"budget_ms", budget_ms}, {"passes", kPasses}, {"cases", nlohmann::json::array()}};
   for (const KbCase& c : cases) {
     job["cases"].push_back({{"name", c.name},
                             {"form", c.form},

@@ -88,7 +88,8 @@ KbProcess::KbProcess(const KbSystem& system, const std::string& job_file, int ti
     run_.reason = "cannot be started";
     return;
   }
-  const std::string command = absl::StrCat("exec env ", system.command, " ", Quoted(job_file), " 2>/dev/null");
+  const std::string command =
+      absl::StrCat("exec env ", system.command, " ", Quoted(job_file), " 2>/dev/null");
   pid_ = fork();
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // a benchmark that is interrupted leaves no peer behind

@@ -47,8 +47,8 @@ bool LoadOnce(const std::string& text, const std::string& folder, Figures* figur
   request.set_name("data.nt");
   const PartsOutcome outcome = LoadParts(channel, *document, request, [](size_t) {});
   if (!outcome.status.ok() || outcome.parts != document->parts.size()) {
-    std::fprintf(stderr, "docent-bench: %s (%zu of %zu parts)\n", outcome.status.error_message().c_str(), outcome.parts,
-                 document->parts.size());
+    std::fprintf(stderr, "docent-bench: %s (%zu of %zu parts)\n", outcome.status.error_message().c_str(),
+                 outcome.parts, document->parts.size());
     return false;
   }
   const double statements = static_cast<double>(document->statements);
@@ -65,13 +65,15 @@ int RunLoadBench(const std::vector<std::string>& args) {
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Sizes of the file")->capture_default_str()->delimiter(',');
-  app.add_option("--runs", arguments.runs, "Runs, each into an empty server; the median is reported")->capture_default_str();
+  app.add_option("--runs", arguments.runs, "Runs, each into an empty server; the median is reported")
+      ->capture_default_str();
   app.add_option("--folder", arguments.folder, "Where the durable log is made")->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of the data")->capture_default_str();
   if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> out;
   for (const size_t triples : arguments.triples) {
-    const std::string file = std::filesystem::temp_directory_path() / absl::StrCat("docent-load-", getpid(), ".nt");
+    const std::string file =
+        std::filesystem::temp_directory_path() / absl::StrCat("docent-load-", getpid(), ".nt");
     const absl::StatusOr<KbCounts> counts = WriteKbData(file, triples, arguments.seed);
     if (!counts.ok()) {
       std::fprintf(stderr, "docent-bench: %s\n", std::string(counts.status().message()).c_str());
@@ -86,7 +88,8 @@ int RunLoadBench(const std::vector<std::string>& args) {
     }
     const std::string name = absl::StrCat(counts->triples, " triples");
     out.push_back({"load", name, "docent", "check and load, durable", "triples/s", figures.load, ""});
-    out.push_back({"load", name, "docent", "of it the check before anything is sent", "triples/s", figures.check, ""});
+    out.push_back(
+        {"load", name, "docent", "of it the check before anything is sent", "triples/s", figures.check, ""});
     out.push_back({"load", name, "docent", "CPU time of the server", "us/triple", figures.server_cpu, ""});
   }
   Print(out, arguments.json);

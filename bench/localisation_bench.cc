@@ -96,8 +96,8 @@ TrackFigures TrackOurs(const std::shared_ptr<const maps::HallModel>& hall, const
   return figures;
 }
 
-absl::StatusOr<TrackFigures> TrackStock(const maps::HallModel& hall, const Tour& tour, const StockSettings& settings,
-                                        uint32_t seed) {
+absl::StatusOr<TrackFigures> TrackStock(const maps::HallModel& hall, const Tour& tour,
+                                        const StockSettings& settings, uint32_t seed) {
   TrackFigures figures;
   StockFilter filter(hall.laser_field(), settings, seed);
   filter.StartAt(tour.start, 0.1, 0.05, 1000);
@@ -112,7 +112,8 @@ absl::StatusOr<TrackFigures> TrackStock(const maps::HallModel& hall, const Tour&
 }
 
 absl::StatusOr<Results> MeasureTracking(const std::string& name, const maps::HallLayout& layout,
-                                        const std::shared_ptr<const maps::HallModel>& hall, double people, int seeds) {
+                                        const std::shared_ptr<const maps::HallModel>& hall, double people,
+                                        int seeds) {
   Results results(name);
   TourSettings settings;
   settings.people = people;
@@ -122,7 +123,8 @@ absl::StatusOr<Results> MeasureTracking(const std::string& name, const maps::Hal
     results.AddTrack("docent", TrackOurs(hall, *tour, static_cast<uint64_t>(seed)));
     for (const auto& [system, stock] : {std::pair("mrpt pf-localization", PfLocalization()),
                                         std::pair("mrpt field, every beam", EveryBeam())}) {
-      const absl::StatusOr<TrackFigures> figures = TrackStock(*hall, *tour, stock, static_cast<uint32_t>(seed));
+      const absl::StatusOr<TrackFigures> figures =
+          TrackStock(*hall, *tour, stock, static_cast<uint32_t>(seed));
       if (!figures.ok()) return figures.status();
       results.AddTrack(system, *figures);
     }
@@ -136,8 +138,8 @@ bool Arrived(const Pose2& estimate, const Pose2& truth) {
 }
 
 // Starts that know nothing; success: within 0.3 m and 10 degrees after 30 s of driving.
-absl::StatusOr<Results> MeasureStarts(const maps::HallLayout& layout, const std::shared_ptr<const maps::HallModel>& hall,
-                                      int starts) {
+absl::StatusOr<Results> MeasureStarts(const maps::HallLayout& layout,
+                                      const std::shared_ptr<const maps::HallModel>& hall, int starts) {
   Results results("s01 start from nothing");
   const maps::DistanceGrid& field = hall->laser_field();
   const maps::Bounds everywhere = {field.origin_x_m, field.origin_y_m,
@@ -155,7 +157,8 @@ absl::StatusOr<Results> MeasureStarts(const maps::HallLayout& layout, const std:
     double before = CpuMillis();
     if (absl::Status status = localiser.InitialiseGlobally(tour->first_scan); !status.ok()) return status;
     results.Add("docent", "first answer, CPU time", "ms", CpuMillis() - before);
-    for (const TourStep& step : tour->steps) localiser.Update(step.odometry, step.scan).status().IgnoreError();
+    for (const TourStep& step : tour->steps)
+      localiser.Update(step.odometry, step.scan).status().IgnoreError();
     ours_found += Arrived(localiser.estimate().pose(), tour->steps.back().truth);
 
     StockFilter stock(field, PfLocalization(), static_cast<uint32_t>(seed));
@@ -205,7 +208,9 @@ int Measure(const Options& options) {
   Results map("s01 map");
   map.Add("docent", "layout to OctoMap and fields", "ms", CpuMillis() - before);
   std::vector<Measurement> rows = map.rows();
-  const auto append = [&rows](const std::vector<Measurement>& more) { rows.insert(rows.end(), more.begin(), more.end()); };
+  const auto append = [&rows](const std::vector<Measurement>& more) {
+    rows.insert(rows.end(), more.begin(), more.end());
+  };
   for (const auto& [name, people] : {std::pair("s01 tracking", 0.0), {"s01 tracking, 12 people", 12.0}}) {
     std::fprintf(stderr, "localisation: %s, %d drives\n", name, options.seeds);
     const absl::StatusOr<Results> results = MeasureTracking(name, *layout, *hall, people, options.seeds);
@@ -217,12 +222,14 @@ int Measure(const Options& options) {
   if (!starts.ok()) return Fail(starts.status());
   append(starts->rows());
   std::fprintf(stderr, "localisation: a real robot's log\n");
-  const absl::StatusOr<std::vector<Measurement>> real = MeasureRealLog(options.scenarios + "/s02_real_robot_log", options.seeds);
+  const absl::StatusOr<std::vector<Measurement>> real =
+      MeasureRealLog(options.scenarios + "/s02_real_robot_log", options.seeds);
   if (!real.ok()) return Fail(real.status());
   append(*real);
   Print(rows, options.json);
   if (TargetsMet(rows)) return 0;
-  std::fprintf(stderr, "docent-bench localisation: missed: RMSE of every s01 drive at most %g mm and %g deg\n",
+  std::fprintf(stderr,
+               "docent-bench localisation: missed: RMSE of every s01 drive at most %g mm and %g deg\n",
                kTargetRmse_mm, kTargetRmse_deg);
   return 1;
 }
@@ -231,11 +238,16 @@ int Measure(const Options& options) {
 
 int RunLocalisationBench(const std::vector<std::string>& args) {
   Options options;
-  CLI::App app("Localisation error and cost beside MRPT's own filters, in one run.", "docent-bench localisation");
+  CLI::App app("Localisation error and cost beside MRPT's own filters, in one run.",
+               "docent-bench localisation");
   app.add_option("--scenarios", options.scenarios, "folder of the scenarios")->capture_default_str();
   app.add_option("--layout", options.layout, "hall layout (RDF); default: that of s01");
-  app.add_option("--seeds", options.seeds, "simulated drives, and replays of the log")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--starts", options.starts, "starts from nothing")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--seeds", options.seeds, "simulated drives, and replays of the log")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--starts", options.starts, "starts from nothing")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   app.add_option("--make-reference", options.make_reference,
                  "make the reference of s02 with MRPT's stock filter, write it to this file, and end");
   app.add_flag("--json", options.json, "one JSON object a line");

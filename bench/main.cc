@@ -11,8 +11,8 @@
 #include "bench/poses_bench.h"
 #include "bench/reaction_bench.h"
 #include "bench/recovery_bench.h"
-#include "bench/writes_bench.h"
 #include "bench/rules_bench.h"
+#include "bench/writes_bench.h"
 #include "graph/base/program_setup.h"
 
 namespace {
@@ -24,23 +24,30 @@ struct Benchmark {
 };
 
 constexpr Benchmark kBenchmarks[] = {
-    {"reaction", "from Assert to Invoke, and standing constraints beside re-running them", docent::bench::RunReactionBench},
+    {"reaction", "from Assert to Invoke, and standing constraints beside re-running them",
+     docent::bench::RunReactionBench},
     {"constraints", "an update with 100 to 100,000 standing constraints, beside asking again and CLIPS",
      docent::bench::RunConstraintsBench},
-    {"notify", "from Assert to the notification of the one subscription of thousands that changes", docent::bench::RunNotifyBench},
-    {"kb", "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
+    {"notify", "from Assert to the notification of the one subscription of thousands that changes",
+     docent::bench::RunNotifyBench},
+    {"kb",
+     "loading, memory and SPARQL latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
      docent::bench::RunKbBench},
     {"recovery", "a start from a snapshot and the log after it", docent::bench::RunRecoveryBench},
     {"load", "a file of N-Triples into a running server", docent::bench::RunLoadBench},
     {"poses", "memory under a stream of poses", docent::bench::RunPosesBench},
-    {"writes", "versions and durable facts a second, and a query's latency beside them", docent::bench::RunWritesBench},
-    {"rules", "closure, facts and axioms in and out, beside CLIPS and SWI-Prolog", docent::bench::RunRulesBench},
-    {"localisation", "error and cost of the localiser beside MRPT's own filters", docent::bench::RunLocalisationBench},
+    {"writes", "versions and durable facts a second, and a query's latency beside them",
+     docent::bench::RunWritesBench},
+    {"rules", "closure, facts and axioms in and out, beside CLIPS and SWI-Prolog",
+     docent::bench::RunRulesBench},
+    {"localisation", "error and cost of the localiser beside MRPT's own filters",
+     docent::bench::RunLocalisationBench},
 };
 
 void PrintUsage(FILE* to) {
   std::fprintf(to, "usage: docent-bench NAME [--json] [--help] [OPTION...]\n");
-  for (const Benchmark& benchmark : kBenchmarks) std::fprintf(to, "  %-14s %s\n", benchmark.name, benchmark.what);
+  for (const Benchmark& benchmark : kBenchmarks)
+    std::fprintf(to, "  %-14s %s\n", benchmark.name, benchmark.what);
   std::fprintf(to, "exit code: 0 measured, 1 a target is missed, 2 bad usage or input\n");
 }
 

@@ -28,7 +28,9 @@ std::string Quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string Number(double value) { return absl::StrFormat("%.4g", value); }
+std::string Number(double value) {
+  return absl::StrFormat("%.4g", value);
+}
 
 // Four digits that count; from 10,000 on with commas.
 std::string NumberForPeople(double value) {
@@ -47,7 +49,12 @@ const std::vector<std::string> kTitles = {"metric", "system", "median", "min", "
 std::vector<std::string> RowOf(const Measurement& m) {
   if (m.runs.empty()) return {m.metric, m.system, absl::StrCat("not measured: ", m.reason)};
   const auto [low, high] = std::minmax_element(m.runs.begin(), m.runs.end());
-  return {m.metric, m.system, NumberForPeople(Median(m.runs)), NumberForPeople(*low), NumberForPeople(*high), m.unit,
+  return {m.metric,
+          m.system,
+          NumberForPeople(Median(m.runs)),
+          NumberForPeople(*low),
+          NumberForPeople(*high),
+          m.unit,
           absl::StrCat(m.runs.size())};
 }
 
@@ -56,7 +63,9 @@ std::string Line(const std::vector<std::string>& cells, const std::vector<size_t
   for (size_t i = 0; i < cells.size(); ++i) {
     const int width = static_cast<int>(widths[i]);
     const bool figure = i >= 2 && i != 5 && cells.size() == widths.size();
-    absl::StrAppend(&out, "  ", figure ? absl::StrFormat("%*s", width, cells[i]) : absl::StrFormat("%-*s", width, cells[i]));
+    absl::StrAppend(
+        &out, "  ",
+        figure ? absl::StrFormat("%*s", width, cells[i]) : absl::StrFormat("%-*s", width, cells[i]));
   }
   return out + "\n";
 }
@@ -70,14 +79,16 @@ double Median(std::vector<double> values) {
 }
 
 std::string ToJsonLine(const Measurement& m) {
-  std::string out = absl::StrFormat(R"({"bench":%s,"case":%s,"system":%s,"metric":%s,"unit":%s,)", Quoted(m.bench),
-                                    Quoted(m.name), Quoted(m.system), Quoted(m.metric), Quoted(m.unit));
+  std::string out =
+      absl::StrFormat(R"({"bench":%s,"case":%s,"system":%s,"metric":%s,"unit":%s,)", Quoted(m.bench),
+                      Quoted(m.name), Quoted(m.system), Quoted(m.metric), Quoted(m.unit));
   if (m.runs.empty()) {
-    return out + absl::StrFormat(R"("value":null,"min":null,"max":null,"runs":0,"reason":%s})", Quoted(m.reason));
+    return out +
+           absl::StrFormat(R"("value":null,"min":null,"max":null,"runs":0,"reason":%s})", Quoted(m.reason));
   }
   const auto [low, high] = std::minmax_element(m.runs.begin(), m.runs.end());
-  return out + absl::StrFormat(R"("value":%s,"min":%s,"max":%s,"runs":%d})", Number(Median(m.runs)), Number(*low),
-                               Number(*high), m.runs.size());
+  return out + absl::StrFormat(R"("value":%s,"min":%s,"max":%s,"runs":%d})", Number(Median(m.runs)),
+                               Number(*low), Number(*high), m.runs.size());
 }
 
 std::string ToTable(const std::vector<Measurement>& measurements) {
@@ -86,7 +97,8 @@ std::string ToTable(const std::vector<Measurement>& measurements) {
   std::vector<size_t> widths;
   for (const std::string& title : kTitles) widths.push_back(title.size());
   for (const auto& row : rows) {
-    for (size_t i = 0; i < row.size() && row.size() == kTitles.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (size_t i = 0; i < row.size() && row.size() == kTitles.size(); ++i)
+      widths[i] = std::max(widths[i], row[i].size());
   }
   std::string out;
   for (size_t i = 0; i < rows.size(); ++i) {

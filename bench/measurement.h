@@ -9,11 +9,11 @@
 namespace docent::bench {
 
 struct Measurement {
-  std::string bench;   // "localisation"
-  std::string name;    // the case, "s01 tracking"
-  std::string system;  // "docent" or the peer's name
-  std::string metric;  // "position error, RMSE"
-  std::string unit;    // "mm"
+  std::string bench;         // "localisation"
+  std::string name;          // the case, "s01 tracking"
+  std::string system;        // "docent" or the peer's name
+  std::string metric;        // "position error, RMSE"
+  std::string unit;          // "mm"
   std::vector<double> runs;  // one figure a run; empty: not measured
   std::string reason;        // why `runs` is empty
 };

@@ -21,7 +21,9 @@ namespace docent::bench {
 
 using mrpt::maps::COccupancyGridMap2D;
 
-StockSettings PfLocalization() { return {}; }
+StockSettings PfLocalization() {
+  return {};
+}
 
 StockSettings EveryBeam() {
   StockSettings settings;
@@ -34,7 +36,8 @@ StockSettings EveryBeam() {
 }
 
 struct StockFilter::Impl {
-  Impl(const StockSettings& with, uint32_t seed) : settings(with), grid(COccupancyGridMap2D::Create()), pdf(1) {
+  Impl(const StockSettings& with, uint32_t seed)
+      : settings(with), grid(COccupancyGridMap2D::Create()), pdf(1) {
     mrpt::random::getRandomGenerator().randomize(seed);
     grid->likelihoodOptions.likelihoodMethod = COccupancyGridMap2D::lmLikelihoodField_Thrun;
     grid->likelihoodOptions.LF_decimation = static_cast<uint32_t>(with.decimation);
@@ -83,14 +86,17 @@ StockFilter::StockFilter(const maps::DistanceGrid& field, const StockSettings& s
     for (int i = 0; i < field.width; ++i) {
       const maps::CellState state = field.state[static_cast<size_t>(j) * field.width + i];
       const maps::Point2 center = field.CenterOf(i, j);
-      const float free = state == maps::CellState::kFree ? 0.99f : state == maps::CellState::kOccupied ? 0.01f : 0.5f;
+      const float free = state == maps::CellState::kFree       ? 0.99f
+                         : state == maps::CellState::kOccupied ? 0.01f
+                                                               : 0.5f;
       impl_->grid->setCell(impl_->grid->x2idx(static_cast<float>(center.x_m)),
                            impl_->grid->y2idx(static_cast<float>(center.y_m)), free);
     }
   }
 }
 
-StockFilter::StockFilter(const std::vector<maps::PosedScan>& scans, const StockSettings& settings, uint32_t seed)
+StockFilter::StockFilter(const std::vector<maps::PosedScan>& scans, const StockSettings& settings,
+                         uint32_t seed)
     : impl_(std::make_unique<Impl>(settings, seed)) {
   // [MetricMap_occupancyGrid_00_creationOpts] and _insertOpts of the same file
   COccupancyGridMap2D& grid = *impl_->grid;
@@ -108,12 +114,14 @@ StockFilter::StockFilter(const std::vector<maps::PosedScan>& scans, const StockS
 
 StockFilter::~StockFilter() = default;
 
-void StockFilter::StartAt(const maps::Pose2& pose, double sigma_xy_m, double sigma_heading_rad, int particles) {
+void StockFilter::StartAt(const maps::Pose2& pose, double sigma_xy_m, double sigma_heading_rad,
+                          int particles) {
   auto& random = mrpt::random::getRandomGenerator();
   impl_->pdf.m_particles.clear();
   for (int k = 0; k < particles; ++k) {
     impl_->pdf.m_particles.emplace_back(
-        mrpt::math::TPose2D(random.drawGaussian1D(pose.x_m, sigma_xy_m), random.drawGaussian1D(pose.y_m, sigma_xy_m),
+        mrpt::math::TPose2D(random.drawGaussian1D(pose.x_m, sigma_xy_m),
+                            random.drawGaussian1D(pose.y_m, sigma_xy_m),
                             random.drawGaussian1D(pose.heading_rad, sigma_heading_rad)),
         0.0);
   }
@@ -121,8 +129,8 @@ void StockFilter::StartAt(const maps::Pose2& pose, double sigma_xy_m, double sig
 
 absl::Status StockFilter::StartAnywhere(const maps::Bounds& within) {
   try {
-    impl_->pdf.resetUniformFreeSpace(impl_->grid.get(), 0.7, impl_->settings.particles, within.min_x_m, within.max_x_m,
-                                     within.min_y_m, within.max_y_m);
+    impl_->pdf.resetUniformFreeSpace(impl_->grid.get(), 0.7, impl_->settings.particles, within.min_x_m,
+                                     within.max_x_m, within.min_y_m, within.max_y_m);
     return absl::OkStatus();
   } catch (const std::exception& error) {
     return absl::InternalError(robot::MrptMessage(error));
@@ -132,7 +140,8 @@ absl::Status StockFilter::StartAnywhere(const maps::Bounds& within) {
 absl::StatusOr<maps::Pose2> StockFilter::Update(const maps::Pose2& odometry, const maps::LaserScan& scan) {
   try {
     mrpt::obs::CActionRobotMovement2D movement;
-    movement.computeFromOdometry(mrpt::poses::CPose2D(odometry.x_m, odometry.y_m, odometry.heading_rad), impl_->motion);
+    movement.computeFromOdometry(mrpt::poses::CPose2D(odometry.x_m, odometry.y_m, odometry.heading_rad),
+                                 impl_->motion);
     mrpt::obs::CActionCollection actions;
     actions.insert(movement);
     mrpt::obs::CSensoryFrame frame;
@@ -145,7 +154,9 @@ absl::StatusOr<maps::Pose2> StockFilter::Update(const maps::Pose2& odometry, con
   }
 }
 
-int StockFilter::particles() const { return static_cast<int>(impl_->pdf.m_particles.size()); }
+int StockFilter::particles() const {
+  return static_cast<int>(impl_->pdf.m_particles.size());
+}
 
 double StockFilter::spread_m() const {
   const auto [covariance, mean] = impl_->pdf.getCovarianceAndMean();
@@ -182,9 +193,10 @@ absl::StatusOr<maps::Pose2> IcpAligner::Align(const maps::LaserScan& scan, const
     icp.options.skip_cov_calculation = true;
     icp.options.skip_quality_calculation = false;
     mrpt::slam::CICP::TReturnInfo info;
-    const auto aligned = icp.Align(&impl_->points, &seen,
-                                   mrpt::poses::CPose2D(pose.x_m, pose.y_m, pose.heading_rad), info);
-    if (info.goodness < 0.5) return absl::InternalError("too few points of the scan have a partner in the map");
+    const auto aligned =
+        icp.Align(&impl_->points, &seen, mrpt::poses::CPose2D(pose.x_m, pose.y_m, pose.heading_rad), info);
+    if (info.goodness < 0.5)
+      return absl::InternalError("too few points of the scan have a partner in the map");
     const mrpt::poses::CPose2D mean = aligned->getMeanVal();
     return maps::Pose2{mean.x(), mean.y(), mean.phi()};
   } catch (const std::exception& error) {

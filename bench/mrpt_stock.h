@@ -22,10 +22,10 @@ struct StockSettings {
   int decimation = 20;
   double std_hit_m = 0.20;
   double pow_factor = 1;
-  bool adaptive = true;          // KLD sampling; false: `particles` throughout
+  bool adaptive = true;  // KLD sampling; false: `particles` throughout
   int min_particles = 150;
   int max_particles = 40000;
-  int particles = 40000;         // at the start; of a tracked start at a known pose: 1000
+  int particles = 40000;  // at the start; of a tracked start at a known pose: 1000
   robot::MotionModelSettings motion;
 };
 

@@ -59,8 +59,9 @@ grpc::Status LoadWorld(const std::shared_ptr<grpc::Channel>& channel, const std:
   auto ontologies = v1::Ontologies::NewStub(channel);
   constexpr size_t kChunk = 50000;
   for (size_t from = 0; from < quads.size(); from += kChunk) {
-    const std::vector<TermQuad> chunk(quads.begin() + static_cast<std::ptrdiff_t>(from),
-                                      quads.begin() + static_cast<std::ptrdiff_t>(std::min(quads.size(), from + kChunk)));
+    const std::vector<TermQuad> chunk(
+        quads.begin() + static_cast<std::ptrdiff_t>(from),
+        quads.begin() + static_cast<std::ptrdiff_t>(std::min(quads.size(), from + kChunk)));
     v1::LoadRequest request;
     request.set_kind(v1::LoadRequest::DATA);
     request.set_media_type("application/n-triples");
@@ -108,8 +109,8 @@ class Teller {
     client.Finish();
     Subscribers::Result result = subscribers.Take();
     const double seconds = std::chrono::duration<double>(result.last - start).count();
-    return {static_cast<double>(result.latencies_us.size()) / seconds, std::move(result.latencies_us), result.lost,
-            result.wrong};
+    return {static_cast<double>(result.latencies_us.size()) / seconds, std::move(result.latencies_us),
+            result.lost, result.wrong};
   }
 
  private:
@@ -123,7 +124,8 @@ class Teller {
       ToProto(update.fact.subject, quad->mutable_subject());
       ToProto(update.fact.predicate, quad->mutable_predicate());
       ToProto(update.fact.object, quad->mutable_object());
-      flips.push_back({update.constraint, update.shape == ConstraintShape::kNegated ? !update.add : update.add});
+      flips.push_back(
+          {update.constraint, update.shape == ConstraintShape::kNegated ? !update.add : update.add});
     }
     subscribers.Expect(flips, due);
     return request;
@@ -153,7 +155,8 @@ bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerPro
     const double cpu_before = server.CpuSeconds();
     const Phase full = teller.Run(subscribers, 0, 10);
     saturation.push_back(full.rate);
-    cpu_us.push_back((server.CpuSeconds() - cpu_before) / static_cast<double>(full.latencies_us.size()) * 1e6);
+    cpu_us.push_back((server.CpuSeconds() - cpu_before) / static_cast<double>(full.latencies_us.size()) *
+                     1e6);
     const Phase half = teller.Run(subscribers, arguments.rate > 0 ? arguments.rate : full.rate / 2, 10);
     p50.push_back(Percentile(half.latencies_us, 0.5) / 1000);
     p99.push_back(Percentile(half.latencies_us, 0.99) / 1000);
@@ -164,7 +167,8 @@ bool MeasureStreams(const Arguments& arguments, Streams streams, const ServerPro
   const std::string name = absl::StrCat("Assert to notification, ", arguments.triples, " triples, ",
                                         arguments.constraints, " subscriptions");
   const auto add = [&](const std::string& metric, const std::string& unit, std::vector<double> runs) {
-    figures->push_back({"notify", name, many ? "SubscribeStream" : "Subscribe", metric, unit, std::move(runs), ""});
+    figures->push_back(
+        {"notify", name, many ? "SubscribeStream" : "Subscribe", metric, unit, std::move(runs), ""});
   };
   add("saturation, batches of 10", "updates/s", saturation);
   add("CPU time of the server at saturation", "us an update", cpu_us);
@@ -210,17 +214,25 @@ int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
 }  // namespace
 
 int RunNotifyBench(const std::vector<std::string>& args) {
-  CLI::App app{"From Assert sent to the notification received, over loopback, durable", "docent-bench notify"};
+  CLI::App app{"From Assert sent to the notification received, over loopback, durable",
+               "docent-bench notify"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Triples in the graph")->capture_default_str();
-  app.add_option("--constraints", arguments.constraints, "Subscriptions")->capture_default_str()->check(CLI::Range(96, 20000));
-  app.add_option("--in-flight", arguments.in_flight, "Updates whose notification is outstanding, at saturation")->capture_default_str();
+  app.add_option("--constraints", arguments.constraints, "Subscriptions")
+      ->capture_default_str()
+      ->check(CLI::Range(96, 20000));
+  app.add_option("--in-flight", arguments.in_flight,
+                 "Updates whose notification is outstanding, at saturation")
+      ->capture_default_str();
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
-  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")->capture_default_str();
+  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")
+      ->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
-  app.add_flag("--only-streams", arguments.only_streams, "Without the part that has a stream for each subscription");
+  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+      ->capture_default_str();
+  app.add_flag("--only-streams", arguments.only_streams,
+               "Without the part that has a stream for each subscription");
   if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> figures;
   const int code = Measure(arguments, &figures);

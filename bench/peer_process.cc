@@ -40,7 +40,8 @@ std::vector<double> NumbersAfter(const std::string& text, const std::string& wor
   for (size_t at = all.find(label); at != std::string::npos; at = all.find(label, at + 1)) {
     const size_t start = at + label.size();
     double number = 0;
-    if (absl::SimpleAtod(all.substr(start, all.find_first_of(" \n", start) - start), &number)) numbers.push_back(number);
+    if (absl::SimpleAtod(all.substr(start, all.find_first_of(" \n", start) - start), &number))
+      numbers.push_back(number);
   }
   return numbers;
 }

@@ -13,8 +13,8 @@
 #include "bench/command_line.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
-#include "kb_server/turn/turn.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/turn/turn.h"
 
 namespace docent::bench {
 namespace {
@@ -24,7 +24,9 @@ constexpr uint64_t kWarm = 100000;  // updates after which memory is looked at f
 constexpr const char* kProperties[] = {"x", "y", "heading", "poseTime"};
 
 // The microsecond that pose number `n` is of.
-TimeMicros TimeOf(uint64_t n) { return TimeMicros{1'800'000'000'000'000} + static_cast<TimeMicros>(n) * 1000 + 7; }
+TimeMicros TimeOf(uint64_t n) {
+  return TimeMicros{1'800'000'000'000'000} + static_cast<TimeMicros>(n) * 1000 + 7;
+}
 
 // `zone_hours` east of Greenwich.
 std::string DateTime(TimeMicros us, int zone_hours) {
@@ -32,8 +34,8 @@ std::string DateTime(TimeMicros us, int zone_hours) {
   const time_t seconds = static_cast<time_t>(us / 1'000'000);
   tm utc{};
   gmtime_r(&seconds, &utc);
-  return absl::StrFormat("%04d-%02d-%02dT%02d:%02d:%02d.%06d%s", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday, utc.tm_hour,
-                         utc.tm_min, utc.tm_sec, us % 1'000'000,
+  return absl::StrFormat("%04d-%02d-%02dT%02d:%02d:%02d.%06d%s", utc.tm_year + 1900, utc.tm_mon + 1,
+                         utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, us % 1'000'000,
                          zone_hours == 0 ? "Z" : absl::StrFormat("%+03d:00", zone_hours));
 }
 
@@ -60,11 +62,13 @@ WriteBatch Pose(uint64_t n) {
   WriteBatch batch;
   batch.source = absl::StrCat("urn:robots:R", robot);
   batch.time_us = TimeOf(n);
-  const Term values[] = {Number(mixed % 400'000, robot), Number(mixed / 7 % 300'000, robot), Number(mixed / 3 % 6283, robot),
-                         Term::Literal(DateTime(batch.time_us, robot % 2 == 0 ? 0 : 9), std::string(kXsdDateTime))};
+  const Term values[] = {
+      Number(mixed % 400'000, robot), Number(mixed / 7 % 300'000, robot), Number(mixed / 3 % 6283, robot),
+      Term::Literal(DateTime(batch.time_us, robot % 2 == 0 ? 0 : 9), std::string(kXsdDateTime))};
   for (size_t p = 0; p < std::size(kProperties); ++p) {
-    batch.operations.push_back({QuadOperation::Kind::kAdd,
-                                {Term::Iri(batch.source), Term::Iri(DocentIri(kProperties[p])), values[p], Term()}});
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd,
+         {Term::Iri(batch.source), Term::Iri(DocentIri(kProperties[p])), values[p], Term()}});
   }
   return batch;
 }
@@ -81,8 +85,9 @@ Memory Look(const Stages& stages) {
 }  // namespace
 
 int RunPosesBench(const std::vector<std::string>& args) {
-  CLI::App app{"Memory under a stream of poses of a hundred robots; each batch replaces x, y, heading and time of one",
-               "docent-bench poses"};
+  CLI::App app{
+      "Memory under a stream of poses of a hundred robots; each batch replaces x, y, heading and time of one",
+      "docent-bench poses"};
   bool json = false;
   uint64_t updates = 10'000'000;
   app.add_flag("--json", json, "One JSON object a line");
@@ -94,9 +99,9 @@ int RunPosesBench(const std::vector<std::string>& args) {
   Stages stages(&dictionary, nullptr, Limits{});
   WriteBatch declarations;
   for (const char* property : kProperties) {
-    declarations.operations.push_back(
-        {QuadOperation::Kind::kAdd,
-         {Term::Iri(DocentIri(property)), Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("StateProperty")), Term()}});
+    declarations.operations.push_back({QuadOperation::Kind::kAdd,
+                                       {Term::Iri(DocentIri(property)), Term::Iri(std::string(kRdfType)),
+                                        Term::Iri(DocentIri("StateProperty")), Term()}});
   }
   uint64_t offset = 0;
   GraphVersionPtr version;  // as the readers' newest

@@ -30,7 +30,7 @@ namespace docent::bench {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-constexpr int kRobots = 64;     // more than updates in flight: waiting for a free robot is not what is measured
+constexpr int kRobots = 64;  // more than updates in flight: waiting for a free robot is not what is measured
 constexpr size_t kInFlight = 32;
 
 // When each update was due, and when its Invoke came.
@@ -95,9 +95,11 @@ class DoneAtOnce final : public grpc::ServerWriteReactor<v1::Feedback> {
 class InstantAdapter final : public v1::RobotAdapter::CallbackService {
  public:
   explicit InstantAdapter(Reactions* reactions) : reactions_(*reactions) {}
-  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*, const v1::InvokeRequest* request) override {
+  grpc::ServerWriteReactor<v1::Feedback>* Invoke(grpc::CallbackServerContext*,
+                                                 const v1::InvokeRequest* request) override {
     for (const v1::NamedTerm& argument : request->arguments()) {
-      reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical() : argument.value().iri());
+      reactions_.Invoked(argument.value().has_literal() ? argument.value().literal().lexical()
+                                                        : argument.value().iri());
     }
     return new DoneAtOnce(request->command_id());
   }
@@ -107,16 +109,18 @@ class InstantAdapter final : public v1::RobotAdapter::CallbackService {
 };
 
 std::string WorkflowText(size_t i) {
-  return absl::StrCat(
-      "<CAWL name=\"W", i, "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
-      "\"/><condition><context name=\"c\">", ConstraintNumber(i).cawl_rule, "</context></condition></activator><flow name=\"F", i,
-      "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping\"/></node><sink name=\"t\"/><link from=\"s\" to=\"n\"/>"
-      "<link from=\"n\" to=\"t\"/></flow></CAWL>");
+  return absl::StrCat("<CAWL name=\"W", i,
+                      "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
+                      "\"/><condition><context name=\"c\">", ConstraintNumber(i).cawl_rule,
+                      "</context></condition></activator><flow name=\"F", i,
+                      "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping\"/></node><sink "
+                      "name=\"t\"/><link from=\"s\" to=\"n\"/>"
+                      "<link from=\"n\" to=\"t\"/></flow></CAWL>");
 }
 
 // Fills the server: background, state properties, robots, workflows.
-grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::string& adapter, size_t triples,
-                     size_t constraints) {
+grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::string& adapter,
+                     size_t triples, size_t constraints) {
   std::vector<TermQuad> quads = Background(triples, constraints);
   for (TermQuad& quad : StateProperties()) quads.push_back(std::move(quad));
   for (int r = 0; r < kRobots; ++r) {
@@ -173,15 +177,16 @@ struct Phase {
 
 // Sends `count` updates over one AssertStream. `rate` per second on a fixed schedule (open loop: an update is due at its time,
 // whether the ones before are done or not); 0: as fast as `in_flight` allows.
-Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions, uint64_t first, size_t count, double rate,
-            size_t in_flight, size_t constraints, size_t triples) {
+Phase Drive(const std::shared_ptr<grpc::Channel>& channel, Reactions* reactions, uint64_t first, size_t count,
+            double rate, size_t in_flight, size_t constraints, size_t triples) {
   AssertClient client(channel);
   SteadyClock::time_point start = SteadyClock::now();
   for (size_t n = 0; n < count; ++n) {
     MixedUpdate update = UpdateNumber(first + n, constraints, triples);
     SteadyClock::time_point due = SteadyClock::now();
     if (rate > 0) {
-      due = start + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(n / rate));
+      due =
+          start + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(n / rate));
       std::this_thread::sleep_until(due);
     } else {
       reactions->WaitForRoom(in_flight);
@@ -237,15 +242,18 @@ int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
     return 2;
   }
   auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
-  std::fprintf(stderr, "loading %zu triples and deploying %zu workflows ...\n", arguments.triples, arguments.constraints);
-  grpc::Status prepared = Prepare(channel, absl::StrCat("127.0.0.1:", port), arguments.triples, arguments.constraints);
+  std::fprintf(stderr, "loading %zu triples and deploying %zu workflows ...\n", arguments.triples,
+               arguments.constraints);
+  grpc::Status prepared =
+      Prepare(channel, absl::StrCat("127.0.0.1:", port), arguments.triples, arguments.constraints);
   if (!prepared.ok()) {
     std::fprintf(stderr, "docent-bench: %s\n", prepared.error_message().c_str());
     return 2;
   }
   uint64_t next = 0;
   auto drive = [&](size_t count, double rate) {
-    Phase phase = Drive(channel, &reactions, next, count, rate, kInFlight, arguments.constraints, arguments.triples);
+    Phase phase =
+        Drive(channel, &reactions, next, count, rate, kInFlight, arguments.constraints, arguments.triples);
     next += count;
     return phase;
   };
@@ -262,32 +270,41 @@ int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
     p99.push_back(Percentile(open.latencies_us, 0.99) / 1000);
     lost += full.lost + open.lost;
   }
-  const std::string open = arguments.rate > 0 ? absl::StrCat("open loop at ", arguments.rate, "/s") : "open loop at half saturation";
-  std::string name = absl::StrCat("Assert to Invoke, ", arguments.triples, " triples, ", arguments.constraints, " constraints");
+  const std::string open = arguments.rate > 0 ? absl::StrCat("open loop at ", arguments.rate, "/s")
+                                              : "open loop at half saturation";
+  std::string name = absl::StrCat("Assert to Invoke, ", arguments.triples, " triples, ",
+                                  arguments.constraints, " constraints");
   figures->push_back(Figure(name, "docent", "saturation, 32 in flight", "updates/s", saturation));
   figures->push_back(Figure(name, "docent", "latency p50, " + open, "ms", p50));
   figures->push_back(Figure(name, "docent", "latency p99, " + open, "ms", p99));
-  figures->push_back(Figure(name, "docent", "updates without an Invoke", "updates", {static_cast<double>(lost)}));
+  figures->push_back(
+      Figure(name, "docent", "updates without an Invoke", "updates", {static_cast<double>(lost)}));
   return lost == 0 ? 0 : 1;
 }
 
 }  // namespace
 
 int RunReactionBench(const std::vector<std::string>& args) {
-  CLI::App app{"From Assert sent to Invoke received at the adapter, over loopback, durable; and the constraint stage beside baselines",
-               "docent-bench reaction"};
+  CLI::App app{
+      "From Assert sent to Invoke received at the adapter, over loopback, durable; and the constraint stage "
+      "beside baselines",
+      "docent-bench reaction"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Background triples")->capture_default_str();
-  app.add_option("--constraints", arguments.constraints, "Standing constraints of the end-to-end part")->capture_default_str();
+  app.add_option("--constraints", arguments.constraints, "Standing constraints of the end-to-end part")
+      ->capture_default_str();
   app.add_option("--updates", arguments.updates, "Updates of each run")->capture_default_str();
-  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")->capture_default_str();
+  app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")
+      ->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
+  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+      ->capture_default_str();
   app.add_flag("--stage-only", arguments.stage_only, "Only the constraint stage in process");
   if (std::optional<int> code = Parse(&app, args)) return *code;
   if (arguments.runs * arguments.updates + 500 > arguments.triples / 4) {
-    std::fprintf(stderr, "docent-bench: %zu triples give %zu different updates; ask for fewer updates or runs\n",
+    std::fprintf(stderr,
+                 "docent-bench: %zu triples give %zu different updates; ask for fewer updates or runs\n",
                  arguments.triples, arguments.triples / 4);
     return 2;
   }

@@ -46,7 +46,8 @@ absl::StatusOr<RealData> ReadData() {
 }
 
 // Poses after every step; the first one is the start's.
-absl::StatusOr<std::vector<Pose2>> RunStock(StockFilter& filter, const RecordedDrive& drive, std::vector<double>* cpu_ms) {
+absl::StatusOr<std::vector<Pose2>> RunStock(StockFilter& filter, const RecordedDrive& drive,
+                                            std::vector<double>* cpu_ms) {
   std::vector<Pose2> poses;
   for (const robot::RecordedStep& step : drive.steps) {
     const double before = CpuMillis();
@@ -91,8 +92,8 @@ absl::Status AlignAll(const RealData& data, std::vector<ReferencePose>& poses) {
 }
 
 // Mean of the runs that end where most of them end.
-std::vector<ReferencePose> MeanOfAgreeing(const std::vector<std::vector<Pose2>>& runs, const RecordedDrive& drive,
-                                          size_t* agreeing) {
+std::vector<ReferencePose> MeanOfAgreeing(const std::vector<std::vector<Pose2>>& runs,
+                                          const RecordedDrive& drive, size_t* agreeing) {
   std::vector<const std::vector<Pose2>*> best;
   for (const auto& candidate : runs) {
     std::vector<const std::vector<Pose2>*> near;
@@ -171,8 +172,8 @@ class RealLogTable {
 };
 
 absl::Status MeasureOurs(const RealData& data, const std::shared_ptr<const maps::HallModel>& building,
-                         const std::vector<ReferencePose>& reference, const maps::HallLayout& layout, uint64_t seed,
-                         RealLogTable& table) {
+                         const std::vector<ReferencePose>& reference, const maps::HallLayout& layout,
+                         uint64_t seed, RealLogTable& table) {
   const maps::RegionIndex regions(layout);
   robot::LogReplay replay(building, data.drive, &regions, {}, seed);
   std::vector<Pose2> poses;
@@ -215,23 +216,32 @@ absl::Status MeasureStock(const RealData& data, const std::vector<ReferencePose>
 }  // namespace
 
 absl::StatusOr<std::vector<Measurement>> MeasureRealLog(const std::string& scenario, int seeds) {
-  const absl::StatusOr<std::vector<ReferencePose>> reference = robot::ReadReference(scenario + "/reference.csv");
+  const absl::StatusOr<std::vector<ReferencePose>> reference =
+      robot::ReadReference(scenario + "/reference.csv");
   if (!reference.ok()) return reference.status();
   const absl::StatusOr<maps::HallLayout> layout = maps::HallLayout::FromFile(scenario + "/layout.ttl");
   if (!layout.ok()) return layout.status();
   const absl::StatusOr<RealData> data = ReadData();
   if (!data.ok()) {
-    return std::vector<Measurement>{{"localisation", "s02 real robot's log", "docent", "off reference from step 10, RMS", "mm",
-                                     {}, std::string(data.status().message())}};
+    return std::vector<Measurement>{{"localisation",
+                                     "s02 real robot's log",
+                                     "docent",
+                                     "off reference from step 10, RMS",
+                                     "mm",
+                                     {},
+                                     std::string(data.status().message())}};
   }
   const auto building = robot::BuildingFromSimplemap(*robot::FindMrptDataset(kMap));
   if (!building.ok()) return building.status();
   RealLogTable table;
   for (int seed = 1; seed <= seeds; ++seed) {
-    if (absl::Status s = MeasureOurs(*data, *building, *reference, *layout, static_cast<uint64_t>(seed), table); !s.ok()) {
+    if (absl::Status s =
+            MeasureOurs(*data, *building, *reference, *layout, static_cast<uint64_t>(seed), table);
+        !s.ok()) {
       return s;
     }
-    if (absl::Status s = MeasureStock(*data, *reference, static_cast<uint32_t>(seed), table); !s.ok()) return s;
+    if (absl::Status s = MeasureStock(*data, *reference, static_cast<uint32_t>(seed), table); !s.ok())
+      return s;
   }
   return table.Take();
 }
@@ -246,22 +256,28 @@ absl::Status MakeReference(const std::string& path) {
     if (run.ok()) {
       runs.push_back(*std::move(run));
     } else {
-      std::fprintf(stderr, "reference: run %u left out: %s\n", seed, std::string(run.status().message()).c_str());
+      std::fprintf(stderr, "reference: run %u left out: %s\n", seed,
+                   std::string(run.status().message()).c_str());
     }
   }
   size_t agreeing = 0;
   std::vector<ReferencePose> poses = MeanOfAgreeing(runs, data->drive, &agreeing);
-  if (agreeing < 3) return absl::InternalError(absl::StrFormat("only %d runs of MRPT's filter agree", agreeing));
+  if (agreeing < 3)
+    return absl::InternalError(absl::StrFormat("only %d runs of MRPT's filter agree", agreeing));
   if (absl::Status status = AlignAll(*data, poses); !status.ok()) return status;
   return robot::WriteReference(
       path,
       {absl::StrFormat("Poses of the recorded drive %s, in the frame of %s.", kLog, kMap),
        "Made by: docent-bench localisation --make-reference",
-       "MRPT's own particle filter with the settings of pf-localization's localization_demo.ini, on its own occupancy",
-       absl::StrFormat("grid drawn from the recorded map, with at least %d particles: mean of the %d of %d runs that agree.",
+       "MRPT's own particle filter with the settings of pf-localization's localization_demo.ini, on its own "
+       "occupancy",
+       absl::StrFormat("grid drawn from the recorded map, with at least %d particles: mean of the %d of %d "
+                       "runs that agree.",
                        kReferenceParticles, agreeing, kReferenceRuns),
-       "Each run first starts anywhere, then again from where the drive must have begun. The mean is then corrected by",
-       "MRPT's scan matching (CICP) against the recorded map's points. Our map and our sensor model have no part in it.",
+       "Each run first starts anywhere, then again from where the drive must have begun. The mean is then "
+       "corrected by",
+       "MRPT's scan matching (CICP) against the recorded map's points. Our map and our sensor model have no "
+       "part in it.",
        "There is no ground truth: the recorded map itself is good to a few centimetres.",
        "spread_m is the standard deviation between the runs, before the correction."},
       poses);

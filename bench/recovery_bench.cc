@@ -12,9 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "bench/command_line.h"
 #include "bench/measurement.h"
-#include "kb_server/writer/recovery.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/writer/recovery.h"
 
 namespace docent::bench {
 namespace {

@@ -91,8 +91,7 @@ void WriteFacts(const std::string& path, size_t facts, Line line) {
 }
 
 void MeasureClips(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
-  if (!Installed("clips"))
-    return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
+  if (!Installed("clips")) return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
   if (facts > 300000)
     return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
   WriteFacts(folder + "/facts.dat", facts,
@@ -120,8 +119,8 @@ void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurem
                return absl::StrCat("t('", s, "','", p, "','", o, "').");
              });
   std::ofstream(folder + "/rules.pl") << kProlog;
-  const std::string text =
-      RunAndRead("swipl --stack-limit=8g -O '" + folder + "/rules.pl' -- '" + folder + "/facts.pl'", kTimeoutSeconds);
+  const std::string text = RunAndRead(
+      "swipl --stack-limit=8g -O '" + folder + "/rules.pl' -- '" + folder + "/facts.pl'", kTimeoutSeconds);
   const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
   Note("SWI-Prolog, one table", facts, inferred, seconds,
        inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
@@ -143,8 +142,8 @@ void MeasureEye(const std::string& folder, size_t facts, std::vector<Measurement
              });
   std::ofstream(folder + "/rules.n3") << kEye;
   const auto start = std::chrono::steady_clock::now();
-  const std::string text =
-      RunAndRead("eye.pvm --nope --pass-only-new '" + folder + "/facts.n3' '" + folder + "/rules.n3'", kTimeoutSeconds);
+  const std::string text = RunAndRead(
+      "eye.pvm --nope --pass-only-new '" + folder + "/facts.n3' '" + folder + "/rules.n3'", kTimeoutSeconds);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   // the last line but one: #2026-… in=… out=NEW ent=…
   const size_t at = text.rfind(" out=");

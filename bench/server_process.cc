@@ -20,11 +20,13 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::Start(const std::s
   std::unique_ptr<ServerProcess> server(new ServerProcess());
   std::string pattern = absl::StrCat(parent_folder, "/docent-bench-XXXXXX");
   if (mkdtemp(pattern.data()) == nullptr) {
-    return absl::UnavailableError(absl::StrCat("cannot make a folder below ", parent_folder, ": ", std::strerror(errno)));
+    return absl::UnavailableError(
+        absl::StrCat("cannot make a folder below ", parent_folder, ": ", std::strerror(errno)));
   }
   server->folder_ = pattern;
   std::error_code error;
-  std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "docent";
+  std::filesystem::path program =
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "docent";
   int out[2];
   if (pipe(out) != 0) return absl::UnavailableError("pipe failed");
   server->pid_ = fork();
@@ -44,7 +46,8 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::Start(const std::s
   bool read = fgets(line, sizeof(line), lines) != nullptr &&
               sscanf(line, "listening grpc=%127s http=%127s", grpc_address, http_address) == 2;
   fclose(lines);
-  if (!read) return absl::UnavailableError(absl::StrCat("cannot start ", program.string(), "; build it first"));
+  if (!read)
+    return absl::UnavailableError(absl::StrCat("cannot start ", program.string(), "; build it first"));
   server->grpc_address_ = grpc_address;
   server->http_address_ = http_address;
   return server;

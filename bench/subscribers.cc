@@ -122,9 +122,8 @@ Subscribers::Subscribers(const std::string& address, size_t count, Streams strea
       streams_.push_back(std::make_unique<OneConstraint>(this, stubs[i % kConnections].get(), i));
   }
   absl::MutexLock lock(&mutex_);
-  const auto all = [this, count]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return answered_ >= count || ended_ > 0;
-  };
+  const auto all = [this, count]()
+                       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return answered_ >= count || ended_ > 0; };
   ready_ = mutex_.AwaitWithTimeout(absl::Condition(&all), absl::Seconds(120)) && ended_ == 0;
 }
 

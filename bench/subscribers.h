@@ -42,8 +42,8 @@ class Subscribers {
 
   struct Result {
     std::vector<double> latencies_us;
-    size_t lost = 0;      // expected and not come
-    size_t wrong = 0;     // come and not expected then: out of order, or twice
+    size_t lost = 0;   // expected and not come
+    size_t wrong = 0;  // come and not expected then: out of order, or twice
     SteadyClock::time_point last;
   };
   // What came since the last Take; what is outstanding is given up.
@@ -58,7 +58,8 @@ class Subscribers {
     SteadyClock::time_point due;
   };
   void Replied(size_t constraint, const v1::SubscribeReply& reply) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Notified(size_t constraint, bool holds, SteadyClock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Notified(size_t constraint, bool holds, SteadyClock::time_point now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Ended(const grpc::Status& status);
 
   std::vector<std::unique_ptr<Stream>> streams_;

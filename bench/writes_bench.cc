@@ -15,11 +15,11 @@
 #include "bench/command_line.h"
 #include "bench/kb_process.h"
 #include "bench/measurement.h"
-#include "kb_server/writer/writer.h"
 #include "graph/base/clock.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/writer/writer.h"
 
 namespace docent::bench {
 namespace {
@@ -49,7 +49,8 @@ QuadOperation Fact(const std::string& subject, const std::string& predicate, Ter
 // A fact that nobody told before: number `n` of `client`.
 WriteBatch OneFact(int client, uint64_t n) {
   WriteBatch batch;
-  batch.operations.push_back(Fact(absl::StrCat("urn:client:", client, "-", n % 1000), "urn:bench:counted", Term::Integer(static_cast<int64_t>(n))));
+  batch.operations.push_back(Fact(absl::StrCat("urn:client:", client, "-", n % 1000), "urn:bench:counted",
+                                  Term::Integer(static_cast<int64_t>(n))));
   return batch;
 }
 
@@ -60,7 +61,8 @@ WriteBatch Background(size_t triples) {
   const size_t things = triples / 2;
   for (size_t i = 0; i < things; ++i) {
     const std::string thing = absl::StrCat("urn:thing:", i);
-    batch.operations.push_back(Fact(thing, "urn:bench:knows", Term::Iri(absl::StrCat("urn:thing:", i * 7919 % things))));
+    batch.operations.push_back(
+        Fact(thing, "urn:bench:knows", Term::Iri(absl::StrCat("urn:thing:", i * 7919 % things))));
     batch.operations.push_back(Fact(thing, "urn:bench:number", Term::Integer(static_cast<int64_t>(i))));
   }
   return batch;
@@ -132,7 +134,8 @@ class LocalWriter {
 // One client: at most so many of its facts are under way, each one's time from being told to being acknowledged is kept.
 class Client {
  public:
-  Client(LocalWriter* writer, int number, size_t in_flight) : writer_(*writer), number_(number), in_flight_(in_flight) {}
+  Client(LocalWriter* writer, int number, size_t in_flight)
+      : writer_(*writer), number_(number), in_flight_(in_flight) {}
 
   // Tells facts until `end`: as fast as answers come, or one every `period` (0: no pace).
   void Run(SteadyClock::time_point end, SteadyClock::duration period, std::atomic<uint64_t>* next) {
@@ -147,16 +150,17 @@ class Client {
       // A client that keeps a pace also counts what it waited for room; one that does not tells when it has room.
       const auto told = period.count() > 0 ? due : SteadyClock::now();
       due += period;
-      writer_.inbox().Push(OneFact(number_, next->fetch_add(1)), [this, told](const absl::StatusOr<BatchOutcome>& outcome) {
-        const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - told).count();
-        absl::MutexLock lock(&mutex_);
-        --open_;
-        if (outcome.ok()) {
-          latencies_ms_.push_back(ms);
-        } else {
-          ++refused_;
-        }
-      });
+      writer_.inbox().Push(
+          OneFact(number_, next->fetch_add(1)), [this, told](const absl::StatusOr<BatchOutcome>& outcome) {
+            const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - told).count();
+            absl::MutexLock lock(&mutex_);
+            --open_;
+            if (outcome.ok()) {
+              latencies_ms_.push_back(ms);
+            } else {
+              ++refused_;
+            }
+          });
     }
     absl::MutexLock lock(&mutex_);
     mutex_.Await(absl::Condition(this, &Client::Done));
@@ -188,18 +192,23 @@ Load Drive(LocalWriter* writer, const Arguments& arguments, double rate, std::at
   std::vector<std::unique_ptr<Client>> clients;
   std::vector<std::thread> threads;
   const auto start = SteadyClock::now();
-  const auto end = start + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(arguments.seconds));
+  const auto end = start + std::chrono::duration_cast<SteadyClock::duration>(
+                               std::chrono::duration<double>(arguments.seconds));
   SteadyClock::duration period{};
-  if (rate > 0) period = std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(arguments.clients / rate));
+  if (rate > 0)
+    period = std::chrono::duration_cast<SteadyClock::duration>(
+        std::chrono::duration<double>(arguments.clients / rate));
   for (int i = 0; i < arguments.clients; ++i) {
     clients.push_back(std::make_unique<Client>(writer, i, arguments.in_flight));
-    threads.emplace_back([client = clients.back().get(), end, period, next] { client->Run(end, period, next); });
+    threads.emplace_back(
+        [client = clients.back().get(), end, period, next] { client->Run(end, period, next); });
   }
   for (std::thread& thread : threads) thread.join();
   Load load;
   const double seconds = SecondsSince(start);
   for (const auto& client : clients) {
-    load.latencies_ms.insert(load.latencies_ms.end(), client->latencies_ms().begin(), client->latencies_ms().end());
+    load.latencies_ms.insert(load.latencies_ms.end(), client->latencies_ms().begin(),
+                             client->latencies_ms().end());
     load.refused += client->refused();
   }
   load.rate = static_cast<double>(load.latencies_ms.size()) / seconds;
@@ -207,7 +216,8 @@ Load Drive(LocalWriter* writer, const Arguments& arguments, double rate, std::at
 }
 
 // Runs a query on the newest version again and again until `stop`, or `seconds` have passed.
-std::vector<double> QueryLatencies(const LocalWriter& writer, const std::string& text, double seconds, const std::atomic<bool>* stop) {
+std::vector<double> QueryLatencies(const LocalWriter& writer, const std::string& text, double seconds,
+                                   const std::atomic<bool>* stop) {
   std::vector<double> out;
   const sparql::ParsedQuery parsed = sparql::ParseQuery(text);
   const auto query = sparql::PreparedQuery::Prepare(parsed.query, writer.dictionary());
@@ -226,8 +236,8 @@ std::vector<double> QueryLatencies(const LocalWriter& writer, const std::string&
 std::string MillisecondQuery(const LocalWriter& writer) {
   const std::atomic<bool> never{false};
   for (size_t limit = 500;; limit *= 2) {
-    const std::string text = absl::StrCat(
-        "SELECT ?a ?n { ?a <urn:bench:knows> ?b . ?b <urn:bench:number> ?n } LIMIT ", limit);
+    const std::string text =
+        absl::StrCat("SELECT ?a ?n { ?a <urn:bench:knows> ?b . ?b <urn:bench:number> ?n } LIMIT ", limit);
     if (limit > 1000000 || Percentile(QueryLatencies(writer, text, 0.2, &never), 0.5) > 0.7) return text;
   }
 }
@@ -249,15 +259,18 @@ double VersionsPerSecond(size_t triples, double seconds) {
 }
 
 int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
-  const auto add = [&](const std::string& name, const std::string& metric, const std::string& unit, std::vector<double> runs) {
+  const auto add = [&](const std::string& name, const std::string& metric, const std::string& unit,
+                       std::vector<double> runs) {
     figures->push_back({"writes", name, "docent", metric, unit, std::move(runs), ""});
   };
   const std::string over = absl::StrCat(", over ", arguments.triples, " triples");
   std::vector<double> versions, rates, p50, p99, idle, loaded, ratio, half_p99, half_rate;
-  for (int run = 0; run < arguments.runs; ++run) versions.push_back(VersionsPerSecond(arguments.triples, arguments.seconds));
+  for (int run = 0; run < arguments.runs; ++run)
+    versions.push_back(VersionsPerSecond(arguments.triples, arguments.seconds));
   add(absl::StrCat("one-fact versions in memory", over), "text to new version", "versions/s", versions);
 
-  const std::string folder = std::filesystem::path(arguments.folder) / absl::StrCat("docent-writes-", getpid());
+  const std::string folder =
+      std::filesystem::path(arguments.folder) / absl::StrCat("docent-writes-", getpid());
   uint64_t refused = 0;
   {
     auto writer = LocalWriter::Start(folder);
@@ -289,7 +302,8 @@ int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
     }
   }
   std::filesystem::remove_all(folder);
-  const std::string name = absl::StrCat("durable facts, ", arguments.clients, " clients, ", arguments.in_flight, " in flight each");
+  const std::string name = absl::StrCat("durable facts, ", arguments.clients, " clients, ",
+                                        arguments.in_flight, " in flight each");
   add(name, "acknowledged", "facts/s", rates);
   add(name, "latency p50", "ms", p50);
   add(name, "latency p99", "ms", p99);
@@ -300,22 +314,29 @@ int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
   add(with, "p99 idle", "ms", idle);
   add(with, "p99 under load", "ms", loaded);
   add(with, "p99 under load / idle", "x", ratio);
-  const bool met = Median(versions) >= 50000 && Median(rates) >= 50000 && Median(p99) < 20 && Median(ratio) <= 4 && refused == 0;
+  const bool met = Median(versions) >= 50000 && Median(rates) >= 50000 && Median(p99) < 20 &&
+                   Median(ratio) <= 4 && refused == 0;
   return met ? 0 : 1;
 }
 
 }  // namespace
 
 int RunWritesBench(const std::vector<std::string>& args) {
-  CLI::App app{"Versions and durable facts a second in process, and a query's latency beside them", "docent-bench writes"};
+  CLI::App app{"Versions and durable facts a second in process, and a query's latency beside them",
+               "docent-bench writes"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Background triples")->capture_default_str();
-  app.add_option("--clients", arguments.clients, "Threads that tell facts")->capture_default_str()->check(CLI::Range(1, 1000));
-  app.add_option("--in-flight", arguments.in_flight, "Facts of one client that wait for their answer")->capture_default_str()->check(CLI::Range(1, 1000));
+  app.add_option("--clients", arguments.clients, "Threads that tell facts")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--in-flight", arguments.in_flight, "Facts of one client that wait for their answer")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   app.add_option("--seconds", arguments.seconds, "Of each measurement")->capture_default_str();
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
-  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")->capture_default_str();
+  app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
+      ->capture_default_str();
   if (std::optional<int> code = Parse(&app, args)) return *code;
   std::vector<Measurement> figures;
   const int code = Measure(arguments, &figures);

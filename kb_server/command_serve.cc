@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "kb_server/server.h"
 #include "kb_server/grpc/one_callback_thread.h"
+#include "kb_server/server.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
 #include "spdlog/spdlog.h"
 
@@ -87,9 +87,10 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
       ->check(CLI::IsMember({"union", "strict"}))
       ->capture_default_str();
   command
-      ->add_option("--on-violation", *on_violation,
-                   "What to do about ontologies and data after whose loading the graph violates shapes (SHACL) of its "
-                   "ontologies, as it did not before: ignore, warn, refuse")
+      ->add_option(
+          "--on-violation", *on_violation,
+          "What to do about ontologies and data after whose loading the graph violates shapes (SHACL) of its "
+          "ontologies, as it did not before: ignore, warn, refuse")
       ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
       ->capture_default_str();
   command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
@@ -100,20 +101,25 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   command->add_option("--allow", settings->allow,
                       "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, "
                       "file:///…; none by default");
-  command->add_option("--snapshot-records", settings->limits.snapshot_records,
-                      "Turns after which the state is written as a snapshot, so that a start replays fewer")
+  command
+      ->add_option("--snapshot-records", settings->limits.snapshot_records,
+                   "Turns after which the state is written as a snapshot, so that a start replays fewer")
       ->check(AtLeast(1))
       ->capture_default_str();
-  command->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
-                      "About how much of the log is kept; what is older than that and than a snapshot goes")
+  command
+      ->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
+                   "About how much of the log is kept; what is older than that and than a snapshot goes")
       ->check(AtLeast(0))
       ->capture_default_str();
-  command->add_option("--history-bytes", settings->limits.history_bytes,
-                      "Memory of past graph versions for as-of queries; older ones are made again from the log")
+  command
+      ->add_option("--history-bytes", settings->limits.history_bytes,
+                   "Memory of past graph versions for as-of queries; older ones are made again from the log")
       ->check(AtLeast(0))
       ->capture_default_str();
-  command->add_option("--http-name", settings->http_names,
-                      "NAME or NAME:PORT under which HTTP is reached, beside localhost and addresses; may be given again")
+  command
+      ->add_option(
+          "--http-name", settings->http_names,
+          "NAME or NAME:PORT under which HTTP is reached, beside localhost and addresses; may be given again")
       ->allow_extra_args(false);
   command->add_flag("--insecure", settings->insecure,
                     "Allow addresses other than loopback although nothing authenticates clients");

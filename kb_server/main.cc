@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/cli/client.h"
-#include "kb_server/cli/commands.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/program_setup.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
 
 namespace docent {
 namespace {
@@ -43,16 +43,20 @@ std::string WhatIsWrong(const CLI::App& app, const CLI::ParseError& error) {
   if (left.front().starts_with('-')) {
     const std::string option = left.front().substr(0, left.front().find('='));
     for (GivenCommand below = given; below.Descend();) {
-      if (below.app->get_option_no_throw(option) != nullptr) return given.name + ": " + option + " belongs behind `" + below.name + "`";
+      if (below.app->get_option_no_throw(option) != nullptr)
+        return given.name + ": " + option + " belongs behind `" + below.name + "`";
     }
     for (const CLI::Option* o : given.app->get_options()) {
       for (const std::string& name : o->get_lnames()) known.push_back("--" + name);
     }
     const std::string nearest = Nearest(option, known);
-    return given.name + ": there is no option " + option + "; " + (nearest.empty() ? help + " lists them" : "did you mean " + nearest + "?");
+    return given.name + ": there is no option " + option + "; " +
+           (nearest.empty() ? help + " lists them" : "did you mean " + nearest + "?");
   }
-  for (const CLI::App* command : given.app->get_subcommands([](const CLI::App*) { return true; })) known.push_back(command->get_name());
-  if (known.empty()) return given.name + ": one argument too many: " + left.front() + "; " + help + " tells what it takes";
+  for (const CLI::App* command : given.app->get_subcommands([](const CLI::App*) { return true; }))
+    known.push_back(command->get_name());
+  if (known.empty())
+    return given.name + ": one argument too many: " + left.front() + "; " + help + " tells what it takes";
   const std::string nearest = Nearest(left.front(), known);
   return "docent: there is no command `" + given.name + " " + left.front() + "`; " +
          (nearest.empty() ? help + " lists them" : "did you mean `" + given.name + " " + nearest + "`?");

@@ -11,10 +11,10 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "kb_server/writer/folder_store.h"
 #include "graph/base/clock.h"
 #include "graph/redland/client_store.h"
 #include "graph/redland/storage.h"
+#include "kb_server/writer/folder_store.h"
 #include "spdlog/sinks/null_sink.h"
 #include "spdlog/spdlog.h"
 

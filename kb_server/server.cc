@@ -15,16 +15,16 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/synchronization/notification.h"
-#include "kb_server/turn/spatial_functions.h"
-#include "graph/rdf/text_input.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/parser.h"
+#include "graph/rdf/text_input.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/work/graph_reader.h"
 #include "kb_server/http/http_graph_store.h"
 #include "kb_server/http/http_health.h"
 #include "kb_server/http/http_sparql.h"
+#include "kb_server/turn/spatial_functions.h"
+#include "kb_server/work/graph_reader.h"
 #include "reasoner/rules/rule_preview.h"
 #include "reasoner/rules/rule_sets.h"
 #include "spdlog/spdlog.h"
@@ -148,16 +148,17 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.on_violation = settings.on_violation;
   s.remote_ = std::make_unique<RemoteAccess>(settings.allow, settings.limits, s.workers_.get());
   s.ports_.remote = s.remote_.get();
-  s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown, Cancellation* cancellation) {
+  s.ports_.preview_rules = [&s](const std::string& name, const std::string* text, size_t shown,
+                                Cancellation* cancellation) {
     return s.PreviewRuleChange(name, text, shown, cancellation);
   };
   s.fact_history_ = std::make_unique<LogHistory>(s.log_.get(), &s.dictionary_, settings.explain_limits);
   s.ports_.explain_limits = settings.explain_limits;
   s.ports_.fact_history = s.fact_history_.get();
   s.ports_.subscriptions = s.subscriptions_.get();
-  s.what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&s.inbox_, s.writer_.get(), s.workers_.get(), &s.dictionary_,
-                                                      &s.functions_, &s.clock_, settings.limits,
-                                                      settings.explain_limits});
+  s.what_if_ = std::make_unique<WhatIf>(WhatIf::Ports{&s.inbox_, s.writer_.get(), s.workers_.get(),
+                                                      &s.dictionary_, &s.functions_, &s.clock_,
+                                                      settings.limits, settings.explain_limits});
   s.ports_.what_if = s.what_if_.get();
   s.ports_.clock = &s.clock_;
   s.ports_.limits = settings.limits;
@@ -235,7 +236,8 @@ absl::Status Server::StartGrpc() {
         absl::StrCat("cannot listen on ", settings_.grpc_address,
                      " for gRPC: the port is in use or not allowed; choose another with --grpc"));
   }
-  for (const auto& [name, service] : services) grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
+  for (const auto& [name, service] : services)
+    grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
   grpc_address_ = absl::StrCat(address->host, ":", port);
   return absl::OkStatus();
 }
@@ -308,14 +310,16 @@ void Server::RegisterMetrics() {
                             [snapshots] { return static_cast<double>(snapshots->newest_bytes.load()); });
   metrics_.AddGaugeFunction("docent_log_wal_bytes", "Length of the log's write-ahead file on disk",
                             [this] { return static_cast<double>(log_->Upkeep().wal_bytes); });
-  metrics_.AddCounterFunction("docent_log_checkpoint_failures_total",
-                              "Attempts to carry that file over into the log that failed: the disk is full or broken",
-                              [this] { return static_cast<double>(log_->Upkeep().failures); });
+  metrics_.AddCounterFunction(
+      "docent_log_checkpoint_failures_total",
+      "Attempts to carry that file over into the log that failed: the disk is full or broken",
+      [this] { return static_cast<double>(log_->Upkeep().failures); });
   metrics_.AddGaugeFunction("docent_history_versions", "Past graph versions kept in memory",
                             [this] { return static_cast<double>(history_->kept_versions()); });
   metrics_.AddGaugeFunction("docent_history_bytes", "Memory that these versions alone hold",
                             [this] { return static_cast<double>(history_->kept_bytes()); });
-  metrics_.AddGaugeFunction("docent_query_memory_bytes", "Memory that queries and updates hold, beyond what is small",
+  metrics_.AddGaugeFunction("docent_query_memory_bytes",
+                            "Memory that queries and updates hold, beyond what is small",
                             [this] { return static_cast<double>(query_memory_.taken()); });
   metrics_.AddGaugeFunction("docent_dictionary_bytes", "Memory of the dictionary",
                             [this] { return static_cast<double>(dictionary_.bytes()); });
@@ -325,7 +329,8 @@ absl::Status Server::PushAndWait(WriteBatch batch, const std::string& what) {
   std::promise<absl::Status> answer;
   LoadJob job;
   job.batch = std::move(batch);
-  job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(settings_.limits.query_timeout_ms));
+  job.cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(settings_.limits.query_timeout_ms));
   job.done = [&answer, &what](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
     for (const Diagnostic& warning : warnings) spdlog::warn("{}: {}", what, warning.message);
     answer.set_value(outcome.status());
@@ -342,12 +347,13 @@ void Server::RegisterSubscriptionMetrics() {
   const auto read = [](const std::atomic<uint64_t>* value) {
     return [value] { return static_cast<double>(value->load()); };
   };
-  metrics_.AddGaugeFunction("docent_subscriptions", "Queries that clients follow, each as often as it is followed",
+  metrics_.AddGaugeFunction("docent_subscriptions",
+                            "Queries that clients follow, each as often as it is followed",
                             read(&counters->open));
   metrics_.AddGaugeFunction("docent_subscription_queries", "Different queries that are followed",
                             read(&counters->queries));
-  metrics_.AddGaugeFunction("docent_subscription_revision", "Revision up to which followed queries are looked at",
-                            read(&counters->revision));
+  metrics_.AddGaugeFunction("docent_subscription_revision",
+                            "Revision up to which followed queries are looked at", read(&counters->revision));
   metrics_.AddCounterFunction("docent_subscription_evaluations_total",
                               "Followed queries evaluated because a change could match them",
                               read(&counters->evaluations));
@@ -359,7 +365,8 @@ void Server::RegisterSubscriptionMetrics() {
   metrics_.AddCounterFunction("docent_subscription_replies_total", "Replies sent to those who follow",
                               read(&counters->replies));
   metrics_.AddCounterFunction("docent_subscription_resets_total",
-                              "Clients that fell behind and were given the whole answer anew", read(&counters->resets));
+                              "Clients that fell behind and were given the whole answer anew",
+                              read(&counters->resets));
   metrics_.AddCounterFunction("docent_subscription_turns_coalesced_total",
                               "Turns looked at together with others: the limit subscription_backlog",
                               read(&counters->coalesced));
@@ -417,8 +424,10 @@ absl::Status Server::LoadRules() {
     if (text.empty()) {
       auto file = ReadText(given);
       if (!file.ok()) {
-        return absl::Status(file.status().code(), absl::StrCat(file.status().message(), "; --rules takes .rules files, none, and the sets ",
-                                                               absl::StrJoin(built_in, ", ")));
+        return absl::Status(
+            file.status().code(),
+            absl::StrCat(file.status().message(), "; --rules takes .rules files, none, and the sets ",
+                         absl::StrJoin(built_in, ", ")));
       }
       text = *std::move(file);
       name = std::filesystem::path(given).filename().string();
@@ -426,7 +435,8 @@ absl::Status Server::LoadRules() {
     const size_t fingerprint = std::hash<std::string>()(text);
     const bool same =
         std::any_of(catalog->modules.begin(), catalog->modules.end(), [&](const ModuleEntry& module) {
-          return module.kind == Document::Kind::kRules && module.name == name && module.fingerprint == fingerprint;
+          return module.kind == Document::Kind::kRules && module.name == name &&
+                 module.fingerprint == fingerprint;
         });
     if (same) continue;
     WriteBatch batch;
@@ -442,12 +452,12 @@ absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, 
   const GraphVersionPtr version = queries_.Newest();
   std::vector<RuleSetText> current;
   for (const ModuleEntry& module : catalog_.Get()->modules) {
-    if (module.kind == Document::Kind::kRules && module.text != nullptr) current.push_back({module.name, *module.text});
+    if (module.kind == Document::Kind::kRules && module.text != nullptr)
+      current.push_back({module.name, *module.text});
   }
-  const auto preview =
-      PreviewRules(dictionary_, version, current, name,
-                   text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown, settings_.limits, &functions_,
-                   cancellation);
+  const auto preview = PreviewRules(dictionary_, version, current, name,
+                                    text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown,
+                                    settings_.limits, &functions_, cancellation);
   if (!preview.ok()) return preview.status();
   return RulesPreview{version->revision().value(), preview->added, preview->removed, preview->added_triples,
                       preview->removed_triples};

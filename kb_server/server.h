@@ -10,20 +10,20 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "kb_server/writer/log_history.h"
-#include "kb_server/writer/what_if.h"
-#include "kb_server/writer/writer.h"
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
 #include "graph/base/memory_budget.h"
 #include "kb_server/door/fleet_leases.h"
+#include "kb_server/door/metrics.h"
+#include "kb_server/door/ports.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/load_runner.h"
-#include "kb_server/door/metrics.h"
-#include "kb_server/door/ports.h"
 #include "kb_server/work/remote_access.h"
 #include "kb_server/work/update_runner.h"
+#include "kb_server/writer/log_history.h"
+#include "kb_server/writer/what_if.h"
+#include "kb_server/writer/writer.h"
 
 namespace docent {
 
@@ -31,13 +31,14 @@ struct ServerSettings {
   std::string data_folder;                      // made if absent
   std::string grpc_address = "127.0.0.1:7400";  // port 0: a free one
   std::string http_address = "127.0.0.1:7480";
-  std::vector<std::string> http_names;  // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
+  std::vector<std::string>
+      http_names;         // NAME or NAME:PORT that HTTP answers to, beside localhost and addresses
   bool insecure = false;  // allow addresses other than loopback although nothing authenticates clients
   sparql::DefaultGraph default_graph = sparql::DefaultGraph::kUnion;
   std::vector<std::string> ontologies;  // files, loaded at start unless the graph has them as they are
   std::vector<std::string> rules;       // likewise; or names of built-in sets, or "none"
   OnViolation on_violation = OnViolation::kIgnore;  // of the shapes in ontology modules, by a load
-  std::vector<std::string> allow;       // addresses that SERVICE and LOAD may reach: see RemoteAccess
+  std::vector<std::string> allow;  // addresses that SERVICE and LOAD may reach: see RemoteAccess
   Limits limits;
   ExplainLimits explain_limits;
   SubscriptionLimits subscription_limits;

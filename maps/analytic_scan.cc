@@ -25,7 +25,8 @@ double RayToDisc(const Point2& o, double dx, double dy, const Disc& disc, double
 AnalyticScanner::AnalyticScanner(const HallLayout& layout, const ScannerSettings& settings)
     : settings_(settings), hall_outline_(layout.outline), obstacles_(layout.obstacles) {
   const auto add_outline = [this](const Polygon& polygon) {
-    for (size_t i = 0; i < polygon.size(); ++i) segments_.push_back({polygon[i], polygon[(i + 1) % polygon.size()]});
+    for (size_t i = 0; i < polygon.size(); ++i)
+      segments_.push_back({polygon[i], polygon[(i + 1) % polygon.size()]});
   };
   add_outline(hall_outline_);
   for (const Obstacle& obstacle : layout.obstacles) {
@@ -38,7 +39,8 @@ AnalyticScanner::AnalyticScanner(const HallLayout& layout, const ScannerSettings
   }
 }
 
-double AnalyticScanner::CastRay(const Point2& from, double bearing_rad, const std::vector<Disc>& people) const {
+double AnalyticScanner::CastRay(const Point2& from, double bearing_rad,
+                                const std::vector<Disc>& people) const {
   const double dx = std::cos(bearing_rad), dy = std::sin(bearing_rad);
   double nearest = settings_.max_range_m;
   for (const Segment& s : segments_) {

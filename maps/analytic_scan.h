@@ -12,13 +12,14 @@
 namespace docent::maps {
 
 struct ScannerSettings {
-  int beams = 180;                   // 1..10000
-  double field_of_view_rad = 4.712;  // 0..2 pi; 270 degrees: a common safety scanner (SICK S300, Hokuyo UTM-30LX)
-  double max_range_m = 20;           // > 0
-  double height_m = 0.30;            // of the scan plane above the floor; what is lower is not seen
+  int beams = 180;  // 1..10000
+  double field_of_view_rad =
+      4.712;                // 0..2 pi; 270 degrees: a common safety scanner (SICK S300, Hokuyo UTM-30LX)
+  double max_range_m = 20;  // > 0
+  double height_m = 0.30;   // of the scan plane above the floor; what is lower is not seen
   Pose2 sensor_in_robot = {0, 0, 0};
-  double range_sigma_m = 0.02;       // standard deviation of one range; data sheets say 1 to 3 cm
-  double dropout = 0.01;             // 0..1, share of beams that return nothing
+  double range_sigma_m = 0.02;  // standard deviation of one range; data sheets say 1 to 3 cm
+  double dropout = 0.01;        // 0..1, share of beams that return nothing
 };
 
 // Immutable after construction; any thread.
@@ -49,8 +50,8 @@ class AnalyticScanner {
   };
   ScannerSettings settings_;
   Polygon hall_outline_;
-  std::vector<Segment> segments_;  // in the scan plane
-  std::vector<Disc> discs_;        // in the scan plane
+  std::vector<Segment> segments_;    // in the scan plane
+  std::vector<Disc> discs_;          // in the scan plane
   std::vector<Obstacle> obstacles_;  // all, for Collides
 };
 

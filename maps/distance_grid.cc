@@ -12,7 +12,9 @@ double DistanceGrid::DistanceAt(const Point2& p) const {
   const int j = std::clamp(static_cast<int>(v), 0, std::max(0, height - 2));
   const double fu = std::clamp(u - i, 0.0, 1.0), fv = std::clamp(v - j, 0.0, 1.0);
   const int i1 = std::min(i + 1, width - 1), j1 = std::min(j + 1, height - 1);
-  const auto at = [this](int column, int row) { return static_cast<double>(distance_m[row * width + column]); };
+  const auto at = [this](int column, int row) {
+    return static_cast<double>(distance_m[row * width + column]);
+  };
   return (1 - fv) * ((1 - fu) * at(i, j) + fu * at(i1, j)) + fv * ((1 - fu) * at(i, j1) + fu * at(i1, j1));
 }
 

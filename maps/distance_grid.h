@@ -17,8 +17,8 @@ struct DistanceGrid {
   double origin_x_m = 0;
   double origin_y_m = 0;
   double resolution_m = 0;
-  int width = 0;   // cells along x
-  int height = 0;  // cells along y
+  int width = 0;              // cells along x
+  int height = 0;             // cells along y
   double max_distance_m = 0;  // distances are cut off here
 
   // At the cell's centre, row by row (index = j * width + i): distance to the surface of the nearest occupied

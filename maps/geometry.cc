@@ -16,7 +16,8 @@ double WrapAngle(double angle_rad) {
 
 Pose2 Compose(const Pose2& a, const Pose2& b) {
   const double c = std::cos(a.heading_rad), s = std::sin(a.heading_rad);
-  return {a.x_m + c * b.x_m - s * b.y_m, a.y_m + s * b.x_m + c * b.y_m, WrapAngle(a.heading_rad + b.heading_rad)};
+  return {a.x_m + c * b.x_m - s * b.y_m, a.y_m + s * b.x_m + c * b.y_m,
+          WrapAngle(a.heading_rad + b.heading_rad)};
 }
 
 Pose2 Between(const Pose2& a, const Pose2& b) {
@@ -25,7 +26,9 @@ Pose2 Between(const Pose2& a, const Pose2& b) {
   return {c * dx + s * dy, -s * dx + c * dy, WrapAngle(b.heading_rad - a.heading_rad)};
 }
 
-double Distance(const Point2& a, const Point2& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+double Distance(const Point2& a, const Point2& b) {
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+}
 
 double DistanceToSegment(const Point2& p, const Point2& a, const Point2& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
@@ -68,7 +71,9 @@ double SignedArea(const Polygon& polygon) {
 
 }  // namespace
 
-double Area(const Polygon& polygon) { return std::abs(SignedArea(polygon)); }
+double Area(const Polygon& polygon) {
+  return std::abs(SignedArea(polygon));
+}
 
 Bounds BoundsOf(const Polygon& polygon) {
   Bounds bounds = {polygon[0].x_m, polygon[0].y_m, polygon[0].x_m, polygon[0].y_m};

@@ -17,7 +17,9 @@
 namespace docent::maps {
 namespace {
 
-std::string NameOfResource(const Term& term) { return term.IsBlank() ? "_:" + term.lexical : term.lexical; }
+std::string NameOfResource(const Term& term) {
+  return term.IsBlank() ? "_:" + term.lexical : term.lexical;
+}
 
 std::string LastPart(const std::string& iri) {
   const size_t cut = iri.find_last_of("#/:");
@@ -81,7 +83,8 @@ class LayoutReader {
   }
 
   // A finite number of `subject`, or nullopt; a value that is none is a mistake of `resource`.
-  std::optional<double> Number(const Term& resource, const Term& subject, std::string_view local, bool positive) {
+  std::optional<double> Number(const Term& resource, const Term& subject, std::string_view local,
+                               bool positive) {
     const std::vector<Term> values = Values(subject, DocentIri(local));
     if (values.empty()) return std::nullopt;
     const std::string property = "docent:" + std::string(local);
@@ -92,7 +95,8 @@ class LayoutReader {
     double number = 0;
     if (!values[0].IsLiteral() || !absl::SimpleAtod(values[0].lexical, &number) || !std::isfinite(number) ||
         (positive && number <= 0)) {
-      Mistake(resource, property + " is not a number" + (positive ? " above 0: " : ": ") + ToNTriples(values[0]));
+      Mistake(resource,
+              property + " is not a number" + (positive ? " above 0: " : ": ") + ToNTriples(values[0]));
       return std::nullopt;
     }
     return number;
@@ -105,8 +109,9 @@ class LayoutReader {
       for (Term& text : Values(geometry, Concat(kGeoNs, "asWKT"))) texts.push_back(std::move(text));
     }
     if (texts.size() == 1) return texts[0].lexical;
-    Mistake(resource, texts.empty() ? "no geometry: expected geo:hasGeometry [ geo:asWKT \"…\"^^geo:wktLiteral ]"
-                                    : "more than one geometry");
+    Mistake(resource, texts.empty()
+                          ? "no geometry: expected geo:hasGeometry [ geo:asWKT \"…\"^^geo:wktLiteral ]"
+                          : "more than one geometry");
     return std::nullopt;
   }
 
@@ -130,8 +135,9 @@ class LayoutReader {
       if (Is(subject, "Hall")) halls.push_back(subject);
     }
     if (halls.size() != 1) {
-      mistakes_.push_back(halls.empty() ? "no docent:Hall" : "more than one docent:Hall: " + NameOfResource(halls[0]) +
-                                                                 " and " + NameOfResource(halls[1]));
+      mistakes_.push_back(halls.empty() ? "no docent:Hall"
+                                        : "more than one docent:Hall: " + NameOfResource(halls[0]) + " and " +
+                                              NameOfResource(halls[1]));
       return;
     }
     layout_.iri = NameOfResource(halls[0]);
@@ -142,8 +148,11 @@ class LayoutReader {
 
   void ReadObstacle(const Term& subject) {
     static constexpr std::pair<std::string_view, ObstacleKind> kKinds[] = {
-        {"Pillar", ObstacleKind::kPillar},   {"BoothWall", ObstacleKind::kBoothWall}, {"Wall", ObstacleKind::kWall},
-        {"Counter", ObstacleKind::kCounter}, {"Obstacle", ObstacleKind::kOther}};
+        {"Pillar", ObstacleKind::kPillar},
+        {"BoothWall", ObstacleKind::kBoothWall},
+        {"Wall", ObstacleKind::kWall},
+        {"Counter", ObstacleKind::kCounter},
+        {"Obstacle", ObstacleKind::kOther}};
     const auto* kind = std::find_if(std::begin(kKinds), std::end(kKinds),
                                     [&](const auto& candidate) { return Is(subject, candidate.first); });
     if (kind == std::end(kKinds)) return;

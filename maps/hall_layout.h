@@ -44,8 +44,8 @@ struct Region {
 struct HallLayout {
   std::string iri;
   std::string name;
-  Polygon outline;      // inner face of the hall's outer wall: nothing is known beyond it
-  double height_m = 3;  // docent:height of the hall; the height of an obstacle that gives none
+  Polygon outline;                  // inner face of the hall's outer wall: nothing is known beyond it
+  double height_m = 3;              // docent:height of the hall; the height of an obstacle that gives none
   std::vector<Obstacle> obstacles;  // by IRI
   std::vector<Region> regions;      // by IRI
 

@@ -23,7 +23,8 @@ constexpr double kMaxColumns = 1e8;
 
 absl::Status Validate(const HallModelSettings& s) {
   if (!(s.resolution_m >= 0.01 && s.resolution_m <= 0.5)) {
-    return absl::InvalidArgumentError(absl::StrFormat("hall model: resolution %g m is not in 0.01..0.5", s.resolution_m));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("hall model: resolution %g m is not in 0.01..0.5", s.resolution_m));
   }
   if (!(s.laser_min_z_m < s.laser_max_z_m) || !(s.body_min_z_m < s.body_max_z_m)) {
     return absl::InvalidArgumentError("hall model: a slab needs its lower z below its upper z");
@@ -34,7 +35,9 @@ absl::Status Validate(const HallModelSettings& s) {
   return absl::OkStatus();
 }
 
-std::string SystemError(const std::string& what) { return what + ": " + std::strerror(errno); }
+std::string SystemError(const std::string& what) {
+  return what + ": " + std::strerror(errno);
+}
 
 // Header of a .bt file as octomap::AbstractOccupancyOcTree::writeBinary writes it. Read and written here because
 // octomap's own functions print to the standard streams.
@@ -75,20 +78,22 @@ HallModel::HallModel(std::unique_ptr<octomap::OcTree> tree, const HallModelSetti
   std::ostringstream voxels;
   tree_->writeBinaryNode(voxels, tree_->getRoot());
   hash_ = Fingerprint(std::move(voxels).str());
-  hash_ = Fingerprint(absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %d", settings_.resolution_m,
-                                      settings_.laser_min_z_m, settings_.laser_max_z_m, settings_.body_min_z_m,
-                                      settings_.body_max_z_m, settings_.max_distance_m, settings_.measured),
-                      hash_);
+  hash_ =
+      Fingerprint(absl::StrFormat("%.17g %.17g %.17g %.17g %.17g %.17g %d", settings_.resolution_m,
+                                  settings_.laser_min_z_m, settings_.laser_max_z_m, settings_.body_min_z_m,
+                                  settings_.body_max_z_m, settings_.max_distance_m, settings_.measured),
+                  hash_);
 }
 
-absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromLayout(const HallLayout& layout, double resolution_m) {
+absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromLayout(const HallLayout& layout,
+                                                                       double resolution_m) {
   HallModelSettings settings;
   settings.resolution_m = resolution_m;
   return FromLayout(layout, settings);
 }
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromLayout(const HallLayout& layout,
-                                                                      const HallModelSettings& settings) {
+                                                                       const HallModelSettings& settings) {
   if (absl::Status s = Validate(settings); !s.ok()) return s;
   if (layout.outline.empty()) return absl::InvalidArgumentError("hall model: the layout has no outline");
   const Bounds b = BoundsOf(layout.outline);
@@ -96,18 +101,21 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromLayout(const Hal
   const double columns = width_m / settings.resolution_m * (depth_m / settings.resolution_m);
   // An octree of depth 16 reaches 32768 voxels from the origin.
   const double reach_m = 32000 * settings.resolution_m;
-  const bool too_far = b.min_x_m < -reach_m || b.min_y_m < -reach_m || b.max_x_m > reach_m || b.max_y_m > reach_m;
+  const bool too_far =
+      b.min_x_m < -reach_m || b.min_y_m < -reach_m || b.max_x_m > reach_m || b.max_y_m > reach_m;
   if (columns > kMaxColumns || too_far || layout.height_m > reach_m) {
-    return absl::InvalidArgumentError(absl::StrFormat("hall model: %s of %g x %g m is too large at %g m resolution",
-                                                      layout.iri, width_m, depth_m, settings.resolution_m));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("hall model: %s of %g x %g m is too large at %g m resolution", layout.iri, width_m,
+                        depth_m, settings.resolution_m));
   }
   return std::shared_ptr<const HallModel>(new HallModel(Voxelize(layout, settings.resolution_m), settings));
 }
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromOctoMap(std::unique_ptr<octomap::OcTree> tree,
-                                                                       const HallModelSettings& settings) {
+                                                                        const HallModelSettings& settings) {
   HallModelSettings with_tree = settings;
-  if (tree == nullptr || tree->size() <= 1) return absl::InvalidArgumentError("hall model: the octree is empty");
+  if (tree == nullptr || tree->size() <= 1)
+    return absl::InvalidArgumentError("hall model: the octree is empty");
   with_tree.resolution_m = tree->getResolution();
   if (absl::Status s = Validate(with_tree); !s.ok()) return s;
   double low[3], high[3];
@@ -126,8 +134,8 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromOctoMap(std::uni
 }
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromScans(const std::vector<PosedScan>& scans,
-                                                                     double max_range_m,
-                                                                     const HallModelSettings& settings) {
+                                                                      double max_range_m,
+                                                                      const HallModelSettings& settings) {
   if (absl::Status s = Validate(settings); !s.ok()) return s;
   auto tree = std::make_unique<octomap::OcTree>(settings.resolution_m);
   const double z_m = (settings.laser_min_z_m + settings.laser_max_z_m) / 2;
@@ -153,7 +161,7 @@ absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::FromScans(const std:
 }
 
 absl::StatusOr<std::shared_ptr<const HallModel>> HallModel::Load(const std::string& bt_path,
-                                                                const HallModelSettings& settings) {
+                                                                 const HallModelSettings& settings) {
   std::ifstream in(bt_path, std::ios::binary);
   if (!in) return absl::NotFoundError(SystemError("cannot read the map " + bt_path));
   const absl::StatusOr<double> resolution_m = ReadBtHeader(in);
@@ -171,8 +179,10 @@ absl::Status HallModel::Save(const std::string& bt_path) const {
   {
     std::ofstream out(temporary, std::ios::binary);
     if (!out) return absl::PermissionDeniedError(SystemError("cannot write the map " + temporary));
-    out << kBtFirstLine << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
-        << tree_->getTreeType() << "\nsize " << tree_->size() << "\nres " << settings_.resolution_m << "\ndata\n";
+    out << kBtFirstLine
+        << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\nid "
+        << tree_->getTreeType() << "\nsize " << tree_->size() << "\nres " << settings_.resolution_m
+        << "\ndata\n";
     tree_->writeBinaryNode(out, tree_->getRoot());
     out.flush();
     if (!out) return absl::UnavailableError(SystemError("cannot write the map " + temporary));

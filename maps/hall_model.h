@@ -21,13 +21,13 @@ class OcTree;
 namespace docent::maps {
 
 struct HallModelSettings {
-  double resolution_m = 0.05;     // 0.01..0.5: edge of a voxel (from a layout; an octree brings its own)
-  double laser_min_z_m = 0.275;   // slab that the laser sees: around ScannerSettings::height_m
+  double resolution_m = 0.05;    // 0.01..0.5: edge of a voxel (from a layout; an octree brings its own)
+  double laser_min_z_m = 0.275;  // slab that the laser sees: around ScannerSettings::height_m
   double laser_max_z_m = 0.325;
-  double body_min_z_m = 0.10;     // band that the robot's body sweeps
+  double body_min_z_m = 0.10;  // band that the robot's body sweeps
   double body_max_z_m = 1.20;
-  double max_distance_m = 2.0;    // distance fields are cut off here; beyond, planning does not care
-  double margin_m = 1.0;          // unknown space kept around the mapped space
+  double max_distance_m = 2.0;  // distance fields are cut off here; beyond, planning does not care
+  double margin_m = 1.0;        // unknown space kept around the mapped space
   // Where surfaces lie: false, along the faces of occupied voxels (a drawn layout); true, through the middle of them
   // (a map made from measured points, which lie anywhere in their voxel). Used for the plane of the laser.
   bool measured = false;
@@ -49,24 +49,24 @@ class HallModel {
   // wall's thickness of it), free inside the hall above and beside obstacles, unknown elsewhere.
   // INVALID_ARGUMENT: settings out of range, or a hall of more than 10^8 columns at this resolution.
   static absl::StatusOr<std::shared_ptr<const HallModel>> FromLayout(const HallLayout& layout,
-                                                                    double resolution_m = 0.05);
+                                                                     double resolution_m = 0.05);
   static absl::StatusOr<std::shared_ptr<const HallModel>> FromLayout(const HallLayout& layout,
-                                                                    const HallModelSettings& settings);
+                                                                     const HallModelSettings& settings);
 
   // From the map of a real building. Takes the tree. INVALID_ARGUMENT if the slab of the laser holds nothing.
   static absl::StatusOr<std::shared_ptr<const HallModel>> FromOctoMap(std::unique_ptr<octomap::OcTree> tree,
-                                                                     const HallModelSettings& settings = {});
+                                                                      const HallModelSettings& settings = {});
 
   // Maps a real building: every beam frees the voxels that it passes at the height of the laser's slab and occupies
   // the one it ends in (OctoMap's insertion of point clouds, with its default probabilities). Beams longer than
   // `max_range_m` are not used. INVALID_ARGUMENT if no beam is.
   static absl::StatusOr<std::shared_ptr<const HallModel>> FromScans(const std::vector<PosedScan>& scans,
-                                                                   double max_range_m,
-                                                                   const HallModelSettings& settings);
+                                                                    double max_range_m,
+                                                                    const HallModelSettings& settings);
 
   // Reads a binary octree (.bt). NOT_FOUND, or INVALID_ARGUMENT if it is not one.
   static absl::StatusOr<std::shared_ptr<const HallModel>> Load(const std::string& bt_path,
-                                                              const HallModelSettings& settings = {});
+                                                               const HallModelSettings& settings = {});
   // Writes the octree as .bt (through a temporary file in the same folder). PERMISSION_DENIED, or what the system says.
   absl::Status Save(const std::string& bt_path) const;
 

@@ -35,7 +35,8 @@ class Painter {
     const double width_m = bounds_.max_x_m - bounds_.min_x_m, depth_m = bounds_.max_y_m - bounds_.min_y_m;
     scale_ = (picture.width_px - 2 * kMargin_px) / width_m;
     height_px_ = std::clamp(depth_m * scale_ + kTitle_px + kLegend_px + kMargin_px, 200.0, 16000.0);
-    surface_.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width_px, static_cast<int>(height_px_)));
+    surface_.reset(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, picture.width_px, static_cast<int>(height_px_)));
     cairo_.reset(cairo_create(surface_.get()));
     cr_ = cairo_.get();
   }
@@ -190,7 +191,8 @@ class Painter {
     const double room = (b.max_x_m - b.min_x_m) * scale_ - 8;
     const double width = TextWidth(region.name);
     if (width > room) Font(size = std::max(9.0, size * room / width), region.is_booth);
-    Text(X(at.x_m) - TextWidth(region.name) / 2, Y(at.y_m) + size / 3, region.name, region.is_booth ? kInk : kPale);
+    Text(X(at.x_m) - TextWidth(region.name) / 2, Y(at.y_m) + size / 3, region.name,
+         region.is_booth ? kInk : kPale);
     if (region.exhibitor.empty()) return;
     Font(11, false);
     if (TextWidth(region.exhibitor) <= room) {
@@ -287,7 +289,8 @@ class Painter {
 absl::Status WritePng(const HallLayout& layout, const HallPicture& picture, const std::string& path) {
   if (layout.outline.empty()) return absl::InvalidArgumentError("hall picture: the layout has no outline");
   if (picture.width_px < 200 || picture.width_px > 8000) {
-    return absl::InvalidArgumentError(absl::StrFormat("hall picture: width %d is not in 200..8000", picture.width_px));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("hall picture: width %d is not in 200..8000", picture.width_px));
   }
   const std::string temporary = path + ".new";
   const cairo_status_t status = Painter(layout, picture).Draw(temporary);

@@ -41,9 +41,9 @@ struct HallPicture {
   std::string subtitle;  // one line, smaller; may be empty
   std::vector<PicturePath> paths;
   std::vector<PictureMark> marks;
-  std::vector<std::string> highlighted;    // IRIs of regions to stress
+  std::vector<std::string> highlighted;      // IRIs of regions to stress
   const DistanceGrid* background = nullptr;  // occupied cells drawn beneath: the map of a real building
-  int width_px = 1600;                     // 200..8000; the height follows from the hall's outline
+  int width_px = 1600;                       // 200..8000; the height follows from the hall's outline
 };
 
 // Writes the picture (through a temporary file in the same folder). INVALID_ARGUMENT: a width out of range or a

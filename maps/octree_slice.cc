@@ -57,7 +57,8 @@ std::vector<float> CenterDistances(const DistanceGrid& grid, double max_distance
   for (int j = 0; j < grid.height; ++j) {
     for (int i = 0; i < grid.width; ++i) {
       const double metres = field.getDistance(i, j, 0) * grid.resolution_m;
-      distances[static_cast<size_t>(j) * grid.width + i] = static_cast<float>(std::min(metres, max_distance_m));
+      distances[static_cast<size_t>(j) * grid.width + i] =
+          static_cast<float>(std::min(metres, max_distance_m));
     }
   }
   return distances;

@@ -16,7 +16,8 @@ struct SliceSettings {
   double max_distance_m = 0;
   double margin_m = 0;               // unknown cells kept around the tree's known space
   bool unknown_is_obstacle = false;  // whether distances are measured to unknown cells as well
-  bool surface_at_centers = false;   // surfaces run through the middle of occupied cells, not along their faces
+  bool surface_at_centers =
+      false;  // surfaces run through the middle of occupied cells, not along their faces
 };
 
 // A cell is occupied if any voxel of its column in the slab is, else free if any is, else unknown. Distances by

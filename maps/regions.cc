@@ -7,7 +7,8 @@ namespace docent::maps {
 
 RegionIndex::RegionIndex(std::vector<Region> regions) : regions_(std::move(regions)) {
   std::sort(regions_.begin(), regions_.end(), [](const Region& a, const Region& b) {
-    return std::pair(Area(a.outline), std::string_view(a.iri)) < std::pair(Area(b.outline), std::string_view(b.iri));
+    return std::pair(Area(a.outline), std::string_view(a.iri)) <
+           std::pair(Area(b.outline), std::string_view(b.iri));
   });
   for (const Region& region : regions_) bounds_.push_back(BoundsOf(region.outline));
 }

@@ -37,7 +37,8 @@ class ColumnMap {
     const int first_x = std::max(x, x0_), last_x = std::min(x + size, x0_ + width_);
     const int first_y = std::max(y, y0_), last_y = std::min(y + size, y0_ + height_);
     if (first_x >= last_x || first_y >= last_y) return Fill::kUnknown;
-    const bool cut = last_x - first_x < size || last_y - first_y < size;  // columns beyond the map are unknown
+    const bool cut =
+        last_x - first_x < size || last_y - first_y < size;  // columns beyond the map are unknown
     int low = cut ? kUnknownColumn : solid_[Index(first_x, first_y)];
     int high = low;
     for (int row = first_y; row < last_y; ++row) {
@@ -57,7 +58,9 @@ class ColumnMap {
  private:
   int Voxel(double metres) const { return static_cast<int>(std::floor(metres / resolution_m_ + 1e-9)); }
   // Voxels whose centre is below `height_m`.
-  int Layers(double height_m) const { return static_cast<int>(std::ceil(height_m / resolution_m_ - 0.5 - 1e-9)); }
+  int Layers(double height_m) const {
+    return static_cast<int>(std::ceil(height_m / resolution_m_ - 0.5 - 1e-9));
+  }
   size_t Index(int x, int y) const { return static_cast<size_t>(y - y0_) * width_ + (x - x0_); }
   Point2 Center(int x, int y) const { return {(x + 0.5) * resolution_m_, (y + 0.5) * resolution_m_}; }
 
@@ -172,14 +175,16 @@ class HallTree : public octomap::OcTree {
   void Split(octomap::OcTreeNode* node, const ColumnMap& columns, int x, int y, int z, int size) {
     const int half = size / 2;
     for (unsigned child = 0; child < 8; ++child) {
-      const int cx = x + (child & 1 ? half : 0), cy = y + (child & 2 ? half : 0), cz = z + (child & 4 ? half : 0);
+      const int cx = x + (child & 1 ? half : 0), cy = y + (child & 2 ? half : 0),
+                cz = z + (child & 4 ? half : 0);
       const ColumnMap::Fill fill = columns.FillOf(cx, cy, cz, half);
       if (fill == ColumnMap::Fill::kUnknown) continue;
       octomap::OcTreeNode* made = createNodeChild(node, child);
       if (fill == ColumnMap::Fill::kMixed) {
         Split(made, columns, cx, cy, cz, half);
       } else {
-        made->setLogOdds(fill == ColumnMap::Fill::kOccupied ? getClampingThresMaxLog() : getClampingThresMinLog());
+        made->setLogOdds(fill == ColumnMap::Fill::kOccupied ? getClampingThresMaxLog()
+                                                            : getClampingThresMinLog());
       }
     }
     if (nodeHasChildren(node)) node->updateOccupancyChildren();

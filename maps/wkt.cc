@@ -19,7 +19,8 @@ class WktReader {
     SkipReferenceSystem();
     SkipSpace();
     for (size_t i = 0; i < word.size(); ++i) {
-      if (at_ + i >= text_.size() || absl::ascii_toupper(static_cast<unsigned char>(text_[at_ + i])) != word[i]) {
+      if (at_ + i >= text_.size() ||
+          absl::ascii_toupper(static_cast<unsigned char>(text_[at_ + i])) != word[i]) {
         return Expected("'" + std::string(word) + "'");
       }
     }
@@ -34,9 +35,7 @@ class WktReader {
     return true;
   }
 
-  absl::Status Require(char c) {
-    return Take(c) ? absl::OkStatus() : Expected(std::string("'") + c + "'");
-  }
+  absl::Status Require(char c) { return Take(c) ? absl::OkStatus() : Expected(std::string("'") + c + "'"); }
 
   absl::StatusOr<Point2> Coordinates() {
     absl::StatusOr<double> x = Number();
@@ -106,7 +105,8 @@ bool CrossesItself(const Polygon& ring) {
 }
 
 absl::StatusOr<Polygon> Checked(Polygon ring) {
-  if (ring.size() < 4) return absl::InvalidArgumentError("well-known text: a polygon needs at least three corners");
+  if (ring.size() < 4)
+    return absl::InvalidArgumentError("well-known text: a polygon needs at least three corners");
   if (!(ring.front() == ring.back())) {
     return absl::InvalidArgumentError(
         absl::StrFormat("well-known text: the polygon does not close: it begins at %g %g and ends at %g %g",

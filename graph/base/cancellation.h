@@ -51,14 +51,16 @@ class Cancellation {
   absl::Status CheckNow() {
     if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
     if (steps_left_ < 0) return TooManySteps();
-    if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_)) return absl::OkStatus();
+    if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_))
+      return absl::OkStatus();
     expired_ = true;
     return Expired();
   }
   // Until the deadline; a very long time where there is none.
   std::chrono::milliseconds Left() const {
     if (timeout_.count() == 0) return std::chrono::hours(24 * 365);
-    return std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - std::chrono::steady_clock::now());
+    return std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ -
+                                                                 std::chrono::steady_clock::now());
   }
   // Whether half of the time is over: who can give a part of the answer stops then.
   bool HalfIsOver() const {
@@ -67,9 +69,10 @@ class Cancellation {
 
  private:
   absl::Status TooManySteps() const {
-    return absl::ResourceExhaustedError("evaluation stopped after " + std::to_string(steps_) +
-                                        " steps, what the limits steps_per_turn and steps_per_fact allow; does it join patterns "
-                                        "that share no variable?");
+    return absl::ResourceExhaustedError(
+        "evaluation stopped after " + std::to_string(steps_) +
+        " steps, what the limits steps_per_turn and steps_per_fact allow; does it join patterns "
+        "that share no variable?");
   }
   absl::Status Expired() const {
     return absl::DeadlineExceededError("evaluation stopped at its limit query_timeout_ms = " +
@@ -79,8 +82,8 @@ class Cancellation {
   std::atomic<bool> cancelled_{false};
   SteadyTime deadline_;
   std::chrono::milliseconds timeout_{0};  // 0: none
-  bool counted_ = false;  // AllowSteps was called
-  int64_t steps_ = 0;     // allowed
+  bool counted_ = false;                  // AllowSteps was called
+  int64_t steps_ = 0;                     // allowed
   int64_t steps_left_ = std::numeric_limits<int64_t>::max();
   unsigned polls_ = 0;
   bool expired_ = false;

@@ -26,17 +26,18 @@ struct Limits {
   // refused by them: what was decided stands.
   uint64_t steps_per_turn = 500000000;  // some seconds; and
   uint64_t steps_per_fact = 500;        // of the graph, those that the turn infers among them
-  size_t turns_per_commit = 4096;      // turns that share one fdatasync
-  size_t record_bytes = 1000000000;    // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
+  size_t turns_per_commit = 4096;       // turns that share one fdatasync
+  size_t record_bytes = 1000000000;     // of one turn in the log: SQLite's SQLITE_MAX_LENGTH
 
   // durability and history
-  size_t snapshot_records = 200000;         // turns after which another snapshot is taken, or
-  size_t snapshot_log_bytes = 256u << 20;   // bytes of log records after which one is
-  size_t snapshots_kept = 4;                // the two newest, and others that lie far apart, for as-of queries
-  size_t log_bytes_kept = size_t{8} << 30;  // about; older records go, but never those after the oldest snapshot
-  size_t history_bytes = 32u << 20;         // memory of past graph versions kept for as-of queries
-  size_t as_of_records = 1000000;           // records replayed to answer one as-of query
-  size_t as_of_open = 2;                    // past graphs made from the log that are in memory at one time
+  size_t snapshot_records = 200000;        // turns after which another snapshot is taken, or
+  size_t snapshot_log_bytes = 256u << 20;  // bytes of log records after which one is
+  size_t snapshots_kept = 4;               // the two newest, and others that lie far apart, for as-of queries
+  size_t log_bytes_kept =
+      size_t{8} << 30;               // about; older records go, but never those after the oldest snapshot
+  size_t history_bytes = 32u << 20;  // memory of past graph versions kept for as-of queries
+  size_t as_of_records = 1000000;    // records replayed to answer one as-of query
+  size_t as_of_open = 2;             // past graphs made from the log that are in memory at one time
 
   // queries
   int query_timeout_ms = 30000;
@@ -51,8 +52,8 @@ struct Limits {
       4000;  // OPTIONAL, MINUS, BIND, FILTER, groups and arithmetic operators in one query
 
   // the second engine, Rasqal (docent query --engine rasqal)
-  size_t rasqal_rows = 1000000;    // of one answer
-  size_t rasqal_quads = 10000000;  // of the copy of the graph that it works on
+  size_t rasqal_rows = 1000000;     // of one answer
+  size_t rasqal_quads = 10000000;   // of the copy of the graph that it works on
   int rasqal_optional_nesting = 6;  // OPTIONAL inside each other; preparing doubles with each
 
   // Redland programs

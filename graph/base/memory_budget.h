@@ -33,8 +33,8 @@ class MemoryBudget {
 
   // RESOURCE_EXHAUSTED: others hold too much now.
   absl::Status Refusal() const {
-    return absl::ResourceExhaustedError("too much is in work at the same time: the limit " + limit_name_ + " = " +
-                                        std::to_string(limit_) + " is reached; try again later");
+    return absl::ResourceExhaustedError("too much is in work at the same time: the limit " + limit_name_ +
+                                        " = " + std::to_string(limit_) + " is reached; try again later");
   }
 
  private:

@@ -54,8 +54,10 @@ struct LogSnapshot {
 
 // What an engine does for its files beside the appends.
 struct LogUpkeep {
-  uint64_t wal_bytes = 0;  // length of the write-ahead file; used again from its beginning, it does not shrink
-  uint64_t failures = 0;   // attempts to carry it over that failed: the records are as durable as before, but it grows
+  uint64_t wal_bytes =
+      0;  // length of the write-ahead file; used again from its beginning, it does not shrink
+  uint64_t failures =
+      0;  // attempts to carry it over that failed: the records are as durable as before, but it grows
 };
 
 class ContextLog {

@@ -63,13 +63,15 @@ absl::Status MakeFolders(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   std::vector<fs::path> above;  // of each that is made
-  for (fs::path at = fs::absolute(path, error); !fs::exists(at, error) && at.has_relative_path(); at = at.parent_path())
+  for (fs::path at = fs::absolute(path, error); !fs::exists(at, error) && at.has_relative_path();
+       at = at.parent_path())
     above.push_back(at.parent_path());
   fs::create_directories(path, error);
   if (error) return FileError(error.value(), absl::StrCat("cannot make the folder ", path));
   for (const fs::path& folder : above) {
     const absl::Status synced = SyncPath(folder);
-    if (!synced.ok() && !absl::IsPermissionDenied(synced)) return synced;  // what may not be read cannot be synced
+    if (!synced.ok() && !absl::IsPermissionDenied(synced))
+      return synced;  // what may not be read cannot be synced
   }
   return absl::OkStatus();
 }
@@ -91,7 +93,8 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
       return absl::InvalidArgumentError(absl::StrCat(what, ": it is not a folder"));
     }
     if (absl::Status made = MakeFolders(path); !made.ok())
-      return absl::Status(made.code(), absl::StrCat("cannot use the data folder: ", std::string(made.message())));
+      return absl::Status(made.code(),
+                          absl::StrCat("cannot use the data folder: ", std::string(made.message())));
   }
   if (access(path.c_str(), R_OK | W_OK | X_OK) != 0) return FileError(errno, what);
 

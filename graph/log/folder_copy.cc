@@ -99,7 +99,8 @@ absl::Status MakeAnew(const std::string& path) {
 }
 
 // The newest that is whole.
-absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder, std::vector<std::string>* passed_over) {
+absl::StatusOr<SnapshotFiles::Snapshot> NewestSnapshot(const std::string& folder,
+                                                       std::vector<std::string>* passed_over) {
   const SnapshotFiles files(folder, SIZE_MAX);
   const absl::StatusOr<std::vector<uint64_t>> offsets = files.Offsets();
   if (!offsets.ok()) return offsets.status();
@@ -158,8 +159,7 @@ absl::StatusOr<FolderReport> MakeWhole(
   fs::rename(unfinished, place, error);
   if (error)
     return FileError(error.value(), absl::StrCat("cannot rename ", unfinished, " to ", place.string()));
-  if (absl::Status status = SyncPath(place.parent_path().string()); !status.ok())
-    return status;
+  if (absl::Status status = SyncPath(place.parent_path().string()); !status.ok()) return status;
   report->database = absl::StrCat(place.string(), "/", SqliteLog::kFileName);
   return report;
 }
@@ -175,8 +175,8 @@ absl::StatusOr<FolderReport> CopyNewestSnapshot(const std::string& from, const s
   std::vector<std::string> passed_over;
   const absl::StatusOr<SnapshotFiles::Snapshot> snapshot = NewestSnapshot(from, &passed_over);
   if (!snapshot.ok()) return snapshot.status();
-  absl::StatusOr<FolderReport> report =
-      MakeWhole(from, to, [&snapshot](const std::string& unfinished) { return BeginAfter(*snapshot, unfinished); });
+  absl::StatusOr<FolderReport> report = MakeWhole(
+      from, to, [&snapshot](const std::string& unfinished) { return BeginAfter(*snapshot, unfinished); });
   if (report.ok()) report->passed_over = std::move(passed_over);
   return report;
 }

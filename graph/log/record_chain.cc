@@ -118,17 +118,24 @@ ChainHash RecordHash(uint64_t offset, uint64_t epoch, const ChainHash& previous,
   return Finish(context);
 }
 
-RecordHasher::RecordHasher(uint64_t offset, uint64_t epoch, const ChainHash& previous) : context_(EVP_MD_CTX_new()) {
+RecordHasher::RecordHasher(uint64_t offset, uint64_t epoch, const ChainHash& previous)
+    : context_(EVP_MD_CTX_new()) {
   BeginRecord(context_.get(), offset, epoch, previous);
 }
 
 RecordHasher::~RecordHasher() = default;
 
-void RecordHasher::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
+void RecordHasher::Free::operator()(evp_md_ctx_st* context) const {
+  EVP_MD_CTX_free(context);
+}
 
-void RecordHasher::Add(std::string_view data) { docent::Add(context_.get(), data); }
+void RecordHasher::Add(std::string_view data) {
+  docent::Add(context_.get(), data);
+}
 
-ChainHash RecordHasher::Finish() { return docent::Finish(context_.get()); }
+ChainHash RecordHasher::Finish() {
+  return docent::Finish(context_.get());
+}
 
 ChainHash Sha256(std::string_view bytes) {
   EVP_MD_CTX* const context = ThreadContext();

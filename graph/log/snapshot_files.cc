@@ -64,14 +64,16 @@ absl::Status WriteInPieces(int fd, std::string_view data, RecordHasher* hasher, 
     if (!status.ok()) return status;
     // All pages that are not with the disk yet: the last piece's. An error must be told here, since fsync tells each
     // error once; where the system has no such call, fsync does all.
-    constexpr unsigned kAndWait = SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER;
+    constexpr unsigned kAndWait =
+        SYNC_FILE_RANGE_WAIT_BEFORE | SYNC_FILE_RANGE_WRITE | SYNC_FILE_RANGE_WAIT_AFTER;
     if (sync_file_range(fd, 0, 0, kAndWait) != 0 && errno != ENOSYS) return FileError(errno, what);
   }
   return absl::OkStatus();
 }
 
 // The header's hash is known, and so the header is written, when the rest is there.
-absl::Status WriteSynced(const std::string& path, Header header, std::string_view data, const std::string& what) {
+absl::Status WriteSynced(const std::string& path, Header header, std::string_view data,
+                         const std::string& what) {
   FileHandle file(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
   if (!file.valid()) return FileError(errno, what);
   if (lseek(file.fd(), sizeof(header), SEEK_SET) < 0) return FileError(errno, what);

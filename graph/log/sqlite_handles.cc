@@ -114,7 +114,8 @@ std::string_view Statement::Bytes(int column) const {
 
 std::string_view Statement::Text(int column) const {
   const auto* text = sqlite3_column_text(statement_.get(), column);
-  return {reinterpret_cast<const char*>(text), static_cast<size_t>(sqlite3_column_bytes(statement_.get(), column))};
+  return {reinterpret_cast<const char*>(text),
+          static_cast<size_t>(sqlite3_column_bytes(statement_.get(), column))};
 }
 
 bool Statement::IsInteger(int column) const {

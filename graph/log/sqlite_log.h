@@ -131,7 +131,7 @@ class SqliteLog final : public ContextLog {
   HeadRow head_ ABSL_GUARDED_BY(head_mutex_);       // durable
   int wal_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length of the write-ahead log after the last commit
   int next_checkpoint_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length at which the next one is due
-  int next_restart_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;     // length at which appends wait for a whole one
+  int next_restart_pages_ ABSL_GUARDED_BY(head_mutex_) = 0;  // length at which appends wait for a whole one
   uint64_t checkpoint_failures_ ABSL_GUARDED_BY(head_mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(head_mutex_) = false;
 

@@ -373,7 +373,8 @@ Dictionary::LiteralView Dictionary::Literal(TermId id) const {
   const Impl& owner = impl_->OwnerOf(id.payload());
   const Entry& entry = owner.At(id.payload());
   LiteralView view{entry.view(), {}, {}};
-  if (entry.qualifier != 0) (entry.is_language != 0 ? view.language : view.datatype) = owner.entries[entry.qualifier - 1].view();
+  if (entry.qualifier != 0)
+    (entry.is_language != 0 ? view.language : view.datatype) = owner.entries[entry.qualifier - 1].view();
   return view;
 }
 

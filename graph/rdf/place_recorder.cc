@@ -25,7 +25,8 @@ void PlaceRecorder::Finish(std::string_view text, LocatedRdf* out) {
     wanted.push_back({offsets_[i].predicate, &places_[i].predicate});
     wanted.push_back({offsets_[i].object, &places_[i].object});
   }
-  for (size_t i = 0; i < prefix_offsets_.size(); ++i) wanted.push_back({prefix_offsets_[i], &out->prefixes[i].span});
+  for (size_t i = 0; i < prefix_offsets_.size(); ++i)
+    wanted.push_back({prefix_offsets_[i], &out->prefixes[i].span});
   std::sort(wanted.begin(), wanted.end());
   SourceSpan at{1, 1, 0, 0};
   for (const auto& [offset, span] : wanted) {

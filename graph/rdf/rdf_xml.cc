@@ -94,12 +94,15 @@ std::optional<Diagnostic> FindOtherSyntax(std::string_view text, const std::stri
   at = std::min(text.find_first_not_of(" \t\r\n", at), text.size());
   const std::string_view rest = text.substr(at);
   for (const std::string_view start : {"Prefix(", "Ontology("}) {
-    if (rest.starts_with(start)) return found(at, "this is OWL functional syntax, which is not read", kSaveAs);
+    if (rest.starts_with(start))
+      return found(at, "this is OWL functional syntax, which is not read", kSaveAs);
   }
   for (const std::string_view start : {"Prefix:", "Ontology:"}) {
-    if (rest.starts_with(start)) return found(at, "this is OWL Manchester syntax, which is not read", kSaveAs);
+    if (rest.starts_with(start))
+      return found(at, "this is OWL Manchester syntax, which is not read", kSaveAs);
   }
-  const bool iri = rest.starts_with("<") && rest.substr(0, rest.find_first_of(" \t\r\n>")).find("://") != std::string_view::npos;
+  const bool iri = rest.starts_with("<") &&
+                   rest.substr(0, rest.find_first_of(" \t\r\n>")).find("://") != std::string_view::npos;
   if (iri || (!rest.empty() && !rest.starts_with("<"))) {
     return found(at, "this is not XML", "if it is Turtle, give the file a name that ends with .ttl");
   }
@@ -219,7 +222,8 @@ class RdfXmlReader {
     if (!id.starts_with(kUnnamed)) {
       Term named = collector_.NamedBlank(id);
       // One that is too long is refused as such, by CheckLength.
-      if (id.size() > options_.limits.term_bytes || CheckTerm(named, options_.limits.term_bytes).ok()) return named;
+      if (id.size() > options_.limits.term_bytes || CheckTerm(named, options_.limits.term_bytes).ok())
+        return named;
       // XML lets a name end with a dot; a label of RDF's other syntaxes cannot.
       const auto [place, fresh] = renamed_.try_emplace(std::string(id));
       if (fresh) place->second = collector_.NewBlank();
@@ -250,7 +254,8 @@ class RdfXmlReader {
     }
     if (places_ == nullptr) return;
     raptor_locator* locator = raptor_parser_get_locator(parser_);
-    places_->AddPlace({std::max(raptor_locator_line(locator), 1), std::max(raptor_locator_column(locator), 1), 0, 0});
+    places_->AddPlace(
+        {std::max(raptor_locator_line(locator), 1), std::max(raptor_locator_column(locator), 1), 0, 0});
   }
 
   bool Convert(const raptor_term* from, Term* to) {

@@ -64,8 +64,7 @@ bool ByText(const TermQuad& a, const TermQuad& b) {
 // its label, so cycles of them are as good as any other.
 class TurtleWriter {
  public:
-  TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes)
-      : quads_(std::move(quads)) {
+  TurtleWriter(std::vector<TermQuad> quads, const Prefixes& prefixes) : quads_(std::move(quads)) {
     for (const auto& prefix : prefixes) {
       if (IsPrefix(prefix.first, prefix.second)) prefixes_.push_back(prefix);
     }

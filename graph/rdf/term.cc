@@ -138,7 +138,8 @@ std::string ToNTriples(const Term& term) {
 std::string ToDisplay(const Term& term) {
   if (term.IsIri()) return DisplayIri(term.lexical);
   if (term.IsBlank()) return Concat("_:", term.lexical);
-  const bool number = (term.datatype == kXsdInteger || term.datatype == kXsdDecimal) && !term.lexical.empty() &&
+  const bool number = (term.datatype == kXsdInteger || term.datatype == kXsdDecimal) &&
+                      !term.lexical.empty() &&
                       term.lexical.find_first_not_of("+-.0123456789") == std::string::npos;
   const bool truth = term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false");
   if (number || truth) return term.lexical;

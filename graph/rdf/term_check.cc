@@ -88,7 +88,8 @@ absl::Status CheckTerm(const Term& term, size_t term_bytes) {
     }
   }
   if (term.datatype.empty()) return absl::OkStatus();
-  if (term.datatype == kRdfLangString) return Wrong("a literal of datatype rdf:langString has a language instead: \"text\"@en");
+  if (term.datatype == kRdfLangString)
+    return Wrong("a literal of datatype rdf:langString has a language instead: \"text\"@en");
   if (absl::Status text = CheckText(term.datatype, "datatype", term_bytes); !text.ok()) return text;
   return InPosition("datatype", CheckIri(term.datatype));
 }

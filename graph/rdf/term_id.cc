@@ -27,8 +27,8 @@ constexpr int64_t kIntegerLimit = int64_t{1} << 59;   // 60 bits, two's compleme
 constexpr int64_t kTimeLimit = int64_t{1} << 55;      // 56 bits, two's complement
 constexpr TimeMicros kDayMicros = 86'400'000'000;
 constexpr int64_t kPlainLimit = int64_t{1} << 53;  // a double up to here is exact,
-constexpr int64_t kPlainScale = 22;                // and a power of ten up to here: their quotient is rounded once
-constexpr int kLeastPower = -26, kPowers = 42;     // of two, of a kNearDouble
+constexpr int64_t kPlainScale = 22;  // and a power of ten up to here: their quotient is rounded once
+constexpr int kLeastPower = -26, kPowers = 42;           // of two, of a kNearDouble
 constexpr TimeMicros kZonedStart = 946'684'800'000'000;  // 2000-01-01
 constexpr int64_t kZonedLimit = int64_t{1} << 51;
 constexpr int kQuarters = 56;  // of an hour, in 14 hours
@@ -167,7 +167,8 @@ DoubleForm NearForm(TermId id) {
 
 double NearDouble(TermId id) {
   const uint64_t sign = id.payload() >> 59;
-  const uint64_t power = static_cast<uint64_t>(static_cast<int>((id.payload() >> 52 & 0x7F) % kPowers) + kLeastPower + 1023);
+  const uint64_t power =
+      static_cast<uint64_t>(static_cast<int>((id.payload() >> 52 & 0x7F) % kPowers) + kLeastPower + 1023);
   return std::bit_cast<double>(sign << 63 | power << 52 | (id.payload() & ((uint64_t{1} << 52) - 1)));
 }
 
@@ -181,10 +182,12 @@ std::optional<TermId> EncodeDouble(std::string_view text) {
   } else {
     if (std::optional<TermId> plain = EncodePlainDouble(text, false)) return plain;
     auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      return std::nullopt;
   }
   const uint64_t bits = std::bit_cast<uint64_t>(value);
-  if ((bits & 15) == 0 && IsWritten(value, DoubleForm::kCanonical, text)) return TermId::Make(Tag::kDouble, bits >> 4);
+  if ((bits & 15) == 0 && IsWritten(value, DoubleForm::kCanonical, text))
+    return TermId::Make(Tag::kDouble, bits >> 4);
   return EncodeNearDouble(text, value);
 }
 
@@ -267,7 +270,8 @@ std::optional<LocalTime> ParseLocalTime(std::string_view text) {
     if (fraction_us < 0) return std::nullopt;
     for (int64_t i = digits; i < 6; ++i) fraction_us *= 10;
   }
-  return LocalTime{*days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us, digits};
+  return LocalTime{
+      *days * kDayMicros + (hour * 3600 + minute * 60 + second) * int64_t{1'000'000} + fraction_us, digits};
 }
 
 // Payload of kZonedDateTime: 51 bits of microseconds since kZonedStart on the clock of the zone, 7 bits of quarters of
@@ -438,8 +442,10 @@ std::optional<TermId> InlineIntegerId(int64_t value) {
 }
 
 std::optional<TermId> InlineDecimalId(InlineDecimalValue value) {
-  if (value.mantissa < -kMantissaLimit || value.mantissa >= kMantissaLimit || value.scale > kMaxScale) return std::nullopt;
-  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value.mantissa) << kScaleBits | static_cast<uint64_t>(value.scale));
+  if (value.mantissa < -kMantissaLimit || value.mantissa >= kMantissaLimit || value.scale > kMaxScale)
+    return std::nullopt;
+  return TermId::Make(Tag::kDecimal, static_cast<uint64_t>(value.mantissa) << kScaleBits |
+                                         static_cast<uint64_t>(value.scale));
 }
 
 double InlineDouble(TermId id) {

@@ -43,7 +43,7 @@ class TermId {
     kNearDouble = 11,
     // xsd:dateTime of 2000 to 2071 with 0, 3 or 6 digits of the second and an offset of whole quarters of an hour
     kZonedDateTime = 12,
-    kLocal = 15,    // made by one query (computed values); index into that query's own table, never stored
+    kLocal = 15,  // made by one query (computed values); index into that query's own table, never stored
   };
 
   constexpr TermId() = default;
@@ -85,10 +85,16 @@ std::string_view WriteInlineText(TermId id, InlineBuffer* buffer);
 std::string_view InlineDatatype(TermId id);
 
 // The value of an inline id without its text, for evaluation. Each requires the tag that it names.
-constexpr int64_t InlineInteger(TermId id) { return static_cast<int64_t>(id.bits() << 4) >> 4; }  // kInteger
+constexpr int64_t InlineInteger(TermId id) {
+  return static_cast<int64_t>(id.bits() << 4) >> 4;
+}  // kInteger
 double InlineDouble(TermId id);  // kDouble, kPlainDouble (a float's value is rounded to float), kNearDouble
-constexpr bool InlineIsFloat(TermId id) { return (id.bits() & 1) != 0; }       // kPlainDouble
-constexpr bool InlineBoolean(TermId id) { return id.payload() != 0; }          // kBoolean
+constexpr bool InlineIsFloat(TermId id) {
+  return (id.bits() & 1) != 0;
+}  // kPlainDouble
+constexpr bool InlineBoolean(TermId id) {
+  return id.payload() != 0;
+}  // kBoolean
 // kDecimal: the value is mantissa / 10^scale, 0 <= scale <= 31.
 struct InlineDecimalValue {
   int64_t mantissa;

@@ -44,14 +44,17 @@ absl::Status CheckUtf8(const std::string& text, const std::string& file) {
   if (!bad) return absl::OkStatus();
   // SpanAt would count code points in what is no UTF-8
   const SourceSpan span = SpanAt(std::string_view(text).substr(0, *bad), *bad);
-  const std::string message = absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*bad]));
+  const std::string message =
+      absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*bad]));
   return ToStatus({{file, span, message, "save the text as UTF-8"}}, text);
 }
 
-absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument, const std::string& file) {
+absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument,
+                                      const std::string& file) {
   if (!file.empty()) return ReadText(file);
   if (argument.empty())
-    return absl::InvalidArgumentError(absl::StrCat("no ", what, " given; pass it as an argument or with --file"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("no ", what, " given; pass it as an argument or with --file"));
   if (absl::Status status = CheckUtf8(argument, ""); !status.ok()) return status;
   return argument;
 }

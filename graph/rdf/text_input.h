@@ -19,7 +19,8 @@ absl::StatusOr<std::string> ReadText(const std::string& path);
 absl::Status CheckUtf8(const std::string& text, const std::string& file);
 
 // What a command was given of `what` ("query"): the text of `file` if one is named, else its argument.
-absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument, const std::string& file);
+absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument,
+                                      const std::string& file);
 
 }  // namespace docent
 

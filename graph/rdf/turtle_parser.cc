@@ -441,7 +441,7 @@ class TurtleParser {
   QuadCollector collector_;
   bool too_many_ = false;  // quads
   std::string base_;
-  PlaceRecorder* places_;  // may be null
+  PlaceRecorder* places_;                                        // may be null
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
   Term graph_;  // of the block that we are in; empty outside

@@ -72,7 +72,9 @@ class Expander {
     return std::nullopt;
   }
   bool RefuseHere(const std::string& what) {
-    Refuse(at_, Concat("a document type definition is refused where it ", what, ": it could fetch or expand without end"),
+    Refuse(at_,
+           Concat("a document type definition is refused where it ", what,
+                  ": it could fetch or expand without end"),
            "write only <!ENTITY name \"text\"> in <!DOCTYPE rdf:RDF [ … ]>, or none at all");
     return false;
   }
@@ -124,7 +126,8 @@ class Expander {
     const size_t end = text_.find(quote, at_ + 1);
     if (end == std::string_view::npos) return RefuseHere("does not end");
     const std::string_view value = text_.substr(at_ + 1, end - at_ - 1);
-    if (value.find_first_of("&%<") != std::string_view::npos) return RefuseHere("declares an entity that holds & % or <");
+    if (value.find_first_of("&%<") != std::string_view::npos)
+      return RefuseHere("declares an entity that holds & % or <");
     entities_.try_emplace(std::string(name), Quoted(value));  // the first declaration counts
     at_ = end + 1;
     SkipSpace();
@@ -148,8 +151,10 @@ class Expander {
         out->push_back(text_[at_++]);
       }
       if (out->size() > options_.limits.document_bytes) {
-        Refuse(at_, absl::StrCat("with its entities written out the document is larger than the limit document_bytes = ",
-                                 options_.limits.document_bytes),
+        Refuse(at_,
+               absl::StrCat(
+                   "with its entities written out the document is larger than the limit document_bytes = ",
+                   options_.limits.document_bytes),
                "load it in parts");
         return false;
       }

@@ -14,7 +14,8 @@ namespace docent {
 namespace {
 
 absl::Status Reserved(const std::string& graph) {
-  return absl::InvalidArgumentError(absl::StrCat("graph: <", graph, "> is one of those that the server alone writes"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("graph: <", graph, "> is one of those that the server alone writes"));
 }
 
 // A lifetime that ends later than this (the year 2554) never ends.
@@ -35,8 +36,9 @@ bool IsBulk(const WriteBatch& batch) {
 // An operation as clients number them: "add[2]", "remove[0]". Facts of a text count on.
 std::string PlaceOf(const WriteBatch& batch, size_t at) {
   const QuadOperation::Kind kind = batch.operations[at].kind;
-  const auto number = std::count_if(batch.operations.begin(), batch.operations.begin() + static_cast<ptrdiff_t>(at),
-                                    [kind](const QuadOperation& o) { return o.kind == kind; });
+  const auto number =
+      std::count_if(batch.operations.begin(), batch.operations.begin() + static_cast<ptrdiff_t>(at),
+                    [kind](const QuadOperation& o) { return o.kind == kind; });
   return absl::StrCat(kind == QuadOperation::Kind::kAdd ? "add[" : "remove[", number, "]");
 }
 
@@ -82,14 +84,16 @@ Quad BatchApplier::Intern(const TermQuad& quad, TermId default_graph) {
 }
 
 // Neighbours in a file mostly share subject, predicate and graph.
-std::vector<Quad> BatchApplier::InternAll(const std::vector<QuadOperation>& operations, TermId default_graph) {
+std::vector<Quad> BatchApplier::InternAll(const std::vector<QuadOperation>& operations,
+                                          TermId default_graph) {
   std::vector<Quad> quads;
   quads.reserve(operations.size());
   const TermQuad* last = nullptr;
   for (const QuadOperation& operation : operations) {
     const TermQuad& quad = operation.quad;
     const auto id = [&](const Term TermQuad::*term, TermId Quad::*known) {
-      return last != nullptr && last->*term == quad.*term ? quads.back().*known : dictionary_.Intern(quad.*term);
+      return last != nullptr && last->*term == quad.*term ? quads.back().*known
+                                                          : dictionary_.Intern(quad.*term);
     };
     quads.push_back({id(&TermQuad::subject, &Quad::subject), id(&TermQuad::predicate, &Quad::predicate),
                      dictionary_.Intern(quad.object),

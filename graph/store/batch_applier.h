@@ -46,7 +46,9 @@ class BatchApplier {
   std::optional<TimeMicros> NextDeadline() const;
 
   // The lifetimes that run, by when they end; and the same put back into a fresh applier (a start from a snapshot).
-  std::vector<std::pair<TimeMicros, Quad>> Lifetimes() const { return {by_deadline_.begin(), by_deadline_.end()}; }
+  std::vector<std::pair<TimeMicros, Quad>> Lifetimes() const {
+    return {by_deadline_.begin(), by_deadline_.end()};
+  }
   void RestoreLifetimes(const std::vector<std::pair<TimeMicros, Quad>>& lifetimes);
 
   void Commit();

@@ -26,7 +26,8 @@ bool GraphVersion::ContainsMatch(const QuadPattern& pattern) const {
   const unsigned bound = BoundIn(pattern);
   if (pattern.graph.IsNone()) {  // then an order has all that is bound before all that is not
     const IndexOrder order = OrderWithoutGraph(bound);
-    const QuadTree::Key key = KeyOf(Quad{pattern.subject, pattern.predicate, pattern.object, TermId()}, order);
+    const QuadTree::Key key =
+        KeyOf(Quad{pattern.subject, pattern.predicate, pattern.object, TermId()}, order);
     return tree(order).ContainsPrefix(key, kWholePrefixes[bound]);
   }
   return ScanInOrder(pattern, OrderFor(pattern, bound)).Valid();
@@ -38,7 +39,8 @@ IndexOrder GraphVersion::OrderFor(const QuadPattern& pattern, unsigned bound) co
   if (IsExact(bound, IndexOrder::kGspo)) return IndexOrder::kGspo;
   if (IsExact(bound, order)) return order;
   // Neither covers all that is bound: walk the shorter run.
-  const KeyRange without = RangeOf(pattern, bound, order), within = RangeOf(pattern, bound, IndexOrder::kGspo);
+  const KeyRange without = RangeOf(pattern, bound, order),
+                 within = RangeOf(pattern, bound, IndexOrder::kGspo);
   bool graph_first = tree(IndexOrder::kGspo).CountRange(within.first, within.last) <
                      tree(order).CountRange(without.first, without.last);
   return graph_first ? IndexOrder::kGspo : order;
@@ -72,7 +74,8 @@ std::optional<AccessPath> GraphVersion::PathFor(unsigned bound) {
   return std::nullopt;
 }
 
-void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder order, QuadCursor* cursor) const {
+void GraphVersion::Open(const QuadPattern& pattern, unsigned bound, IndexOrder order,
+                        QuadCursor* cursor) const {
   const KeyRange range = RangeOf(pattern, bound, order);
   Place(range, order, cursor);
   if (range.exact) return;

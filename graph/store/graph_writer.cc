@@ -25,7 +25,8 @@ GraphWriter::GraphWriter(GraphVersionPtr start)
 bool GraphWriter::Add(const Quad& quad) {
   if (observer_ != nullptr) observer_->BeforeChange(quad, true);
   for (int i = 0; i < kIndexOrders; ++i) {
-    if (!version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_)) return false;  // at the first: all hold the same
+    if (!version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_))
+      return false;  // at the first: all hold the same
     if (i == kHalf && observer_ != nullptr) observer_->DuringChange(quad, true);
   }
   Note(quad, true);
@@ -35,7 +36,8 @@ bool GraphWriter::Add(const Quad& quad) {
 bool GraphWriter::Remove(const Quad& quad) {
   if (observer_ != nullptr) observer_->BeforeChange(quad, false);
   for (int i = 0; i < kIndexOrders; ++i) {
-    if (!version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_)) return false;  // at the first: all hold the same
+    if (!version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_))
+      return false;  // at the first: all hold the same
     if (i == kHalf && observer_ != nullptr) observer_->DuringChange(quad, false);
   }
   Note(quad, false);

@@ -30,13 +30,15 @@ inline constexpr auto kWords = [] {
 // Word by word: a processor waits for words just stored that are loaded two at a time, as a copy of the quad would be.
 inline uint64_t WordAt(const Quad& quad, int position) {
   uint64_t word;
-  std::memcpy(&word, reinterpret_cast<const char*>(&quad) + static_cast<size_t>(position) * sizeof(word), sizeof(word));
+  std::memcpy(&word, reinterpret_cast<const char*>(&quad) + static_cast<size_t>(position) * sizeof(word),
+              sizeof(word));
   return word;
 }
 
 inline QuadTree::Key KeyOf(const Quad& quad, IndexOrder order) {
   const auto& positions = kPositions[static_cast<size_t>(order)];
-  return {WordAt(quad, positions[0]), WordAt(quad, positions[1]), WordAt(quad, positions[2]), WordAt(quad, positions[3])};
+  return {WordAt(quad, positions[0]), WordAt(quad, positions[1]), WordAt(quad, positions[2]),
+          WordAt(quad, positions[3])};
 }
 
 inline Quad QuadOf(const QuadTree::Key& key, IndexOrder order) {
@@ -55,7 +57,8 @@ inline constexpr auto kPrefixes = [] {
   std::array<std::array<uint8_t, 16>, kIndexOrders> prefixes{};
   for (int order = 0; order < kIndexOrders; ++order) {
     for (unsigned bound = 0; bound < 16; ++bound) {
-      while (prefixes[order][bound] < 4 && (bound >> kPositions[order][prefixes[order][bound]] & 1) != 0) ++prefixes[order][bound];
+      while (prefixes[order][bound] < 4 && (bound >> kPositions[order][prefixes[order][bound]] & 1) != 0)
+        ++prefixes[order][bound];
     }
   }
   return prefixes;
@@ -109,7 +112,8 @@ inline KeyRange RangeOf(const QuadPattern& p, const AccessPath& path) {
   }();
   const QuadTree::Key& free = kFree[path.prefix];
   KeyRange range;
-  range.first = KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, path.order);  // what is free is none, that is 0
+  range.first =
+      KeyOf(Quad{p.subject, p.predicate, p.object, p.graph}, path.order);  // what is free is none, that is 0
   for (int i = 0; i < 4; ++i) range.last[i] = range.first[i] | free[i];
   range.exact = true;
   return range;

@@ -22,7 +22,9 @@ struct Quad {
   }
 };
 
-constexpr Quad WithoutGraph(const Quad& quad) { return {quad.subject, quad.predicate, quad.object, TermId()}; }
+constexpr Quad WithoutGraph(const Quad& quad) {
+  return {quad.subject, quad.predicate, quad.object, TermId()};
+}
 
 // A quad whose none ids are wildcards.
 struct QuadPattern {

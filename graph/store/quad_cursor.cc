@@ -29,7 +29,7 @@ void QuadCursor::Seek(const Quad& target) {
 uint64_t QuadCursor::CountRest(bool triples) {
   uint64_t count = 0;
   triples &= order_ != IndexOrder::kGspo;  // there are none within one graph
-  QuadTree::Key last = {};  // no quad's
+  QuadTree::Key last = {};                 // no quad's
   for (; iterator_.Valid(); iterator_.SkipLeaf()) {
     const QuadTree::Leaf& leaf = *iterator_.leaf();
     const int first = iterator_.position(), limit = iterator_.limit();

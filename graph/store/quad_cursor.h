@@ -25,14 +25,16 @@ class QuadCursor {
   }
   // Past this triple and its copies in other graphs. Requires !filters(), and an order in which copies are adjacent.
   void NextTriple() {
-    const bool alone = iterator_.leaf()->mask[3] == 0 && !iterator_.NextIsElsewhere();  // the leaf is within one graph
+    const bool alone =
+        iterator_.leaf()->mask[3] == 0 && !iterator_.NextIsElsewhere();  // the leaf is within one graph
     return alone ? iterator_.Next() : SkipCopies();
   }
   // Read from the index each time.
   Quad quad() const { return {term(0), term(1), term(2), term(3)}; }
   // What stands at a position of quad() (0 to 3: subject, predicate, object, graph).
   TermId term(int position) const {
-    return TermId(iterator_.leaf()->Word(iterator_.position(), kWords[static_cast<size_t>(order_)][position]));
+    return TermId(
+        iterator_.leaf()->Word(iterator_.position(), kWords[static_cast<size_t>(order_)][position]));
   }
   // Moves forward to the first match whose key in this cursor's order is >= the key of `target`; stays if the
   // current one is. O(log distance).

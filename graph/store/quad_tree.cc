@@ -147,7 +147,8 @@ bool QuadTree::Erase(const Key& key, uint64_t epoch) {
   Edit edit(epoch);
   MakeWritable(edit, &path);
   Leaf* const leaf = edit.EraseFromLeaf(path.leaf, path.position);
-  const bool stays = leaf != nullptr && (height_ == 0 || leaf->count >= Leaf::kMinKeys);  // it is surely not merged
+  const bool stays =
+      leaf != nullptr && (height_ == 0 || leaf->count >= Leaf::kMinKeys);  // it is surely not merged
   last_edit_ = stays ? LastEdit{leaf, path.position} : LastEdit{};
   Node* changed = leaf;
   for (int level = height_ - 1; level >= 0; --level) {

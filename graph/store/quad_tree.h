@@ -77,7 +77,8 @@ class QuadTree {
   // Where the last Insert or Erase was, as long as no other change may have moved it. Copies do not know it.
   struct LastEdit {
     const Leaf* leaf = nullptr;
-    int position = 0;  // of the key that was put in, or of the one after that which was taken out; may be the leaf's count
+    int position =
+        0;  // of the key that was put in, or of the one after that which was taken out; may be the leaf's count
   };
   // What the keys there say about ContainsPrefix; nullopt: not enough.
   std::optional<bool> ContainsPrefixThere(const Key& first, int words) const;

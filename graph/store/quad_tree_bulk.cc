@@ -65,8 +65,9 @@ void QuadTree::Edit::InsertSorted(QuadTree* tree, std::span<const Key> keys, uin
 }
 
 void QuadTree::Edit::MakeLeaves(std::span<const Key> keys, std::vector<Right>* out) {
-  ForEachPart(keys, kLeafFill,
-              [&](std::span<const Key> run) { out->push_back({NewLeaf(run, 0), run[0], run.size()}); });
+  ForEachPart(keys, kLeafFill, [&](std::span<const Key> run) {
+    out->push_back({NewLeaf(run, 0), run[0], run.size()});
+  });
 }
 
 QuadTree::Edit::Right QuadTree::Edit::Fill(Inner* inner, std::span<const Right> children) {
@@ -122,8 +123,8 @@ void QuadTree::Edit::InsertRun(Node* node, int levels, const Key& first, std::sp
   std::vector<Right> children;
   for (int i = 0; i < inner->count; ++i) {
     const Key& low = i == 0 ? first : inner->keys[i];
-    const auto end = i + 1 == inner->count ? keys.end()
-                                           : std::lower_bound(keys.begin(), keys.end(), inner->keys[i + 1]);
+    const auto end =
+        i + 1 == inner->count ? keys.end() : std::lower_bound(keys.begin(), keys.end(), inner->keys[i + 1]);
     const std::span<const Key> here(keys.begin(), end);
     keys = std::span<const Key>(end, keys.end());
     if (here.empty()) {

@@ -60,7 +60,8 @@ class QuadTree::Edit {
   void MakeInners(std::span<const Right> children, std::vector<Right>* out);
   // `node`, which has `levels` inner levels beneath and including it, with the sorted `keys` put in, as one node or several
   // in order. Takes over the reference of `node`; `first` is the smallest key that belongs there.
-  void InsertRun(Node* node, int levels, const Key& first, std::span<const Key> keys, std::vector<Right>* out);
+  void InsertRun(Node* node, int levels, const Key& first, std::span<const Key> keys,
+                 std::vector<Right>* out);
 
   int64_t bytes_change() const { return bytes_change_; }
   // Bytes of the nodes of other epochs that left the tree: what older versions alone hold from now on.

@@ -4,9 +4,9 @@
 #include <iostream>
 #include <utility>
 
-#include "kb_server/cli/client.h"
 #include "graph/rdf/serializer.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/cli/client.h"
 
 namespace docent {
 namespace {

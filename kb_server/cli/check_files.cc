@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/turn/spatial_functions.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/syntax/prefix_places.h"
+#include "kb_server/turn/spatial_functions.h"
 #include "reasoner/ontology/meaning_check.h"
 #include "reasoner/ontology/word_check.h"
 #include "reasoner/rules/rule_parser.h"
@@ -22,8 +22,11 @@ std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findin
   std::vector<ontology::Finding> out = findings.Take();
   if (left_out > 0) {
     out.push_back({"limit",
-                   {file, {}, absl::StrCat("and ", left_out, " more; the limit check_diagnostics is ", out.size()),
-                    "correct these first", Diagnostic::Severity::kWarning},
+                   {file,
+                    {},
+                    absl::StrCat("and ", left_out, " more; the limit check_diagnostics is ", out.size()),
+                    "correct these first",
+                    Diagnostic::Severity::kWarning},
                    ""});
   }
   return out;
@@ -33,7 +36,9 @@ std::vector<ontology::Finding> TakeAll(const std::string& file, ontology::Findin
 bool IsProvedBy(const ontology::Finding& finding, const ConsistencyCheck::Result& result) {
   const bool domain = finding.rule == "domain-clash", range = finding.rule == "range-clash";
   const bool of_classes = result.check == "cax-dw" || result.check == "cax-adc" || result.check == "cls-com";
-  if (!finding.proof.empty() || !((domain && of_classes) || (range && (of_classes || result.check == "dt-not-type")))) return false;
+  if (!finding.proof.empty() ||
+      !((domain && of_classes) || (range && (of_classes || result.check == "dt-not-type"))))
+    return false;
   return std::any_of(result.told.begin(), result.told.end(), [&](const auto& told) {
     const SourceSpan& at = domain ? told.second.subject : told.second.object;
     const SourceSpan& found = finding.diagnostic.span;
@@ -49,7 +54,9 @@ std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnos
   return findings;
 }
 
-FileChecker::FileChecker() { RegisterSpatialFunctions(&functions_); }
+FileChecker::FileChecker() {
+  RegisterSpatialFunctions(&functions_);
+}
 
 void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
   ParseRdfOptions options;
@@ -67,7 +74,9 @@ void FileChecker::AddRdf(const std::string& file, const std::string& text, bool 
   if (!only_words) documents_[file] = std::move(document);
 }
 
-void FileChecker::AddRules(const std::string& file, const std::string& text) { consistency_.AddRules(file, text, true); }
+void FileChecker::AddRules(const std::string& file, const std::string& text) {
+  consistency_.AddRules(file, text, true);
+}
 
 void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
   const ImportedRules& imported = imported_[file];
@@ -79,7 +88,10 @@ void FileChecker::CheckImported(const std::string& file, ontology::Findings& fin
     ontology::CheckWords(construct.query, vocabulary_, in_query);
     for (ontology::Finding& finding : in_query.Take()) {
       // a word is judged at its first place in the document
-      if (findings.Find([&](const ontology::Finding& f) { return f.diagnostic.message == finding.diagnostic.message; }) != nullptr) continue;
+      if (findings.Find([&](const ontology::Finding& f) {
+            return f.diagnostic.message == finding.diagnostic.message;
+          }) != nullptr)
+        continue;
       finding.diagnostic.span = construct.InDocument(finding.diagnostic.span);
       findings.Add(std::move(finding));
     }
@@ -90,7 +102,8 @@ void FileChecker::AddInconsistencies(const std::string& file, ontology::Findings
   if (!consistency_checked_) inconsistencies_ = consistency_.Run();
   consistency_checked_ = true;
   for (const ConsistencyCheck::Result& result : inconsistencies_[file]) {
-    ontology::Finding* same = findings.Find([&](const ontology::Finding& f) { return IsProvedBy(f, result); });
+    ontology::Finding* same =
+        findings.Find([&](const ontology::Finding& f) { return IsProvedBy(f, result); });
     if (same != nullptr) {
       same->proof = result.finding.proof;
     } else {
@@ -102,7 +115,8 @@ void FileChecker::AddInconsistencies(const std::string& file, ontology::Findings
 void FileChecker::CheckShapes() {
   shapes_read_ = true;
   const shapes::GraphView view = graph_.View(kGraph);
-  for (Diagnostic& d : shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph)).diagnostics) {
+  for (Diagnostic& d :
+       shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph)).diagnostics) {
     of_shapes_[d.file].push_back(std::move(d));
   }
 }

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/cli/consistency_check.h"
 #include "graph/base/check_limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/located_parser.h"
 #include "graph/sparql/values/function_registry.h"
+#include "kb_server/cli/consistency_check.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 #include "reasoner/rules/rule_engine.h"
@@ -54,9 +54,9 @@ class FileChecker {
   std::set<std::string> cycles_;
   shapes::FileGraph graph_;
   bool shapes_read_ = false;
-  std::map<std::string, Diagnostics> of_shapes_;  // by file
+  std::map<std::string, Diagnostics> of_shapes_;   // by file
   std::map<std::string, ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
-  size_t texts_ = 0;  // that were added: each has blank nodes of its own
+  size_t texts_ = 0;                               // that were added: each has blank nodes of its own
   ConsistencyCheck consistency_{limits_, &functions_};
   bool consistency_checked_ = false;
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file

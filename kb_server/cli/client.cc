@@ -55,7 +55,8 @@ int Fail(const grpc::Status& status, const ClientOptions& options) {
               << "); start one with `docent serve` or name it with --server\n";
   } else if (status.error_code() == grpc::StatusCode::INTERNAL && status.error_message().empty()) {
     // how gRPC says that protobuf refused to write the message
-    std::cerr << "docent: nothing was sent: what was given does not fit into a message; is all of it UTF-8?\n";
+    std::cerr
+        << "docent: nothing was sent: what was given does not fit into a message; is all of it UTF-8?\n";
   } else {
     std::cerr << "docent: " << status.error_message() << "\n";
   }

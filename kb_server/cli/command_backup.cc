@@ -3,9 +3,9 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/log/folder_copy.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/log/folder_copy.h"
 
 namespace docent {
 namespace {

@@ -6,12 +6,12 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "graph/base/source_texts.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/check_files.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
-#include "graph/base/source_texts.h"
-#include "graph/rdf/parser.h"
 #include "nlohmann/json.hpp"
 #include "workflow/cawl/check.h"
 #include "workflow/engine/engine.h"
@@ -42,7 +42,8 @@ Kind KindOf(const std::string& file) {
 // A text of whole lines.
 std::string Indented(const std::string& text, const std::string& by) {
   std::string out;
-  for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) absl::StrAppend(&out, by, line, "\n");
+  for (const absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty()))
+    absl::StrAppend(&out, by, line, "\n");
   return out;
 }
 
@@ -191,13 +192,15 @@ class Checker {
 
 void AddCheckCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CheckArguments>();
-  CLI::App* command = app->add_subcommand(
-      "check",
-      "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they have errors). Words of RDF, "
-      "rules and queries are checked against the vocabulary of all RDF files named");
+  CLI::App* command =
+      app->add_subcommand("check",
+                          "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they "
+                          "have errors). Words of RDF, "
+                          "rules and queries are checked against the vocabulary of all RDF files named");
   command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
   command
-      ->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used; may be given several times")
+      ->add_option("--ontology", arguments->ontologies,
+                   "Ontology file whose words may be used; may be given several times")
       ->allow_extra_args(false);
   command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
   command->add_flag("--strict", arguments->strict, "Warnings, too, make the exit code 1");

@@ -13,12 +13,12 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
+#include "graph/rdf/parser.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/part_loader.h"
-#include "graph/rdf/text_input.h"
-#include "graph/rdf/parser.h"
 
 namespace docent {
 namespace {
@@ -51,21 +51,27 @@ class Loader {
     auto text = ReadText(file);
     if (!text.ok()) return Fail(text.status());
     if (kind.empty()) {
-      return Fail(absl::InvalidArgumentError(
-          absl::StrCat(file, ": I do not know this ending; use .ttl .trig .nt .nq .rdf .owl .xml .rules .cawl.xml or .rsel.xml, or say "
-                             "with --as what it is (data is read as Turtle)")));
+      return Fail(
+          absl::InvalidArgumentError(absl::StrCat(file,
+                                                  ": I do not know this ending; use .ttl .trig .nt .nq .rdf "
+                                                  ".owl .xml .rules .cawl.xml or .rsel.xml, or say "
+                                                  "with --as what it is (data is read as Turtle)")));
     }
     if (kind == "facts" && !arguments_.graph.empty()) {
-      return Fail(absl::InvalidArgumentError("facts lie in the graph of who says them; name that with --source, not with --graph"));
+      return Fail(absl::InvalidArgumentError(
+          "facts lie in the graph of who says them; name that with --source, not with --graph"));
     }
     if (kind != "data" && kind != "facts" && !arguments_.graph.empty()) {
-      return Fail(absl::InvalidArgumentError(absl::StrCat("--graph goes with data, and ", file, " is read as ", kind)));
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat("--graph goes with data, and ", file, " is read as ", kind)));
     }
     if (kind != "data" && kind != "facts" && kind != "ontology" && !arguments_.format.empty()) {
-      return Fail(absl::InvalidArgumentError(absl::StrCat("--format goes with RDF, and ", file, " is read as ", kind)));
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat("--format goes with RDF, and ", file, " is read as ", kind)));
     }
     if (kind != "facts" && !arguments_.source.empty()) {
-      return Fail(absl::InvalidArgumentError("--source says who tells facts; give --as facts, too, or --graph for data"));
+      return Fail(absl::InvalidArgumentError(
+          "--source says who tells facts; give --as facts, too, or --graph for data"));
     }
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
@@ -122,19 +128,23 @@ class Loader {
   // A large file: checked whole before anything of it is sent.
   int LoadInParts(const std::string& file, const std::string& text) {
     const auto start = std::chrono::steady_clock::now();
-    const auto document = CutDocument(text, FormatOfFile(FormatName(file)).value_or(RdfFormat::kTurtle), file);
+    const auto document =
+        CutDocument(text, FormatOfFile(FormatName(file)).value_or(RdfFormat::kTurtle), file);
     if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, text));
     const auto rate = [&](size_t bytes) {
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      const double share = document->bytes == 0 ? 1 : static_cast<double>(bytes) / static_cast<double>(document->bytes);
-      return absl::StrFormat("%.0f statements/s", share * static_cast<double>(document->statements) / seconds);
+      const double share =
+          document->bytes == 0 ? 1 : static_cast<double>(bytes) / static_cast<double>(document->bytes);
+      return absl::StrFormat("%.0f statements/s",
+                             share * static_cast<double>(document->statements) / seconds);
     };
     v1::LoadRequest request;
     request.set_name(NameOf(file));
     request.set_graph(ReadIri({}, arguments_.graph));
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
-      if (terminal) std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
+      if (terminal)
+        std::cerr << "\r" << ProgressBar(bytes, document->bytes) << " " << rate(bytes) << "   " << std::flush;
     });
     if (terminal) std::cerr << "\n";
     if (!outcome.status.ok()) {
@@ -143,8 +153,8 @@ class Loader {
       return Fail(outcome.status, arguments_.client);
     }
     std::cout << file << ": data, " << outcome.added << " added, " << outcome.removed << " removed, "
-              << outcome.inferred << " inferred, revision " << outcome.revision << " (" << document->parts.size()
-              << " parts, " << rate(document->bytes) << ")\n";
+              << outcome.inferred << " inferred, revision " << outcome.revision << " ("
+              << document->parts.size() << " parts, " << rate(document->bytes) << ")\n";
     return kExitOk;
   }
 
@@ -202,10 +212,12 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
           "a new value of a state property replaces the old one")
       ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
   command
-      ->add_option("--format", arguments->format,
-                   "The syntax of RDF, where the ending does not tell, as for standard input (else read as Turtle)")
+      ->add_option(
+          "--format", arguments->format,
+          "The syntax of RDF, where the ending does not tell, as for standard input (else read as Turtle)")
       ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
-  command->add_option("--graph", arguments->graph, "Data: IRI of the named graph to load into, whole or with a well-known prefix");
+  command->add_option("--graph", arguments->graph,
+                      "Data: IRI of the named graph to load into, whole or with a well-known prefix");
   command->add_option("--source", arguments->source, "Facts: IRI of who says it, likewise");
   command->callback([arguments, exit_code] {
     Loader loader(*arguments);

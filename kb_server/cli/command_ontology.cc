@@ -9,11 +9,11 @@
 #include "absl/strings/str_format.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
-#include "kb_server/cli/client.h"
-#include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
 #include "graph/base/text.h"
 #include "graph/rdf/parser.h"
+#include "graph/rdf/text_input.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
@@ -49,11 +49,12 @@ int List(const OntologyArguments& arguments) {
   for (const auto& module : reply.modules()) {
     const bool rules = module.kind() == v1::LoadRequest::RULES;
     if (arguments.client.json) {
-      nlohmann::json object = {{"name", module.name()},         {"kind", rules ? "rules" : "ontology"},
-                               {"size", module.size()},         {"revision", module.revision()},
-                               {"ontology", module.ontology()}, {"version_iri", module.version_iri()},
+      nlohmann::json object = {{"name", module.name()},           {"kind", rules ? "rules" : "ontology"},
+                               {"size", module.size()},           {"revision", module.revision()},
+                               {"ontology", module.ontology()},   {"version_iri", module.version_iri()},
                                {"version", module.version_info()}};
-      object["missing_imports"] = std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
+      object["missing_imports"] =
+          std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
       std::cout << object.dump() << "\n";
       continue;
     }
@@ -61,7 +62,8 @@ int List(const OntologyArguments& arguments) {
                                     rules ? "rules" : "triples", module.revision(), module.ontology(),
                                     module.ontology().empty() ? "" : "  ",
                                     VersionText(module.version_info(), module.version_iri()));
-    for (const std::string& iri : module.missing_imports()) std::cout << "    imports <" << iri << ">, which is not loaded\n";
+    for (const std::string& iri : module.missing_imports())
+      std::cout << "    imports <" << iri << ">, which is not loaded\n";
   }
   return kExitOk;
 }
@@ -89,8 +91,11 @@ int Load(const OntologyArguments& arguments, v1::LoadRequest::Mode mode) {
     if (!status.ok()) return Fail(status, arguments.client);
     PrintDiagnostics(reply.diagnostics());
     if (arguments.client.json) {
-      nlohmann::json object = {{"name", request->name()},     {"added", reply.added()},       {"removed", reply.removed()},
-                               {"inferred", reply.inferred()}, {"revision", reply.revision()}};
+      nlohmann::json object = {{"name", request->name()},
+                               {"added", reply.added()},
+                               {"removed", reply.removed()},
+                               {"inferred", reply.inferred()},
+                               {"revision", reply.revision()}};
       std::cout << object.dump() << "\n";
       continue;
     }
@@ -114,8 +119,8 @@ int Check(const OntologyArguments& arguments) {
     for (const v1::ValidationResult& r : reply.results()) {
       std::cerr << shapes::Render(FromProto(r));
     }
-    std::cout << request->name() << (reply.conforms() ? ": ok" : ": would violate shapes") << ", tried on revision "
-              << reply.revision() << "\n";
+    std::cout << request->name() << (reply.conforms() ? ": ok" : ": would violate shapes")
+              << ", tried on revision " << reply.revision() << "\n";
     if (!reply.conforms()) exit_code = kExitNegative;
   }
   return exit_code;
@@ -143,15 +148,16 @@ bool IsListed(const OntologyArguments& arguments, const std::string& name) {
   const grpc::Status status =
       v1::Ontologies::NewStub(Connect(arguments.client))->List(&context, v1::ListOntologiesRequest(), &reply);
   return status.ok() && std::any_of(reply.modules().begin(), reply.modules().end(), [&](const auto& module) {
-    return module.kind() == v1::LoadRequest::ONTOLOGY && module.name() == name;
-  });
+           return module.kind() == v1::LoadRequest::ONTOLOGY && module.name() == name;
+         });
 }
 
 // The triples of a module as the server has them.
-absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, const std::string& name, int* exit_code) {
+absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, const std::string& name,
+                                            int* exit_code) {
   v1::QueryRequest request;
-  request.set_query(absl::StrCat("CONSTRUCT { ?s ?p ?o } WHERE { GRAPH ", ToNTriples(Term::Iri(OntologyGraph(name))),
-                                 " { ?s ?p ?o } }"));
+  request.set_query(absl::StrCat("CONSTRUCT { ?s ?p ?o } WHERE { GRAPH ",
+                                 ToNTriples(Term::Iri(OntologyGraph(name))), " { ?s ?p ?o } }"));
   grpc::ClientContext context;
   auto reader = v1::Context::NewStub(Connect(arguments.client))->Query(&context, request);
   std::vector<TermQuad> quads;
@@ -167,7 +173,8 @@ absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, 
     *exit_code = Fail(status, arguments.client);
     return absl::UnavailableError("");
   }
-  if (quads.empty() && !IsListed(arguments, name)) return absl::NotFoundError(absl::StrCat("the server has no module \"", name, "\""));
+  if (quads.empty() && !IsListed(arguments, name))
+    return absl::NotFoundError(absl::StrCat("the server has no module \"", name, "\""));
   return quads;
 }
 
@@ -184,14 +191,16 @@ absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file) {
 
 void PrintChanges(char sign, const std::vector<TermQuad>& triples) {
   for (const TermQuad& t : triples) {
-    std::cout << sign << " " << ToDisplay(t.subject) << " " << ToDisplay(t.predicate) << " " << ToDisplay(t.object) << "\n";
+    std::cout << sign << " " << ToDisplay(t.subject) << " " << ToDisplay(t.predicate) << " "
+              << ToDisplay(t.object) << "\n";
   }
 }
 
 nlohmann::json AsJson(const std::vector<TermQuad>& triples) {
   nlohmann::json list = nlohmann::json::array();
   for (const TermQuad& t : triples) {
-    list.push_back(absl::StrCat(ToNTriples(t.subject), " ", ToNTriples(t.predicate), " ", ToNTriples(t.object)));
+    list.push_back(
+        absl::StrCat(ToNTriples(t.subject), " ", ToNTriples(t.predicate), " ", ToNTriples(t.object)));
   }
   return list;
 }
@@ -201,12 +210,14 @@ int Diff(const OntologyArguments& arguments) {
   int exit_code = kExitOk;
   auto after = Parse(arguments.files.back());
   if (!after.ok()) return Fail(after.status());
-  auto before = arguments.files.size() == 1 ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
-                                            : Parse(arguments.files[0]);
+  auto before = arguments.files.size() == 1
+                    ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
+                    : Parse(arguments.files[0]);
   if (exit_code != kExitOk) return exit_code;
   if (!before.ok()) return Fail(before.status());
   const ontology::ModuleDiff diff = ontology::DiffModules(*before, *after);
-  const ontology::ModuleVersion old_version = ontology::VersionOf(*before), new_version = ontology::VersionOf(*after);
+  const ontology::ModuleVersion old_version = ontology::VersionOf(*before),
+                                new_version = ontology::VersionOf(*after);
   if (arguments.client.json) {
     nlohmann::json object = {{"removed", AsJson(diff.removed)},
                              {"added", AsJson(diff.added)},
@@ -217,7 +228,9 @@ int Diff(const OntologyArguments& arguments) {
   }
   const std::string from = VersionText(old_version.version_info, old_version.version_iri);
   const std::string to = VersionText(new_version.version_info, new_version.version_iri);
-  if (from != to) std::cout << "# " << (from.empty() ? "no version" : from) << " → " << (to.empty() ? "no version" : to) << "\n";
+  if (from != to)
+    std::cout << "# " << (from.empty() ? "no version" : from) << " → " << (to.empty() ? "no version" : to)
+              << "\n";
   PrintChanges('-', diff.removed);
   PrintChanges('+', diff.added);
   std::cout << "# " << diff.removed.size() << " removed, " << diff.added.size() << " added\n";
@@ -238,25 +251,30 @@ void AddOntologyCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<OntologyArguments>();
   CLI::App* command = app->add_subcommand("ontology", "The ontology modules of a running server");
   command->require_subcommand(1);
-  AddPart(command, arguments, "list", "The modules with their sizes, revisions and versions", List, exit_code);
+  AddPart(command, arguments, "list", "The modules with their sizes, revisions and versions", List,
+          exit_code);
   const auto with_files = [&arguments](CLI::App* part, const char* help) {
     part->add_option("files", arguments->files, help)->required();
     part->add_option("--name", arguments->name, "Name of the module; the file's name otherwise");
   };
-  with_files(AddPart(command, arguments, "load", "Load modules that the server does not have",
-                     [](const auto& a) { return Load(a, v1::LoadRequest::ADD); }, exit_code),
+  with_files(AddPart(
+                 command, arguments, "load", "Load modules that the server does not have",
+                 [](const auto& a) { return Load(a, v1::LoadRequest::ADD); }, exit_code),
              "RDF files (Turtle, RDF/XML as Protégé writes it …), a module each");
-  with_files(AddPart(command, arguments, "replace", "Put new versions in the place of modules, while it runs",
-                     [](const auto& a) { return Load(a, v1::LoadRequest::REPLACE); }, exit_code),
+  with_files(AddPart(
+                 command, arguments, "replace", "Put new versions in the place of modules, while it runs",
+                 [](const auto& a) { return Load(a, v1::LoadRequest::REPLACE); }, exit_code),
              "RDF files, a module each");
-  with_files(AddPart(command, arguments, "check", "What loading them would violate of the server's shapes (exit code 1)",
-                     Check, exit_code),
-             "RDF files, a module each");
+  with_files(
+      AddPart(command, arguments, "check",
+              "What loading them would violate of the server's shapes (exit code 1)", Check, exit_code),
+      "RDF files, a module each");
   CLI::App* remove = AddPart(command, arguments, "remove", "Remove modules", Remove, exit_code);
   remove->add_option("names", arguments->names, "Names as `docent ontology list` shows them")->required();
-  CLI::App* diff = AddPart(command, arguments, "diff",
-                           "Triples that are different (exit code 1) between the server's module and a file, or two files", Diff,
-                           exit_code);
+  CLI::App* diff =
+      AddPart(command, arguments, "diff",
+              "Triples that are different (exit code 1) between the server's module and a file, or two files",
+              Diff, exit_code);
   with_files(diff, "One file, or two");
   diff->get_option("files")->expected(1, 2);
 }

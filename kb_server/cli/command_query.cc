@@ -4,13 +4,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/rdf/text_input.h"
+#include "graph/sparql/syntax/parser.h"
 #include "kb_server/cli/answer_printer.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/query_with_rasqal.h"
-#include "graph/rdf/text_input.h"
 #include "kb_server/grpc/convert.h"
-#include "graph/sparql/syntax/parser.h"
 #include "nlohmann/json.hpp"
 
 namespace docent {
@@ -69,9 +69,11 @@ absl::Status CheckFormat(const std::string& query, const QueryArguments& argumen
   options.prefixes = sparql::WellKnownPrefixes();
   const sparql::ParsedQuery parsed = sparql::ParseQuery(query, options);
   const sparql::Query::Form form = parsed.query.form;
-  if (!parsed.ok() || (form != sparql::Query::Form::kConstruct && form != sparql::Query::Form::kDescribe)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("the answer is triples, which ", arguments.format,
-                                                 " cannot hold; without --format and --json they are printed as Turtle"));
+  if (!parsed.ok() || (form != sparql::Query::Form::kConstruct && form != sparql::Query::Form::kDescribe))
+    return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("the answer is triples, which ", arguments.format,
+                   " cannot hold; without --format and --json they are printed as Turtle"));
 }
 
 int RunQuery(const QueryArguments& arguments) {
@@ -79,7 +81,8 @@ int RunQuery(const QueryArguments& arguments) {
   if (!query.ok()) return Fail(query.status());
   if (absl::Status status = CheckFormat(*query, arguments); !status.ok()) return Fail(status);
   if (arguments.explain && !arguments.format.empty() && arguments.format != "json")
-    return Fail(absl::InvalidArgumentError(absl::StrCat("a plan is text, or json; leave --format ", arguments.format, " away")));
+    return Fail(absl::InvalidArgumentError(
+        absl::StrCat("a plan is text, or json; leave --format ", arguments.format, " away")));
   if (arguments.engine == "rasqal") {
     if (arguments.explain)
       return Fail(absl::InvalidArgumentError("Rasqal explains no plans; leave --explain away"));
@@ -107,16 +110,20 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
   command->add_option("query", arguments->query,
                       "SPARQL SELECT, ASK or CONSTRUCT; well-known prefixes need no PREFIX");
   command->add_option("--file,-f", arguments->file, "Read the query from a file, - for standard input");
-  command->add_option("--format", arguments->format, "json, csv, tsv or xml instead of a table (SELECT, ASK); triples are printed as Turtle")
+  command
+      ->add_option("--format", arguments->format,
+                   "json, csv, tsv or xml instead of a table (SELECT, ASK); triples are printed as Turtle")
       ->check(CLI::IsMember({"json", "csv", "tsv", "xml"}));
   command->add_option("--timeout-ms", arguments->timeout_ms,
                       "Give up after this time (default: the server's limit)");
   command
       ->add_option("--as-of", arguments->as_of,
-                      "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z")
-      ->check([](const std::string& text) { return text.empty() ? std::string("it is empty") : std::string(); });
-  command->add_flag("--explain", arguments->explain,
-                    "Run it and print its plan instead: estimated and real rows and the time of each operator");
+                   "Ask a past version: a revision number, or a time like 2026-01-31T12:00:00Z")
+      ->check(
+          [](const std::string& text) { return text.empty() ? std::string("it is empty") : std::string(); });
+  command->add_flag(
+      "--explain", arguments->explain,
+      "Run it and print its plan instead: estimated and real rows and the time of each operator");
   command
       ->add_option(
           "--engine", arguments->engine,

@@ -3,9 +3,9 @@
 #include <iostream>
 
 #include "docent/v1/fleet.grpc.pb.h"
+#include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/term.h"
 
 namespace docent {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/ontologies.grpc.pb.h"
+#include "graph/rdf/located_parser.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
-#include "graph/rdf/located_parser.h"
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/rules/shacl_rules_import.h"
 

@@ -11,9 +11,9 @@
 #include "absl/strings/str_split.h"
 #include "absl/time/time.h"
 #include "docent/v1/workflows.grpc.pb.h"
+#include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/term.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
@@ -171,7 +171,8 @@ class EventReader {
 };
 
 // Follows events until the run ends; then shows it.
-int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* reader, const std::string& run_id) {
+int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* reader,
+           const std::string& run_id) {
   v1::RunEvent event;
   v1::Run run;
   auto get = [&] {

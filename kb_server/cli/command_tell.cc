@@ -5,10 +5,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
-#include "graph/rdf/text_input.h"
 
 namespace docent {
 namespace {

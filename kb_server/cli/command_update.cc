@@ -4,9 +4,9 @@
 #include <string>
 
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
 
 namespace docent {
 namespace {

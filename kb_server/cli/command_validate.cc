@@ -6,12 +6,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/ontologies.grpc.pb.h"
-#include "kb_server/cli/client.h"
-#include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/serializer.h"
+#include "graph/rdf/text_input.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/cli/client.h"
+#include "kb_server/cli/commands.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
 #include "nlohmann/json.hpp"
@@ -47,8 +47,8 @@ int PrintRdf(const std::vector<TermQuad>& report, bool conforms) {
 }
 
 void PrintResultJson(const shapes::ResultText& r) {
-  nlohmann::json object = {{"severity", r.severity}, {"focus", r.focus},         {"path", r.path},
-                           {"value", r.value},       {"shape", r.shape},         {"constraint", r.component},
+  nlohmann::json object = {{"severity", r.severity}, {"focus", r.focus},    {"path", r.path},
+                           {"value", r.value},       {"shape", r.shape},    {"constraint", r.component},
                            {"message", r.message},   {"details", r.details}};
   if (!r.file.empty()) {
     object["file"] = r.file;
@@ -68,7 +68,9 @@ void PrintEnd(bool json, bool conforms, uint64_t total, uint64_t focus_nodes, co
     std::cout << summary << "\n";
     return;
   }
-  std::cout << nlohmann::json({{"conforms", conforms}, {"results", total}, {"focus_nodes", focus_nodes}}).dump() << "\n";
+  std::cout
+      << nlohmann::json({{"conforms", conforms}, {"results", total}, {"focus_nodes", focus_nodes}}).dump()
+      << "\n";
 }
 
 // Files are validated here, without a server.
@@ -91,7 +93,8 @@ class FileValidator {
     for (const Diagnostic& d : parsed.diagnostics) std::cerr << Render({d}, texts_[d.file]);
     if (!parsed.ok()) return kExitBad;
     if (!parsed.shapes.HasTargets()) {
-      std::cerr << "docent: no shape has a target; name the file of shapes with --shapes, and give them sh:targetClass, "
+      std::cerr << "docent: no shape has a target; name the file of shapes with --shapes, and give them "
+                   "sh:targetClass, "
                    "sh:targetNode, sh:targetSubjectsOf or sh:targetObjectsOf\n";
       return kExitBad;
     }
@@ -113,7 +116,8 @@ class FileValidator {
     ParseRdfOptions options;
     options.file = file;
     options.blank_node_scope = absl::StrCat("f", texts_.size(), "_");
-    const LocatedRdf document = ParseLocatedRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+    const LocatedRdf document =
+        ParseLocatedRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
     std::cerr << Render(document.rdf.diagnostics, *text);
     if (!document.rdf.ok()) return false;
     graph_.Add(file, document, graph);
@@ -162,7 +166,8 @@ int ValidateServer(const ValidateArguments& arguments) {
   if (!request.ok()) return Fail(request.status());
   v1::ValidateReply reply;
   grpc::ClientContext context;
-  grpc::Status status = v1::Ontologies::NewStub(Connect(arguments.client))->Validate(&context, *request, &reply);
+  grpc::Status status =
+      v1::Ontologies::NewStub(Connect(arguments.client))->Validate(&context, *request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
   PrintDiagnostics(reply.diagnostics());
   if (arguments.rdf) {
@@ -193,7 +198,8 @@ void AddValidateCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<ValidateArguments>();
   CLI::App* command = app->add_subcommand(
       "validate",
-      "Validate data against SHACL Core shapes (exit code 1: they do not conform). DATA files are validated here; "
+      "Validate data against SHACL Core shapes (exit code 1: they do not conform). DATA files are validated "
+      "here; "
       "without any, what the server holds, against the shapes given or else those of its ontology modules");
   AddClientOptions(command, &arguments->client);
   command->add_option("data", arguments->data, "RDF files to validate; none: the running server");

@@ -8,9 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
-#include "graph/rdf/text_input.h"
 
 namespace docent {
 namespace {
@@ -48,7 +48,8 @@ void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* w
   if (reply.reset()) {
     const bool again = std::exchange(watched->answered, true);
     watched->names.assign(reply.variables().begin(), reply.variables().end());
-    std::cout << label << "revision " << reply.revision() << (again ? ", the whole answer again" : "") << "\n";
+    std::cout << label << "revision " << reply.revision() << (again ? ", the whole answer again" : "")
+              << "\n";
     if (!again && !reply.warning().empty()) std::cerr << label << "warning: " << reply.warning() << "\n";
   }
   const std::string when = reply.reset() ? "" : absl::StrCat("   revision ", reply.revision());
@@ -72,7 +73,8 @@ absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments
     if (!text.ok()) return text.status();
     texts.push_back(*std::move(text));
   }
-  if (texts.empty()) return absl::InvalidArgumentError("no query given; pass it as an argument or with --file");
+  if (texts.empty())
+    return absl::InvalidArgumentError("no query given; pass it as an argument or with --file");
   std::vector<Watched> all(texts.size());
   for (size_t i = 0; i < texts.size(); ++i) {
     all[i].request.set_query(texts[i]);
@@ -110,7 +112,8 @@ int RunWatch(const WatchArguments& arguments) {
       for (const v1::SubscribeStreamReply::Part& part : reply.parts()) {
         if (part.has_ended()) {
           const std::string which = several ? absl::StrCat("query ", part.tag(), ": ") : "";
-          return Fail(grpc::Status(static_cast<grpc::StatusCode>(part.ended().code()), which + part.ended().message()),
+          return Fail(grpc::Status(static_cast<grpc::StatusCode>(part.ended().code()),
+                                   which + part.ended().message()),
                       arguments.client);
         }
         Watched& watched = (*all)[part.tag() - 1];
@@ -144,15 +147,20 @@ void AddWatchCommand(CLI::App* app, int* exit_code) {
   CLI::App* command =
       app->add_subcommand("watch", "Follow ASK and SELECT queries: first the answer, then each change of it");
   AddClientOptions(command, &arguments->client);
-  command->add_option("query", arguments->queries,
-                      "SPARQL ASK or SELECT, as many as wanted; well-known prefixes need no PREFIX. The lines of several "
-                      "begin with their numbers");
-  command->add_option("--file,-f", arguments->files, "Read a query from a file, - for standard input; may be given again")
+  command->add_option(
+      "query", arguments->queries,
+      "SPARQL ASK or SELECT, as many as wanted; well-known prefixes need no PREFIX. The lines of several "
+      "begin with their numbers");
+  command
+      ->add_option("--file,-f", arguments->files,
+                   "Read a query from a file, - for standard input; may be given again")
       ->allow_extra_args(false);
-  command->add_option("--min-interval-ms", arguments->min_interval_ms, "At most one change in this time; those between "
-                                                                       "are added up");
-  command->add_option("--at-least-ms", arguments->at_least_ms,
-                      "Only what has been so for this time without a break; with NOT EXISTS, what has been missing");
+  command->add_option("--min-interval-ms", arguments->min_interval_ms,
+                      "At most one change in this time; those between "
+                      "are added up");
+  command->add_option(
+      "--at-least-ms", arguments->at_least_ms,
+      "Only what has been so for this time without a break; with NOT EXISTS, what has been missing");
   command->add_option("--count", arguments->count, "End after so many changes, the first answer included");
   command->callback([arguments, exit_code] { *exit_code = RunWatch(*arguments); });
 }

@@ -34,7 +34,8 @@ absl::StatusOr<v1::WhatIfRequest> MakeRequest(const WhatIfArguments& arguments) 
   if (request.add_size() + request.remove_size() == 0)
     return absl::InvalidArgumentError("no facts given; e.g. docent whatif '+expo:R01 docent:localised true'");
   request.set_source(ReadIri(arguments.prefixes, arguments.source));
-  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok()) return status;
+  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok())
+    return status;
   return request;
 }
 
@@ -75,10 +76,10 @@ std::vector<std::string> WithSignedFacts(std::vector<std::string> arguments) {
 
 void AddWhatIfCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhatIfArguments>();
-  CLI::App* command = app->add_subcommand(
-      "whatif",
-      "What '+S P O' '-S P O' would do if it were told: what would be inferred, which conditions would flip, which "
-      "steps would fire. Nothing is written");
+  CLI::App* command = app->add_subcommand("whatif",
+                                          "What '+S P O' '-S P O' would do if it were told: what would be "
+                                          "inferred, which conditions would flip, which "
+                                          "steps would fire. Nothing is written");
   AddClientOptions(command, &arguments->client);
   command->add_option("--with", arguments->with, "Turtle: facts that would be told (the same as '+S P O')")
       ->allow_extra_args(false);

@@ -5,10 +5,10 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "docent/v1/context.grpc.pb.h"
+#include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
-#include "graph/rdf/term.h"
 
 namespace docent {
 namespace {
@@ -110,8 +110,9 @@ void AddCommon(CLI::App* command, WhyArguments* arguments) {
 
 void AddWhyCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhyArguments>();
-  CLI::App* command = app->add_subcommand(
-      "why", "Why a fact or an ASK holds: its rules and facts, down to who told what when (exit code 1: it does not)");
+  CLI::App* command = app->add_subcommand("why",
+                                          "Why a fact or an ASK holds: its rules and facts, down to who told "
+                                          "what when (exit code 1: it does not)");
   AddCommon(command, arguments.get());
   command->add_flag("--prov", arguments->prov, "The proof as PROV-O in Turtle");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, true); });
@@ -120,8 +121,9 @@ void AddWhyCommand(CLI::App* app, int* exit_code) {
 void AddWhyNotCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhyArguments>();
   CLI::App* command = app->add_subcommand(
-      "whynot", "Why an ASK does not hold: the smallest sets of facts that are missing or in the way (exit code 1: it "
-                "holds, or none is found)");
+      "whynot",
+      "Why an ASK does not hold: the smallest sets of facts that are missing or in the way (exit code 1: it "
+      "holds, or none is found)");
   AddCommon(command, arguments.get());
   command->add_option("--sets", arguments->sets, "How many sets to show at most (default: 3)");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, false); });

@@ -24,15 +24,22 @@ constexpr size_t kConditionBytes = 300;  // dt-diff has one that fills a screen
 constexpr char kMend[] = "correct or remove one of the facts that are told, or the rule";
 
 // Of what words mean, rather than of things: an inconsistency is told at a fact about a thing, if there is one.
-bool IsAxiom(const TermQuad& q) { return IsSchemaPattern(q.predicate.lexical, q.object.IsIri() ? q.object.lexical : ""); }
+bool IsAxiom(const TermQuad& q) {
+  return IsSchemaPattern(q.predicate.lexical, q.object.IsIri() ? q.object.lexical : "");
+}
 
-bool Before(const SourceSpan& a, const SourceSpan& b) { return std::pair(a.line, a.column) < std::pair(b.line, b.column); }
+bool Before(const SourceSpan& a, const SourceSpan& b) {
+  return std::pair(a.line, a.column) < std::pair(b.line, b.column);
+}
 
 // What the limits of a check are called, where rules and explanations name those of a server.
 std::string Reason(const absl::Status& status, const CheckLimits& limits) {
-  if (absl::IsDeadlineExceeded(status)) return absl::StrCat("it takes longer than the limit check_consistency_ms = ", limits.check_consistency_ms);
+  if (absl::IsDeadlineExceeded(status))
+    return absl::StrCat("it takes longer than the limit check_consistency_ms = ",
+                        limits.check_consistency_ms);
   if (absl::IsResourceExhausted(status)) {
-    return absl::StrCat("more follows than the limit check_facts = ", limits.check_facts, " (", std::string(status.message()), ")");
+    return absl::StrCat("more follows than the limit check_facts = ", limits.check_facts, " (",
+                        std::string(status.message()), ")");
   }
   return std::string(status.message());
 }
@@ -47,8 +54,10 @@ void ConsistencyCheck::AddDocument(const std::string& file, const LocatedRdf& do
   for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
     if (told_.size() > limits_.check_facts) return;  // Run says so
     const TermQuad& q = document.rdf.quads[i];
-    const Quad quad{dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate), dictionary_.Intern(q.object), graph};
-    const auto [known, is_new] = places_.try_emplace(WithoutGraph(quad), Place{source, document.places[i], IsAxiom(q)});
+    const Quad quad{dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate),
+                    dictionary_.Intern(q.object), graph};
+    const auto [known, is_new] =
+        places_.try_emplace(WithoutGraph(quad), Place{source, document.places[i], IsAxiom(q)});
     if (is_new) {
       told_.push_back(quad);
     } else if (findings && !sources_[known->second.file].findings) {
@@ -69,13 +78,17 @@ void ConsistencyCheck::AddRules(const std::string& file, const std::string& text
 
 size_t ConsistencyCheck::WithFindings(size_t file) const {
   if (sources_[file].findings) return file;
-  const auto first = std::find_if(sources_.begin(), sources_.end(), [](const Source& source) { return source.findings; });
+  const auto first =
+      std::find_if(sources_.begin(), sources_.end(), [](const Source& source) { return source.findings; });
   return first == sources_.end() ? file : static_cast<size_t>(first - sources_.begin());
 }
 
 void ConsistencyCheck::Warn(size_t file, std::string message, std::string hint) {
   const std::string& name = sources_[WithFindings(file)].file;
-  results_[name].push_back({{"consistency", {name, {}, std::move(message), std::move(hint), Diagnostic::Severity::kWarning}, ""}, "", {}});
+  results_[name].push_back(
+      {{"consistency", {name, {}, std::move(message), std::move(hint), Diagnostic::Severity::kWarning}, ""},
+       "",
+       {}});
 }
 
 absl::Status ConsistencyCheck::Materialise(Cancellation* cancellation, GraphVersionPtr* version) {
@@ -83,15 +96,20 @@ absl::Status ConsistencyCheck::Materialise(Cancellation* cancellation, GraphVers
   limits.inferred_per_turn = limits_.check_facts;
   RuleEngine engine(dictionary_, limits, functions_);
   followed_ = {{kRuleSet, std::make_shared<const std::string>(BuiltInRuleSet(kRuleSet))}};
-  if (absl::Status status = ToStatus(engine.PutRules(kRuleSet, *followed_[0].text), ""); !status.ok()) return status;
+  if (absl::Status status = ToStatus(engine.PutRules(kRuleSet, *followed_[0].text), ""); !status.ok())
+    return status;
   for (size_t i = 0; i < rules_.size(); ++i) {
     if (left_out_.contains(i)) continue;
     const auto& [source, rules] = rules_[i];
     const Diagnostics diagnostics = engine.PutRules(rules.name, *rules.text);
     if (HasErrors(diagnostics)) {
-      const auto error = std::find_if(diagnostics.begin(), diagnostics.end(),
-                                      [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::kError; });
-      Warn(source, absl::StrCat("consistency was checked without these rules: beside ", kRuleSet, ", ", error->message), error->hint);
+      const auto error = std::find_if(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) {
+        return d.severity == Diagnostic::Severity::kError;
+      });
+      Warn(source,
+           absl::StrCat("consistency was checked without these rules: beside ", kRuleSet, ", ",
+                        error->message),
+           error->hint);
       left_out_.insert(i);
       continue;
     }
@@ -113,10 +131,12 @@ void ConsistencyCheck::LeaveOut(std::string why) {
     if (left_out_.contains(i)) continue;
     followed.insert(i);
     const std::string name = absl::StrCat(rules_[i].second.name, " ");
-    if (absl::StartsWith(why, name) || why.find(absl::StrCat(" ", name)) != std::string::npos) named.insert(i);
+    if (absl::StartsWith(why, name) || why.find(absl::StrCat(" ", name)) != std::string::npos)
+      named.insert(i);
   }
   for (const size_t i : named.empty() ? followed : named) {
-    Warn(rules_[i].first, absl::StrCat("consistency was checked without these rules: beside ", kRuleSet, ", ", why), "");
+    Warn(rules_[i].first,
+         absl::StrCat("consistency was checked without these rules: beside ", kRuleSet, ", ", why), "");
     left_out_.insert(i);
   }
 }
@@ -127,13 +147,15 @@ ConsistencyCheck::Conflict ConsistencyCheck::ToConflict(explain::Proof proof) co
   conflict.rule = root.rule;
   for (explain::ProofStep& step : proof.steps) {
     if (step.told.empty()) continue;
-    const Quad quad{dictionary_.Find(step.fact.subject).value_or(TermId()), dictionary_.Find(step.fact.predicate).value_or(TermId()),
+    const Quad quad{dictionary_.Find(step.fact.subject).value_or(TermId()),
+                    dictionary_.Find(step.fact.predicate).value_or(TermId()),
                     dictionary_.Find(step.fact.object).value_or(TermId()), TermId()};
     conflict.leaves.push_back(quad);
     const auto place = places_.find(quad);
     if (place == places_.end()) continue;
     const SourceSpan& at = place->second.at.object;
-    step.told = {{Term(), 0, 0, absl::StrCat("in ", sources_[place->second.file].file, ":", at.line, ":", at.column)}};
+    step.told = {
+        {Term(), 0, 0, absl::StrCat("in ", sources_[place->second.file].file, ":", at.line, ":", at.column)}};
   }
   std::sort(conflict.leaves.begin(), conflict.leaves.end());
   // that it is reported is what the finding says; its proof begins with what the report is made of
@@ -148,7 +170,8 @@ ConsistencyCheck::Conflict ConsistencyCheck::ToConflict(explain::Proof proof) co
 }
 
 void ConsistencyCheck::Prove(const GraphVersionPtr& version, Cancellation* cancellation) {
-  const auto type = dictionary_.FindIri(kRdfType), inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
+  const auto type = dictionary_.FindIri(kRdfType),
+             inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
   const auto inferred = dictionary_.FindIri(kInferredGraph), rule = dictionary_.FindIri(DocentIri("rule"));
   if (!type || !inconsistency || !inferred) return;
   explain::Explainer::Settings settings;
@@ -163,17 +186,21 @@ void ConsistencyCheck::Prove(const GraphVersionPtr& version, Cancellation* cance
   std::vector<Conflict> conflicts;
   size_t reports = 0;
   absl::Status stopped;
-  for (QuadCursor found = version->Scan({TermId(), *type, *inconsistency, *inferred}); found.Valid(); found.Next()) {
+  for (QuadCursor found = version->Scan({TermId(), *type, *inconsistency, *inferred}); found.Valid();
+       found.Next()) {
     if (++reports > limits_.check_inconsistencies || !stopped.ok()) continue;
     const Term report = dictionary_.Decode(found.quad().subject);
-    auto proof = (*explainer)->WhyFact({report, Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("Inconsistency")), Term()});
+    auto proof = (*explainer)
+                     ->WhyFact({report, Term::Iri(std::string(kRdfType)),
+                                Term::Iri(DocentIri("Inconsistency")), Term()});
     QuadCursor named = version->Scan({found.quad().subject, rule.value_or(TermId()), TermId(), *inferred});
     const std::string check = named.Valid() ? dictionary_.Decode(named.quad().object).lexical : "";
     if (proof.ok() && *proof) {
       conflicts.push_back(ToConflict(**std::move(proof)));
     } else {
       if (absl::IsDeadlineExceeded(proof.status())) stopped = proof.status();
-      conflicts.push_back({"", check, absl::StrCat("no proof was found: ", std::string(proof.status().message()), "\n"), {}});
+      conflicts.push_back(
+          {"", check, absl::StrCat("no proof was found: ", std::string(proof.status().message()), "\n"), {}});
     }
     conflicts.back().check = check;
   }
@@ -183,18 +210,26 @@ void ConsistencyCheck::Prove(const GraphVersionPtr& version, Cancellation* cance
   });
   std::vector<const Conflict*> kept;
   for (const Conflict& conflict : conflicts) {
-    const bool known = !conflict.leaves.empty() && std::any_of(kept.begin(), kept.end(), [&](const Conflict* other) {
-      return !other->leaves.empty() && std::includes(conflict.leaves.begin(), conflict.leaves.end(), other->leaves.begin(), other->leaves.end());
-    });
+    const bool known =
+        !conflict.leaves.empty() && std::any_of(kept.begin(), kept.end(), [&](const Conflict* other) {
+          return !other->leaves.empty() && std::includes(conflict.leaves.begin(), conflict.leaves.end(),
+                                                         other->leaves.begin(), other->leaves.end());
+        });
     if (known) continue;
     kept.push_back(&conflict);
     Tell(conflict);
   }
   if (!stopped.ok()) {
-    Warn(0, absl::StrCat(reports, " inconsistencies are reported; not all were proved: ", Reason(stopped, limits_)), "correct these first");
+    Warn(0,
+         absl::StrCat(reports,
+                      " inconsistencies are reported; not all were proved: ", Reason(stopped, limits_)),
+         "correct these first");
   } else if (reports > limits_.check_inconsistencies) {
-    Warn(0, absl::StrCat(reports - limits_.check_inconsistencies, " more inconsistencies are reported; the limit check_inconsistencies is ",
-                         limits_.check_inconsistencies), "correct these first");
+    Warn(0,
+         absl::StrCat(reports - limits_.check_inconsistencies,
+                      " more inconsistencies are reported; the limit check_inconsistencies is ",
+                      limits_.check_inconsistencies),
+         "correct these first");
   }
 }
 
@@ -202,14 +237,17 @@ void ConsistencyCheck::Prove(const GraphVersionPtr& version, Cancellation* cance
 void ConsistencyCheck::Tell(const Conflict& conflict) {
   Result result;
   const Place* best = nullptr;
-  const auto rank = [this](const Place& place) { return std::pair(sources_[place.file].findings, !place.schema); };
+  const auto rank = [this](const Place& place) {
+    return std::pair(sources_[place.file].findings, !place.schema);
+  };
   for (const Quad& leaf : conflict.leaves) {
     const auto found = places_.find(leaf);
     if (found == places_.end()) continue;
     const Place& place = found->second;
     result.told.emplace_back(sources_[place.file].file, place.at);
-    const bool later = best != nullptr && rank(place) == rank(*best) &&
-                       (place.file != best->file ? place.file > best->file : Before(best->at.object, place.at.object));
+    const bool later =
+        best != nullptr && rank(place) == rank(*best) &&
+        (place.file != best->file ? place.file > best->file : Before(best->at.object, place.at.object));
     if (best == nullptr || rank(place) > rank(*best) || later) best = &place;
   }
   size_t file = 0;
@@ -217,16 +255,18 @@ void ConsistencyCheck::Tell(const Conflict& conflict) {
   if (best != nullptr && sources_[best->file].findings) {
     file = best->file;
     span = best->at.object;
-  } else if (const auto rule = rule_places_.find(conflict.rule); rule != rule_places_.end() && sources_[rule->second.first].findings) {
+  } else if (const auto rule = rule_places_.find(conflict.rule);
+             rule != rule_places_.end() && sources_[rule->second.first].findings) {
     std::tie(file, span) = rule->second;
   } else {
     file = WithFindings(0);
   }
   result.check = conflict.check;
-  result.finding = {"inconsistency",
-                    {sources_[file].file, span, absl::StrCat("the facts contradict each other, by ", conflict.rule), kMend,
-                     Diagnostic::Severity::kError},
-                    conflict.proof};
+  result.finding = {
+      "inconsistency",
+      {sources_[file].file, span, absl::StrCat("the facts contradict each other, by ", conflict.rule), kMend,
+       Diagnostic::Severity::kError},
+      conflict.proof};
   results_[sources_[file].file].push_back(std::move(result));
 }
 
@@ -236,13 +276,17 @@ std::map<std::string, std::vector<ConsistencyCheck::Result>> ConsistencyCheck::R
   prefixes_.insert(prefixes_.end(), kWellKnownPrefixes.begin(), kWellKnownPrefixes.end());
   constexpr char kFewer[] = "name fewer files at a time, or load them into a server that follows owl2rl";
   if (told_.size() > limits_.check_facts) {
-    Warn(0, absl::StrCat("consistency was not checked: there are more facts than the limit check_facts = ", limits_.check_facts), kFewer);
+    Warn(0,
+         absl::StrCat("consistency was not checked: there are more facts than the limit check_facts = ",
+                      limits_.check_facts),
+         kFewer);
     return std::move(results_);
   }
   Cancellation cancellation{std::chrono::milliseconds(limits_.check_consistency_ms)};
   GraphVersionPtr version;
   absl::Status status = Materialise(&cancellation, &version);
-  while (!status.ok() && !absl::IsDeadlineExceeded(status) && !absl::IsResourceExhausted(status) && left_out_.size() < rules_.size()) {
+  while (!status.ok() && !absl::IsDeadlineExceeded(status) && !absl::IsResourceExhausted(status) &&
+         left_out_.size() < rules_.size()) {
     LeaveOut(std::string(status.message()));
     status = Materialise(&cancellation, &version);
   }

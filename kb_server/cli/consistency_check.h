@@ -30,7 +30,7 @@ class ConsistencyCheck {
   // An inconsistency, as it was proved, or a warning of what was not checked.
   struct Result {
     ontology::Finding finding;
-    std::string check;                                     // the short name of its rule: "cax-dw"
+    std::string check;                                    // the short name of its rule: "cax-dw"
     std::vector<std::pair<std::string, QuadPlace>> told;  // the facts that it rests on: file and place
   };
 
@@ -77,7 +77,8 @@ class ConsistencyCheck {
   Dictionary dictionary_;
   std::vector<Source> sources_;
   std::vector<Quad> told_;
-  absl::flat_hash_map<Quad, Place> places_;  // where a fact was told first; of documents with findings, if any
+  absl::flat_hash_map<Quad, Place>
+      places_;  // where a fact was told first; of documents with findings, if any
   std::vector<std::pair<std::string, std::string>> prefixes_;
   std::vector<std::pair<size_t, explain::RuleText>> rules_;  // given ones, with their source
   std::set<size_t> left_out_;                                // of rules_: those that cannot be followed

@@ -5,12 +5,12 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "kb_server/cli/client.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/text.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/wire/term_proto.h"
+#include "kb_server/cli/client.h"
 
 namespace docent {
 namespace {
@@ -19,7 +19,8 @@ namespace {
 absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::string& given) {
   std::pair<std::string, std::string> parts = absl::StrSplit(given, absl::MaxSplits('=', 1));
   if (parts.first.empty() || parts.second.empty())
-    return absl::InvalidArgumentError(absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("--prefix \"", given, "\" is not NAME=IRI, nor :=IRI for the empty prefix"));
   if (parts.first.back() == ':') parts.first.pop_back();
   return parts;
 }
@@ -83,8 +84,8 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
   request.set_default_graph(v1::QueryRequest::UNION);
   for (const v1::Quad& fact : facts) {
     if (fact.subject().has_blank() || fact.object().has_blank()) continue;  // no query can name it
-    absl::StrAppend(request.mutable_query(), "(", ToNTriples(fact.subject()), " ", ToNTriples(fact.predicate()), " ",
-                    ToNTriples(fact.object()), ") ");
+    absl::StrAppend(request.mutable_query(), "(", ToNTriples(fact.subject()), " ",
+                    ToNTriples(fact.predicate()), " ", ToNTriples(fact.object()), ") ");
   }
   if (request.query().empty()) return "";
   request.set_query(absl::StrCat("SELECT ?s ?p ?o ?g WHERE { VALUES (?s ?p ?o) { ", request.query(),
@@ -97,9 +98,10 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
     const auto word = [&reply](int i) { return ToDisplay(reply.row().values(i)); };
     const std::string graph = reply.row().values(3).iri();
     absl::StrAppend(&text, word(0), " ", word(1), " ", word(2), " ",
-                    graph == kInferredGraph  ? "is inferred; docent why tells from what"
-                    : graph == kDefaultGraph ? "is told by docent:default; withdraw it there without --source"
-                                             : absl::StrCat("is told by ", word(3), "; withdraw it there with --source ", word(3)),
+                    graph == kInferredGraph ? "is inferred; docent why tells from what"
+                    : graph == kDefaultGraph
+                        ? "is told by docent:default; withdraw it there without --source"
+                        : absl::StrCat("is told by ", word(3), "; withdraw it there with --source ", word(3)),
                     "\n");
   }
   return reader->Finish().ok() ? text : "";

@@ -44,8 +44,7 @@ std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat form
   options.file = file;
   options.limits.document_bytes = std::numeric_limits<size_t>::max();
   const bool lines = format == RdfFormat::kNTriples || format == RdfFormat::kNQuads;
-  document->media_type =
-      format == RdfFormat::kNTriples ? "application/n-triples" : "application/n-quads";
+  document->media_type = format == RdfFormat::kNTriples ? "application/n-triples" : "application/n-quads";
   if (lines) {
     document->diagnostics = ParseLines(text, format, options, [&document](const TermQuad&) {
       ++document->statements;
@@ -56,7 +55,8 @@ std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat form
     document->statements = parsed.quads.size();
     document->diagnostics = std::move(parsed.diagnostics);
     if (!HasErrors(document->diagnostics)) {
-      document->owned = SerializeRdf(parsed.quads, RdfFormat::kNQuads).value_or("");  // which can say all of them
+      document->owned =
+          SerializeRdf(parsed.quads, RdfFormat::kNQuads).value_or("");  // which can say all of them
     }
     text = document->owned;
   }
@@ -73,7 +73,8 @@ PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const Docu
   PartsOutcome outcome;
   size_t next = 0, in_flight = 0, done_bytes = 0;
   while (true) {
-    for (; in_flight < kInFlight && next < document.parts.size() && outcome.status.ok(); ++next, ++in_flight) {
+    for (; in_flight < kInFlight && next < document.parts.size() && outcome.status.ok();
+         ++next, ++in_flight) {
       auto call = std::make_unique<Call>();
       call->request = request;
       call->request.set_kind(v1::LoadRequest::DATA);

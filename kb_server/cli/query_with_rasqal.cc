@@ -13,14 +13,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
-#include "kb_server/cli/answer_printer.h"
-#include "kb_server/cli/client.h"
 #include "graph/base/limits.h"
 #include "graph/redland/client_store.h"
 #include "graph/redland/rasqal_engine.h"
 #include "graph/redland/rasqal_guard.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/cli/answer_printer.h"
+#include "kb_server/cli/client.h"
 
 namespace docent {
 namespace {

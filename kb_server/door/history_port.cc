@@ -6,8 +6,8 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "kb_server/door/await_version.h"
 #include "graph/sparql/values/time_text.h"
+#include "kb_server/door/await_version.h"
 
 namespace docent {
 

@@ -12,8 +12,8 @@
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/dictionary.h"
-#include "kb_server/door/ports.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/ports.h"
 
 namespace docent {
 

@@ -14,7 +14,8 @@ namespace {
 size_t BytesOf(const WriteBatch& batch) {
   size_t bytes = 0;
   for (const QuadOperation& operation : batch.operations) bytes += TextBytes(operation.quad);
-  for (const SensorReading& reading : batch.readings) bytes += reading.sensor.size() + TextBytes(reading.value);
+  for (const SensorReading& reading : batch.readings)
+    bytes += reading.sensor.size() + TextBytes(reading.value);
   for (const Document& document : batch.documents) bytes += document.text.size();
   for (const CommandReport& report : batch.reports) {
     bytes += report.message.size();
@@ -82,7 +83,8 @@ void Inbox::Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare)
 std::vector<PendingBatch> Inbox::PopAll(std::optional<TimeMicros> deadline, size_t max) {
   std::vector<PendingBatch> taken;
   absl::MutexLock lock(&mutex_);
-  auto ready = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || woken_ || !queue_.empty(); };
+  auto ready = [this]()
+                   ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return closed_ || woken_ || !queue_.empty(); };
   if (deadline) {
     absl::Duration wait = absl::Microseconds(std::max<TimeMicros>(0, *deadline - clock_.Now()));
     mutex_.AwaitWithTimeout(absl::Condition(&ready), wait);

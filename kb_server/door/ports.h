@@ -13,13 +13,13 @@
 #include "graph/base/clock.h"
 #include "graph/base/explain_limits.h"
 #include "graph/base/limits.h"
+#include "graph/rdf/dictionary.h"
+#include "graph/sparql/run/evaluator.h"
+#include "kb_server/door/catalog.h"
 #include "kb_server/door/inbox.h"
 #include "kb_server/door/query_port.h"
-#include "graph/rdf/dictionary.h"
-#include "kb_server/door/catalog.h"
 #include "kb_server/door/run_feed.h"
 #include "kb_server/door/worker_pool.h"
-#include "graph/sparql/run/evaluator.h"
 
 namespace docent {
 
@@ -45,9 +45,8 @@ struct RulesPreview {
   std::vector<std::string> removed_triples;
 };
 // `text` null: the set would be removed. Any thread; may take long, until `cancellation` ends it.
-using PreviewRulesPort = std::function<absl::StatusOr<RulesPreview>(const std::string& name,
-                                                                    const std::string* text, size_t shown,
-                                                                    Cancellation* cancellation)>;
+using PreviewRulesPort = std::function<absl::StatusOr<RulesPreview>(
+    const std::string& name, const std::string* text, size_t shown, Cancellation* cancellation)>;
 
 struct ServicePorts {
   Inbox* inbox = nullptr;
@@ -56,7 +55,7 @@ struct ServicePorts {
   const sparql::FunctionRegistry* functions = nullptr;
   CatalogPort* catalog = nullptr;
   RunFeed* feed = nullptr;
-  WorkerPool* workers = nullptr;  // for what may take long: queries, parsing
+  WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
   UpdateRunner* updates = nullptr;
   HistoryPort* history = nullptr;  // null: only the newest version is there

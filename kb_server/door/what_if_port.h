@@ -33,7 +33,7 @@ struct WhatIfTransition {
 };
 
 struct WhatIfAnswer {
-  Revision revision;  // that it was asked of
+  Revision revision;            // that it was asked of
   std::vector<TermQuad> added;  // told and inferred, run facts left out
   std::vector<TermQuad> removed;
   std::vector<ConditionFlip> flips;

@@ -105,8 +105,9 @@ std::function<void()> WorkerPool::Take() {
 }
 
 absl::Status NotBegun(int timeout_ms) {
-  return absl::DeadlineExceededError(absl::StrCat("it waited for others to end until its limit query_timeout_ms = ", timeout_ms,
-                                                  ", and was not begun; try again"));
+  return absl::DeadlineExceededError(
+      absl::StrCat("it waited for others to end until its limit query_timeout_ms = ", timeout_ms,
+                   ", and was not begun; try again"));
 }
 
 }  // namespace docent

@@ -4,12 +4,12 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/serializer.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/syntax/parser.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
-#include "graph/sparql/syntax/algebra_printer.h"
-#include "graph/sparql/syntax/parser.h"
 #include "reasoner/explain/display.h"
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
@@ -95,9 +95,8 @@ explain::Prefixes PrefixesOf(const v1::ExplainRequest& request, const sparql::Qu
 absl::StatusOr<sparql::Query> ParseQuestion(const std::string& text, const v1::ExplainRequest& request,
                                             const Limits& limits, const sparql::FunctionRegistry* functions) {
   if (text.size() > limits.query_text_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("the question has ", text.size(),
-                                                     " bytes; the limit query_text_bytes is ",
-                                                     limits.query_text_bytes));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "the question has ", text.size(), " bytes; the limit query_text_bytes is ", limits.query_text_bytes));
   }
   sparql::ParseOptions options = sparql::ParseOptionsWith(limits, functions);
   for (const auto& [name, iri] : request.prefixes()) options.prefixes.emplace_back(name, iri);
@@ -120,7 +119,8 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     return absl::InvalidArgumentError("no question; give why_fact, why_ask or why_not");
   } else {
     const bool why = request.question_case() == v1::ExplainRequest::kWhyAsk;
-    auto parsed = ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports.limits, ports.functions);
+    auto parsed =
+        ParseQuestion(why ? request.why_ask() : request.why_not(), request, ports.limits, ports.functions);
     if (!parsed.ok()) return parsed.status();
     query = *std::move(parsed);
   }
@@ -147,8 +147,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
     auto proof = query ? (*explainer)->WhyAsk(*query) : (*explainer)->WhyFact(fact);
     if (!proof.ok()) return proof.status();
     if (*proof) return FillProof(**proof, settings.prefixes, reply);
-    reply->set_text(query ? "It does not hold; ask why not.\n"
-                          : "The fact is not there; ask why not.\n");
+    reply->set_text(query ? "It does not hold; ask why not.\n" : "The fact is not there; ask why not.\n");
     return absl::OkStatus();
   }
   const size_t sets = request.sets() == 0 ? kDefaultSets : std::min<size_t>(request.sets(), 100);
@@ -165,7 +164,8 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*, const v1::ExplainRequest* request,
+grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*,
+                                                  const v1::ExplainRequest* request,
                                                   v1::ExplainReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());

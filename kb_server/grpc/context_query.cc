@@ -1,14 +1,14 @@
 // Context.Query: SPARQL on the newest version or a past one, rows as they are found.
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/text_bytes.h"
-#include "kb_server/grpc/convert.h"
-#include "kb_server/grpc/grpc_services.h"
-#include "kb_server/door/history_port.h"
-#include "kb_server/work/remote_access.h"
-#include "kb_server/grpc/stream_reactor.h"
 #include "graph/sparql/run/describe.h"
 #include "graph/sparql/run/federation.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/history_port.h"
+#include "kb_server/grpc/convert.h"
+#include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/stream_reactor.h"
+#include "kb_server/work/remote_access.h"
 
 namespace docent {
 namespace {
@@ -36,8 +36,8 @@ sparql::DefaultGraph DefaultGraphOf(const v1::QueryRequest& request, const Servi
 }
 
 // The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1::QueryRequest& request, const QueryGraph& graph,
-                      Cancellation* cancellation, const Output& out) {
+absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1::QueryRequest& request,
+                      const QueryGraph& graph, Cancellation* cancellation, const Output& out) {
   const GraphVersion& version = *graph.version;
   const Dictionary& dictionary = *graph.dictionary;
   sparql::PrepareOptions options;
@@ -107,7 +107,8 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1:
   });
   if (!status.ok() || !too_long) return status;
   return absl::ResourceExhaustedError(
-      absl::StrCat("a row of the answer is longer than the limit grpc_message_bytes = ", limit, "; ask for fewer columns"));
+      absl::StrCat("a row of the answer is longer than the limit grpc_message_bytes = ", limit,
+                   "; ask for fewer columns"));
 }
 
 absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,

@@ -16,7 +16,8 @@
 namespace docent {
 namespace {
 
-constexpr size_t kUnsettled = 256;  // queries without an answer, or whose end is not written: beyond, reading pauses
+constexpr size_t kUnsettled =
+    256;  // queries without an answer, or whose end is not written: beyond, reading pauses
 // When so much is in a reply, the rest goes into the next.
 constexpr int kPartsInReply = 1000;
 constexpr size_t kBytesInReply = size_t{256} << 10;
@@ -120,7 +121,9 @@ class SubscribeStreamReactor final
   };
 
   static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
-  static grpc::Status Invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
+  static grpc::Status Invalid(const std::string& message) {
+    return {grpc::StatusCode::INVALID_ARGUMENT, message};
+  }
 
   // Its callback may outlive the stream.
   void Open(const std::shared_ptr<Followed>& followed, const FollowedQuery& query) {
@@ -222,7 +225,8 @@ class SubscribeStreamReactor final
   Subscriptions& subscriptions_;
   const std::shared_ptr<Link> link_;
   v1::SubscribeStreamRequest request_;
-  absl::flat_hash_map<uint64_t, std::shared_ptr<Followed>> followed_;  // by tag, until its last part is written
+  absl::flat_hash_map<uint64_t, std::shared_ptr<Followed>>
+      followed_;  // by tag, until its last part is written
   std::deque<std::shared_ptr<Followed>> line_;
   size_t unsettled_ = 0;
   bool reading_ = true;
@@ -235,8 +239,8 @@ class SubscribeStreamReactor final
 
 }  // namespace
 
-grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* ContextService::SubscribeStream(
-    grpc::CallbackServerContext*) {
+grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>*
+ContextService::SubscribeStream(grpc::CallbackServerContext*) {
   return new SubscribeStreamReactor(ports_.subscriptions);
 }
 

@@ -3,33 +3,35 @@
 #include <chrono>
 #include <utility>
 
+#include "graph/sparql/syntax/parser.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/update_runner.h"
-#include "graph/sparql/syntax/parser.h"
 
 namespace docent {
 
 grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* context,
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    sparql::ParseOptions options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
-    sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
-    if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->update())));
-    int timeout_ms = ports_.limits.query_timeout_ms;
-    if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
-    UpdateRequest update;
-    update.update = std::move(parsed.update);
-    update.request_id = request->request_id();
-    update.min_revision = Revision(request->min_revision());
-    update.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
-    update.timeout = absl::Milliseconds(timeout_ms);
-    ports_.updates->Submit(std::move(update), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (outcome.ok()) ToProto(*outcome, reply);
-      reactor->Finish(ToGrpc(outcome.status()));
-    });
-  });
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        sparql::ParseOptions options = sparql::ParseOptionsWith(ports_.limits, ports_.functions);
+        sparql::ParsedUpdate parsed = sparql::ParseUpdate(request->update(), options);
+        if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->update())));
+        int timeout_ms = ports_.limits.query_timeout_ms;
+        if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
+        UpdateRequest update;
+        update.update = std::move(parsed.update);
+        update.request_id = request->request_id();
+        update.min_revision = Revision(request->min_revision());
+        update.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
+        update.timeout = absl::Milliseconds(timeout_ms);
+        ports_.updates->Submit(std::move(update),
+                               [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+                                 if (outcome.ok()) ToProto(*outcome, reply);
+                                 reactor->Finish(ToGrpc(outcome.status()));
+                               });
+      });
 }
 
 }  // namespace docent

@@ -5,11 +5,11 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
+#include "kb_server/door/what_if_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
-#include "kb_server/door/what_if_port.h"
-#include "graph/sparql/syntax/parser.h"
 #include "reasoner/explain/display.h"
 
 namespace docent {
@@ -34,9 +34,13 @@ std::string ToText(const WhatIfAnswer& answer, const Display& display) {
   facts(answer.added, "+");
   facts(answer.removed, "-");
   for (const ConditionFlip& flip : answer.flips) {
-    const std::string once = flip.lasting_us == 0 ? "" : absl::StrCat(" once it has held for ", absl::FormatDuration(absl::Microseconds(flip.lasting_us)));
+    const std::string once = flip.lasting_us == 0
+                                 ? ""
+                                 : absl::StrCat(" once it has held for ",
+                                                absl::FormatDuration(absl::Microseconds(flip.lasting_us)));
     if (flip.held != flip.holds)
-      absl::StrAppend(&out, flip.place, flip.holds ? absl::StrCat(" would open", once) : " would no longer hold", "\n");
+      absl::StrAppend(&out, flip.place,
+                      flip.holds ? absl::StrCat(" would open", once) : " would no longer hold", "\n");
     for (const auto& binding : flip.appeared)
       absl::StrAppend(&out, flip.place, ": new ", BindingText(binding, display), once, "\n");
     for (const auto& binding : flip.disappeared)
@@ -75,9 +79,10 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
 
 }  // namespace
 
-grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*, const v1::WhatIfRequest* request,
-                                                 v1::WhatIfReply* reply) {
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*,
+                                                 const v1::WhatIfRequest* request, v1::WhatIfReply* reply) {
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     v1::AssertRequest told;
     *told.mutable_add() = request->add();
@@ -85,13 +90,15 @@ grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*, c
     told.set_source(request->source());
     auto batch = FromProto(told, ports_.limits);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(), request->prefixes().end());
+    std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(),
+                                                              request->prefixes().end());
     for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
-    ports_.what_if->Ask(*std::move(batch), cancellation, [reactor, reply, display = Display(std::move(prefixes))](
-                                               const absl::StatusOr<WhatIfAnswer>& answer) {
-      if (answer.ok()) Fill(*answer, display, reply);
-      reactor->Finish(ToGrpc(answer.status()));
-    });
+    ports_.what_if->Ask(
+        *std::move(batch), cancellation,
+        [reactor, reply, display = Display(std::move(prefixes))](const absl::StatusOr<WhatIfAnswer>& answer) {
+          if (answer.ok()) Fill(*answer, display, reply);
+          reactor->Finish(ToGrpc(answer.status()));
+        });
   };
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }

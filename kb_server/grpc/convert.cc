@@ -85,7 +85,8 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
         absl::StrCat("source: \"", request.source(), "\" is not an absolute IRI"));
   }
   if (!v1::AssertRequest::Mode_IsValid(request.mode())) {
-    return absl::InvalidArgumentError(absl::StrCat("mode ", static_cast<int>(request.mode()), " is not known; give ASSERT or LOAD"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("mode ", static_cast<int>(request.mode()), " is not known; give ASSERT or LOAD"));
   }
   if (request.mode() == v1::AssertRequest::LOAD && request.lifetime_ms() > 0) {
     return absl::InvalidArgumentError("lifetime_ms goes with the mode ASSERT alone: what is loaded stays");

@@ -14,10 +14,10 @@
 #include "docent/v1/context.pb.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/limits.h"
-#include "kb_server/door/inbox.h"
 #include "graph/rdf/term.h"
 #include "graph/store/write_batch.h"
 #include "graph/wire/term_proto.h"
+#include "kb_server/door/inbox.h"
 
 namespace docent {
 

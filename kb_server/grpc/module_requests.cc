@@ -21,7 +21,8 @@ ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits)
   if (request.kind() == v1::LoadRequest::ONTOLOGY) {
     options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
   } else {
-    options.blank_node_scope = BlankLabelStart(request.document().empty() ? request.text() : request.document());
+    options.blank_node_scope =
+        BlankLabelStart(request.document().empty() ? request.text() : request.document());
   }
   return options;
 }
@@ -40,10 +41,11 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   absl::Status other_graph;
   const auto add = [&](TermQuad quad) {
     if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
-      other_graph = absl::InvalidArgumentError(absl::StrCat(request.name(), ": the text names the graph ", ToDisplay(quad.graph),
-                                                            request.kind() == v1::LoadRequest::ONTOLOGY
-                                                                ? ", and a module is one graph; load it as data"
-                                                                : "; what is loaded into one graph cannot name others; leave graph (--graph) away"));
+      other_graph = absl::InvalidArgumentError(absl::StrCat(
+          request.name(), ": the text names the graph ", ToDisplay(quad.graph),
+          request.kind() == v1::LoadRequest::ONTOLOGY
+              ? ", and a module is one graph; load it as data"
+              : "; what is loaded into one graph cannot name others; leave graph (--graph) away"));
       return false;
     }
     if (!graph.empty()) quad.graph = Term::Iri(graph);
@@ -68,7 +70,8 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
 LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
   if (!request.document().empty() || request.kind() == v1::LoadRequest::RULES) return {};
   return {request.name().empty() ? "text" : request.name(), [&request, limits] {
-            return ParseLocatedRdf(request.text(), FormatFor(request).value_or(RdfFormat::kTurtle), OptionsFor(request, limits));
+            return ParseLocatedRdf(request.text(), FormatFor(request).value_or(RdfFormat::kTurtle),
+                                   OptionsFor(request, limits));
           }};
 }
 

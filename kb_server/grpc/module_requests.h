@@ -5,8 +5,8 @@
 #include "absl/status/statusor.h"
 #include "docent/v1/ontologies.pb.h"
 #include "graph/base/limits.h"
-#include "kb_server/work/load_judge.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/work/load_judge.h"
 
 namespace docent {
 

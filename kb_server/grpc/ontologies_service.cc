@@ -8,9 +8,9 @@
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
-#include "kb_server/work/load_runner.h"
 #include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/load_runner.h"
 
 namespace docent {
 namespace {
@@ -28,14 +28,15 @@ void Fill(const BatchOutcome& outcome, v1::LoadReply* reply) {
 // counts, too.
 BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& ports) {
   if (request.mode() == v1::LoadRequest::PUT) return nullptr;
-  return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](const TurnView& view,
-                                                                                       WriteBatch*) -> absl::Status {
+  return [name = request.name(), kind = request.kind(), mode = request.mode(), &ports](
+             const TurnView& view, WriteBatch*) -> absl::Status {
     const bool rules = kind == v1::LoadRequest::RULES;
     bool there = view.has_document(rules ? Document::Kind::kRules : Document::Kind::kOntology, name);
     if (const auto graph = ports.dictionary->FindIri(OntologyGraph(name)); graph && !rules)
       there = there || view.graph.Count({{}, {}, {}, *graph}) > 0;
     if (mode == v1::LoadRequest::ADD && there) {
-      return absl::AlreadyExistsError(absl::StrCat("there is a module \"", name, "\" already; replace it, or name the new one otherwise"));
+      return absl::AlreadyExistsError(absl::StrCat("there is a module \"", name,
+                                                   "\" already; replace it, or name the new one otherwise"));
     }
     if (mode == v1::LoadRequest::REPLACE && !there) {
       return absl::NotFoundError(absl::StrCat("there is no module \"", name, "\" to replace"));
@@ -45,8 +46,8 @@ BatchPreparation CheckMode(const v1::LoadRequest& request, const ServicePorts& p
 }
 
 // The imports of a module that nothing in the graph is.
-void FillMissingImports(const GraphVersion& version, const Dictionary& dictionary, TermId graph, TermId type, TermId ontology,
-                        v1::ListOntologiesReply::Module* out) {
+void FillMissingImports(const GraphVersion& version, const Dictionary& dictionary, TermId graph, TermId type,
+                        TermId ontology, v1::ListOntologiesReply::Module* out) {
   const auto imports = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "imports"));
   if (!imports) return;
   const auto version_iri = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "versionIRI"));
@@ -59,9 +60,11 @@ void FillMissingImports(const GraphVersion& version, const Dictionary& dictionar
 }
 
 // What a module says of itself, from its graph.
-void FillVersion(const GraphVersion& version, const Dictionary& dictionary, v1::ListOntologiesReply::Module* out) {
+void FillVersion(const GraphVersion& version, const Dictionary& dictionary,
+                 v1::ListOntologiesReply::Module* out) {
   const auto graph = dictionary.FindIri(OntologyGraph(out->name()));
-  const auto type = dictionary.FindIri(kRdfType), ontology = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "Ontology"));
+  const auto type = dictionary.FindIri(kRdfType),
+             ontology = dictionary.FindIri(absl::StrCat(std::string(kOwlNs), "Ontology"));
   if (!graph || !type || !ontology) return;
   QuadCursor found = version.Scan({{}, *type, *ontology, *graph});
   if (!found.Valid()) return;
@@ -86,38 +89,44 @@ std::string OntologyGraph(const std::string& name) {
 
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
-    if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    LoadJob job;
-    job.batch = *std::move(batch);
-    job.text = TextOf(*request, ports_.limits);
-    job.prepare = CheckMode(*request, ports_);
-    job.cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-    job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
-      if (outcome.ok()) Fill(*outcome, reply);
-      for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
-      reactor->Finish(ToGrpc(outcome.status()));
-    };
-    ports_.loads->Run(std::move(job));
-  });
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
+        if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
+        LoadJob job;
+        job.batch = *std::move(batch);
+        job.text = TextOf(*request, ports_.limits);
+        job.prepare = CheckMode(*request, ports_);
+        job.cancellation =
+            std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+        job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome,
+                                    const Diagnostics& warnings) {
+          if (outcome.ok()) Fill(*outcome, reply);
+          for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
+          reactor->Finish(ToGrpc(outcome.status()));
+        };
+        ports_.loads->Run(std::move(job));
+      });
 }
 
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,
                                                   const v1::ListOntologiesRequest*,
                                                   v1::ListOntologiesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
-    const GraphVersionPtr version = ports_.queries->Newest();
-    for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
-      auto* out = reply->add_modules();
-      out->set_name(module.name);
-      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES : v1::LoadRequest::ONTOLOGY);
-      out->set_size(module.size);
-      out->set_revision(module.revision.value());
-      if (module.kind == Document::Kind::kOntology) FillVersion(*version, *ports_.dictionary, out);
-    }
-    reactor->Finish(grpc::Status::OK);
-  });
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, reply](grpc::ServerUnaryReactor* reactor) {
+                    const GraphVersionPtr version = ports_.queries->Newest();
+                    for (const ModuleEntry& module : ports_.catalog->Get()->modules) {
+                      auto* out = reply->add_modules();
+                      out->set_name(module.name);
+                      out->set_kind(module.kind == Document::Kind::kRules ? v1::LoadRequest::RULES
+                                                                          : v1::LoadRequest::ONTOLOGY);
+                      out->set_size(module.size);
+                      out->set_revision(module.revision.value());
+                      if (module.kind == Document::Kind::kOntology)
+                        FillVersion(*version, *ports_.dictionary, out);
+                    }
+                    reactor->Finish(grpc::Status::OK);
+                  });
 }
 
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
@@ -143,7 +152,8 @@ grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerContext*,
                                                           const v1::PreviewRulesRequest* request,
                                                           v1::PreviewRulesReply* reply) {
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
     if (absl::Status size = CheckDocumentSize(request->name(), request->text(), ports_.limits); !size.ok())
       return reactor->Finish(ToGrpc(size));

@@ -7,14 +7,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "graph/rdf/located_parser.h"
+#include "graph/store/graph_writer.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
-#include "kb_server/work/load_judge.h"
 #include "kb_server/grpc/module_requests.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/validation_proto.h"
-#include "graph/store/graph_writer.h"
+#include "kb_server/work/load_judge.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
@@ -37,7 +37,8 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
     if (absl::Status size = CheckDocumentSize(text.name(), text.text(), limits); !size.ok()) return size;
     const std::string media_type = text.media_type().empty() ? "text/turtle" : text.media_type();
     const auto format = FormatOfMediaType(media_type);
-    if (!format) return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+    if (!format)
+      return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
     ParseRdfOptions options;
     options.file = text.name();
     options.limits = limits;
@@ -49,15 +50,17 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
       const Quad quad{given->dictionary.Intern(q.subject), given->dictionary.Intern(q.predicate),
                       given->dictionary.Intern(q.object), graph};
       given->writer.Add(quad);
-      given->places.Add(quad, {text.name(), document.places[i].subject}, {text.name(), document.places[i].object});
+      given->places.Add(quad, {text.name(), document.places[i].subject},
+                        {text.name(), document.places[i].object});
     }
   }
   return absl::OkStatus();
 }
 
 // As much of the report as fits into half a message.
-absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary, const shapes::SourceMap& shape_places, bool rdf,
-                  const Limits& limits, v1::ValidateReply* reply) {
+absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dictionary,
+                  const shapes::SourceMap& shape_places, bool rdf, const Limits& limits,
+                  v1::ValidateReply* reply) {
   reply->set_conforms(report.conforms());
   reply->set_total(report.total);
   reply->set_focus_nodes(report.focus_nodes);
@@ -70,8 +73,9 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
       docent::ToProto(triple, out);
       bytes += out->ByteSizeLong();
       if (bytes > room) {
-        return absl::ResourceExhaustedError(absl::StrCat("the report as RDF is larger than half of the limit grpc_message_bytes = ",
-                                                         limits.grpc_message_bytes, "; ask for it as text"));
+        return absl::ResourceExhaustedError(
+            absl::StrCat("the report as RDF is larger than half of the limit grpc_message_bytes = ",
+                         limits.grpc_message_bytes, "; ask for it as text"));
       }
     }
     return absl::OkStatus();
@@ -79,8 +83,8 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   for (const shapes::ValidationResult& result : report.results) {
     v1::ValidationResult* out = reply->add_results();
     const Term value = result.value.IsNone() ? Term() : dictionary.Decode(result.value);
-    ToProto(shapes::Describe(result, dictionary, nullptr, &shape_places), dictionary.Decode(result.focus), value,
-            dictionary.Decode(result.shape), out);
+    ToProto(shapes::Describe(result, dictionary, nullptr, &shape_places), dictionary.Decode(result.focus),
+            value, dictionary.Decode(result.shape), out);
     bytes += out->ByteSizeLong();
     if (bytes > room) {
       reply->mutable_results()->RemoveLast();
@@ -103,11 +107,13 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
   const shapes::ParsedShapes parsed = shapes::ReadShapes(graph, dictionary, {}, &given.places);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
   if (!parsed.shapes.HasTargets()) {
-    return absl::InvalidArgumentError(own ? "no shape is loaded that has a target; load one as an ontology, or give shapes"
-                                          : "no shape has a target: give them sh:targetClass, sh:targetNode, "
-                                            "sh:targetSubjectsOf or sh:targetObjectsOf");
+    return absl::InvalidArgumentError(
+        own ? "no shape is loaded that has a target; load one as an ontology, or give shapes"
+            : "no shape has a target: give them sh:targetClass, sh:targetNode, "
+              "sh:targetSubjectsOf or sh:targetObjectsOf");
   }
-  for (const Diagnostic& diagnostic : parsed.diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  for (const Diagnostic& diagnostic : parsed.diagnostics)
+    docent::ToProto(diagnostic, reply->add_diagnostics());
   shapes::ValidateOptions options;
   options.memory_bytes = ports.limits.query_memory_bytes;
   options.cancellation = cancellation;
@@ -126,7 +132,8 @@ absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Ca
   if (!verdict.ok()) return verdict.status();
   reply->set_revision(version->revision().value());
   reply->set_conforms(!verdict->HasViolations());
-  for (const Diagnostic& diagnostic : verdict->diagnostics) docent::ToProto(diagnostic, reply->add_diagnostics());
+  for (const Diagnostic& diagnostic : verdict->diagnostics)
+    docent::ToProto(diagnostic, reply->add_diagnostics());
   size_t bytes = 0;
   for (const JudgedResult& result : verdict->results) {
     v1::ValidationResult* out = reply->add_results();
@@ -142,7 +149,8 @@ absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Ca
 
 }  // namespace
 
-grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*, const v1::ValidateRequest* request,
+grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContext*,
+                                                      const v1::ValidateRequest* request,
                                                       v1::ValidateReply* reply) {
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());
@@ -154,9 +162,11 @@ grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContex
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
 }
 
-grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*, const v1::LoadRequest* request,
+grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
+                                                   const v1::LoadRequest* request,
                                                    v1::CheckModuleReply* reply) {
-  auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
     reactor->Finish(ToGrpc(docent::Check(ports_, *request, cancellation.get(), reply)));
   };

@@ -6,11 +6,11 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
-#include "kb_server/work/graph_reader.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/stream_reactor.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/graph_reader.h"
 #include "workflow/rsel/parser.h"
 
 namespace docent {
@@ -131,35 +131,39 @@ absl::StatusOr<std::optional<v1::InvokeServiceReply>> RecordedEnd(const ServiceP
 grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerContext* context,
                                                          const v1::RegisterRequest* request,
                                                          v1::RegisterReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits); !size.ok()) {
-      return reactor->Finish(ToGrpc(size));
-    }
-    rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
-    if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
-    for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-    for (const rsel::Process& process : parsed.document->processes) reply->add_processes(process.name.value);
-    WriteBatch batch;
-    batch.documents.push_back(
-        {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
-    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (outcome.ok()) reply->set_revision(outcome->offset);
-      reactor->Finish(ToGrpc(outcome.status()));
-    });
-  });
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        if (absl::Status size = CheckDocumentSize(request->name(), request->rsel(), ports_.limits);
+            !size.ok()) {
+          return reactor->Finish(ToGrpc(size));
+        }
+        rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
+        if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+        for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+        for (const rsel::Process& process : parsed.document->processes)
+          reply->add_processes(process.name.value);
+        WriteBatch batch;
+        batch.documents.push_back(
+            {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
+        ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+          if (outcome.ok()) reply->set_revision(outcome->offset);
+          reactor->Finish(ToGrpc(outcome.status()));
+        });
+      });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::List(grpc::CallbackServerContext* context,
                                                      const v1::ListServicesRequest*,
                                                      v1::ListServicesReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
-    GraphVersionPtr version = ports_.queries->Newest();
-    GraphReader graph(*ports_.dictionary, *version);
-    for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
-      Fill(graph, *plan, reply->add_services());
-    }
-    reactor->Finish(grpc::Status::OK);
-  });
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, reply](grpc::ServerUnaryReactor* reactor) {
+                    GraphVersionPtr version = ports_.queries->Newest();
+                    GraphReader graph(*ports_.dictionary, *version);
+                    for (const rsel::PlanPtr& plan : ports_.catalog->Get()->services.Plans()) {
+                      Fill(graph, *plan, reply->add_services());
+                    }
+                    reactor->Finish(grpc::Status::OK);
+                  });
 }
 
 grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerContext* context,

@@ -33,7 +33,8 @@ inline grpc::ServerUnaryReactor* OnWorker(grpc::ServerUnaryReactor* reactor, Wor
 // Of a call whose work stops when the caller goes away. Deletes itself when gRPC is done with it.
 class CancellableReactor final : public grpc::ServerUnaryReactor {
  public:
-  explicit CancellableReactor(std::shared_ptr<Cancellation> cancellation) : cancellation_(std::move(cancellation)) {}
+  explicit CancellableReactor(std::shared_ptr<Cancellation> cancellation)
+      : cancellation_(std::move(cancellation)) {}
   void OnCancel() override { cancellation_->Cancel(); }
   void OnDone() override { delete this; }
 

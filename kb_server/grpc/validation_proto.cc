@@ -13,11 +13,14 @@ void FillPlace(const std::string& file, int line, int column, v1::SourcePlace* o
   out->set_column(column);
 }
 
-std::string Shown(const v1::Term& term) { return ToDisplay(FromProto(term, "term").value_or(Term::Literal(""))); }
+std::string Shown(const v1::Term& term) {
+  return ToDisplay(FromProto(term, "term").value_or(Term::Literal("")));
+}
 
 }  // namespace
 
-void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape, v1::ValidationResult* out) {
+void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape,
+             v1::ValidationResult* out) {
   out->set_severity(text.severity);
   ToProto(focus, out->mutable_focus());
   out->set_path(text.path);
@@ -27,7 +30,8 @@ void ToProto(const shapes::ResultText& text, const Term& focus, const Term& valu
   out->set_message(text.message);
   for (const std::string& detail : text.details) out->add_details(detail);
   if (!text.file.empty()) FillPlace(text.file, text.line, text.column, out->mutable_place());
-  if (!text.shape_file.empty()) FillPlace(text.shape_file, text.shape_line, text.shape_column, out->mutable_shape_place());
+  if (!text.shape_file.empty())
+    FillPlace(text.shape_file, text.shape_line, text.shape_column, out->mutable_shape_place());
 }
 
 shapes::ResultText FromProto(const v1::ValidationResult& result) {

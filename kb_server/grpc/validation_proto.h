@@ -9,7 +9,8 @@
 namespace docent {
 
 // Without a text for the value none is written.
-void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape, v1::ValidationResult* out);
+void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape,
+             v1::ValidationResult* out);
 
 // As people are shown it; a term that is none is shown as "".
 shapes::ResultText FromProto(const v1::ValidationResult& result);

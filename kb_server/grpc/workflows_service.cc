@@ -6,12 +6,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "kb_server/work/condition_cost.h"
 #include "kb_server/grpc/convert.h"
-#include "kb_server/work/graph_environment.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/condition_cost.h"
+#include "kb_server/work/graph_environment.h"
 #include "workflow/cawl/check.h"
 
 namespace docent {
@@ -20,7 +20,8 @@ namespace {
 cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
   auto environment = GraphEnvironment(*ports.dictionary, ports.queries->Newest(), ports.catalog->Get());
   cawl::CheckReport report = cawl::CheckDocument(text, name, environment.get(), ports.limits);
-  for (Diagnostic& warning : CostWarnings(report, name, ports)) report.diagnostics.push_back(std::move(warning));
+  for (Diagnostic& warning : CostWarnings(report, name, ports))
+    report.diagnostics.push_back(std::move(warning));
   return report;
 }
 
@@ -43,11 +44,11 @@ absl::Status CheckVariables(const Catalog& catalog, const std::string& target, c
     for (const auto& [name, value] : start.arguments) {
       if (std::find(names.begin(), names.end(), name) != names.end()) continue;
       const std::string near = Nearest(name, names);
-      return absl::InvalidArgumentError(absl::StrCat(
-          "flow ", flow->name.value, " has no variable ", name,
-          !near.empty()   ? absl::StrCat("; did you mean ", near, "?")
-          : names.empty() ? "; it has none"
-                          : absl::StrCat("; it has ", absl::StrJoin(names, ", "))));
+      return absl::InvalidArgumentError(
+          absl::StrCat("flow ", flow->name.value, " has no variable ", name,
+                       !near.empty()   ? absl::StrCat("; did you mean ", near, "?")
+                       : names.empty() ? "; it has none"
+                                       : absl::StrCat("; it has ", absl::StrJoin(names, ", "))));
     }
   }
   return absl::OkStatus();
@@ -57,39 +58,43 @@ absl::Status CheckVariables(const Catalog& catalog, const std::string& target, c
 
 grpc::ServerUnaryReactor* WorkflowsService::Check(grpc::CallbackServerContext* context,
                                                   const v1::CheckRequest* request, v1::CheckReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-      return reactor->Finish(ToGrpc(size));
-    }
-    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-    for (const cawl::ConditionText& condition : report.conditions) {
-      v1::CompiledCondition* out = reply->add_conditions();
-      out->set_place(condition.place);
-      out->set_ask(condition.ask);
-    }
-    reactor->Finish(grpc::Status::OK);
-  });
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits);
+            !size.ok()) {
+          return reactor->Finish(ToGrpc(size));
+        }
+        cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+        for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+        for (const cawl::ConditionText& condition : report.conditions) {
+          v1::CompiledCondition* out = reply->add_conditions();
+          out->set_place(condition.place);
+          out->set_ask(condition.ask);
+        }
+        reactor->Finish(grpc::Status::OK);
+      });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* context,
                                                    const v1::DeployRequest* request, v1::DeployReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits); !size.ok()) {
-      return reactor->Finish(ToGrpc(size));
-    }
-    cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
-    if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
-    for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
-    reply->set_workflow(report.document->name.value);
-    WriteBatch batch;
-    batch.documents.push_back(
-        {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
-    ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
-      if (outcome.ok()) reply->set_revision(outcome->offset);
-      reactor->Finish(ToGrpc(outcome.status()));
-    });
-  });
+  return OnWorker(
+      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+        if (absl::Status size = CheckDocumentSize(request->name(), request->cawl(), ports_.limits);
+            !size.ok()) {
+          return reactor->Finish(ToGrpc(size));
+        }
+        cawl::CheckReport report = CheckText(ports_, request->cawl(), request->name());
+        if (!report.ok()) return reactor->Finish(ToGrpc(ToStatus(report.diagnostics, request->cawl())));
+        for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
+        reply->set_workflow(report.document->name.value);
+        WriteBatch batch;
+        batch.documents.push_back(
+            {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+        ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
+          if (outcome.ok()) reply->set_revision(outcome->offset);
+          reactor->Finish(ToGrpc(outcome.status()));
+        });
+      });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::List(grpc::CallbackServerContext* context,
@@ -145,12 +150,14 @@ grpc::ServerUnaryReactor* WorkflowsService::Get(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* WorkflowsService::ListRuns(grpc::CallbackServerContext* context,
                                                      const v1::ListRunsRequest* request,
                                                      v1::ListRunsReply* reply) {
-  return OnWorker(context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    GraphVersionPtr version = ports_.queries->Newest();
-    GraphReader graph(*ports_.dictionary, *version);
-    for (const std::string& id : RunIds(graph, request->live_only())) ReadRun(graph, id, reply->add_runs());
-    reactor->Finish(grpc::Status::OK);
-  });
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, request, reply](grpc::ServerUnaryReactor* reactor) {
+                    GraphVersionPtr version = ports_.queries->Newest();
+                    GraphReader graph(*ports_.dictionary, *version);
+                    for (const std::string& id : RunIds(graph, request->live_only()))
+                      ReadRun(graph, id, reply->add_runs());
+                    reactor->Finish(grpc::Status::OK);
+                  });
 }
 
 grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* context,

@@ -35,8 +35,8 @@ std::string_view View(beast::string_view text) {
 
 // The refusal for a request that could not be read; nullopt where nobody is there to read an answer.
 // `has_target`: its first line was read.
-std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error, const HttpServerOptions& options,
-                                      bool has_target) {
+std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
+                                      const HttpServerOptions& options, bool has_target) {
   if (error == http::error::body_limit) {
     return TextResponse(413, absl::StrCat("the request body is larger than the limit http_body_bytes = ",
                                           options.body_bytes));
@@ -215,7 +215,8 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
     request->headers.emplace_back(std::move(name), View(field.value()));
   }
   if (second_host) return TextResponse(400, "the request has more than one Host header");
-  if (message.version() < 11 && request->Header("host").empty()) {  // may be missing, and no browser is that old
+  if (message.version() < 11 &&
+      request->Header("host").empty()) {  // may be missing, and no browser is that old
     request->headers.emplace_back("host", shared_.guard.OwnName());
   }
   const std::string target = TakeHost(View(message.target()), &request->headers);
@@ -236,7 +237,8 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
 
   const std::string encoding = request->Header("content-encoding");
   if (!encoding.empty() && !absl::EqualsIgnoreCase(encoding, "identity")) {
-    return TextResponse(415, absl::StrCat("send the body as it is: a Content-Encoding of ", encoding, " is not read"));
+    return TextResponse(
+        415, absl::StrCat("send the body as it is: a Content-Encoding of ", encoding, " is not read"));
   }
 
   HttpResponse refusal;
@@ -258,7 +260,8 @@ std::string HttpConnection::HeadText(const HttpResponse& response, std::optional
   } else if (version >= 11) {
     head += "Transfer-Encoding: chunked\r\n";
   }
-  if (shared_.options.clock != nullptr) absl::StrAppend(&head, "Date: ", HttpDate(shared_.options.clock->Now()), "\r\n");
+  if (shared_.options.clock != nullptr)
+    absl::StrAppend(&head, "Date: ", HttpDate(shared_.options.clock->Now()), "\r\n");
   for (const auto& [name, value] : response.headers) absl::StrAppend(&head, name, ": ", value, "\r\n");
   // Whatever a browser makes of a text that came from the graph, it is not a page of ours.
   head += "X-Content-Type-Options: nosniff\r\n";

@@ -57,7 +57,8 @@ class HttpAnswer {
 class HttpExchange {
  public:
   // `memory`: counts the request's body, and lives as long.
-  HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer, std::shared_ptr<MemoryUse> memory = nullptr)
+  HttpExchange(HttpRequest request, std::shared_ptr<HttpAnswer> answer,
+               std::shared_ptr<MemoryUse> memory = nullptr)
       : request_(std::move(request)), answer_(std::move(answer)), memory_(std::move(memory)) {}
   ~HttpExchange();
   HttpExchange(const HttpExchange&) = delete;

@@ -10,8 +10,8 @@
 
 #include "graph/rdf/parser.h"
 #include "graph/rdf/term.h"
-#include "kb_server/work/http_message.h"
 #include "graph/sparql/results/results.h"
+#include "kb_server/work/http_message.h"
 
 namespace docent {
 

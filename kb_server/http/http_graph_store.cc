@@ -15,6 +15,8 @@
 #include "graph/rdf/iri.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/syntax/parser.h"
+#include "graph/store/server_graphs.h"
 #include "kb_server/door/history_port.h"
 #include "kb_server/http/http_formats.h"
 #include "kb_server/http/http_multipart.h"
@@ -22,8 +24,6 @@
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/long_answer.h"
 #include "kb_server/work/update_runner.h"
-#include "graph/sparql/syntax/parser.h"
-#include "graph/store/server_graphs.h"
 
 namespace docent {
 namespace {
@@ -31,8 +31,9 @@ namespace {
 constexpr std::string_view kRoot = "/rdf-graphs";
 constexpr char kAcceptPatch[] = "Accept-Patch";  // RFC 5789 section 3.1
 constexpr char kPatchType[] = "application/sparql-update";
-constexpr size_t kTextOfQuad = 200;                      // of a graph that is read, roughly, without what its terms say
-constexpr size_t kSlowestBytesASecond = size_t{1} << 20;  // at which a client may take a graph, beyond the time of a query
+constexpr size_t kTextOfQuad = 200;  // of a graph that is read, roughly, without what its terms say
+constexpr size_t kSlowestBytesASecond =
+    size_t{1} << 20;  // at which a client may take a graph, beyond the time of a query
 
 using Exchange = std::shared_ptr<HttpExchange>;
 using Operation = sparql::UpdateOperation;
@@ -112,9 +113,9 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   const size_t limit = ports.limits.query_memory_bytes;
   MemoryUse memory(limit, ports.query_memory);  // until the client has it
   const auto too_long = [&] {
-    exchange.Respond(ErrorResponse(memory.Refusal(absl::ResourceExhaustedError(
-        absl::StrCat("the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
-                     "; ask for parts of it with CONSTRUCT")))));
+    exchange.Respond(ErrorResponse(memory.Refusal(absl::ResourceExhaustedError(absl::StrCat(
+        "the graph has ", count, " triples, more than fit into the limit query_memory_bytes = ", limit,
+        "; ask for parts of it with CONSTRUCT")))));
   };
   if (!memory.Add(count * (sizeof(TermQuad) + kTextOfQuad))) return too_long();
   std::vector<TermQuad> triples;
@@ -122,7 +123,8 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   bool fits = true;
   if (graph) {
     version->ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
-      triples.push_back({dictionary->Decode(quad.subject), dictionary->Decode(quad.predicate), dictionary->Decode(quad.object), Term{}});
+      triples.push_back({dictionary->Decode(quad.subject), dictionary->Decode(quad.predicate),
+                         dictionary->Decode(quad.object), Term{}});
       fits = memory.Add(2 * TextBytes(triples.back()));  // as a term, and as text
       return fits;
     });
@@ -139,8 +141,11 @@ void ReadGraph(const ServicePorts& ports, const Address& address, HttpExchange& 
   head.content_type = answer.told;
   memory.Release(memory.used() - std::min(memory.used(), answer.text.size()));
   const size_t seconds = answer.text.size() / kSlowestBytesASecond;
-  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) + std::chrono::seconds(seconds));
-  LongAnswer(std::move(head), &exchange, ports.workers).SendAll(std::move(answer.text), &cancellation).IgnoreError();
+  Cancellation cancellation(std::chrono::milliseconds(ports.limits.query_timeout_ms) +
+                            std::chrono::seconds(seconds));
+  LongAnswer(std::move(head), &exchange, ports.workers)
+      .SendAll(std::move(answer.text), &cancellation)
+      .IgnoreError();
 }
 
 // What a body says.
@@ -151,11 +156,13 @@ struct Content {
 };
 
 // `part`: its number among several.
-void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number, Content* content) {
+void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number,
+              Content* content) {
   if ((content->refusal = RefuseCharset(part.content_type))) return;
   const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
-  if (!format && type == "application/octet-stream") format = FormatOfFile(part.file);  // of whoever knows no better
+  if (!format && type == "application/octet-stream")
+    format = FormatOfFile(part.file);  // of whoever knows no better
   if (!format) {
     content->refusal = TextResponse(415,
                                     "send RDF as text/turtle, application/n-triples, application/rdf+xml, "
@@ -181,8 +188,9 @@ void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph
     const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
     content->triples.push_back(std::move(quad));
     if (fits) continue;
-    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
-        "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
+    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(
+        absl::StrCat("the body is more than fits into the limit query_memory_bytes = ",
+                     ports.limits.query_memory_bytes))));
     return;
   }
 }
@@ -234,17 +242,20 @@ void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange 
     const std::optional<TermId> graph = ports.dictionary->Find(c->address.graph);
     c->existed = c->address.is_default || (graph && version.Count({{}, {}, {}, *graph}) > 0);
     c->condition_failed = !ConditionHolds(exchange->request(), c->existed);
-    if (c->condition_failed) return absl::FailedPreconditionError("the graph is not as If-Match or If-None-Match want it");
+    if (c->condition_failed)
+      return absl::FailedPreconditionError("the graph is not as If-Match or If-None-Match want it");
     if (c->existed || !must_exist) return absl::OkStatus();
     return absl::NotFoundError("there is no graph " + ToDisplay(c->address.graph));
   };
   UpdateRequest request = std::move(change->request);
   ports.updates->Submit(std::move(request), [change, exchange](const absl::StatusOr<BatchOutcome>& outcome) {
-    if (change->condition_failed) return exchange->Respond(TextResponse(412, std::string(outcome.status().message())));
+    if (change->condition_failed)
+      return exchange->Respond(TextResponse(412, std::string(outcome.status().message())));
     if (!outcome.ok()) return exchange->Respond(ErrorResponse(outcome.status()));
     const bool made = !change->existed && outcome->added > 0;  // a graph without triples does not exist
     HttpResponse response = OutcomeResponse(made ? 201 : 200, *outcome);
-    if (made && change->address.is_new) response.headers.emplace_back("Location", change->address.graph.lexical);
+    if (made && change->address.is_new)
+      response.headers.emplace_back("Location", change->address.graph.lexical);
     exchange->Respond(std::move(response));
   });
 }
@@ -299,7 +310,8 @@ absl::Status BindToGraph(const Term& graph, sparql::Update* update) {
 void Patch(const ServicePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
   const std::string type = http.Header("content-type");
-  if (std::optional<HttpResponse> refusal = RefuseCharset(type)) return exchange->Respond(*std::move(refusal));
+  if (std::optional<HttpResponse> refusal = RefuseCharset(type))
+    return exchange->Respond(*std::move(refusal));
   if (MediaTypeOnly(type) != kPatchType) {
     HttpResponse refusal = TextResponse(415, absl::StrCat("PATCH a graph with ", kPatchType));
     refusal.headers.emplace_back(kAcceptPatch, kPatchType);
@@ -343,7 +355,8 @@ void Handle(const ServicePorts& ports, Exchange exchange) {
   const int timeout_ms = ports.limits.query_timeout_ms;
   const bool accepted = ports.workers->Submit(
       [&ports, exchange, address = std::move(address)] { Answer(ports, address, exchange); },
-      {absl::Now() + absl::Milliseconds(timeout_ms), [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
+      {absl::Now() + absl::Milliseconds(timeout_ms),
+       [exchange, timeout_ms] { exchange->Respond(ErrorResponse(NotBegun(timeout_ms))); }});
   if (accepted) return;
   HttpResponse busy = TextResponse(503, "too much work waits; try again");
   busy.headers.emplace_back("Retry-After", "1");

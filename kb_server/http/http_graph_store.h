@@ -13,8 +13,8 @@
 #ifndef DOCENT_KB_SERVER_HTTP_HTTP_GRAPH_STORE_H_
 #define DOCENT_KB_SERVER_HTTP_HTTP_GRAPH_STORE_H_
 
-#include "kb_server/http/http_server.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/http/http_server.h"
 
 namespace docent {
 

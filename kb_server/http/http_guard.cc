@@ -72,10 +72,10 @@ std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const 
   }
   const std::string origin = request.Header("origin");
   if (!origin.empty() && !IsAllowedOrigin(origin, host)) {
-    return TextResponse(
-        403, absl::StrCat("requests from web pages of ", origin,
-                          " are refused: only pages under a name of this server may send them. Let one proxy serve both, and start "
-                          "the server with --http-name and the proxy's name"));
+    return TextResponse(403, absl::StrCat("requests from web pages of ", origin,
+                                          " are refused: only pages under a name of this server may send "
+                                          "them. Let one proxy serve both, and start "
+                                          "the server with --http-name and the proxy's name"));
   }
   return std::nullopt;
 }

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "absl/status/status.h"
-#include "kb_server/http/http_server.h"
 #include "kb_server/door/metrics.h"
+#include "kb_server/http/http_server.h"
 
 namespace docent {
 

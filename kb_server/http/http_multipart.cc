@@ -45,7 +45,8 @@ std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_typ
       if (line.empty()) break;
       const size_t colon = line.find(':');
       const std::string name = absl::AsciiStrToLower(ToAbsl(line.substr(0, colon)));
-      if (name == "content-type") part.content_type = FromAbsl(absl::StripAsciiWhitespace(ToAbsl(line.substr(colon + 1))));
+      if (name == "content-type")
+        part.content_type = FromAbsl(absl::StripAsciiWhitespace(ToAbsl(line.substr(colon + 1))));
       if (name == "content-disposition") part.file = ParameterOf(line, "filename=");
     }
     const size_t begin = static_cast<size_t>(rest.data() - body.data());

@@ -7,15 +7,15 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "graph/rdf/text_bytes.h"
-#include "kb_server/door/history_port.h"
-#include "kb_server/http/http_formats.h"
-#include "kb_server/http/long_answer.h"
-#include "kb_server/work/remote_access.h"
+#include "graph/sparql/results/results.h"
 #include "graph/sparql/run/describe.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/run/federation.h"
 #include "graph/sparql/syntax/parser.h"
-#include "graph/sparql/results/results.h"
+#include "kb_server/door/history_port.h"
+#include "kb_server/http/http_formats.h"
+#include "kb_server/http/long_answer.h"
+#include "kb_server/work/remote_access.h"
 
 namespace docent {
 namespace {
@@ -131,7 +131,8 @@ class QueryAnswer {
     if (!triples.ok()) return triples.status();
     GraphText answer = WriteGraph(*std::move(triples), accept, query.prefixes);
     if (answer.refusal) return Respond(*std::move(answer.refusal));
-    return LongAnswer(Head(answer.told), exchange_.get(), ports_.workers).SendAll(std::move(answer.text), &cancellation_);
+    return LongAnswer(Head(answer.told), exchange_.get(), ports_.workers)
+        .SendAll(std::move(answer.text), &cancellation_);
   }
 
   HttpResponse Head(std::string_view content_type, std::string body = "") const {

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "graph/base/cancellation.h"
+#include "kb_server/door/ports.h"
 #include "kb_server/http/http_exchange.h"
 #include "kb_server/http/http_sparql_request.h"
-#include "kb_server/door/ports.h"
 
 namespace docent {
 

@@ -49,7 +49,7 @@ struct HttpServerOptions {
   size_t connections = Limits{}.http_connections;  // beyond: 503
   size_t body_bytes = Limits{}.http_body_bytes;    // beyond: 413
   size_t bodies_bytes = Limits{}.http_bodies_bytes;  // of all requests at the same time; beyond: 503
-  uint32_t header_bytes = 64u << 10;               // request line and headers; beyond: 414, 431
+  uint32_t header_bytes = 64u << 10;                 // request line and headers; beyond: 414, 431
   // Without a whole request header for so long the connection is closed, whether idle or slow.
   std::chrono::milliseconds idle_timeout{60000};
   std::chrono::milliseconds body_timeout{60000};   // for a whole request body

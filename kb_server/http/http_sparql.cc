@@ -8,11 +8,11 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
+#include "graph/sparql/syntax/parser.h"
 #include "kb_server/http/http_query.h"
 #include "kb_server/http/http_sparql_request.h"
 #include "kb_server/http/service_description.h"
 #include "kb_server/work/update_runner.h"
-#include "graph/sparql/syntax/parser.h"
 
 namespace docent {
 namespace {
@@ -77,7 +77,8 @@ absl::Status SetUsing(const SparqlRequest& request, sparql::Update* update) {
 
 // On a worker: parsing may take long.
 void Update(const ServicePorts& ports, const Measured& measured, const SparqlRequest& request,
-            std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation, absl::Time until) {
+            std::shared_ptr<HttpExchange> exchange, std::shared_ptr<Cancellation> cancellation,
+            absl::Time until) {
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = request.base_iri;
   sparql::ParsedUpdate parsed = sparql::ParseUpdate(request.text, options);
@@ -116,7 +117,9 @@ void Handle(const ServicePorts& ports, const SparqlMetrics& metrics, std::shared
                            DescribeService(ports, request.base_iri, exchange->request().Header("accept")));
         }
       },
-      {until, [measured, exchange, timeout_ms] { Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms))); }});
+      {until, [measured, exchange, timeout_ms] {
+         Respond(exchange, measured, ErrorResponse(NotBegun(timeout_ms)));
+       }});
   if (!accepted) Respond(exchange, measured, Busy());
 }
 

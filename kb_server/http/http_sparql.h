@@ -17,9 +17,9 @@
 #define DOCENT_KB_SERVER_HTTP_HTTP_SPARQL_H_
 
 #include "kb_server/door/inbox.h"
-#include "kb_server/http/http_server.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/http/http_server.h"
 
 namespace docent {
 

@@ -9,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "graph/base/cancellation.h"
-#include "kb_server/http/http_exchange.h"
 #include "kb_server/door/worker_pool.h"
+#include "kb_server/http/http_exchange.h"
 
 namespace docent {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "kb_server/work/http_message.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/http_message.h"
 
 namespace docent {
 

@@ -47,7 +47,8 @@ std::optional<FollowedForm> FollowedFormOf(const sparql::Query& query, const Tri
   const Outside outside = OutsideOf(*query.algebra, where);
   if (select && outside.project == nullptr) return std::nullopt;
   const bool rows_count = select && !outside.distinct;
-  if (sparql::AnyNode(where, [&](const Algebra& node) { return !IsKeptOf(node, rows_count); })) return std::nullopt;
+  if (sparql::AnyNode(where, [&](const Algebra& node) { return !IsKeptOf(node, rows_count); }))
+    return std::nullopt;
   FollowedForm form;
   if (!select) return form;
   const absl::flat_hash_set<std::string> certain = CertainVariables(where);

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/subscriptions/standing_answer.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "kb_server/subscriptions/standing_answer.h"
 #include "reasoner/conditions/constraint_set.h"
 #include "reasoner/matching/trigger_analysis.h"
 

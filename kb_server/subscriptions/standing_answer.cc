@@ -10,12 +10,14 @@ namespace {
 
 std::string KeyOf(const CountedRow& row) {
   std::string key;
-  for (const std::optional<Term>& value : row.values) absl::StrAppend(&key, value ? ToNTriples(*value) : "", " ");
+  for (const std::optional<Term>& value : row.values)
+    absl::StrAppend(&key, value ? ToNTriples(*value) : "", " ");
   return key;
 }
 
 void SortRows(std::vector<CountedRow>& rows) {
-  std::sort(rows.begin(), rows.end(), [](const CountedRow& a, const CountedRow& b) { return a.values < b.values; });
+  std::sort(rows.begin(), rows.end(),
+            [](const CountedRow& a, const CountedRow& b) { return a.values < b.values; });
 }
 
 }  // namespace
@@ -123,11 +125,13 @@ void StandingAnswer::DropUnusedLocals() {
   young_.Rename(renamed);
   locals_ = std::move(held);
   local_ids_.clear();
-  for (size_t i = 0; i < locals_.size(); ++i) local_ids_.emplace(locals_[i], TermId::Make(TermId::Tag::kLocal, i));
+  for (size_t i = 0; i < locals_.size(); ++i)
+    local_ids_.emplace(locals_[i], TermId::Make(TermId::Tag::kLocal, i));
   drop_locals_at_ = 2 * locals_.size() + kFewLocals;
 }
 
-void StandingAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us, AnswerChange* change) {
+void StandingAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us,
+                             AnswerChange* change) {
   if (had == has) return;
   if (had == 0 && at_least_us_ > 0) return young_.Add(row, now_us);
   if (!evaluated_) return;  // the first answer is no change
@@ -162,8 +166,8 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   return changed;
 }
 
-bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared, absl::Span<const Row> disappeared,
-                                TimeMicros now_us) {
+bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared,
+                                absl::Span<const Row> disappeared, TimeMicros now_us) {
   absl::flat_hash_map<Row, int64_t> net;
   for (const Row& row : appeared) ++net[row];
   for (const Row& row : disappeared) --net[row];
@@ -188,7 +192,8 @@ bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeare
 
 std::optional<TimeMicros> StandingAnswer::ripens_at_us() const {
   absl::MutexLock lock(&mutex_);
-  if (is_boolean_) return boolean_ && !told_ ? std::make_optional(boolean_since_us_ + at_least_us_) : std::nullopt;
+  if (is_boolean_)
+    return boolean_ && !told_ ? std::make_optional(boolean_since_us_ + at_least_us_) : std::nullopt;
   const std::optional<TimeMicros> oldest = young_.oldest_us();
   return oldest ? std::make_optional(*oldest + at_least_us_) : std::nullopt;
 }
@@ -200,7 +205,8 @@ bool StandingAnswer::Ripen(Revision revision, TimeMicros now_us) {
     if (!TellBoolean(now_us)) return false;
     change.boolean = told_;
   } else {
-    for (const Row& row : young_.TakeUntil(now_us - at_least_us_)) change.appeared.push_back(Decode(row, rows_.at(row)));
+    for (const Row& row : young_.TakeUntil(now_us - at_least_us_))
+      change.appeared.push_back(Decode(row, rows_.at(row)));
     if (change.appeared.empty()) return false;
   }
   revision_ = revision;

@@ -33,10 +33,10 @@ struct CountedRow {
 
 // One change of an answer.
 struct AnswerChange {
-  uint64_t number = 0;  // from 1, by one
-  Revision revision;    // the answer after it is that of this version
-  bool boolean = false;                // ASK
-  std::vector<CountedRow> appeared;    // SELECT
+  uint64_t number = 0;               // from 1, by one
+  Revision revision;                 // the answer after it is that of this version
+  bool boolean = false;              // ASK
+  std::vector<CountedRow> appeared;  // SELECT
   std::vector<CountedRow> disappeared;
 };
 using AnswerChangePtr = std::shared_ptr<const AnswerChange>;
@@ -45,8 +45,8 @@ class StandingAnswer {
  public:
   // `id`: unique in this life of the server. `dictionary` must outlive it. Those who follow are told of a row, and of yes,
   // when that has been the answer without a break for `at_least_us`; that it is no longer, at once.
-  StandingAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables, const Dictionary* dictionary,
-                 const SubscriptionLimits& limits, TimeMicros at_least_us = 0)
+  StandingAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables,
+                 const Dictionary* dictionary, const SubscriptionLimits& limits, TimeMicros at_least_us = 0)
       : id_(id),
         is_boolean_(is_boolean),
         variables_(std::move(variables)),

@@ -24,7 +24,7 @@ struct Subscriptions::Standing {
   std::optional<ConstraintId> kept;
   std::vector<PatternIndex::Handle> watches;
   StandingAnswerPtr answer;
-  std::optional<TimeMicros> ripens_at_us;  // its place in ripening_
+  std::optional<TimeMicros> ripens_at_us;          // its place in ripening_
   absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
 };
 

@@ -8,10 +8,10 @@
 #include "absl/time/clock.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
-#include "kb_server/work/condition_cost.h"
-#include "kb_server/subscriptions/standing_query.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/subscriptions/standing_query.h"
+#include "kb_server/work/condition_cost.h"
 
 namespace docent {
 namespace {
@@ -131,8 +131,9 @@ void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> f
 }
 
 void Subscriptions::Drain() {
-  const auto idle = [this]()
-                        ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return turns_.empty() && openings_.empty() && !busy_; };
+  const auto idle = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return turns_.empty() && openings_.empty() && !busy_;
+  };
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(&idle));
 }
@@ -152,7 +153,8 @@ void Subscriptions::Run() {
       absl::Time until = absl::Now() + absl::Seconds(1);  // an alarm that is set meanwhile is at most so late
       if (!alarms_.empty()) until = std::min(until, alarms_.begin()->first);
       if (!ripening_.empty())
-        until = std::min(until, absl::Now() + absl::Microseconds(ripening_.begin()->first - settings_.clock->Now()));
+        until = std::min(until,
+                         absl::Now() + absl::Microseconds(ripening_.begin()->first - settings_.clock->Now()));
       const auto work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return HasWork(); };
       mutex_.AwaitWithDeadline(absl::Condition(&work), until);
       if (stopping_) return;
@@ -199,7 +201,8 @@ void Subscriptions::Process(Turn turn) {
       for (const auto& [id, number] : by_constraint_) anew.push_back(number);
       ForgetKept();
     }
-    for (const uint32_t number : Touched(delta)) Evaluate(*standing_[number]).IgnoreError();  // its followers know
+    for (const uint32_t number : Touched(delta))
+      Evaluate(*standing_[number]).IgnoreError();  // its followers know
   } else {
     anew.clear();
     for (const auto& standing : standing_) {
@@ -268,7 +271,8 @@ void Subscriptions::BeginAnew(Standing& standing) {
 bool Subscriptions::Keep(Standing& standing) {
   if (!standing.form || !standing.unknown.empty()) return false;
   names_.FollowBase();
-  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Cancellation cancellation{
+      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   const auto id = kept_->Register(standing.query, *version_, {standing.form->keys, time_us_, &cancellation});
   if (!id.ok()) {
     kept_->Rollback();
@@ -282,13 +286,15 @@ bool Subscriptions::Keep(Standing& standing) {
 
 std::string Subscriptions::WarningOf(const Standing& standing, absl::Duration took) const {
   if (standing.analysis.is_volatile) {
-    return "it asks for the time or for chance: both are those of the newest change, and the passing of time alone tells nothing; to "
+    return "it asks for the time or for chance: both are those of the newest change, and the passing of time "
+           "alone tells nothing; to "
            "wait for what lasts use at_least_ms";
   }
   const std::string why = WhyWhole(standing.analysis);
   if (why.empty()) return "";
-  return absl::StrCat("it is expensive: ", why, "; beginning it took ", absl::FormatDuration(absl::Trunc(took, absl::Microseconds(1))),
-                      " on ", version_->size(), " facts; see docent_subscription_seconds_total in /metrics");
+  return absl::StrCat("it is expensive: ", why, "; beginning it took ",
+                      absl::FormatDuration(absl::Trunc(took, absl::Microseconds(1))), " on ",
+                      version_->size(), " facts; see docent_subscription_seconds_total in /metrics");
 }
 
 void Subscriptions::ForgetKept() {
@@ -351,7 +357,8 @@ void Subscriptions::Forget(Standing& standing) {
 bool Subscriptions::UpdateKept(const Delta& delta) {
   if (by_constraint_.empty()) return true;
   names_.FollowBase();
-  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Cancellation cancellation{
+      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   const uint64_t before = kept_->evaluations();
   const auto changes = kept_->Update(*version_, delta, time_us_, &cancellation);
   counters_.evaluations += kept_->evaluations() - before;
@@ -361,7 +368,8 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
     Standing& standing = *standing_[by_constraint_.at(change.id)];
     bool changed = false;
     if (standing.answer->is_boolean()) {
-      changed = standing.answer->SetBoolean(version_->revision(), change.edge == ConstraintChange::Edge::kRose, time_us_);
+      changed = standing.answer->SetBoolean(version_->revision(),
+                                            change.edge == ConstraintChange::Edge::kRose, time_us_);
     } else {
       changed = standing.answer->ChangeRows(version_->revision(), standing.form->RowsOf(change.appeared),
                                             standing.form->RowsOf(change.disappeared), time_us_);
@@ -397,14 +405,16 @@ absl::btree_set<uint32_t> Subscriptions::Touched(const Delta& delta) const {
 }
 
 absl::Status Subscriptions::TooManyRows() const {
-  return absl::ResourceExhaustedError(absl::StrCat("the answer has more rows than the limit subscription_rows = ",
-                                                   settings_.subscription_limits.subscription_rows));
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the answer has more rows than the limit subscription_rows = ",
+                   settings_.subscription_limits.subscription_rows));
 }
 
 absl::Status Subscriptions::Evaluate(Standing& standing) {
   ++counters_.evaluations;
   const absl::Time start = absl::Now();
-  Cancellation cancellation{std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
+  Cancellation cancellation{
+      std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
   sparql::RunOptions run;
   run.version = version_.get();
   run.cancellation = &cancellation;
@@ -431,11 +441,12 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
     if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows), time_us_);
   }
   standing.prepared->Stop();
-  counters_.evaluation_ns += static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
+  counters_.evaluation_ns +=
+      static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
   if (absl::IsDeadlineExceeded(status)) {
-    status = absl::DeadlineExceededError(
-        absl::StrCat("the query took longer than the limit subscription_evaluation_ms = ",
-                     settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
+    status = absl::DeadlineExceededError(absl::StrCat(
+        "the query took longer than the limit subscription_evaluation_ms = ",
+        settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
   }
   if (!status.ok()) {
     FailAll(standing, status);
@@ -462,8 +473,10 @@ void Subscriptions::Ripen(TimeMicros now_us) {
   }
 }
 
-absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const FollowedQuery& followed, sparql::Query query) {
-  if (const auto known = by_query_.find(followed); known != by_query_.end()) return standing_[known->second].get();
+absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const FollowedQuery& followed,
+                                                                   sparql::Query query) {
+  if (const auto known = by_query_.find(followed); known != by_query_.end())
+    return standing_[known->second].get();
   auto standing = std::make_unique<Standing>();
   standing->followed = followed;
   standing->query = std::move(query);
@@ -486,9 +499,9 @@ absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const Followe
     Drop(number);
     return status;
   }
-  made->answer = std::make_shared<StandingAnswer>(next_answer_++, made->query.form == sparql::Query::Form::kAsk,
-                                                  made->prepared->variables(), settings_.dictionary,
-                                                  settings_.subscription_limits, followed.at_least_us);
+  made->answer = std::make_shared<StandingAnswer>(
+      next_answer_++, made->query.form == sparql::Query::Form::kAsk, made->prepared->variables(),
+      settings_.dictionary, settings_.subscription_limits, followed.at_least_us);
   return made;
 }
 

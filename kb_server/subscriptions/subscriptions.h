@@ -35,10 +35,10 @@
 #include "graph/base/subscription_limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/term.h"
-#include "kb_server/subscriptions/standing_answer.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/delta_sum.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/subscriptions/standing_answer.h"
 #include "reasoner/conditions/constraint_set.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
@@ -47,21 +47,23 @@ namespace docent {
 
 // Read by any thread for /metrics.
 struct SubscriptionCounters {
-  std::atomic<uint64_t> open{0};         // followers
-  std::atomic<uint64_t> queries{0};      // different ones that are followed
+  std::atomic<uint64_t> open{0};     // followers
+  std::atomic<uint64_t> queries{0};  // different ones that are followed
   std::atomic<uint64_t> evaluations{0};
   std::atomic<uint64_t> evaluation_ns{0};
-  std::atomic<uint64_t> changes{0};      // of answers
-  std::atomic<uint64_t> replies{0};      // sent to clients
-  std::atomic<uint64_t> resets{0};       // clients that were given the whole answer anew because they fell behind
-  std::atomic<uint64_t> coalesced{0};    // turns looked at together with the one before: over subscription_backlog
-  std::atomic<uint64_t> revision{0};     // that has been looked at
+  std::atomic<uint64_t> changes{0};  // of answers
+  std::atomic<uint64_t> replies{0};  // sent to clients
+  std::atomic<uint64_t> resets{0};   // clients that were given the whole answer anew because they fell behind
+  std::atomic<uint64_t> coalesced{
+      0};  // turns looked at together with the one before: over subscription_backlog
+  std::atomic<uint64_t> revision{0};  // that has been looked at
 };
 
 // What is followed.
 struct FollowedQuery {
   std::string text;
-  TimeMicros at_least_us = 0;  // a row, or yes, is told when it has been the answer for so long without a break
+  TimeMicros at_least_us =
+      0;  // a row, or yes, is told when it has been the answer for so long without a break
 
   friend bool operator==(const FollowedQuery&, const FollowedQuery&) = default;
   template <typename H>
@@ -189,7 +191,8 @@ class Subscriptions {
   std::multimap<absl::Time, std::weak_ptr<Follower>> alarms_ ABSL_GUARDED_BY(mutex_);
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  bool followed_ ABSL_GUARDED_BY(mutex_) = false;  // there are queries; else turns are not looked at, but for newest_
+  bool followed_ ABSL_GUARDED_BY(mutex_) =
+      false;  // there are queries; else turns are not looked at, but for newest_
   GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_);
   TimeMicros newest_time_us_ ABSL_GUARDED_BY(mutex_) = 0;
 
@@ -200,13 +203,15 @@ class Subscriptions {
     uint32_t index = 0;     // in followed_by_ of it
   };
   absl::flat_hash_map<std::shared_ptr<Follower>, Place> followers_ ABSL_GUARDED_BY(followers_mutex_);
-  std::vector<std::vector<std::shared_ptr<Follower>>> followed_by_ ABSL_GUARDED_BY(followers_mutex_);  // by number
-  std::vector<uint32_t> left_ ABSL_GUARDED_BY(followers_mutex_);  // by their last follower, since it was looked at
+  std::vector<std::vector<std::shared_ptr<Follower>>> followed_by_
+      ABSL_GUARDED_BY(followers_mutex_);  // by number
+  std::vector<uint32_t> left_
+      ABSL_GUARDED_BY(followers_mutex_);  // by their last follower, since it was looked at
 
   // Of the thread.
   GraphVersionPtr version_;
-  TimeMicros time_us_ = 0;  // of its turn
-  TimeMicros now_us_ = 0;   // until when what is published has been looked at
+  TimeMicros time_us_ = 0;                           // of its turn
+  TimeMicros now_us_ = 0;                            // until when what is published has been looked at
   std::vector<std::unique_ptr<Standing>> standing_;  // by number; null: free
   std::vector<uint32_t> free_;
   absl::flat_hash_map<FollowedQuery, uint32_t> by_query_;

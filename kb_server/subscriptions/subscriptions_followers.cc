@@ -96,7 +96,8 @@ void Subscriptions::DropIdle() {
     absl::MutexLock lock(&followers_mutex_);
     for (const uint32_t number : std::exchange(left_, {})) {
       Standing* const standing = standing_[number].get();
-      if (standing != nullptr && followed_by_[number].empty() && standing->idle_since == absl::InfiniteFuture())
+      if (standing != nullptr && followed_by_[number].empty() &&
+          standing->idle_since == absl::InfiniteFuture())
         NoteIdle(*standing, now);
     }
   }

@@ -19,7 +19,8 @@ const Term* ValueOf(const sparql::PatternTerm& term, const TermBinding& binding)
 
 }  // namespace
 
-ConditionEvidence::ConditionEvidence(const sparql::Query& query, const Dictionary* dictionary) : dictionary_(dictionary) {
+ConditionEvidence::ConditionEvidence(const sparql::Query& query, const Dictionary* dictionary)
+    : dictionary_(dictionary) {
   for (const sparql::PatternOccurrence& occurrence : sparql::AllTriplePatterns(*query.algebra)) {
     if (occurrence.monotone) patterns_.push_back(*occurrence.pattern);
   }

@@ -50,15 +50,17 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
     const sparql::Query& query = parsed.query;
     std::shared_ptr<Lasting> lasting;
     if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
-    auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables, version,
-                       now_us, cancellation);
+    auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables,
+                       version, now_us, cancellation);
     if (!id.ok()) return id.status();
     conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
                                    std::make_shared<const ConditionRequest>(request), lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
     if (lasting) {
-      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us, cancellation); !s.ok()) return s;
+      if (absl::Status s = ArmParts(request, conditions_[request.handle], version, now_us, cancellation);
+          !s.ok())
+        return s;
       continue;
     }
     if (request.only_new || !constraints_->Holds(*id)) continue;
@@ -173,8 +175,8 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
     if (!id) return bindings;
     wanted.emplace_back(name, *id);
   }
-  auto solutions = constraints_->Solutions(it->second.id, *version_, wanted, lasting != nullptr ? SIZE_MAX : limit, now_us_,
-                                           cancellation_);
+  auto solutions = constraints_->Solutions(it->second.id, *version_, wanted,
+                                           lasting != nullptr ? SIZE_MAX : limit, now_us_, cancellation_);
   if (!solutions.ok()) return solutions.status();
   for (const Binding& solution : *solutions) {
     if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;

@@ -19,8 +19,8 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "absl/types/span.h"
-#include "kb_server/turn/condition_evidence.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "kb_server/turn/condition_evidence.h"
 #include "reasoner/conditions/constraint_set.h"
 #include "reasoner/conditions/lasting_condition.h"
 #include "workflow/engine/ports.h"
@@ -44,8 +44,8 @@ class ConditionPort final : public ConditionView {
   // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
   // and the key bindings that are there already count as edges of the next round.
   // `cancellation`, here and below: null: none.
-  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version, TimeMicros now_us,
-                   Cancellation* cancellation = nullptr);
+  absl::Status Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
+                   TimeMicros now_us, Cancellation* cancellation = nullptr);
   void Disarm(const std::vector<ConditionHandle>& handles);
   // As Arm, for conditions whose edges the engine has had and whose times run already (a start from a snapshot).
   absl::Status Restore(const std::vector<ConditionRequest>& requests, const std::vector<LastingSince>& times,
@@ -89,11 +89,12 @@ class ConditionPort final : public ConditionView {
   TermBinding Decode(const Binding& binding) const;
   std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
   absl::StatusOr<ConstraintId> Register(const sparql::Query& query, const std::string& text,
-                                        const std::vector<std::string>& key_variables, const GraphVersion& version,
-                                        TimeMicros now_us, Cancellation* cancellation);
+                                        const std::vector<std::string>& key_variables,
+                                        const GraphVersion& version, TimeMicros now_us,
+                                        Cancellation* cancellation);
   // Registers the parts and tells the condition what holds now.
-  absl::Status ArmParts(const ConditionRequest& request, const Condition& condition, const GraphVersion& version,
-                        TimeMicros now_us, Cancellation* cancellation);
+  absl::Status ArmParts(const ConditionRequest& request, const Condition& condition,
+                        const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation);
   // What a condition with parts is like at once. False: the change is not about one.
   bool TakeLasting(const ConstraintChange& change, TimeMicros now_us);
   // Something changed about it in this round.
@@ -113,7 +114,8 @@ class ConditionPort final : public ConditionView {
   ConstraintSet* constraints_;
   absl::flat_hash_map<ConditionHandle, Condition> conditions_;
   absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
-  absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>> parts_;  // → condition and which part of it
+  absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>>
+      parts_;  // → condition and which part of it
   absl::btree_set<std::pair<TimeMicros, ConditionHandle>> deadlines_;
   absl::btree_set<ConditionHandle> unsettled_;  // of which something changed in this round
   std::vector<ConditionEdge> gathered_;

@@ -3,8 +3,8 @@
 #include <tuple>
 #include <utility>
 
-#include "kb_server/turn/condition_port.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/turn/condition_port.h"
 
 namespace docent {
 namespace {
@@ -32,7 +32,8 @@ ConditionPort::Lasting::Lasting(ConditionHandle handle_in, const ConditionReques
     : handle(handle_in), condition(request.key_variables, PartsOf(request)) {}
 
 absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Condition& condition,
-                                     const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
+                                     const GraphVersion& version, TimeMicros now_us,
+                                     Cancellation* cancellation) {
   Lasting& lasting = *condition.lasting;
   changed_.push_back(condition.lasting);
   for (size_t i = 0; i < request.lasting.size(); ++i) {
@@ -113,7 +114,8 @@ void ConditionPort::SettleLasting(TimeMicros now_us) {
     const LastingCondition::Changes changes = lasting->condition.Settle(now_us);
     List(*lasting, lasting->condition.NextDeadline());
     if (!changes.any()) continue;
-    ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared), Decode(changes.disappeared)};
+    ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared),
+                       Decode(changes.disappeared)};
     std::sort(edge.appeared.begin(), edge.appeared.end());
     std::sort(edge.disappeared.begin(), edge.disappeared.end());
     Gather(std::move(edge));

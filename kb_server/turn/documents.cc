@@ -5,10 +5,10 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/turn/robot_directory.h"
 #include "graph/base/source_texts.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/turn/robot_directory.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
@@ -201,7 +201,8 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) cons
   auto catalog = std::make_shared<Catalog>();
   for (const auto& [key, entry] : entries_) {
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
-      catalog->modules.push_back({key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
+      catalog->modules.push_back(
+          {key.second, key.first, entry.size, entry.fingerprint, entry.revision, entry.text});
     }
     if (key.first == Document::Kind::kRules) catalog->rules.push_back({key.second, entry.text});
   }

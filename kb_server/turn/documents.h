@@ -11,9 +11,9 @@
 
 #include "absl/status/status.h"
 #include "graph/rdf/dictionary.h"
-#include "kb_server/door/catalog.h"
 #include "graph/store/graph_version.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/door/catalog.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
 

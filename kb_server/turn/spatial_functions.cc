@@ -37,7 +37,8 @@ absl::StatusOr<Term> Distance(absl::Span<const Term> arguments) {
   const auto a = Position(arguments), b = Position(arguments.subspan(2));
   if (!a.ok()) return a.status();
   if (!b.ok()) return b.status();
-  return Term::Literal(absl::StrFormat("%.3f", std::hypot(a->x_m - b->x_m, a->y_m - b->y_m)), std::string(kXsdDecimal));
+  return Term::Literal(absl::StrFormat("%.3f", std::hypot(a->x_m - b->x_m, a->y_m - b->y_m)),
+                       std::string(kXsdDecimal));
 }
 
 absl::StatusOr<Term> InRegion(absl::Span<const Term> arguments) {

@@ -61,7 +61,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     sum.Add(*delta);
 
     const GraphVersion& graph = stages->writer.current();
-    auto changes = stages->constraints.Update(graph, *delta, batch.time_us, stages->cancellation);  // standing constraints
+    auto changes = stages->constraints.Update(graph, *delta, batch.time_us,
+                                              stages->cancellation);  // standing constraints
     if (!changes.ok()) return changes.status();
     stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
@@ -75,7 +76,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
     EngineOutput output = stages->engine.Step(view);  // workflow engine
-    if (stages->cancellation != nullptr) {  // it took what it could get
+    if (stages->cancellation != nullptr) {            // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
     }
     Record(output, result);
@@ -85,7 +86,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
       return armed;
     }
     if (output.quiet()) break;
-    delta = stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
+    delta =
+        stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
   }
   result->delta = sum.Net();
   return absl::OkStatus();

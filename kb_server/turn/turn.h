@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/turn/condition_port.h"
-#include "kb_server/turn/documents.h"
-#include "kb_server/turn/robot_directory.h"
 #include "graph/base/limits.h"
 #include "graph/log/turn_record.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/batch_applier.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/turn/condition_port.h"
+#include "kb_server/turn/documents.h"
+#include "kb_server/turn/robot_directory.h"
 #include "reasoner/conditions/constraint_set.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"

@@ -33,9 +33,9 @@ std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyCl
   Cancellation cancellation(left);
   const SteadyClock::time_point start = SteadyClock::now();
   size_t solutions = 0;
-  const absl::Status status =
-      (*prepared)->Select({.version = version.get(), .cancellation = &cancellation, .now_us = ports.clock->Now()}, {},
-                          [&solutions](absl::Span<const TermId>) { return ++solutions != 0; });
+  const absl::Status status = (*prepared)->Select(
+      {.version = version.get(), .cancellation = &cancellation, .now_us = ports.clock->Now()}, {},
+      [&solutions](absl::Span<const TermId>) { return ++solutions != 0; });
   const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - start).count();
   const std::string size = absl::StrCat(" on ", version->size(), " facts");
   if (!status.ok()) return absl::StrCat("more than ", left.count(), " ms", size);
@@ -45,7 +45,8 @@ std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyCl
 }  // namespace
 
 std::string WhyWhole(const TriggerAnalysis& analysis) {
-  if (analysis.is_volatile) return "it depends on more than the graph, so that it is evaluated whole at every change";
+  if (analysis.is_volatile)
+    return "it depends on more than the graph, so that it is evaluated whole at every change";
   for (const TriggerSource& trigger : analysis.triggers) {
     if (IsWild(trigger.pattern)) return "a pattern of three variables is matched by every change";
     if (trigger.required || !trigger.seeds.empty()) continue;
@@ -56,7 +57,8 @@ std::string WhyWhole(const TriggerAnalysis& analysis) {
   return "";
 }
 
-Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ServicePorts& ports) {
+Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file,
+                         const ServicePorts& ports) {
   Diagnostics warnings;
   const SteadyClock::time_point until = SteadyClock::now() + kMostTime;
   for (const cawl::ConditionText& condition : report.conditions) {
@@ -64,11 +66,12 @@ Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& fil
     if (!parsed.ok()) continue;
     const std::string why = WhyWhole(AnalyseTriggers(WithoutModifiers(*parsed.query.algebra)));
     if (why.empty()) continue;
-    warnings.push_back({file, condition.span, absl::StrCat("the condition of ", condition.place, " is expensive: ", why),
-                        absl::StrCat("one evaluation takes ", Cost(parsed.query, ports, until),
-                                     "; see docent_constraint_whole_seconds_total in /metrics; name a predicate, "
-                                     "a subject or an object"),
-                        Diagnostic::Severity::kWarning});
+    warnings.push_back(
+        {file, condition.span, absl::StrCat("the condition of ", condition.place, " is expensive: ", why),
+         absl::StrCat("one evaluation takes ", Cost(parsed.query, ports, until),
+                      "; see docent_constraint_whole_seconds_total in /metrics; name a predicate, "
+                      "a subject or an object"),
+         Diagnostic::Severity::kWarning});
   }
   return warnings;
 }

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "graph/rdf/dictionary.h"
-#include "kb_server/door/catalog.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/catalog.h"
 #include "workflow/cawl/environment.h"
 
 namespace docent {

@@ -67,13 +67,15 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
   parser.body_limit(std::numeric_limits<uint64_t>::max());  // ours is looked at below, after each piece
   co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
   while (!error && !parser.is_done()) {
-    if (parser.content_length().value_or(0) > request.max_bytes || parser.get().body().size() > request.max_bytes) break;
+    if (parser.content_length().value_or(0) > request.max_bytes ||
+        parser.get().body().size() > request.max_bytes)
+      break;
     co_await http::async_read_some(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
   }
   if (error) co_return ToStatus(error, "reading the answer", request);
   if (!parser.is_done() || parser.get().body().size() > request.max_bytes) {
-    co_return absl::ResourceExhaustedError(absl::StrCat("the answer of ", request.url,
-                                                        " is larger than the limit remote_bytes = ", request.max_bytes));
+    co_return absl::ResourceExhaustedError(absl::StrCat(
+        "the answer of ", request.url, " is larger than the limit remote_bytes = ", request.max_bytes));
   }
   auto answer = parser.release();
   response->status = static_cast<int>(answer.result_int());
@@ -161,7 +163,8 @@ absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* ca
     if (cancellation != nullptr) {
       if (absl::Status cancelled = cancellation->CheckNow(); !cancelled.ok()) return cancelled;
       if (request.half_time && std::chrono::steady_clock::now() >= half_time)
-        return absl::DeadlineExceededError(request.url + " did not answer within half of the time that the query had left");
+        return absl::DeadlineExceededError(request.url +
+                                           " did not answer within half of the time that the query had left");
     }
     // Looking up a host does not end by itself.
     if (std::chrono::steady_clock::now() >= deadline) return ToStatus(beast::error::timeout, "", request);

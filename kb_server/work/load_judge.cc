@@ -7,8 +7,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/door/catalog.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/door/catalog.h"
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
@@ -47,10 +47,11 @@ struct Outcome {
   shapes::ValidationReport report;
 };
 
-absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& version, const Dictionary& dictionary,
-                                 Cancellation* cancellation) {
+absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& version,
+                                 const Dictionary& dictionary, Cancellation* cancellation) {
   Outcome outcome;
-  outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)), dictionary);
+  outcome.shapes =
+      shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)), dictionary);
   if (!outcome.shapes.ok() || !outcome.shapes.shapes.HasTargets()) return outcome;
   shapes::ValidateOptions options;
   options.memory_bytes = ports.limits.query_memory_bytes;
@@ -65,7 +66,8 @@ absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& 
 std::string KeyOf(const shapes::ValidationResult& result, const Dictionary& dictionary) {
   return absl::StrCat(result.focus.bits(), " ", result.value.bits(), " ", result.shape.bits(), " ",
                       static_cast<int>(result.component), " ",
-                      result.has_path ? shapes::PathText(result.path, dictionary) : "", " ", result.messages[0].lexical);
+                      result.has_path ? shapes::PathText(result.path, dictionary) : "", " ",
+                      result.messages[0].lexical);
 }
 
 // Where the quads of the text stand, by the ids of the private copy.
@@ -75,15 +77,17 @@ shapes::SourceMap PlacesOf(const LoadedText& text, const Dictionary& dictionary)
   const LocatedRdf document = text.parse();
   for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
     const TermQuad& q = document.rdf.quads[i];
-    const auto subject = dictionary.Find(q.subject), predicate = dictionary.Find(q.predicate), object = dictionary.Find(q.object);
+    const auto subject = dictionary.Find(q.subject), predicate = dictionary.Find(q.predicate),
+               object = dictionary.Find(q.object);
     if (!subject || !predicate || !object) continue;
-    places.Add({*subject, *predicate, *object, TermId()}, {text.name, document.places[i].subject}, {text.name, document.places[i].object});
+    places.Add({*subject, *predicate, *object, TermId()}, {text.name, document.places[i].subject},
+               {text.name, document.places[i].object});
   }
   return places;
 }
 
-void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batch, const LoadedText& loaded, const Dictionary& dictionary,
-             LoadVerdict* verdict) {
+void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batch, const LoadedText& loaded,
+             const Dictionary& dictionary, LoadVerdict* verdict) {
   shapes::SourceMap places;
   std::multiset<std::string> old;
   for (const shapes::ValidationResult& result : before.report.results) old.insert(KeyOf(result, dictionary));
@@ -120,8 +124,9 @@ std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& 
   return graphs;
 }
 
-absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                                      const LoadedText& text, Cancellation* cancellation) {
+absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch,
+                                      const GraphVersion& version, const LoadedText& text,
+                                      Cancellation* cancellation) {
   Dictionary dictionary(ports.dictionary);
   // a version without owner: it outlives the writer, which only shares its nodes
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
@@ -150,9 +155,10 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatc
   if (!before.ok()) return before.status();
   Collect(*before, *after, batch, text, dictionary, &verdict);
   if (verdict.results.empty() && after->report.total > before->report.total) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the graph has ", after->report.total, " validation results, more than the limit validation_results = ",
-                     after->report.results.size(), ", so that new ones cannot be told from old ones; correct those it has"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "the graph has ", after->report.total,
+        " validation results, more than the limit validation_results = ", after->report.results.size(),
+        ", so that new ones cannot be told from old ones; correct those it has"));
   }
   return verdict;
 }

@@ -11,9 +11,9 @@
 #include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/located_parser.h"
-#include "kb_server/door/ports.h"
 #include "graph/store/recent_changes.h"
 #include "graph/store/write_batch.h"
+#include "kb_server/door/ports.h"
 #include "reasoner/shapes/report.h"
 
 namespace docent {
@@ -34,14 +34,15 @@ struct LoadVerdict {
 
 // The text that the batch was made of, for the places of results. Its blank nodes are those of the batch.
 struct LoadedText {
-  std::string name;                    // as the client named it; empty: there is no text
+  std::string name;                   // as the client named it; empty: there is no text
   std::function<LocatedRdf()> parse;  // only where there are results
 };
 
 // The batch of a Load on `version`: its documents are ontologies (replaced or removed), its operations quads. CANCELLED,
 // DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED: there is no verdict.
-absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
-                                      const LoadedText& text, Cancellation* cancellation);
+absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch,
+                                      const GraphVersion& version, const LoadedText& text,
+                                      Cancellation* cancellation);
 
 // The graphs of the ontology modules: where shapes are looked for.
 std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "kb_server/door/await_version.h"
-#include "kb_server/work/load_judge.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/load_judge.h"
 
 namespace docent {
 namespace {
@@ -26,11 +26,12 @@ Diagnostics AsWarnings(const LoadVerdict& verdict) {
     if (warnings.size() == kShown) break;
     const shapes::ResultText& r = result.text;
     const std::string shape_place =
-        r.shape_file.empty() ? "" : absl::StrCat(" (", r.shape_file, ":", r.shape_line, ":", r.shape_column, ")");
+        r.shape_file.empty() ? ""
+                             : absl::StrCat(" (", r.shape_file, ":", r.shape_line, ":", r.shape_column, ")");
     warnings.push_back({r.file,
                         {r.line, r.column},
-                        absl::StrCat(r.severity, ": ", r.focus, r.path.empty() ? "" : " ", r.path, r.value.empty() ? "" : " ",
-                                     r.value, ": ", r.message),
+                        absl::StrCat(r.severity, ": ", r.focus, r.path.empty() ? "" : " ", r.path,
+                                     r.value.empty() ? "" : " ", r.value, ": ", r.message),
                         absl::StrCat("see the shape ", r.shape, ", ", r.component, shape_place),
                         Diagnostic::Severity::kWarning});
   }
@@ -49,8 +50,8 @@ absl::Status Refusal(const LoadVerdict& verdict) {
     }
     if (shown > kShown) absl::StrAppend(&text, "and ", shown - kShown, " more\n");
   }
-  return absl::FailedPreconditionError(
-      absl::StrCat(text, "  hint: correct the data or the shapes; `docent serve --on-violation warn` only warns"));
+  return absl::FailedPreconditionError(absl::StrCat(
+      text, "  hint: correct the data or the shapes; `docent serve --on-violation warn` only warns"));
 }
 
 }  // namespace
@@ -73,8 +74,8 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
 
   void Push(Revision judged_on, std::vector<ReadPattern> reads) {
     conflict_ = false;
-    auto prepare = [self = shared_from_this(), judged_on, reads = std::move(reads)](const TurnView& view,
-                                                                                   WriteBatch* batch) -> absl::Status {
+    auto prepare = [self = shared_from_this(), judged_on, reads = std::move(reads)](
+                       const TurnView& view, WriteBatch* batch) -> absl::Status {
       if (self->job_.prepare) {
         if (absl::Status status = self->job_.prepare(view, batch); !status.ok()) return status;
       }
@@ -95,9 +96,10 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
  private:
   void Again() {
     if (attempts_ >= ports_.limits.update_attempts) {
-      return job_.done(absl::AbortedError(absl::StrCat("what the shapes read was changed by others during each of ", attempts_,
-                                                       " validations (the limit update_attempts); nothing was changed, try "
-                                                       "again")),
+      return job_.done(absl::AbortedError(absl::StrCat(
+                           "what the shapes read was changed by others during each of ", attempts_,
+                           " validations (the limit update_attempts); nothing was changed, try "
+                           "again")),
                        {});
     }
     if (!ports_.workers->Submit([self = shared_from_this()] { self->Judge(); })) {
@@ -114,14 +116,16 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
 };
 
 void LoadRunner::Run(LoadJob job) {
-  const bool rules_alone = job.batch.operations.empty() &&
-                           std::none_of(job.batch.documents.begin(), job.batch.documents.end(), [](const Document& d) {
-                             return d.kind == Document::Kind::kOntology;
-                           });
+  const bool rules_alone =
+      job.batch.operations.empty() &&
+      std::none_of(job.batch.documents.begin(), job.batch.documents.end(),
+                   [](const Document& d) { return d.kind == Document::Kind::kOntology; });
   if (ports_.on_violation != OnViolation::kIgnore && !rules_alone) {
     return std::make_shared<Attempt>(ports_, std::move(job))->Judge();
   }
-  auto done = [done = std::move(job.done)](const absl::StatusOr<BatchOutcome>& outcome) { done(outcome, {}); };
+  auto done = [done = std::move(job.done)](const absl::StatusOr<BatchOutcome>& outcome) {
+    done(outcome, {});
+  };
   ports_.inbox->Push(std::move(job.batch), std::move(done), std::move(job.prepare));
 }
 

@@ -16,12 +16,13 @@ namespace docent {
 struct ServicePorts;
 class Cancellation;
 
-using LoadCallback = std::function<void(const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings)>;
+using LoadCallback =
+    std::function<void(const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings)>;
 
 struct LoadJob {
   WriteBatch batch;
-  LoadedText text;                             // that the batch was made of
-  BatchPreparation prepare;                    // on the writer's turn, before the batch is applied; may be null
+  LoadedText text;           // that the batch was made of
+  BatchPreparation prepare;  // on the writer's turn, before the batch is applied; may be null
   std::shared_ptr<Cancellation> cancellation;  // of the judging; not null
   LoadCallback done;
 };

@@ -42,7 +42,8 @@ bool IsTricky(std::string_view path) {
 absl::StatusOr<std::string> ReadFile(std::string_view url, size_t max_bytes) {
   const std::optional<std::string> path = PercentDecode(url.substr(kFile.size()), false);
   if (!path) return absl::InvalidArgumentError("a broken %-escape");
-  if (std::error_code ignored; std::filesystem::is_directory(*path, ignored)) return absl::InvalidArgumentError("it is a folder; name a file");
+  if (std::error_code ignored; std::filesystem::is_directory(*path, ignored))
+    return absl::InvalidArgumentError("it is a folder; name a file");
   std::ifstream file(*path, std::ios::binary | std::ios::ate);
   if (!file) return absl::NotFoundError("it cannot be read");
   const std::streamoff size = file.tellg();
@@ -63,7 +64,8 @@ std::optional<Term> ToTerm(const nlohmann::json& value) {
     return it != value.end() && it->is_string() ? it->get<std::string>() : std::string();
   };
   const std::string type = text("type");
-  if (type == "uri") return IsValidTermIri(text("value")) ? std::optional(Term::Iri(text("value"))) : std::nullopt;
+  if (type == "uri")
+    return IsValidTermIri(text("value")) ? std::optional(Term::Iri(text("value"))) : std::nullopt;
   if (type == "bnode") return Term::Blank(text("value"));
   if (type != "literal" && type != "typed-literal") return std::nullopt;
   const std::string language = text("xml:lang");
@@ -150,17 +152,20 @@ absl::StatusOr<HttpResponse> RemoteAccess::Get(FetchRequest* request, Cancellati
     const auto location = std::find_if(response->headers.begin(), response->headers.end(),
                                        [](const auto& field) { return field.first == "location"; });
     // What is sent is sent again only where the status says so (RFC 9110, section 15.4).
-    const bool again = status == 307 || status == 308 || (request->method == "GET" && (status == 301 || status == 302 || status == 303));
+    const bool again = status == 307 || status == 308 ||
+                       (request->method == "GET" && (status == 301 || status == 302 || status == 303));
     if (!again || location == response->headers.end() || redirects == kRedirects) {
-      return absl::UnknownError(absl::StrCat(request->url, " answered with status ", status, ": ",
-                                             response->body.substr(0, response->body.find('\n')).substr(0, 200)));
+      return absl::UnknownError(
+          absl::StrCat(request->url, " answered with status ", status, ": ",
+                       response->body.substr(0, response->body.find('\n')).substr(0, 200)));
     }
     request->url = ResolveIri(location->second, request->url);
   }
 }
 
-absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint, const std::string& query,
-                                                           bool silent, Cancellation* cancellation) {
+absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& endpoint,
+                                                           const std::string& query, bool silent,
+                                                           Cancellation* cancellation) {
   FetchRequest request;
   request.method = "POST";
   request.url = endpoint;

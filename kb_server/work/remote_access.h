@@ -14,9 +14,9 @@
 #include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
-#include "kb_server/work/http_fetch.h"
-#include "kb_server/door/worker_pool.h"
 #include "graph/sparql/run/federation.h"
+#include "kb_server/door/worker_pool.h"
+#include "kb_server/work/http_fetch.h"
 
 namespace docent {
 
@@ -36,8 +36,8 @@ class RemoteAccess final : public sparql::ServiceClient {
   bool allows_any() const { return !allowed_.empty(); }
 
   // For SERVICE: POST of the query, answer in SPARQL JSON.
-  absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool silent,
-                                               Cancellation* cancellation) override;
+  absl::StatusOr<sparql::ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
+                                               bool silent, Cancellation* cancellation) override;
   // For LOAD: the document's quads, in the format that its Content-Type or name says.
   absl::StatusOr<std::vector<TermQuad>> Load(const std::string& url, Cancellation* cancellation) const;
 

@@ -8,10 +8,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "graph/rdf/text_bytes.h"
+#include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/work/remote_access.h"
-#include "graph/sparql/run/update_evaluator.h"
 
 namespace docent {
 namespace {
@@ -69,7 +69,9 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
       if (documents_.contains(iri)) continue;
       if (!request_.load && ports_.remote == nullptr) continue;
       const auto& document =
-          documents_.emplace(iri, request_.load ? request_.load(iri) : ports_.remote->Load(iri, request_.cancellation.get()))
+          documents_
+              .emplace(iri, request_.load ? request_.load(iri)
+                                          : ports_.remote->Load(iri, request_.cancellation.get()))
               .first->second;
       if (!document.ok()) continue;
       for (const TermQuad& quad : *document) loaded += sizeof(TermQuad) + TextBytes(quad);
@@ -173,9 +175,10 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   const uint64_t seed = (static_cast<uint64_t>(now_us) << 12) + (count_++ & 4095);
   const absl::Duration timeout = request.timeout;
   auto job = std::make_shared<Job>(ports_, std::move(request), seed, now_us, done);
-  if (ports_.workers->Submit([job] { job->Attempt(); }, {absl::Now() + timeout, [done, timeout] {
-                               done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
-                             }}))
+  if (ports_.workers->Submit([job] { job->Attempt(); },
+                             {absl::Now() + timeout, [done, timeout] {
+                                done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
+                              }}))
     return;
   done(absl::ResourceExhaustedError("too much work waits; try again"));
 }

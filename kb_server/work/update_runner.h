@@ -14,10 +14,10 @@
 #include "absl/time/time.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/ids.h"
-#include "kb_server/door/inbox.h"
-#include "graph/sparql/syntax/update_algebra.h"
 #include "graph/sparql/run/update_evaluator.h"
+#include "graph/sparql/syntax/update_algebra.h"
 #include "graph/store/graph_version.h"
+#include "kb_server/door/inbox.h"
 
 namespace docent {
 

@@ -6,9 +6,9 @@
 #include <iterator>
 #include <utility>
 
-#include "kb_server/writer/run_events.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/delta_sum.h"
+#include "kb_server/writer/run_events.h"
 
 namespace docent {
 namespace {
@@ -52,9 +52,7 @@ void Committer::Start(uint64_t head, uint64_t epoch) {
 }
 
 std::vector<GraphVersionPtr> Committer::Commit(DecidedGroup group) {
-  const auto room = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
-    return halted_ || turns_ < kTurnsAhead;
-  };
+  const auto room = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS { return halted_ || turns_ < kTurnsAhead; };
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(&room));
   turns_ += group.turns.size();
@@ -82,9 +80,8 @@ Committer::Refused Committer::TakeRefused() {
 }
 
 Committer::Groups Committer::Next() {
-  const auto work = [this]() ABSL_NO_THREAD_SAFETY_ANALYSIS {
-    return ending_ || (!halted_ && !groups_.empty());
-  };
+  const auto work = [this]()
+                        ABSL_NO_THREAD_SAFETY_ANALYSIS { return ending_ || (!halted_ && !groups_.empty()); };
   Groups groups;
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(&work));

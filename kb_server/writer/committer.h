@@ -27,15 +27,15 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "kb_server/writer/history.h"
-#include "kb_server/turn/turn.h"
-#include "kb_server/door/inbox.h"
-#include "kb_server/door/query_port.h"
 #include "graph/log/context_log.h"
 #include "graph/rdf/dictionary.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/inbox.h"
+#include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
 #include "kb_server/subscriptions/subscriptions.h"
+#include "kb_server/turn/turn.h"
+#include "kb_server/writer/history.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
 namespace docent {
@@ -140,8 +140,8 @@ class Committer {
   const Ports ports_;
 
   absl::Mutex mutex_;
-  std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);  // in flight
-  size_t turns_ ABSL_GUARDED_BY(mutex_) = 0;                 // of these
+  std::deque<DecidedGroup> groups_ ABSL_GUARDED_BY(mutex_);    // in flight
+  size_t turns_ ABSL_GUARDED_BY(mutex_) = 0;                   // of these
   std::vector<GraphVersionPtr> gone_ ABSL_GUARDED_BY(mutex_);  // see Commit
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   bool ending_ ABSL_GUARDED_BY(mutex_) = false;

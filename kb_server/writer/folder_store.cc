@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/turn/spatial_functions.h"
 #include "graph/log/log_end.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/redland/version_store.h"
+#include "kb_server/turn/spatial_functions.h"
 
 namespace docent {
 

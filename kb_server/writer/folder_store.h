@@ -13,17 +13,17 @@
 #include <thread>
 #include <vector>
 
-#include "kb_server/writer/snapshot_keeper.h"
-#include "kb_server/writer/writer.h"
 #include "graph/base/clock.h"
 #include "graph/base/limits.h"
-#include "kb_server/door/inbox.h"
-#include "kb_server/door/query_port.h"
 #include "graph/log/context_log.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/redland/quad_store.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/inbox.h"
+#include "kb_server/door/query_port.h"
 #include "kb_server/door/run_feed.h"
+#include "kb_server/writer/snapshot_keeper.h"
+#include "kb_server/writer/writer.h"
 
 namespace docent {
 

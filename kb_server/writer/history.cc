@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "kb_server/writer/recovery.h"
 #include "graph/log/record_codec.h"
 #include "graph/store/graph_writer.h"
+#include "kb_server/writer/recovery.h"
 
 namespace docent {
 namespace {
@@ -117,8 +117,9 @@ std::optional<uint64_t> History::KeptAt(TimeMicros time_us) const {
                                       });
   if (after == kept_.begin()) return std::nullopt;
   const Kept& kept = **std::prev(after);
-  const auto later = std::upper_bound(kept.turns.begin(), kept.turns.end(), time_us,
-                                      [](TimeMicros asked, const Step& turn) { return asked < turn.time_us; });
+  const auto later =
+      std::upper_bound(kept.turns.begin(), kept.turns.end(), time_us,
+                       [](TimeMicros asked, const Step& turn) { return asked < turn.time_us; });
   return kept.first() + static_cast<uint64_t>(later - kept.turns.begin()) - 1;
 }
 
@@ -148,7 +149,7 @@ absl::StatusOr<uint64_t> History::OffsetAt(TimeMicros time_us, uint64_t newest, 
     else
       high = middle - 1;
   }
-  if (low < *first && *first > 1) return NoLongerKept(Show(time_us));
+  if (low<*first&& * first> 1) return NoLongerKept(Show(time_us));
   return low;
 }
 
@@ -161,7 +162,8 @@ absl::Status History::NoLongerKept(const std::string& what) {
   if (snapshot != snapshots->end()) oldest = std::min(oldest, *snapshot);
   absl::MutexLock lock(&mutex_);
   if (!kept_.empty()) oldest = std::min(oldest, kept_.front()->first());
-  return absl::OutOfRangeError(absl::StrCat("the graph as of ", what, " is no longer kept; the oldest revision that is kept is ", oldest));
+  return absl::OutOfRangeError(absl::StrCat(
+      "the graph as of ", what, " is no longer kept; the oldest revision that is kept is ", oldest));
 }
 
 std::shared_ptr<const History::Remade> History::FindRemade(uint64_t offset) {

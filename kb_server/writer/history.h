@@ -15,12 +15,12 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "graph/base/limits.h"
-#include "kb_server/door/query_port.h"
 #include "graph/log/context_log.h"
 #include "graph/rdf/dictionary.h"
-#include "kb_server/door/history_port.h"
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/delta.h"
+#include "kb_server/door/history_port.h"
+#include "kb_server/door/query_port.h"
 
 namespace docent {
 

@@ -14,8 +14,8 @@ namespace {
 constexpr uint64_t kChunk = 500;  // records read at once
 
 std::string KeyOf(const TermQuad& quad) {
-  return absl::StrCat(ToNTriples(quad.subject), " ", ToNTriples(quad.predicate), " ", ToNTriples(quad.object), " ",
-                      quad.graph.lexical);
+  return absl::StrCat(ToNTriples(quad.subject), " ", ToNTriples(quad.predicate), " ", ToNTriples(quad.object),
+                      " ", quad.graph.lexical);
 }
 
 std::string OntologyOf(const WriteBatch& batch) {
@@ -55,7 +55,8 @@ class Search {
     for (const SensorReading& reading : batch.readings) {
       auto mapped = MapReadings({reading}, dictionary_, version_);
       if (!mapped.ok()) continue;  // its mapping is no longer there
-      for (const QuadOperation& operation : *mapped) take(operation, absl::StrCat("reading of <", reading.sensor, ">"));
+      for (const QuadOperation& operation : *mapped)
+        take(operation, absl::StrCat("reading of <", reading.sensor, ">"));
     }
   }
 
@@ -68,9 +69,8 @@ class Search {
 
 }  // namespace
 
-absl::StatusOr<std::vector<std::optional<explain::Telling>>> LogHistory::Find(const std::vector<TermQuad>& quads,
-                                                                              const GraphVersion& version,
-                                                                              Cancellation* cancellation) {
+absl::StatusOr<std::vector<std::optional<explain::Telling>>> LogHistory::Find(
+    const std::vector<TermQuad>& quads, const GraphVersion& version, Cancellation* cancellation) {
   Search search(quads, dictionary_, version);
   auto first = log_.First();
   if (!first.ok()) return first.status();

@@ -9,8 +9,8 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "kb_server/writer/server_state.h"
 #include "graph/log/context_log.h"
+#include "kb_server/writer/server_state.h"
 
 namespace docent {
 

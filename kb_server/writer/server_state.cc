@@ -246,11 +246,12 @@ class RunFactsOfGraph {
   absl::flat_hash_map<std::string_view, std::vector<TermId>> subjects_;
 };
 
-absl::Status RestoreEngine(std::string_view bytes, const std::vector<LastingSince>& times, TimeMicros time_us, const Limits& limits, Stages* stages) {
+absl::Status RestoreEngine(std::string_view bytes, const std::vector<LastingSince>& times, TimeMicros time_us,
+                           const Limits& limits, Stages* stages) {
   const GraphVersion& graph = stages->writer.current();
   const RunFactsOfGraph facts(stages->dictionary, graph);
-  absl::StatusOr<EngineState> engine =
-      DecodeEngineState(bytes, limits, &stages->dictionary, [&facts](const RunId& run) { return facts(run); });
+  absl::StatusOr<EngineState> engine = DecodeEngineState(bytes, limits, &stages->dictionary,
+                                                         [&facts](const RunId& run) { return facts(run); });
   if (!engine.ok()) return engine.status();
   const std::vector<ConditionRequest> conditions = ArmedConditions(*engine);
   stages->engine.Restore(*std::move(engine));

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "kb_server/turn/turn.h"
 #include "graph/base/pace.h"
 #include "kb_server/door/request_memory.h"
+#include "kb_server/turn/turn.h"
 #include "workflow/engine/engine_state.h"
 
 namespace docent {
@@ -40,7 +40,8 @@ ServerState TakeState(const Stages& stages, const RequestMemory& requests, Graph
                       TimeMicros time_us);
 
 // Any thread. `dictionary` is the one of the stages. With a `pace` it rests now and then.
-absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary, Pace* pace = nullptr);
+absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary,
+                                        Pace* pace = nullptr);
 
 // Fresh stages in a state.
 struct RestoredState {

@@ -14,8 +14,8 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
-#include "kb_server/writer/server_state.h"
 #include "graph/log/context_log.h"
+#include "kb_server/writer/server_state.h"
 
 namespace docent {
 

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/writer/writer.h"
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
+#include "kb_server/writer/writer.h"
 
 namespace docent {
 namespace {
@@ -46,14 +46,17 @@ class FlipWatch {
     std::vector<ConditionFlip> flips;
     for (size_t i = 0; i < before_.size(); ++i) {
       const Level& level = before_[i];
-      ConditionFlip flip{level.place, requests_[i].ask, level.holds,
-                         stages_.constraints.Holds(level.id), {}, {}, 0};
-      for (const LastingPart& part : requests_[i].lasting) flip.lasting_us = std::max(flip.lasting_us, part.at_least_us);
+      ConditionFlip flip{
+          level.place, requests_[i].ask, level.holds, stages_.constraints.Holds(level.id), {}, {}, 0};
+      for (const LastingPart& part : requests_[i].lasting)
+        flip.lasting_us = std::max(flip.lasting_us, part.at_least_us);
       const std::vector<Binding> now = stages_.constraints.Keys(level.id);
-      const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in, auto* out) {
+      const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in,
+                                  auto* out) {
         if (requests_[i].key_variables.empty()) return;
         for (const Binding& key : all) {
-          if (std::find(in.begin(), in.end(), key) == in.end()) out->push_back(Decode(key, stages_.dictionary));
+          if (std::find(in.begin(), in.end(), key) == in.end())
+            out->push_back(Decode(key, stages_.dictionary));
         }
       };
       missing_in(now, level.keys, &flip.appeared);
@@ -77,24 +80,26 @@ class FlipWatch {
 };
 
 // As long as they have room in an answer, where each stands as terms and in the text for people.
-absl::StatusOr<std::vector<TermQuad>> Decode(const std::vector<Quad>& quads, const Dictionary& dictionary, const Limits& limits,
-                                             size_t* bytes) {
+absl::StatusOr<std::vector<TermQuad>> Decode(const std::vector<Quad>& quads, const Dictionary& dictionary,
+                                             const Limits& limits, size_t* bytes) {
   const std::optional<TermId> runs = dictionary.FindIri(kRunsGraph);
   std::vector<TermQuad> out;
   for (const Quad& q : quads) {
     if (q.graph == runs) continue;
-    const TermQuad& quad =
-        out.emplace_back(dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object),
-                         dictionary.Decode(q.graph));
+    const TermQuad& quad = out.emplace_back(dictionary.Decode(q.subject), dictionary.Decode(q.predicate),
+                                            dictionary.Decode(q.object), dictionary.Decode(q.graph));
     *bytes += 2 * TextBytes(quad);
     if (*bytes > limits.grpc_message_bytes) {
-      return absl::ResourceExhaustedError(absl::StrCat(quads.size(), " facts would change, more than an answer of the limit "
-                                                       "grpc_message_bytes = ", limits.grpc_message_bytes,
-                                                       " can tell; ask about fewer"));
+      return absl::ResourceExhaustedError(
+          absl::StrCat(quads.size(),
+                       " facts would change, more than an answer of the limit "
+                       "grpc_message_bytes = ",
+                       limits.grpc_message_bytes, " can tell; ask about fewer"));
     }
   }
   std::sort(out.begin(), out.end(), [](const TermQuad& a, const TermQuad& b) {
-    return std::tie(a.graph, a.subject, a.predicate, a.object) < std::tie(b.graph, b.subject, b.predicate, b.object);
+    return std::tie(a.graph, a.subject, a.predicate, a.object) <
+           std::tie(b.graph, b.subject, b.predicate, b.object);
   });
   return out;
 }
@@ -122,7 +127,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   }
   stages.rules.Adopt();
   stages.engine.Restore(copy.engine);
-  absl::Status armed = stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us, cancellation);
+  absl::Status armed =
+      stages.conditions.Restore(copy.conditions, copy.times, *copy.version, batch.time_us, cancellation);
   if (!armed.ok()) return armed;
   FlipWatch watch(&stages, copy.conditions);
   if (absl::Status begun = watch.Begin(batch.time_us); !begun.ok()) return begun;
@@ -147,31 +153,37 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
 
 void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) {
   if (batch.OperationCount() > ports_.explain_limits.what_if_operations) {
-    return answered(absl::ResourceExhaustedError(
-        absl::StrCat("the question has ", batch.OperationCount(), " facts; the limit what_if_operations is ",
-                     ports_.explain_limits.what_if_operations)));
+    return answered(absl::ResourceExhaustedError(absl::StrCat("the question has ", batch.OperationCount(),
+                                                              " facts; the limit what_if_operations is ",
+                                                              ports_.explain_limits.what_if_operations)));
   }
   auto copy = std::make_shared<StagesCopy>();
   // A batch that is refused on its turn, after it has looked at the stages.
-  const BatchPreparation look = [copy, cancellation, writer = ports_.writer](const TurnView& view, WriteBatch*) {
+  const BatchPreparation look = [copy, cancellation, writer = ports_.writer](const TurnView& view,
+                                                                             WriteBatch*) {
     if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
     *copy = CopyStages(writer->stages(), view.revision);
     return absl::AbortedError("only looked at");
   };
   auto question = std::make_shared<WriteBatch>(std::move(batch));
-  ports_.inbox->Push(WriteBatch(), [this, copy, question, cancellation, answered](const absl::StatusOr<BatchOutcome>& outcome) {
-    // Any other refusal: it did not come to looking, or what was looked at did not happen (the log refused it).
-    if (!absl::IsAborted(outcome.status())) return answered(outcome.status());
-    const bool accepted = ports_.workers->Submit([this, copy, question, cancellation, answered] {
-      Dictionary dictionary(ports_.dictionary);
-      question->time_us = ports_.clock->Now();
-      answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question), cancellation.get()));
-    });
-    if (!accepted) {
-      answered(absl::ResourceExhaustedError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                                                         ports_.limits.queries_waiting, "; try again")));
-    }
-  }, look);
+  ports_.inbox->Push(
+      WriteBatch(),
+      [this, copy, question, cancellation, answered](const absl::StatusOr<BatchOutcome>& outcome) {
+        // Any other refusal: it did not come to looking, or what was looked at did not happen (the log refused it).
+        if (!absl::IsAborted(outcome.status())) return answered(outcome.status());
+        const bool accepted = ports_.workers->Submit([this, copy, question, cancellation, answered] {
+          Dictionary dictionary(ports_.dictionary);
+          question->time_us = ports_.clock->Now();
+          answered(RunWhatIf(*copy, &dictionary, ports_.functions, ports_.limits, std::move(*question),
+                             cancellation.get()));
+        });
+        if (!accepted) {
+          answered(absl::ResourceExhaustedError(
+              absl::StrCat("too many queries wait: the limit queries_waiting is ",
+                           ports_.limits.queries_waiting, "; try again")));
+        }
+      },
+      look);
 }
 
 }  // namespace docent

@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include "kb_server/turn/turn.h"
 #include "graph/base/explain_limits.h"
-#include "kb_server/door/inbox.h"
 #include "kb_server/door/catalog.h"
+#include "kb_server/door/inbox.h"
 #include "kb_server/door/what_if_port.h"
 #include "kb_server/door/worker_pool.h"
+#include "kb_server/turn/turn.h"
 #include "workflow/engine/engine_state.h"
 
 namespace docent {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "kb_server/writer/run_events.h"
 #include "graph/log/record_codec.h"
+#include "kb_server/writer/run_events.h"
 #include "spdlog/spdlog.h"
 
 namespace docent {
@@ -25,8 +25,9 @@ constexpr size_t kGoneBytes = 4u << 20;
 
 // For counters alone.
 uint64_t MonotonicNanos() {
-  return static_cast<uint64_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                   std::chrono::steady_clock::now().time_since_epoch())
+                                   .count());
 }
 
 // What its client is told of a turn.
@@ -89,20 +90,22 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   stages_->constraints.SetStopWatch(MonotonicNanos);
   newest_ = start->offset;
   newest_time_us_ = start->time_us;
-  for (const RememberedRequestPtr& request : start->requests) requests_.Remember(request->id, request->outcome);
+  for (const RememberedRequestPtr& request : start->requests)
+    requests_.Remember(request->id, request->outcome);
   ports_.inbox->StartAfter(newest_time_us_);
   FillFeed(newest_);
   uint64_t bytes = 0;
-  absl::Status status = ReplayTurns(
-      ports_.log, newest_ + 1, head->offset, stages_.get(), [&](TurnResult turn, size_t record_bytes) {
-        requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn));
-        newest_time_us_ = turn.record.time_us;
-        ports_.feed->Keep(EventsOf(turn.record));
-        newest_ = turn.record.offset;
-        bytes += record_bytes;
-        if (progress && newest_ % kTurnsPerProgress == 0) progress(newest_, head->offset);
-        return absl::OkStatus();
-      });
+  absl::Status status = ReplayTurns(ports_.log, newest_ + 1, head->offset, stages_.get(),
+                                    [&](TurnResult turn, size_t record_bytes) {
+                                      requests_.Remember(turn.record.batch.request_id, OutcomeOf(turn));
+                                      newest_time_us_ = turn.record.time_us;
+                                      ports_.feed->Keep(EventsOf(turn.record));
+                                      newest_ = turn.record.offset;
+                                      bytes += record_bytes;
+                                      if (progress && newest_ % kTurnsPerProgress == 0)
+                                        progress(newest_, head->offset);
+                                      return absl::OkStatus();
+                                    });
   if (!status.ok()) return status;
   ports_.inbox->StartAfter(newest_time_us_);
   if (progress && newest_ > start->offset) progress(newest_, head->offset);
@@ -227,9 +230,10 @@ void Writer::Decide(PendingBatch pending, DecidedGroup* group) {
     if (tick) next_tick_us_ = time_us + kTickPauseUs;
     ++counters_.refused;
     const bool ending = absl::IsCancelled(result.status());
-    group->answers.push_back({ending ? absl::UnavailableError("the server ends; the batch was not applied: send it again")
-                                     : result.status(),
-                              std::move(pending.done)});
+    group->answers.push_back(
+        {ending ? absl::UnavailableError("the server ends; the batch was not applied: send it again")
+                : result.status(),
+         std::move(pending.done)});
     return;
   }
   ++newest_;
@@ -252,12 +256,12 @@ void Writer::Commit(DecidedGroup group) {
     ports_.snapshots->Appended(group.turns.size(), bytes);
     // Written once the log has these turns.
     if (ports_.snapshots->Due()) {
-      ports_.snapshots->Take(
-          TakeState(*stages_, requests_, group.version, newest_time_us_));
+      ports_.snapshots->Take(TakeState(*stages_, requests_, group.version, newest_time_us_));
     }
   }
   for (GraphVersionPtr& version : committer_.Commit(std::move(group))) {
-    if (version.use_count() == 1) gone_.push_back(std::move(version));  // others are the history's, or a reader's
+    if (version.use_count() == 1)
+      gone_.push_back(std::move(version));  // others are the history's, or a reader's
   }
 }
 
@@ -274,7 +278,8 @@ void Writer::FreeGone() {
 // has did.
 absl::Status Writer::Reconcile() {
   Committer::Refused refused = committer_.TakeRefused();
-  spdlog::error("the log refused the turns after {}: {}", refused.head, std::string(refused.status.message()));
+  spdlog::error("the log refused the turns after {}: {}", refused.head,
+                std::string(refused.status.message()));
   next_tick_us_ = newest_time_us_ + kTickPauseUs;
   refused_ = true;
   if (ports_.snapshots != nullptr) ports_.snapshots->Discard();

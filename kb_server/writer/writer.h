@@ -14,19 +14,19 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "graph/base/cancellation.h"
+#include "graph/log/context_log.h"
+#include "kb_server/door/catalog.h"
+#include "kb_server/door/inbox.h"
+#include "kb_server/door/query_port.h"
+#include "kb_server/door/request_memory.h"
+#include "kb_server/door/run_feed.h"
+#include "kb_server/subscriptions/subscriptions.h"
+#include "kb_server/turn/turn.h"
 #include "kb_server/writer/committer.h"
 #include "kb_server/writer/history.h"
 #include "kb_server/writer/recovery.h"
 #include "kb_server/writer/snapshot_keeper.h"
-#include "kb_server/turn/turn.h"
-#include "graph/base/cancellation.h"
-#include "kb_server/door/inbox.h"
-#include "kb_server/door/query_port.h"
-#include "kb_server/door/request_memory.h"
-#include "graph/log/context_log.h"
-#include "kb_server/door/catalog.h"
-#include "kb_server/door/run_feed.h"
-#include "kb_server/subscriptions/subscriptions.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
 namespace docent {
@@ -95,7 +95,7 @@ class Writer {
   uint64_t epoch_ = 0;
   bool refused_ = false;  // by the log, the last time
   absl::Status fatal_;
-  TimeMicros next_tick_us_ = 0;  // no clock tick before this time
+  TimeMicros next_tick_us_ = 0;       // no clock tick before this time
   std::deque<GraphVersionPtr> gone_;  // held here alone, to be freed, the oldest first
   WriterCounters counters_;
   Committer committer_;

@@ -16,7 +16,8 @@ int ConstantCount(const QuadPattern& pattern) {
 
 Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
     : own_body_(std::move(body)),
-      own_kind_(std::make_unique<ConditionKind>(*own_body_, std::move(keys), std::vector<int16_t>(), indexes)),
+      own_kind_(
+          std::make_unique<ConditionKind>(*own_body_, std::move(keys), std::vector<int16_t>(), indexes)),
       kind_(own_kind_.get()),
       number_(number) {}
 
@@ -178,7 +179,8 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
   Take(own, edits);
 }
 
-absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run, Edits& edits) {
+absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::RunOptions& run,
+                                Edits& edits) {
   Key key = KeyOf(witnesses_[slot].row);
   const auto note = [&](bool is_present) -> Edit& {
     Edit& edit = edits.emplace_back();
@@ -271,7 +273,8 @@ absl::Status Condition::Refresh(const sparql::RunOptions& run, Edits& edits) {
   for (const Key& key : Present()) slots.push_back(static_cast<uint32_t>(SlotOf(key)));
   std::sort(slots.begin(), slots.end());
   for (const uint32_t slot : slots) {
-    if (absl::Status status = Recheck(slot, WatchIndexes::kSomeTrigger, run, edits); !status.ok()) return status;
+    if (absl::Status status = Recheck(slot, WatchIndexes::kSomeTrigger, run, edits); !status.ok())
+      return status;
   }
   return ProbeAll(run, edits);
 }
@@ -299,7 +302,8 @@ QuadPattern Condition::ConstantsOf(const Trigger& trigger) const {
   return kind_->borrows ? Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
 }
 
-bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const {
+bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed,
+                           const GraphVersion& version) const {
   const Trigger& lost = kind_->body.triggers()[trigger];
   return lost.required && lost.polarity == Polarity::kPositive &&
          !version.ContainsMatch(Body::ConstantsOf(lost, seed));
@@ -328,8 +332,10 @@ void Condition::WatchTrigger(uint32_t trigger) {
   const Trigger& watched = kind_->body.triggers()[trigger];
   const QuadPattern constants = ConstantsOf(watched);
   const PatternIndex::Reference reference{number_, trigger, 0};
-  if (RisesOnAdd(watched.polarity)) armed_watches_.push_back(kind_->indexes.Comes(watched.match, constants, reference));
-  if (RisesOnRemove(watched.polarity)) armed_watches_.push_back(kind_->indexes.Goes(watched.match, constants, reference));
+  if (RisesOnAdd(watched.polarity))
+    armed_watches_.push_back(kind_->indexes.Comes(watched.match, constants, reference));
+  if (RisesOnRemove(watched.polarity))
+    armed_watches_.push_back(kind_->indexes.Goes(watched.match, constants, reference));
 }
 
 void Condition::Disarm() {

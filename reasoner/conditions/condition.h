@@ -60,7 +60,7 @@ class Condition {
   // What changed, to be told and to be undone.
   struct Edit {
     uint32_t condition = 0;  // its number
-    uint32_t next = 0;  // for the caller's own use
+    uint32_t next = 0;       // for the caller's own use
     bool was_present = false;
     bool is_present = false;
     Key key;
@@ -167,8 +167,8 @@ class Condition {
   Armed armed_ : 2 = Armed::kNothing;
   bool joined_ : 1 = false;  // it waits at the shape
   bool in_vain_ : 1 = false;
-  bool blocked_ : 1 = false;   // kOne: nothing matches the trigger now, as a Recheck of this update saw
-  bool unlooked_ : 1 = false;  // kAll: whether one would do was not looked at since it fell
+  bool blocked_ : 1 = false;    // kOne: nothing matches the trigger now, as a Recheck of this update saw
+  bool unlooked_ : 1 = false;   // kAll: whether one would do was not looked at since it fell
   bool has_slots_ : 1 = false;  // slots_ are there, told without a look at their line
   bool grouped_ : 1 = false;
   Shape::Constants constants_;  // what tells this condition from others of the shape

@@ -5,8 +5,8 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra_printer.h"
 #include "reasoner/conditions/bindings.h"
 #include "reasoner/conditions/constraint_set_impl.h"
 
@@ -26,8 +26,8 @@ std::string Fingerprint(const sparql::Query& query, const std::vector<std::strin
 
 bool ConstraintSet::Impl::Shared::IsFollowed() const {
   if (groups == nullptr) return !followers.empty();
-  return !followers.empty() ||
-         std::any_of(groups->begin(), groups->end(), [](const auto& group) { return group && !group->empty(); });
+  return !followers.empty() || std::any_of(groups->begin(), groups->end(),
+                                           [](const auto& group) { return group && !group->empty(); });
 }
 
 ConstraintSet::ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions)
@@ -73,7 +73,8 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   }
   Shared& shared = *condition;
   Condition::Edits first;
-  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
+  const sparql::RunOptions run{
+      .version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
   if (absl::Status status = shared.Refresh(run, first); !status.ok()) {
     conditions.Remove(number);
     return status;
@@ -101,7 +102,8 @@ absl::StatusOr<ConstraintSet::Impl::Shared*> ConstraintSet::Impl::BorrowBody(con
   return &conditions.Make(conditions.Next(), &shape, std::move(constants), *keys);
 }
 
-void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now) {
+void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed,
+                                    const GraphVersion& now) {
   Shared& shared = conditions[number];
   Alike& like = alike[shared.shape];
   ++like.count;
@@ -160,7 +162,8 @@ absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(cons
   if (!body.ok()) return body.status();
   int64_t solutions = 0;
   const std::vector<TermId> nothing((*body)->columns().size());
-  const sparql::RunOptions run{.version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
+  const sparql::RunOptions run{
+      .version = &now, .cancellation = options.cancellation, .now_us = options.now_us};
   const absl::Status status = (*body)->Evaluate(
       run, nothing, [&](absl::Span<const TermId>) { return ++solutions <= kMaxGroupSolutions; });
   if (!status.ok()) return status;

@@ -79,7 +79,7 @@ struct ConstraintChange {
 struct RegisterOptions {
   // Variables whose distinct bindings are followed (an activator's). Empty: only whether it holds.
   std::vector<std::string> key_variables;
-  TimeMicros now_us = 0;  // NOW()
+  TimeMicros now_us = 0;                 // NOW()
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
@@ -120,8 +120,8 @@ class ConstraintSet final : public ChangeObserver {
   std::vector<Binding> Keys(ConstraintId id) const;
   // Solutions on `version` that have the values of `fixed`, with all visible variables, distinct, in term order, the
   // first `limit` of them. None where `fixed` has another variable. NOT_FOUND for an unknown id.
-  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version, const Binding& fixed,
-                                                 size_t limit, TimeMicros now_us = 0,
+  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version,
+                                                 const Binding& fixed, size_t limit, TimeMicros now_us = 0,
                                                  Cancellation* cancellation = nullptr);
 
   // The turn is done: what was registered, removed and learnt since the last Commit stays.

@@ -51,7 +51,7 @@ struct ConstraintSet::Impl {
   struct Touched {
     static constexpr uint32_t kNone = ~0u;
     uint32_t condition = 0;
-    int rises = 0;  // changes that a rise watch matched
+    int rises = 0;                         // changes that a rise watch matched
     uint32_t first = kNone, last = kNone;  // in edits, where one names the next
     bool full_done = false;                // evaluated whole: nothing is left to find
     bool held = false;
@@ -102,7 +102,8 @@ struct ConstraintSet::Impl {
   Touched& Touch(uint32_t number);
   // What every update looks at of an owner in the indexes, into the cache.
   void Prefetch(uint32_t owner) const {
-    if ((owner & WatchIndexes::kIsShape) == 0) conditions.Prefetch(owner, Condition::kLooksFrom, Condition::kLooksTo);
+    if ((owner & WatchIndexes::kIsShape) == 0)
+      conditions.Prefetch(owner, Condition::kLooksFrom, Condition::kLooksTo);
   }
   // Who is concerned by the change: into broken, rises and touched; the shapes count theirs.
   void Gather(const Delta& delta);
@@ -173,7 +174,8 @@ struct ConstraintSet::Impl {
 
   // Changes of the next Update that were fetched ahead for.
   size_t expected = 0;
-  size_t fetch_ahead_from = 2048;  // patterns; fewer stay in the cache: to fetch them takes longer than it saves
+  size_t fetch_ahead_from =
+      2048;  // patterns; fewer stay in the cache: to fetch them takes longer than it saves
 
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
   std::vector<ConstraintChange> changes;

@@ -23,7 +23,8 @@ LastingCondition::LastingCondition(std::vector<std::string> keys, std::vector<Pa
   }
 }
 
-LastingCondition::Row LastingCondition::RowOf(const Binding& binding, const std::vector<std::string>& variables) {
+LastingCondition::Row LastingCondition::RowOf(const Binding& binding,
+                                              const std::vector<std::string>& variables) {
   Row row(variables.size());
   for (const auto& [name, id] : binding) {
     const auto found = std::find(variables.begin(), variables.end(), name);
@@ -190,7 +191,8 @@ std::vector<LastingCondition::Since> LastingCondition::Times() const {
   std::vector<Since> times;
   for (size_t i = 0; i < parts_.size(); ++i) {
     for (const auto& [row, time] : parts_[i].times) {
-      times.push_back({static_cast<uint32_t>(i), BindingOf(row, parts_[i].variables), time.since_us, time.full});
+      times.push_back(
+          {static_cast<uint32_t>(i), BindingOf(row, parts_[i].variables), time.since_us, time.full});
     }
   }
   return times;

@@ -86,7 +86,7 @@ class LastingCondition {
     TimeMicros at_least_us = 0;
     std::vector<size_t> columns;  // of variables_
     absl::flat_hash_map<Row, Time> times;
-    absl::btree_set<std::pair<TimeMicros, Row>> waiting;  // when the time will be full
+    absl::btree_set<std::pair<TimeMicros, Row>> waiting;    // when the time will be full
     absl::flat_hash_map<Row, absl::btree_set<Row>> wholes;  // solutions of the whole with this binding
   };
   struct Undo {
@@ -114,7 +114,7 @@ class LastingCondition {
   absl::flat_hash_map<Row, bool> wholes_;  // solution → open
   absl::flat_hash_map<Row, int> open_;     // key → open solutions with it
   absl::btree_set<Row> stale_;             // solutions that Settle has to look at
-  absl::btree_map<Row, bool> before_;      // keys that changed since the last Settle → whether they were open
+  absl::btree_map<Row, bool> before_;  // keys that changed since the last Settle → whether they were open
   std::vector<Undo> undo_;
   bool undoing_ = false;
 };

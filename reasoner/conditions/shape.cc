@@ -49,7 +49,8 @@ void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, con
   for (const auto& child : node.children) OpenKnown(*child, scope, form);
 }
 
-void OpenKnown(sparql::Expression& expression, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+void OpenKnown(sparql::Expression& expression, const absl::flat_hash_set<std::string>& scope,
+               const ShapeForm& form) {
   if (expression.pattern) OpenKnown(*expression.pattern, scope, form);
   for (const auto& argument : expression.arguments) OpenKnown(*argument, scope, form);
 }
@@ -149,7 +150,8 @@ ConditionKind& Shape::KindWith(const ConditionKind::Keys& keys) {
   for (const auto& kind : kinds_) {
     if (kind->keys == keys) return *kind;
   }
-  ConditionKind& kind = *kinds_.emplace_back(std::make_unique<ConditionKind>(*body_, keys, parameters_, indexes_));
+  ConditionKind& kind =
+      *kinds_.emplace_back(std::make_unique<ConditionKind>(*body_, keys, parameters_, indexes_));
   kind.shape = this;
   kind.borrows = true;
   return kind;
@@ -164,8 +166,8 @@ bool Shape::IsSame(const Body& member, const Constants& constants) const {
     const Trigger& closed = member.triggers()[i];
     const MatchPattern match = body_->Instantiate(open, seed);
     if (!SameConstants(match.constants, closed.match.constants) || match.equal != closed.match.equal ||
-        match.object_guard.has_value() != closed.match.object_guard.has_value() || open.polarity != closed.polarity ||
-        open.required != closed.required) {
+        match.object_guard.has_value() != closed.match.object_guard.has_value() ||
+        open.polarity != closed.polarity || open.required != closed.required) {
       return false;
     }
     for (size_t j = 0; j < closed.columns.size(); ++j) {
@@ -190,7 +192,8 @@ void Shape::Watch() {
     const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
     const QuadPattern& constants = trigger.match.constants;
     if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, constants, reference));
-    if (RisesOnRemove(trigger.polarity)) watches_.push_back(indexes_.Goes(trigger.match, constants, reference));
+    if (RisesOnRemove(trigger.polarity))
+      watches_.push_back(indexes_.Goes(trigger.match, constants, reference));
   }
 }
 
@@ -219,8 +222,8 @@ std::vector<uint32_t> Shape::Waiting() const {
   return all;
 }
 
-absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
-                                  Visitor visit) {
+absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, bool added,
+                                  const sparql::RunOptions& run, Visitor visit) {
   if (quad != nullptr) {
     body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
   } else {

@@ -20,8 +20,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "graph/rdf/dictionary.h"
-#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "reasoner/conditions/constraint_set.h"
 #include "reasoner/matching/number_range.h"
 

@@ -24,8 +24,8 @@ void Append(std::vector<T>& to, std::vector<T> from) {
 
 // Names that stand for other names inside an EXISTS or a sub-SELECT.
 struct Scope {
-  std::string prefix;            // of what is local here; empty: the outermost scope
-  std::set<std::string> outer;   // names that keep their meaning
+  std::string prefix;           // of what is local here; empty: the outermost scope
+  std::set<std::string> outer;  // names that keep their meaning
   const Scope* parent = nullptr;
 
   std::string NameOf(const std::string& name) const {
@@ -38,7 +38,8 @@ int Variable(Clause& clause, const std::string& name, const std::string& written
   const int known = clause.Find(name);
   if (known >= 0) return known;
   clause.names.push_back(name);
-  clause.written.push_back(!written.empty() && written[0] != '.' ? written.substr(0, written.find(kCopyMark)) : "");
+  clause.written.push_back(!written.empty() && written[0] != '.' ? written.substr(0, written.find(kCopyMark))
+                                                                 : "");
   return static_cast<int>(clause.names.size()) - 1;
 }
 
@@ -342,7 +343,8 @@ class Builder {
     std::set<std::string> left;
     for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[0])) left.insert(v.name);
     for (const sparql::Variable& v : sparql::InScopeVariables(*node.children[1])) {
-      if (!left.contains(v.name) && beside.contains(v.name) && !IsOnlyShown(v.name)) return Whole(node, scope);
+      if (!left.contains(v.name) && beside.contains(v.name) && !IsOnlyShown(v.name))
+        return Whole(node, scope);
     }
     return Expand(*node.children[0], scope);
   }
@@ -503,7 +505,8 @@ sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, co
   const bool named = part.graph.variable >= 0;
   if (!named && part.graph.constant.IsNone()) return part.pattern->Clone();
   auto all = std::make_unique<Algebra>(Algebra::Kind::kGraph);
-  all->name = named ? PatternTerm::Of(sparql::Variable{graph_name}) : PatternTerm::Of(dictionary.Decode(part.graph.constant));
+  all->name = named ? PatternTerm::Of(sparql::Variable{graph_name})
+                    : PatternTerm::Of(dictionary.Decode(part.graph.constant));
   all->children.push_back(part.pattern->Clone());
   return all;
 }

@@ -38,7 +38,8 @@ struct Atom {
 };
 
 // Every variable that is mentioned anywhere in `node` but below `except` (null: nothing).
-void MentionedBeside(const sparql::Algebra& node, const sparql::Algebra* except, std::set<std::string>& names);
+void MentionedBeside(const sparql::Algebra& node, const sparql::Algebra* except,
+                     std::set<std::string>& names);
 
 struct Clause;
 
@@ -73,7 +74,8 @@ struct Part {
   std::shared_ptr<const sparql::Algebra> pattern;
   std::vector<int> variables;  // in scope of it
   AtomTerm graph;              // that it is looked for in
-  bool beside_gap = false;     // PathForm::kWithGap: what it lacks is an atom beside it, or of another alternative
+  bool beside_gap =
+      false;  // PathForm::kWithGap: what it lacks is an atom beside it, or of another alternative
 };
 
 // A name that no query has.
@@ -85,8 +87,8 @@ sparql::AlgebraPtr InItsGraph(const Part& part, const Dictionary& dictionary, co
 inline constexpr char kCopyMark = '~';
 
 struct Clause {
-  std::vector<std::string> names;     // of its variables
-  std::vector<std::string> written;   // as the query has them; empty: made here, or a blank node
+  std::vector<std::string> names;    // of its variables
+  std::vector<std::string> written;  // as the query has them; empty: made here, or a blank node
   std::vector<Atom> atoms;
   std::vector<Absence> absences;
   std::vector<Test> tests;
@@ -100,7 +102,7 @@ struct Clause {
 
 // What a recursive path outside absences becomes.
 enum class PathForm : uint8_t {
-  kWhole,    // ?x :in+ ?y   a part
+  kWhole,  // ?x :in+ ?y   a part
   kWithGap,  // ?x :in ?y, or else  ?x :in* ?u . ?u :in ?v . ?v :in* ?y, so that one step of it may be taken as missing
 };
 
@@ -109,7 +111,8 @@ enum class PathForm : uint8_t {
 // kMaxClauses alternatives.
 inline constexpr size_t kMaxClauses = 64;
 absl::StatusOr<std::vector<Clause>> ToClauses(const sparql::Algebra& where, Dictionary& dictionary,
-                                              TermId default_graph = TermId(), PathForm paths = PathForm::kWhole);
+                                              TermId default_graph = TermId(),
+                                              PathForm paths = PathForm::kWhole);
 
 }  // namespace docent::explain
 

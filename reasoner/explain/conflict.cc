@@ -29,8 +29,10 @@ bool AddNew(const T& one, std::vector<T>& to) {
 
 bool Conflict::IsHitBy(const Repair& repair) const {
   return std::any_of(ways.begin(), ways.end(), [&](const Repair& way) {
-    return std::all_of(way.add.begin(), way.add.end(), [&](const Quad& quad) { return Has(repair.add, quad); }) &&
-           std::all_of(way.remove.begin(), way.remove.end(), [&](const Quad& quad) { return Has(repair.remove, quad); });
+    return std::all_of(way.add.begin(), way.add.end(),
+                       [&](const Quad& quad) { return Has(repair.add, quad); }) &&
+           std::all_of(way.remove.begin(), way.remove.end(),
+                       [&](const Quad& quad) { return Has(repair.remove, quad); });
   });
 }
 
@@ -44,9 +46,9 @@ bool Join(const Repair& way, Repair& repair) {
   for (const std::string& condition : way.conditions) AddNew(condition, repair.conditions);
   for (const Quad& quad : way.remove) news = AddNew(quad, repair.remove) || news;
   for (const InTheWay& added : way.in_the_way) {
-    const auto known = std::find_if(repair.in_the_way.begin(), repair.in_the_way.end(), [&](const InTheWay& other) {
-      return other.fact == added.fact && other.absence == added.absence;
-    });
+    const auto known = std::find_if(
+        repair.in_the_way.begin(), repair.in_the_way.end(),
+        [&](const InTheWay& other) { return other.fact == added.fact && other.absence == added.absence; });
     if (known == repair.in_the_way.end()) {
       repair.in_the_way.push_back(added);
     } else {
@@ -59,19 +61,21 @@ bool Join(const Repair& way, Repair& repair) {
 ConflictFinder::ConflictFinder(const Parts& parts)
     : parts_(parts), solver_(*parts.graph, *parts.dictionary, parts.functions, parts.run, parts.steps) {}
 
-absl::StatusOr<std::vector<ConflictFinder::Match>> ConflictFinder::MatchesOf(const std::vector<AbsenceOf>& absences,
-                                                                             size_t most) {
+absl::StatusOr<std::vector<ConflictFinder::Match>> ConflictFinder::MatchesOf(
+    const std::vector<AbsenceOf>& absences, size_t most) {
   std::vector<Match> matches;
   for (const AbsenceOf& of : absences) {
     for (const Clause& alternative : of.absence->alternatives) {
       if (matches.size() >= most) return matches;
-      absl::Status status = solver_.Solve(alternative, SeedOf(alternative, of.row), {}, [&](const Solution& solution) {
-        const bool known = std::any_of(matches.begin(), matches.end(), [&](const Match& match) {
-          return match.facts == solution.facts && (alternative.parts.empty() || match.row.values == solution.row.values);
-        });
-        if (!known) matches.push_back({&of, solution.row, solution.facts});
-        return matches.size() < most;
-      });
+      absl::Status status =
+          solver_.Solve(alternative, SeedOf(alternative, of.row), {}, [&](const Solution& solution) {
+            const bool known = std::any_of(matches.begin(), matches.end(), [&](const Match& match) {
+              return match.facts == solution.facts &&
+                     (alternative.parts.empty() || match.row.values == solution.row.values);
+            });
+            if (!known) matches.push_back({&of, solution.row, solution.facts});
+            return matches.size() < most;
+          });
       if (!status.ok()) return status;
     }
   }
@@ -93,7 +97,8 @@ absl::StatusOr<std::vector<Conflict>> ConflictFinder::Find(const std::vector<Abs
   std::vector<Conflict> conflicts;
   for (const Match& match : *matches) {
     const AbsenceOf& shown = absences[static_cast<size_t>(match.of - bound.data())];
-    const std::string text = AbsenceText(*shown.absence, shown.row, names, *parts_.dictionary, *parts_.display);
+    const std::string text =
+        AbsenceText(*shown.absence, shown.row, names, *parts_.dictionary, *parts_.display);
     Conflict& conflict = conflicts.emplace_back();
     if (absl::Status status = Break(match, text, 0, conflict); !status.ok()) return status;
     if (solver_.exhausted()) conflict.left_out = 1;
@@ -102,7 +107,8 @@ absl::StatusOr<std::vector<Conflict>> ConflictFinder::Find(const std::vector<Abs
 }
 
 // The ways to make one match go.
-absl::Status ConflictFinder::Break(const Match& match, const std::string& absence, int depth, Conflict& conflict) {
+absl::Status ConflictFinder::Break(const Match& match, const std::string& absence, int depth,
+                                   Conflict& conflict) {
   if (depth > kDeepest) {
     conflict.left_out = 1;
     return absl::OkStatus();
@@ -141,11 +147,12 @@ absl::Status ConflictFinder::Break(const Match& match, const std::string& absenc
 
 // Takes as a way that `told` is withdrawn, from all graphs or from that which it names, `fact` being it or inferred from it.
 // What the changes so far tell stays.
-void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::string& absence, Conflict& conflict) {
+void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::string& absence,
+                              Conflict& conflict) {
   const Dictionary& dictionary = *parts_.dictionary;
   const auto decode = [&](const Quad& quad, const Term& graph) {
-    return TermQuad{dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate), dictionary.Decode(quad.object),
-                    graph};
+    return TermQuad{dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
+                    dictionary.Decode(quad.object), graph};
   };
   const bool itself =
       told.subject == fact.subject && told.predicate == fact.predicate && told.object == fact.object;
@@ -175,7 +182,8 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
 
 // Takes as ways what would be there for the absence not to hold: facts told, or, where the absence's pattern would hold
 // but for an absence in its turn, what breaks that.
-absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absence, int depth, Conflict& conflict) {
+absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absence, int depth,
+                                  Conflict& conflict) {
   conflict.lasts = false;
   SolveOptions options = parts_.telling;
   options.abductive = true;
@@ -192,7 +200,8 @@ absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absenc
           });
       if (!status.ok()) return status;
       more = more || solver_.short_of_room();
-      if (solutions.size() == kFills || solver_.left_out_rules()) conflict.left_out = std::min(conflict.left_out, std::max(1, options.missing));
+      if (solutions.size() == kFills || solver_.left_out_rules())
+        conflict.left_out = std::min(conflict.left_out, std::max(1, options.missing));
       if (solver_.missing_in_parts() > 0) conflict.left_out = 1;
       for (const Solution& solution : solutions) {
         if (options.missing == 0) {
@@ -204,8 +213,8 @@ absl::Status ConflictFinder::Fill(const AbsenceOf& of, const std::string& absenc
         }
         const auto examples = picker.Pick(solution);
         Repair way;
-        if (!examples || !AddMissing(solution, *examples, DistinctNames(solution), *parts_.base, *parts_.dictionary,
-                                     *parts_.display, way))
+        if (!examples || !AddMissing(solution, *examples, DistinctNames(solution), *parts_.base,
+                                     *parts_.dictionary, *parts_.display, way))
           continue;
         for (ToTell& tell : way.tell) tell.absence = absence;
         conflict.ways.push_back(std::move(way));

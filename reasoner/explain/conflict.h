@@ -28,10 +28,10 @@ namespace docent::explain {
 struct Conflict {
   static constexpr int kNothing = std::numeric_limits<int>::max();
 
-  std::vector<Repair> ways;   // what each tells or withdraws, and how that is shown
-  bool lasts = true;          // whatever else is told or withdrawn, the match stays until one of the ways is taken
-  int left_out = kNothing;    // ways of so many changes, or of more, were not looked for
-  bool spared_schema = false; // axioms that a rule asks for were not taken as ways
+  std::vector<Repair> ways;  // what each tells or withdraws, and how that is shown
+  bool lasts = true;  // whatever else is told or withdrawn, the match stays until one of the ways is taken
+  int left_out = kNothing;     // ways of so many changes, or of more, were not looked for
+  bool spared_schema = false;  // axioms that a rule asks for were not taken as ways
 
   // Whether `repair` has one of the ways.
   bool IsHitBy(const Repair& repair) const;

@@ -88,10 +88,13 @@ Names ShownBy(const Algebra& node) {
 
 // A conjunction of triple patterns and filters, whose solutions come once each.
 bool IsPlain(const Algebra& node) {
-  if (node.kind != Algebra::Kind::kBgp && node.kind != Algebra::Kind::kJoin && node.kind != Algebra::Kind::kFilter) return false;
+  if (node.kind != Algebra::Kind::kBgp && node.kind != Algebra::Kind::kJoin &&
+      node.kind != Algebra::Kind::kFilter)
+    return false;
   bool exists = false;
   ForEachExpression(node, [&](const Expression& e) { exists = exists || e.pattern != nullptr; });
-  return !exists && std::all_of(node.children.begin(), node.children.end(), [](const AlgebraPtr& c) { return IsPlain(*c); });
+  return !exists && std::all_of(node.children.begin(), node.children.end(),
+                                [](const AlgebraPtr& c) { return IsPlain(*c); });
 }
 
 AlgebraPtr Over(Algebra::Kind kind, AlgebraPtr child) {
@@ -110,11 +113,14 @@ ExpressionPtr VariableNamed(const std::string& name) {
 class Counted {
  public:
   // nullopt: counts of `group` cannot be written out.
-  static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate, const Names& shown) {
+  static std::optional<Counted> Of(const Algebra& group, const sparql::Aggregate& aggregate,
+                                   const Names& shown) {
     Counted counted(*group.children[0]);
-    if (aggregate.function != sparql::Aggregate::Function::kCount || !IsPlain(counted.pattern_)) return std::nullopt;
+    if (aggregate.function != sparql::Aggregate::Function::kCount || !IsPlain(counted.pattern_))
+      return std::nullopt;
     for (const sparql::GroupKey& key : group.group_keys) {
-      const bool same = key.expression->kind == Expression::Kind::kVariable && key.expression->variable.name == key.variable.name;
+      const bool same = key.expression->kind == Expression::Kind::kVariable &&
+                        key.expression->variable.name == key.variable.name;
       if (!same) return std::nullopt;
       counted.keys_.push_back(key.variable);
       if (shown.contains(key.variable.name)) counted.shown_.push_back(key.variable);
@@ -124,7 +130,8 @@ class Counted {
     for (const Variable& key : counted.keys_) counted.others_.erase(key.name);
     // what only a filter mentions is no part of what is counted
     const Names bound = ShownBy(counted.pattern_);
-    if (!std::includes(bound.begin(), bound.end(), counted.others_.begin(), counted.others_.end())) return std::nullopt;
+    if (!std::includes(bound.begin(), bound.end(), counted.others_.begin(), counted.others_.end()))
+      return std::nullopt;
     const bool star = aggregate.expression == nullptr;
     if (!star && aggregate.expression->kind != Expression::Kind::kVariable) return std::nullopt;
     if (counted.others_.empty() || (star && counted.others_.size() != 1)) return std::nullopt;
@@ -160,7 +167,8 @@ class Counted {
       std::map<std::string, std::string> names;
       ++copies_;
       for (const std::string& name : others_) {
-        std::string& own = names[name] = copies_ == 1 ? name : absl::StrCat(name, std::string(1, mark), copies_);
+        std::string& own = names[name] =
+            copies_ == 1 ? name : absl::StrCat(name, std::string(1, mark), copies_);
         while (copies_ > 1 && named_.contains(own)) own += '_';
       }
       copies.push_back(pattern_.Clone());
@@ -175,7 +183,8 @@ class Counted {
     for (size_t i = 0; i < things.size(); ++i) {
       for (size_t j = i + 1; j < things.size(); ++j) {
         all = Over(Algebra::Kind::kFilter, std::move(all));
-        auto same = std::make_unique<Expression>(Expression::Kind::kBuiltin, SourceSpan{});  // terms are counted, not values
+        auto same = std::make_unique<Expression>(Expression::Kind::kBuiltin,
+                                                 SourceSpan{});  // terms are counted, not values
         same->builtin = sparql::Builtin::kSameTerm;
         same->arguments.push_back(VariableNamed(things[i]));
         same->arguments.push_back(VariableNamed(things[j]));
@@ -197,7 +206,8 @@ class Counted {
 // The nodes of a sub-SELECT that counts, from its top to its group, and what names its aggregates have there.
 struct Chain {
   const Algebra* group = nullptr;
-  std::map<std::string, const sparql::Aggregate*> counts;  // by name, those of SELECT (COUNT(?x) AS ?name), too
+  std::map<std::string, const sparql::Aggregate*>
+      counts;  // by name, those of SELECT (COUNT(?x) AS ?name), too
   std::vector<const Algebra*> having;
 };
 
@@ -219,7 +229,8 @@ std::optional<Chain> ChainOf(const Algebra& top) {
   for (const sparql::Aggregate& aggregate : at->aggregates) chain.counts[aggregate.result.name] = &aggregate;
   for (auto extend = extends.rbegin(); extend != extends.rend(); ++extend) {
     const Expression& value = *(*extend)->expression;
-    const auto count = value.kind == Expression::Kind::kVariable ? chain.counts.find(value.variable.name) : chain.counts.end();
+    const auto count = value.kind == Expression::Kind::kVariable ? chain.counts.find(value.variable.name)
+                                                                 : chain.counts.end();
     if (count == chain.counts.end()) return std::nullopt;
     const sparql::Aggregate* aggregate = count->second;
     chain.counts[(*extend)->variable.name] = aggregate;
@@ -236,13 +247,16 @@ class Rewriter {
     if (AlgebraPtr written = Written(node, filters)) return written;
     AlgebraPtr copy = node.Clone();
     // there it matters how often a solution comes
-    if (node.kind == Algebra::Kind::kGroup || node.kind == Algebra::Kind::kSlice || node.kind == Algebra::Kind::kService) return copy;
+    if (node.kind == Algebra::Kind::kGroup || node.kind == Algebra::Kind::kSlice ||
+        node.kind == Algebra::Kind::kService)
+      return copy;
     std::vector<const Expression*> inner;
     if (node.kind == Algebra::Kind::kFilter || node.kind == Algebra::Kind::kJoin) inner = filters;
     if (node.kind == Algebra::Kind::kFilter) sparql::CollectConjuncts(*node.expression, inner);
     // what may be absent is shown to people as it was written
     const bool first = node.kind == Algebra::Kind::kMinus || node.kind == Algebra::Kind::kLeftJoin;
-    for (size_t i = 0; i < (first ? 1 : node.children.size()); ++i) copy->children[i] = Copy(*node.children[i], inner);
+    for (size_t i = 0; i < (first ? 1 : node.children.size()); ++i)
+      copy->children[i] = Copy(*node.children[i], inner);
     if (node.kind != Algebra::Kind::kFilter) return copy;
     std::vector<const Expression*> own;
     sparql::CollectConjuncts(*node.expression, own);
@@ -303,12 +317,15 @@ class Rewriter {
     });
   }
   // Whether anything but those conjuncts looks at a count.
-  bool IsUsedOtherwise(const Algebra& top, const Chain& chain, const std::set<const Expression*>& used) const {
+  bool IsUsedOtherwise(const Algebra& top, const Chain& chain,
+                       const std::set<const Expression*>& used) const {
     Names names;
     MentionedBut(whole_, top, used, names);
-    return std::any_of(chain.counts.begin(), chain.counts.end(), [&](const auto& count) { return names.contains(count.first); });
+    return std::any_of(chain.counts.begin(), chain.counts.end(),
+                       [&](const auto& count) { return names.contains(count.first); });
   }
-  static void MentionedBut(const Algebra& node, const Algebra& top, const std::set<const Expression*>& used, Names& names) {
+  static void MentionedBut(const Algebra& node, const Algebra& top, const std::set<const Expression*>& used,
+                           Names& names) {
     if (&node == &top) return;
     if (node.kind == Algebra::Kind::kFilter) {
       std::vector<const Expression*> conjuncts;

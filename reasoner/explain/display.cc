@@ -52,7 +52,8 @@ void Substitute(Algebra& node, const Values& values) {
 
 }  // namespace
 
-Values ValuesOf(const Row& row, const Dictionary& dictionary, const absl::flat_hash_map<int, std::string>& names) {
+Values ValuesOf(const Row& row, const Dictionary& dictionary,
+                const absl::flat_hash_map<int, std::string>& names) {
   Values values;
   for (size_t v = 0; v < row.values.size(); ++v) {
     PatternTerm shown;

@@ -20,7 +20,8 @@ using Values = std::map<std::string, sparql::PatternTerm>;
 
 // The values of a solution, under the names of the clause and those that the query has; its open variables are called
 // as `names` says.
-Values ValuesOf(const Row& row, const Dictionary& dictionary, const absl::flat_hash_map<int, std::string>& names = {});
+Values ValuesOf(const Row& row, const Dictionary& dictionary,
+                const absl::flat_hash_map<int, std::string>& names = {});
 
 class Display {
  public:

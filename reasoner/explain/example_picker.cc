@@ -40,7 +40,8 @@ void AddNear(const Term& term, std::vector<Term>& out) {
     absl::Time time;
     if (!absl::ParseTime(format, term.lexical, &time, nullptr)) continue;
     for (const int days : {1, -1}) {
-      out.push_back(Term::Literal(absl::FormatTime(format, time + days * absl::Hours(24), absl::UTCTimeZone()), term.datatype));
+      out.push_back(Term::Literal(
+          absl::FormatTime(format, time + days * absl::Hours(24), absl::UTCTimeZone()), term.datatype));
     }
     return;
   }
@@ -59,12 +60,14 @@ void AddLike(const Term& term, std::vector<Term>& out) {
 }  // namespace
 
 // Values to try an open variable with.
-std::vector<TermId> ExamplePicker::CandidatesFor(int open, const std::string& name, const Solution& solution) {
+std::vector<TermId> ExamplePicker::CandidatesFor(int open, const std::string& name,
+                                                 const Solution& solution) {
   std::vector<Term> terms;
   bool tested = false;
   for (const OpenTest& test : solution.tests) {
     const std::vector<int>& variables = test.test->variables;
-    if (std::none_of(variables.begin(), variables.end(), [&](int v) { return test.row.open[v] == open; })) continue;
+    if (std::none_of(variables.begin(), variables.end(), [&](int v) { return test.row.open[v] == open; }))
+      continue;
     tested = true;
     CollectConstants(*test.test->expression, terms);
     for (const int v : variables) {
@@ -116,8 +119,8 @@ bool ExamplePicker::LetsThrough(const OpenTest& test, const Examples& examples) 
 }
 
 bool ExamplePicker::PickFrom(const std::vector<int>& open, size_t at, const Solution& solution,
-                            const absl::flat_hash_map<int, std::vector<TermId>>& candidates, Examples& examples,
-                            size_t& tries) {
+                             const absl::flat_hash_map<int, std::vector<TermId>>& candidates,
+                             Examples& examples, size_t& tries) {
   if (++tries > kExampleTries) return false;
   for (const OpenTest& test : solution.tests) {
     if (!LetsThrough(test, examples)) return false;

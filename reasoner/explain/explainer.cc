@@ -20,9 +20,9 @@ absl::StatusOr<std::unique_ptr<Explainer>> Explainer::Make(const Settings& setti
   auto rules = RuleBase::Make(settings.rules, made->dictionary_, settings.limits);
   if (!rules.ok()) return rules.status();
   made->rules_ = *std::move(rules);
-  made->prover_ = std::make_unique<Prover>(*settings.version, made->dictionary_, *made->rules_,
-                                           settings.functions, made->run_, settings.explain_limits,
-                                           settings.prefixes);
+  made->prover_ =
+      std::make_unique<Prover>(*settings.version, made->dictionary_, *made->rules_, settings.functions,
+                               made->run_, settings.explain_limits, settings.prefixes);
   return made;
 }
 
@@ -81,7 +81,8 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
   if (!*holds) return std::optional<Proof>();
   auto clauses = ToClauses(WithoutModifiers(*ask.algebra), dictionary_, default_graph_);
   if (!clauses.ok()) return clauses.status();
-  Solver solver(*settings_.version, dictionary_, settings_.functions, run_, settings_.explain_limits.explain_steps);
+  Solver solver(*settings_.version, dictionary_, settings_.functions, run_,
+                settings_.explain_limits.explain_steps);
   for (const Clause& clause : *clauses) {
     std::optional<Solution> first;
     absl::Status status = solver.Solve(clause, {}, SolveOptions(), [&](const Solution& solution) {

@@ -35,11 +35,11 @@ class ProofWriter {
     Line(indent, display_.Fact(step.fact));
     for (const Told& told : step.told) {
       const bool by_graph = !told.graph.lexical.empty();
-      std::string line = by_graph ? absl::StrCat("told by ", display_.Of(told.graph)) : absl::StrCat("told ", told.by);
+      std::string line =
+          by_graph ? absl::StrCat("told by ", display_.Of(told.graph)) : absl::StrCat("told ", told.by);
       if (told.graph.lexical == kRunsGraph) line = "told by the workflow engine";
       if (by_graph && !told.by.empty()) absl::StrAppend(&line, ", ", told.by);
-      if (told.offset > 0)
-        absl::StrAppend(&line, ", ", TimeText(told.time_us), ", log offset ", told.offset);
+      if (told.offset > 0) absl::StrAppend(&line, ", ", TimeText(told.time_us), ", log offset ", told.offset);
       Line(indent + 1, line);
     }
     if (!step.told.empty()) return;
@@ -79,34 +79,39 @@ void WriteRepair(const Repair& repair, const Display& display, std::string* out)
   if (!repair.in_the_way.empty())
     heads.push_back(Count(repair.in_the_way.size(), "fact is in the way", "facts are in the way"));
   absl::StrAppend(out, absl::StrJoin(heads, ", "));
-  if (!repair.bindings.empty())
-    absl::StrAppend(out, " with ", BindingsText(repair.bindings, display));
+  if (!repair.bindings.empty()) absl::StrAppend(out, " with ", BindingsText(repair.bindings, display));
   absl::StrAppend(out, "\n");
   for (const ToTell& tell : repair.tell) {
     absl::StrAppend(out, "  missing     ", display.Fact(tell.fact));
     if (!tell.graph.lexical.empty()) absl::StrAppend(out, " in graph ", display.Of(tell.graph));
     if (!tell.absence.empty()) absl::StrAppend(out, "   (for there to be no ", tell.absence, ")");
     if (!tell.now.empty()) {
-      absl::StrAppend(out, "   (now ", absl::StrJoin(tell.now, ", ", [&](std::string* text, const Term& term) {
-                        absl::StrAppend(text, display.Of(term));
-                      }),
+      absl::StrAppend(out, "   (now ",
+                      absl::StrJoin(tell.now, ", ",
+                                    [&](std::string* text, const Term& term) {
+                                      absl::StrAppend(text, display.Of(term));
+                                    }),
                       ")");
     }
     absl::StrAppend(out, "\n");
   }
-  for (const std::string& condition : repair.conditions) absl::StrAppend(out, "  where       ", condition, "\n");
+  for (const std::string& condition : repair.conditions)
+    absl::StrAppend(out, "  where       ", condition, "\n");
   for (const InTheWay& way : repair.in_the_way) {
     const std::string fact = display.Fact(way.fact);
     std::map<std::string, std::vector<std::string>> graphs;  // of each triple
     for (const TermQuad& quad : way.withdraw) graphs[display.Fact(quad)].push_back(display.Of(quad.graph));
     const auto told_by = [&graphs, &display](const std::string& triple) {
       const std::vector<std::string>& names = graphs[triple];
-      const bool plain = names.empty() || names == std::vector{display.Of(Term::Iri(std::string(kDefaultGraph)))};
+      const bool plain =
+          names.empty() || names == std::vector{display.Of(Term::Iri(std::string(kDefaultGraph)))};
       return plain ? "" : absl::StrCat("; told by ", absl::StrJoin(names, ", "));
     };
     absl::StrAppend(out, "  in the way  ", fact, "   (there must be no ", way.absence, told_by(fact), ")\n");
     for (const auto& [triple, names] : graphs) {
-      if (triple != fact) absl::StrAppend(out, "  withdraw    ", triple, "   (it is inferred from this", told_by(triple), ")\n");
+      if (triple != fact)
+        absl::StrAppend(out, "  withdraw    ", triple, "   (it is inferred from this", told_by(triple),
+                        ")\n");
     }
   }
   for (auto it = repair.inferred.rbegin(); it != repair.inferred.rend(); ++it)

@@ -27,9 +27,9 @@ class Automaton {
  public:
   struct Edge {
     int to;
-    bool empty = false;     // no fact
-    bool inverse = false;   // from object to subject
-    bool negated = false;   // any predicate but these
+    bool empty = false;    // no fact
+    bool inverse = false;  // from object to subject
+    bool negated = false;  // any predicate but these
     std::vector<TermId> predicates;
   };
   Automaton(const Path& path, const Dictionary& dictionary) : dictionary_(dictionary) {
@@ -152,8 +152,9 @@ std::optional<std::vector<Quad>> PartFacts::Chain(const Path& path, TermId graph
         const auto& not_these = edge.predicates;
         if (edge.negated && std::find(not_these.begin(), not_these.end(), quad.predicate) != not_these.end())
           return true;
-        reach({edge.to, edge.inverse ? quad.subject : quad.object}, cost + (quad.graph == inferred ? kInferredCost : 1),
-              place, {quad.subject, quad.predicate, quad.object, graph});
+        reach({edge.to, edge.inverse ? quad.subject : quad.object},
+              cost + (quad.graph == inferred ? kInferredCost : 1), place,
+              {quad.subject, quad.predicate, quad.object, graph});
         return true;
       });
     }
@@ -182,8 +183,8 @@ Ground PartFacts::OfPath(const Algebra& node, TermId graph, const ByName& values
   return {*std::move(chain), 0, !from.IsNone() && !to.IsNone()};
 }
 
-absl::Status PartFacts::AddSolutions(const Algebra& node, TermId graph, const ByName& values, size_t solutions,
-                                     Ground& ground) {
+absl::Status PartFacts::AddSolutions(const Algebra& node, TermId graph, const ByName& values,
+                                     size_t solutions, Ground& ground) {
   auto clauses = ToClauses(node, dictionary_, graph);
   if (!clauses.ok()) return clauses.status();
   Solver solver(version_, dictionary_, functions_, run_, step_limit_ - std::min(step_limit_, steps_));
@@ -232,7 +233,8 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
     const TermId value = row.values[static_cast<size_t>(part.variables[i])];
     if (!value.IsNone()) values.emplace(scope[i].name, value);
   }
-  const TermId graph = part.graph.variable < 0 ? part.graph.constant : row.values[static_cast<size_t>(part.graph.variable)];
+  const TermId graph =
+      part.graph.variable < 0 ? part.graph.constant : row.values[static_cast<size_t>(part.graph.variable)];
   if (part.graph.variable >= 0 && graph.IsNone()) return Ground();
   const Algebra* node = part.pattern.get();
   if (node->kind == Algebra::Kind::kPath) return OfPath(*node, graph, values);
@@ -253,7 +255,8 @@ absl::StatusOr<Ground> PartFacts::Of(const Part& part, const Row& row) {
     }
     if (plain) status = AddSolutions(*node->children[0], graph, keys, kSolutions, ground);
   } else if (node->kind == Algebra::Kind::kLeftJoin) {
-    for (size_t i = 0; i < 2 && status.ok(); ++i) status = AddSolutions(*node->children[i], graph, values, 1, ground);
+    for (size_t i = 0; i < 2 && status.ok(); ++i)
+      status = AddSolutions(*node->children[i], graph, values, 1, ground);
   } else if (node->kind != Algebra::Kind::kService) {
     status = AddSolutions(*node, graph, values, 1, ground);
   }

@@ -10,8 +10,8 @@
 namespace docent::explain {
 namespace {
 
-constexpr int kDeepest = 1000;             // of a proof; deeper ones are not looked for
-constexpr int kIdleRounds = 8;             // without a new fact or proof: by rules that are not known here
+constexpr int kDeepest = 1000;               // of a proof; deeper ones are not looked for
+constexpr int kIdleRounds = 8;               // without a new fact or proof: by rules that are not known here
 constexpr size_t kDerivationsLooked = 2000;  // of one fact
 
 }  // namespace
@@ -31,11 +31,10 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
 
 std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
   std::vector<Quad> told;
-  version_.ForEach(
-      {fact.subject, fact.predicate, fact.object, TermId()}, [&](const Quad& quad) {
-        if (quad.graph != inferred_) told.push_back(quad);
-        return true;
-      });
+  version_.ForEach({fact.subject, fact.predicate, fact.object, TermId()}, [&](const Quad& quad) {
+    if (quad.graph != inferred_) told.push_back(quad);
+    return true;
+  });
   return told;
 }
 
@@ -109,8 +108,8 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
 // Whether there is a proof of at most this depth. Iterative deepening: what is found first is the least deep.
 absl::StatusOr<bool> Prover::Prove(const Quad& fact, int depth) {
   if (solver_.exhausted() || ++calls_ > limits_.explain_steps) {
-    return absl::ResourceExhaustedError(absl::StrCat("the search for a proof took more than explain_steps = ",
-                                                     limits_.explain_steps, " steps"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "the search for a proof took more than explain_steps = ", limits_.explain_steps, " steps"));
   }
   std::unique_ptr<Known>& place = known_[fact];
   if (place == nullptr) {
@@ -241,7 +240,8 @@ absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
   Besides besides;
   const Display display(prefixes_);
   const Values values = ValuesOf(row, dictionary_);
-  for (const Test& test : row.clause->tests) besides.conditions.push_back(display.Filter(*test.expression, values));
+  for (const Test& test : row.clause->tests)
+    besides.conditions.push_back(display.Filter(*test.expression, values));
   for (const Absence& absence : row.clause->absences) {
     besides.conditions.push_back(absl::StrCat("no ", display.Pattern(*absence.source, values)));
   }
@@ -252,15 +252,19 @@ absl::StatusOr<Prover::Besides> Prover::BesidesOf(const Row& row) {
     const std::vector<sparql::Variable> scope = sparql::InScopeVariables(*part.pattern);
     for (size_t i = 0; i < scope.size(); ++i) {
       const TermId value = row.values[static_cast<size_t>(part.variables[i])];
-      if (!value.IsNone()) own.insert_or_assign(scope[i].name, sparql::PatternTerm::Of(dictionary_.Decode(value)));
+      if (!value.IsNone())
+        own.insert_or_assign(scope[i].name, sparql::PatternTerm::Of(dictionary_.Decode(value)));
     }
     if (part.graph.variable >= 0) {
       const TermId graph = row.values[static_cast<size_t>(part.graph.variable)];
-      if (!graph.IsNone()) own.insert_or_assign(std::string(kGraphOfPart), sparql::PatternTerm::Of(dictionary_.Decode(graph)));
+      if (!graph.IsNone())
+        own.insert_or_assign(std::string(kGraphOfPart), sparql::PatternTerm::Of(dictionary_.Decode(graph)));
     }
-    std::string& text = besides.conditions.emplace_back(display.Pattern(*InItsGraph(part, dictionary_, std::string(kGraphOfPart)), own));
+    std::string& text = besides.conditions.emplace_back(
+        display.Pattern(*InItsGraph(part, dictionary_, std::string(kGraphOfPart)), own));
     if (ground->more > 0)
-      absl::StrAppend(&text, "   (by ", ground->facts.size(), " facts that are shown, and ", ground->more, " more)");
+      absl::StrAppend(&text, "   (by ", ground->facts.size(), " facts that are shown, and ", ground->more,
+                      " more)");
     besides.facts.insert(besides.facts.end(), ground->facts.begin(), ground->facts.end());
     besides.whole = besides.whole && ground->whole;
   }

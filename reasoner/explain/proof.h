@@ -28,17 +28,17 @@ namespace docent::explain {
 
 // One telling of a fact.
 struct Told {
-  Term graph;               // the named graph that holds it: its source; empty: `by` alone says it ("in hall.ttl:3:5")
-  uint64_t offset = 0;      // of the log record that told it last; 0: not looked up or not found
-  TimeMicros time_us = 0;   // when
-  std::string by;           // "reading of <sensor>", "ontology world.ttl", …; empty: a plain fact
+  Term graph;  // the named graph that holds it: its source; empty: `by` alone says it ("in hall.ttl:3:5")
+  uint64_t offset = 0;     // of the log record that told it last; 0: not looked up or not found
+  TimeMicros time_us = 0;  // when
+  std::string by;          // "reading of <sensor>", "ontology world.ttl", …; empty: a plain fact
 };
 
 // A fact with what it rests on.
 struct ProofStep {
-  TermQuad fact;  // without graph
-  std::vector<Told> told;  // empty: inferred
-  std::string rule;        // inferred: "guide.rules rule 1 (line 5)"
+  TermQuad fact;                                       // without graph
+  std::vector<Told> told;                              // empty: inferred
+  std::string rule;                                    // inferred: "guide.rules rule 1 (line 5)"
   std::vector<std::pair<std::string, Term>> bindings;  // of the rule's variables, in its order
   std::vector<size_t> premises;                        // indexes in Proof::steps, in the rule's order
   std::vector<std::string> conditions;                 // filters and absences that hold, as SPARQL
@@ -48,23 +48,23 @@ struct ProofStep {
 // A fact stands in it once, however many steps rest on it.
 struct Proof {
   std::vector<ProofStep> steps;
-  std::vector<size_t> roots;  // what was asked for
+  std::vector<size_t> roots;                           // what was asked for
   std::vector<std::pair<std::string, Term>> bindings;  // of an ASK: its variables
   std::vector<std::string> conditions;                 // of an ASK: its filters and absences
 };
 
 // The leaves of a proof.
 struct Support {
-  std::vector<Quad> told;            // without graph
-  std::vector<AbsenceOf> absences;   // of the rules applied
+  std::vector<Quad> told;           // without graph
+  std::vector<AbsenceOf> absences;  // of the rules applied
   bool whole = true;  // false: also on aggregates, or on what rules made that are not known here
 };
 
 class Prover {
  public:
   Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBase& rules,
-         const sparql::FunctionRegistry* functions, const sparql::RunOptions& run, const ExplainLimits& limits,
-         std::vector<std::pair<std::string, std::string>> prefixes);
+         const sparql::FunctionRegistry* functions, const sparql::RunOptions& run,
+         const ExplainLimits& limits, std::vector<std::pair<std::string, std::string>> prefixes);
 
   // Adds the fact and what it rests on. nullopt: the version does not hold it. RESOURCE_EXHAUSTED: the limits
   // explain_steps or explain_facts.
@@ -95,10 +95,10 @@ class Prover {
     bool whole = true;        // as Besides::whole
   };
   struct Known {
-    int proven = -1;         // the smallest depth of a proof
-    int refuted = -1;        // there is none up to this depth
-    size_t best = 0;         // the derivation of that proof
-    bool derived = false;    // whether `derivations` were looked for
+    int proven = -1;       // the smallest depth of a proof
+    int refuted = -1;      // there is none up to this depth
+    size_t best = 0;       // the derivation of that proof
+    bool derived = false;  // whether `derivations` were looked for
     std::vector<Derivation> derivations;
   };
 

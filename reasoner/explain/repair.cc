@@ -15,7 +15,8 @@ using sparql::PatternTerm;
 constexpr size_t kValuesShown = 3;
 
 // Other objects that the graph has where the fact would stand.
-std::vector<Term> ValuesNow(const MissingFact& fact, const GraphVersion& version, const Dictionary& dictionary) {
+std::vector<Term> ValuesNow(const MissingFact& fact, const GraphVersion& version,
+                            const Dictionary& dictionary) {
   std::vector<Term> now;
   if (fact.open[0] != MissingFact::kBound || fact.open[1] != MissingFact::kBound) return now;
   if (fact.terms[1] == dictionary.FindIri(kRdfType)) return now;
@@ -60,7 +61,8 @@ OpenNames DistinctNames(const Solution& solution) {
   return names;
 }
 
-sparql::TriplePattern PatternOf(const MissingFact& fact, const Dictionary& dictionary, const OpenNames& names) {
+sparql::TriplePattern PatternOf(const MissingFact& fact, const Dictionary& dictionary,
+                                const OpenNames& names) {
   std::array<PatternTerm, 3> terms;
   for (int i = 0; i < 3; ++i) {
     terms[i] = fact.open[i] == MissingFact::kBound
@@ -70,15 +72,16 @@ sparql::TriplePattern PatternOf(const MissingFact& fact, const Dictionary& dicti
   return {terms[0], terms[1], terms[2]};
 }
 
-std::string AbsenceText(const Absence& absence, const Row& row, const OpenNames& names, const Dictionary& dictionary,
-                        const Display& display) {
+std::string AbsenceText(const Absence& absence, const Row& row, const OpenNames& names,
+                        const Dictionary& dictionary, const Display& display) {
   Values values = ValuesOf(row, dictionary, names);
   std::set<std::string> used;
   for (const auto& [open, name] : names) used.insert(name);
   for (const Clause& alternative : absence.alternatives) {
     for (size_t v = 0; v < alternative.names.size(); ++v) {
       const std::string& written = alternative.written[v];
-      if (written.empty() || row.clause->Find(alternative.names[v]) >= 0 || values.contains(written)) continue;
+      if (written.empty() || row.clause->Find(alternative.names[v]) >= 0 || values.contains(written))
+        continue;
       std::string name = written;
       for (int n = 2; !used.insert(name).second; ++n) name = absl::StrCat(written, n);
       values.emplace(written, PatternTerm::Of(sparql::Variable{name}));
@@ -87,8 +90,8 @@ std::string AbsenceText(const Absence& absence, const Row& row, const OpenNames&
   return display.Pattern(*absence.source, values);
 }
 
-bool AddMissing(const Solution& solution, const Examples& examples, const OpenNames& names, const GraphVersion& version,
-                Dictionary& dictionary, const Display& display, Repair& repair) {
+bool AddMissing(const Solution& solution, const Examples& examples, const OpenNames& names,
+                const GraphVersion& version, Dictionary& dictionary, const Display& display, Repair& repair) {
   for (const MissingFact& fact : solution.missing) {
     ToTell& tell = repair.tell.emplace_back();
     tell.fact = PatternOf(fact, dictionary, names);
@@ -107,7 +110,8 @@ bool AddMissing(const Solution& solution, const Examples& examples, const OpenNa
     repair.add.push_back(quad);
   }
   for (const OpenTest& test : solution.tests)
-    repair.conditions.push_back(display.Filter(*test.test->expression, ValuesOf(test.row, dictionary, names)));
+    repair.conditions.push_back(
+        display.Filter(*test.test->expression, ValuesOf(test.row, dictionary, names)));
   return true;
 }
 

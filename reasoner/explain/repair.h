@@ -22,14 +22,16 @@ struct ToTell {
   Term graph;                  // empty IRI: any
   std::vector<Term> now;       // objects that the graph has instead, of the same subject and predicate; a few
   TermQuad example;            // with values in the place of open variables, as it was tried
-  std::string absence;         // "{ expo:R01 a docent:Idle }", which holds by it; empty: the fact itself is asked for
+  std::string
+      absence;  // "{ expo:R01 a docent:Idle }", which holds by it; empty: the fact itself is asked for
 };
 
 // A fact that stands in the way of an absence.
 struct InTheWay {
-  TermQuad fact;                   // without graph
-  std::string absence;             // "{ expo:R01 docent:task ?t }"
-  std::vector<TermQuad> withdraw;  // told facts to withdraw for it to go, with their graphs: each triple is one change
+  TermQuad fact;        // without graph
+  std::string absence;  // "{ expo:R01 docent:task ?t }"
+  std::vector<TermQuad>
+      withdraw;  // told facts to withdraw for it to go, with their graphs: each triple is one change
 };
 
 // A nearest partial match with what it lacks.
@@ -59,16 +61,17 @@ using OpenNames = absl::flat_hash_map<int, std::string>;
 // Each open variable of a solution gets a name of its own.
 OpenNames DistinctNames(const Solution& solution);
 
-sparql::TriplePattern PatternOf(const MissingFact& fact, const Dictionary& dictionary, const OpenNames& names);
+sparql::TriplePattern PatternOf(const MissingFact& fact, const Dictionary& dictionary,
+                                const OpenNames& names);
 
 // "{ expo:R01 docent:task ?t }"; variables of its own are not called as others are.
-std::string AbsenceText(const Absence& absence, const Row& row, const OpenNames& names, const Dictionary& dictionary,
-                        const Display& display);
+std::string AbsenceText(const Absence& absence, const Row& row, const OpenNames& names,
+                        const Dictionary& dictionary, const Display& display);
 
 // Adds what a solution lacks: facts to tell, and the conditions on their open variables. False: not facts that can be
 // told (a literal as subject, a graph that only rules write); `repair` is then not to be used.
-bool AddMissing(const Solution& solution, const Examples& examples, const OpenNames& names, const GraphVersion& version,
-                Dictionary& dictionary, const Display& display, Repair& repair);
+bool AddMissing(const Solution& solution, const Examples& examples, const OpenNames& names,
+                const GraphVersion& version, Dictionary& dictionary, const Display& display, Repair& repair);
 
 }  // namespace docent::explain
 

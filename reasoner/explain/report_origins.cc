@@ -20,13 +20,14 @@ GraphVersionPtr EvidenceOf(TermId report, const GraphVersion& version, Dictionar
     return found.Valid() ? found.quad().object : TermId();
   };
   GraphWriter writer(nullptr);
-  version.ForEach({report, dictionary.InternIri(DocentIri("evidence")), TermId(), TermId()}, [&](const Quad& named) {
-    const Quad triple{value(named.object, "subject"), value(named.object, "predicate"), value(named.object, "object"),
-                      named.graph};
-    const bool whole = !triple.subject.IsNone() && !triple.predicate.IsNone() && !triple.object.IsNone();
-    if (whole) writer.Add(triple);
-    return true;
-  });
+  version.ForEach(
+      {report, dictionary.InternIri(DocentIri("evidence")), TermId(), TermId()}, [&](const Quad& named) {
+        const Quad triple{value(named.object, "subject"), value(named.object, "predicate"),
+                          value(named.object, "object"), named.graph};
+        const bool whole = !triple.subject.IsNone() && !triple.predicate.IsNone() && !triple.object.IsNone();
+        if (whole) writer.Add(triple);
+        return true;
+      });
   return writer.Freeze(Revision(1));
 }
 
@@ -39,7 +40,8 @@ ReportOrigins::~ReportOrigins() = default;
 
 // The report that `subject` is, or is a part of.
 std::optional<TermId> ReportOrigins::ReportOf(TermId subject) const {
-  const auto type = dictionary_.FindIri(kRdfType), inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
+  const auto type = dictionary_.FindIri(kRdfType),
+             inconsistency = dictionary_.FindIri(DocentIri("Inconsistency"));
   if (!type || !inconsistency) return std::nullopt;
   const auto is_report = [&](TermId id) { return version_.Count({id, *type, *inconsistency, TermId()}) > 0; };
   if (is_report(subject)) return subject;
@@ -74,20 +76,23 @@ absl::StatusOr<std::vector<ReportOrigins::Origin>> ReportOrigins::Of(const Quad&
     const auto compare = [&](absl::Span<const TermId> row) {
       made.clear();
       reports.Make(rule, row, made);
-      if (std::find(made.begin(), made.end(), Triple{fact.subject, fact.predicate, fact.object}) != made.end()) {
+      if (std::find(made.begin(), made.end(), Triple{fact.subject, fact.predicate, fact.object}) !=
+          made.end()) {
         Origin& origin = origins.emplace_back();
         origin.rule = r;
-        for (size_t i = 0; i < row.size(); ++i) origin.values.emplace_back(rule.body->columns()[i].name, row[i]);
+        for (size_t i = 0; i < row.size(); ++i)
+          origin.values.emplace_back(rule.body->columns()[i].name, row[i]);
       }
-      return std::any_of(made.begin(), made.end(), [&](const Triple& t) {  // else none of this check's is the report
-        return t.predicate == said_by && version_.Count({*report, said_by, t.object, TermId()}) > 0;
-      });
+      return std::any_of(
+          made.begin(), made.end(), [&](const Triple& t) {  // else none of this check's is the report
+            return t.predicate == said_by && version_.Count({*report, said_by, t.object, TermId()}) > 0;
+          });
     };
     const std::vector<TermId> open(rule.body->columns().size());
     // the filters may look at more than the evidence; what was reported has passed them
-    const absl::Status status = rule.body->flat()
-                                    ? rule.body->EvaluateRest(on_evidence, open, 0, Body::Filters::kNone, compare)
-                                    : rule.body->Evaluate(run_, open, compare);
+    const absl::Status status =
+        rule.body->flat() ? rule.body->EvaluateRest(on_evidence, open, 0, Body::Filters::kNone, compare)
+                          : rule.body->Evaluate(run_, open, compare);
     if (!status.ok()) return status;
   }
   return origins;

@@ -31,7 +31,7 @@ namespace docent::explain {
 class ReportOrigins {
  public:
   struct Origin {
-    uint32_t rule = 0;  // in RuleBase::rules
+    uint32_t rule = 0;                                   // in RuleBase::rules
     std::vector<std::pair<std::string, TermId>> values;  // of the check's variables, by name
   };
 

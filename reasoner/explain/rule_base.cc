@@ -22,7 +22,8 @@ bool IsOnePattern(const Clause& clause) {
                         clause.tables.size() + clause.parts.size();
   if (clause.atoms.size() != 1 || others > 0) return false;
   const auto& terms = clause.atoms[0].terms;
-  const auto variables = std::count_if(terms.begin(), terms.end(), [](const AtomTerm& t) { return t.variable >= 0; });
+  const auto variables =
+      std::count_if(terms.begin(), terms.end(), [](const AtomTerm& t) { return t.variable >= 0; });
   return static_cast<size_t>(variables) == clause.names.size();
 }
 
@@ -30,8 +31,9 @@ bool IsOnePattern(const Clause& clause) {
 bool LosesHead(const Rule& rule, const sparql::Algebra& written) {
   const std::vector<sparql::Variable> shown = sparql::InScopeVariables(written);
   const auto lost = [&](const sparql::PatternTerm& term) {
-    return term.IsVariable() && std::none_of(shown.begin(), shown.end(),
-                                             [&](const sparql::Variable& v) { return v.name == term.variable().name; });
+    return term.IsVariable() && std::none_of(shown.begin(), shown.end(), [&](const sparql::Variable& v) {
+             return v.name == term.variable().name;
+           });
   };
   return std::any_of(rule.head.begin(), rule.head.end(), [&](const sparql::TriplePattern& head) {
     return lost(head.subject) || lost(head.predicate) || lost(head.object);
@@ -41,8 +43,7 @@ bool LosesHead(const Rule& rule, const sparql::Algebra& written) {
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector<RuleText>& sets,
-                                                               Dictionary& dictionary,
-                                                               const Limits& limits) {
+                                                               Dictionary& dictionary, const Limits& limits) {
   auto base = std::make_shared<RuleBase>();
   base->type_ = dictionary.InternIri(kRdfType);
   for (const RuleText& set : sets) {
@@ -69,7 +70,8 @@ absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number,
   return status;
 }
 
-absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells, Dictionary& dictionary) {
+absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
+                                  Dictionary& dictionary) {
   auto clauses = ToClauses(body, dictionary);
   if (!clauses.ok()) return clauses.status();
   for (Clause& clause : *clauses) {
@@ -87,8 +89,9 @@ absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body,
       atom.terms[0] = HeadTerm(head.subject, made.body, dictionary);
       atom.terms[1] = HeadTerm(head.predicate, made.body, dictionary);
       atom.terms[2] = HeadTerm(head.object, made.body, dictionary);
-      const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3,
-                                     [](const AtomTerm& t) { return t.variable >= 0 || !t.constant.IsNone(); });
+      const bool whole = std::all_of(atom.terms.begin(), atom.terms.begin() + 3, [](const AtomTerm& t) {
+        return t.variable >= 0 || !t.constant.IsNone();
+      });
       if (!whole) continue;  // a variable that this alternative leaves open makes no fact
       const Head place{static_cast<uint32_t>(clauses_.size() - 1), static_cast<uint32_t>(made.heads.size())};
       made.heads.push_back(atom);
@@ -138,7 +141,8 @@ void RuleBase::ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit
 bool RuleBase::IsForbidden(const QuadPattern& fact) const {
   const auto covers = [](TermId forbidden, TermId term) { return forbidden.IsNone() || forbidden == term; };
   return std::any_of(forbidden_.begin(), forbidden_.end(), [&](const QuadPattern& f) {
-    return covers(f.subject, fact.subject) && covers(f.predicate, fact.predicate) && covers(f.object, fact.object);
+    return covers(f.subject, fact.subject) && covers(f.predicate, fact.predicate) &&
+           covers(f.object, fact.object);
   });
 }
 

@@ -65,7 +65,8 @@ class RuleBase {
   void MarkWhatClausesRestOn();
   absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
   // The clauses of the last rule, by this body of it.
-  absl::Status AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells, Dictionary& dictionary);
+  absl::Status AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
+                          Dictionary& dictionary);
 
   RuleSets sets_;
   std::vector<RuleInfo> rules_;

@@ -12,8 +12,8 @@ constexpr size_t kPartRows = 10000;  // of one evaluation of a part
 
 }  // namespace
 
-Solver::Solver(const GraphVersion& version, Dictionary& dictionary,
-               const sparql::FunctionRegistry* functions, const sparql::RunOptions& run, size_t steps)
+Solver::Solver(const GraphVersion& version, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
+               const sparql::RunOptions& run, size_t steps)
     : version_(version), dictionary_(dictionary), functions_(functions), run_(run), step_limit_(steps) {}
 Solver::~Solver() = default;
 
@@ -172,7 +172,8 @@ bool Solver::Step() {
       if (pending_[i].done) continue;
       if (pending_[i].kind == Pending::Kind::kTable && table < 0) table = static_cast<int>(i);
       if (pending_[i].kind == Pending::Kind::kPart && part < 0) part = static_cast<int>(i);
-      if (pending_[i].kind == Pending::Kind::kPart && reached < 0 && IsReached(pending_[i])) reached = static_cast<int>(i);
+      if (pending_[i].kind == Pending::Kind::kPart && reached < 0 && IsReached(pending_[i]))
+        reached = static_cast<int>(i);
     }
     if (table >= 0 && (best < 0 || fewest > 1)) {
       go_on = TryTable(table);
@@ -212,7 +213,8 @@ bool Solver::TryMatches(int goal) {
   const int base = frames_[goals_[goal].frame].base;
   const Atom& atom = *goals_[goal].atom;
   const bool any_graph = atom.terms[3].variable < 0 && atom.terms[3].constant.IsNone();
-  for (QuadCursor c = version_.Scan(PatternOf(goals_[goal])); c.Valid(); any_graph ? c.NextTriple() : c.Next()) {
+  for (QuadCursor c = version_.Scan(PatternOf(goals_[goal])); c.Valid();
+       any_graph ? c.NextTriple() : c.Next()) {
     const Quad quad = c.quad();
     const size_t mark = Mark();
     bool go_on = true;
@@ -301,7 +303,8 @@ bool Solver::IsReached(const Pending& pending) const {
   const Part& part = frame.clause->parts[pending.index];
   if (!options_.abductive || !part.beside_gap) return false;
   return !part.pattern->subject.IsVariable() || !part.pattern->object.IsVariable() ||
-         std::any_of(part.variables.begin(), part.variables.end(), [&](int v) { return !Value(frame.base + v).IsNone(); });
+         std::any_of(part.variables.begin(), part.variables.end(),
+                     [&](int v) { return !Value(frame.base + v).IsNone(); });
 }
 
 bool Solver::TryPart(int pending) {
@@ -447,10 +450,11 @@ std::vector<AbsenceOf> Solver::Absences() const {
     for (const Absence& absence : frame.clause->absences) {
       AbsenceOf& of = absences.emplace_back(AbsenceOf{&absence, RowOf(frame)});
       for (const Clause& alternative : absence.alternatives) {
-        of.open = of.open || std::any_of(alternative.names.begin(), alternative.names.end(), [&](const std::string& name) {
-          const int outer = frame.clause->Find(name);
-          return outer >= 0 && of.row.values[outer].IsNone();
-        });
+        of.open = of.open || std::any_of(alternative.names.begin(), alternative.names.end(),
+                                         [&](const std::string& name) {
+                                           const int outer = frame.clause->Find(name);
+                                           return outer >= 0 && of.row.values[outer].IsNone();
+                                         });
       }
     }
   }
@@ -493,7 +497,8 @@ bool Solver::Leaf() {
   std::vector<AbsenceOf> absences = Absences();
   if (options_.abductive) {
     solution.absences = std::move(absences);
-  } else if (std::any_of(absences.begin(), absences.end(), [this](const AbsenceOf& of) { return IsMatched(of); })) {
+  } else if (std::any_of(absences.begin(), absences.end(),
+                         [this](const AbsenceOf& of) { return IsMatched(of); })) {
     return status_.ok();
   }
   for (const Pending& pending : pending_) {
@@ -513,7 +518,8 @@ bool Solver::Leaf() {
     if (frame.parent >= 0) {
       const Goal& parent = goals_[frame.parent];
       const Inference inference{frame.rule, FactOf(*parent.atom, frames_[parent.frame].base)};
-      std::erase(solution.inferences, inference);  // several patterns may need it: the last stands below all of them
+      std::erase(solution.inferences,
+                 inference);  // several patterns may need it: the last stands below all of them
       solution.inferences.push_back(inference);
     }
   }

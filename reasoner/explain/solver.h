@@ -70,7 +70,8 @@ struct Inference {
 
 struct Solution {
   Row row;
-  std::vector<Quad> facts;  // matches of the clause's atoms and of the bodies of inferences; graph: none where any will do
+  std::vector<Quad>
+      facts;  // matches of the clause's atoms and of the bodies of inferences; graph: none where any will do
   std::vector<MissingFact> missing;
   std::vector<OpenTest> tests;
   std::vector<AbsenceOf> absences;  // abductively: of the clause and of the bodies of inferences, held or not
@@ -138,9 +139,9 @@ class Solver {
  private:
   struct Frame {
     const Clause* clause;
-    int base;      // of its variables among the cells
-    int parent;    // the goal that it is to infer; -1: none
-    int depth;     // rules above it
+    int base;    // of its variables among the cells
+    int parent;  // the goal that it is to infer; -1: none
+    int depth;   // rules above it
     uint32_t rule;
   };
   struct Goal {

@@ -52,7 +52,8 @@ bool Solver::TryRules(int goal, bool room) {
     PushFrame(rule.body, goal, depth + 1, rule.rule);
     const int own = frames_.back().base;
     bool fits = true;
-    for (int i = 0; i < 3 && fits; ++i) fits = Unify(atom.terms[i], base, rule.heads[head.head].terms[i], own);
+    for (int i = 0; i < 3 && fits; ++i)
+      fits = Unify(atom.terms[i], base, rule.heads[head.head].terms[i], own);
     const bool go_on = !fits || Step();
     Rewind(mark);
     PopFrame();

@@ -13,11 +13,11 @@
 namespace docent::explain {
 namespace {
 
-constexpr size_t kCandidates = 500;      // partial matches of one size that are looked at
-constexpr size_t kTried = 100;           // sets of one size that are tried
-constexpr size_t kNodes = 5000;          // sets of one size that are kept
-constexpr size_t kConflicts = 16;        // of one set of changes that are looked for at once
-constexpr size_t kSubsetsUpTo = 6;       // changes; of larger sets only those without one change are tried
+constexpr size_t kCandidates = 500;  // partial matches of one size that are looked at
+constexpr size_t kTried = 100;       // sets of one size that are tried
+constexpr size_t kNodes = 5000;      // sets of one size that are kept
+constexpr size_t kConflicts = 16;    // of one set of changes that are looked for at once
+constexpr size_t kSubsetsUpTo = 6;   // changes; of larger sets only those without one change are tried
 
 std::string KeyOf(const Solution& solution) {
   std::vector<std::string> parts;
@@ -69,7 +69,8 @@ bool Overlap(const Conflict& a, const Conflict& b) {
 WhyNotFinder::WhyNotFinder(Parts parts)
     : parts_(std::move(parts)),
       display_(parts_.prefixes),
-      solver_(*parts_.version, *parts_.dictionary, parts_.functions, parts_.run, parts_.limits.explain_steps) {}
+      solver_(*parts_.version, *parts_.dictionary, parts_.functions, parts_.run,
+              parts_.limits.explain_steps) {}
 
 SolveOptions WhyNotFinder::Telling() const {
   SolveOptions options;
@@ -127,7 +128,8 @@ absl::StatusOr<WhyNotFinder::Trial> WhyNotFinder::Try(const Node& node) {
     if (!answer.ok()) return answer.status();
     trial.holds = *answer;
     if (trial.holds || roots_[node.root].absences.empty()) return absl::OkStatus();
-    Prover prover(graph, *parts_.dictionary, *parts_.rules, parts_.functions, run, parts_.limits, parts_.prefixes);
+    Prover prover(graph, *parts_.dictionary, *parts_.rules, parts_.functions, run, parts_.limits,
+                  parts_.prefixes);
     auto conflicts = ConflictsOn(graph, prover, node);
     if (conflicts.ok()) trial.conflicts = *std::move(conflicts);
     return conflicts.status();
@@ -146,7 +148,8 @@ absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
   const uint32_t full = (1u << count) - 1;
   std::vector<uint32_t> subsets;
   for (uint32_t subset = 1; subset < full; ++subset) {
-    if (count <= kSubsetsUpTo || static_cast<size_t>(__builtin_popcount(subset)) + 1 == count) subsets.push_back(subset);
+    if (count <= kSubsetsUpTo || static_cast<size_t>(__builtin_popcount(subset)) + 1 == count)
+      subsets.push_back(subset);
   }
   std::stable_sort(subsets.begin(), subsets.end(),
                    [](uint32_t a, uint32_t b) { return __builtin_popcount(a) < __builtin_popcount(b); });
@@ -180,7 +183,8 @@ absl::StatusOr<bool> WhyNotFinder::Minimise(Repair& repair) {
     }
     // conditions are about the variables of what is to be told
     const bool open = std::any_of(less.tell.begin(), less.tell.end(), [](const ToTell& tell) {
-      return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() || tell.fact.object.IsVariable();
+      return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() ||
+             tell.fact.object.IsVariable();
     });
     if (open) less.conditions = repair.conditions;
     less.add = std::move(add);
@@ -220,11 +224,12 @@ void WhyNotFinder::Rank(std::vector<Node>& nodes) const {
       }
     }
     for (const auto& [name, value] : repair.bindings) absl::StrAppend(&text, name, display_.Of(value), "\n");
-    Key key{repair.size(), KindChanges(repair), fixed, open, repair.inferred.size(), withdrawn,
-            roots_[node.root].alternative, std::move(text)};
+    Key key{repair.size(), KindChanges(repair),           fixed,          open, repair.inferred.size(),
+            withdrawn,     roots_[node.root].alternative, std::move(text)};
     keyed.emplace_back(std::move(key), std::move(node));
   }
-  std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(keyed.begin(), keyed.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   nodes.clear();
   for (auto& [key, node] : keyed) nodes.push_back(std::move(node));
 }
@@ -314,7 +319,8 @@ int WhyNotFinder::AtLeast(const Node& node) const {
   std::vector<const Conflict*> apart;
   for (const Conflict& conflict : roots_[node.root].conflicts) {
     if (conflict.IsHitBy(node.repair)) continue;
-    if (std::none_of(apart.begin(), apart.end(), [&](const Conflict* other) { return Overlap(conflict, *other); }))
+    if (std::none_of(apart.begin(), apart.end(),
+                     [&](const Conflict* other) { return Overlap(conflict, *other); }))
       apart.push_back(&conflict);
   }
   return static_cast<int>(node.repair.size() + apart.size());
@@ -333,32 +339,37 @@ void WhyNotFinder::Expand(const Node& node, const std::vector<Conflict>& conflic
   for (const Conflict& conflict : conflicts) {
     if (conflict.lasts) roots_[node.root].conflicts.push_back(conflict);
   }
-  const auto fewest = std::min_element(conflicts.begin(), conflicts.end(), [](const Conflict& a, const Conflict& b) {
-    return a.ways.size() < b.ways.size();
-  });
+  const auto fewest =
+      std::min_element(conflicts.begin(), conflicts.end(),
+                       [](const Conflict& a, const Conflict& b) { return a.ways.size() < b.ways.size(); });
   if (fewest != conflicts.end()) Expand(node, *fewest);  // else the match itself has gone
 }
 
 // The sets with one of the ways more.
 void WhyNotFinder::Expand(const Node& node, const Conflict& conflict) {
   spared_schema_ = spared_schema_ || conflict.spared_schema;
-  if (conflict.left_out != Conflict::kNothing) LeaveOut(static_cast<int>(node.repair.size()) + conflict.left_out);
+  if (conflict.left_out != Conflict::kNothing)
+    LeaveOut(static_cast<int>(node.repair.size()) + conflict.left_out);
   for (const Repair& way : conflict.ways) {
     Node child = node;
     if (Join(way, child.repair)) Push(std::move(child));
   }
 }
 
-bool WhyNotFinder::IsNew(const Repair& repair) { return seen_.insert(KeyOf(repair)).second; }
+bool WhyNotFinder::IsNew(const Repair& repair) {
+  return seen_.insert(KeyOf(repair)).second;
+}
 
 // Tries one set of changes. `expand`: larger ones are of interest.
 absl::Status WhyNotFinder::Visit(const Node& node, bool expand, std::vector<Repair>& found) {
   auto trial = Try(node);
   if (!trial.ok()) return trial.status();
   if (!trial->holds) {
-    const bool by_example = std::any_of(node.repair.tell.begin(), node.repair.tell.end(), [](const ToTell& tell) {
-      return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() || tell.fact.object.IsVariable();
-    });
+    const bool by_example =
+        std::any_of(node.repair.tell.begin(), node.repair.tell.end(), [](const ToTell& tell) {
+          return tell.fact.subject.IsVariable() || tell.fact.predicate.IsVariable() ||
+                 tell.fact.object.IsVariable();
+        });
     if (by_example) LeaveOut(static_cast<int>(node.repair.size()));  // other values might do
     if (expand) Expand(node, trial->conflicts);
     return absl::OkStatus();
@@ -431,7 +442,8 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   ask_ = *std::move(prepared);
   const sparql::Algebra& where = WithoutModifiers(*ask.algebra);
   const sparql::AlgebraPtr written = WithoutCounts(where);
-  auto clauses = ToClauses(written ? *written : where, *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);
+  auto clauses =
+      ToClauses(written ? *written : where, *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);
   if (!clauses.ok()) return clauses.status();
   clauses_ = *std::move(clauses);
 
@@ -447,8 +459,9 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
     if (absl::Status status = Search(pass, sets, answer); !status.ok()) return status;
     if (solver_.exhausted()) LeaveOut(0);
   }
-  answer.whole = answer.repairs.empty() ? left_out_ == Conflict::kNothing
-                                        : answer.repairs.back().size() < static_cast<size_t>(std::max(left_out_, 0));
+  answer.whole = answer.repairs.empty()
+                     ? left_out_ == Conflict::kNothing
+                     : answer.repairs.back().size() < static_cast<size_t>(std::max(left_out_, 0));
   if (solver_.failed_part() != nullptr && answer.repairs.empty()) {
     answer.failed_part = display_.Pattern(*InItsGraph(*solver_.failed_part(), *parts_.dictionary, "g"), {});
   }

@@ -31,14 +31,14 @@
 namespace docent::explain {
 
 struct WhyNotAnswer {
-  bool holds = false;           // nothing to explain
+  bool holds = false;  // nothing to explain
   // Best first: facts about things before axioms, fewest changes, then changes of state before changes of kind.
   std::vector<Repair> repairs;
-  size_t more = 0;              // sets as small as the last one that are not listed
+  size_t more = 0;  // sets as small as the last one that are not listed
   // False: not all sets of this size or a smaller one were looked at (without any set: not all sets), as the search
   // ended at a limit or met what it does not understand (a sum).
   bool whole = true;
-  std::string failed_part;      // a path, aggregate or sub-SELECT that has no solution; empty: none known
+  std::string failed_part;  // a path, aggregate or sub-SELECT that has no solution; empty: none known
 };
 
 class WhyNotFinder {
@@ -94,12 +94,15 @@ class WhyNotFinder {
   const Conflict* Unhit(const Node& node) const;
   int AtLeast(const Node& node) const;
   absl::StatusOr<Trial> Try(const Node& node);
-  absl::StatusOr<std::vector<Conflict>> ConflictsOn(const GraphVersion& graph, Prover& prover, const Node& node);
+  absl::StatusOr<std::vector<Conflict>> ConflictsOn(const GraphVersion& graph, Prover& prover,
+                                                    const Node& node);
   absl::StatusOr<bool> MakesTrue(const std::vector<Quad>& add, const std::vector<Quad>& remove);
   // False: there was no time to make sure.
   absl::StatusOr<bool> Minimise(Repair& repair);
   // Half of the question's time is over: what was found is given.
-  bool OutOfTime() const { return parts_.run.cancellation != nullptr && parts_.run.cancellation->HalfIsOver(); }
+  bool OutOfTime() const {
+    return parts_.run.cancellation != nullptr && parts_.run.cancellation->HalfIsOver();
+  }
   bool IsNew(const Repair& repair);
   void Rank(std::vector<Node>& nodes) const;
   bool IsState(const Term& predicate) const;

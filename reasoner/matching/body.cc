@@ -408,7 +408,8 @@ absl::Status Body::Evaluate(const sparql::RunOptions& run, absl::Span<const Term
 
 QuadPattern Body::Bind(const Pattern& pattern, absl::Span<const TermId> row) {
   const auto at = [&](size_t i) {
-    return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i] : row[static_cast<size_t>(pattern.columns[i])];
+    return pattern.columns[i] == Trigger::kNoColumn ? pattern.constants[i]
+                                                    : row[static_cast<size_t>(pattern.columns[i])];
   };
   return {at(0), at(1), at(2), TermId()};
 }
@@ -424,8 +425,8 @@ std::optional<bool> Body::DecideFrom(const Trigger& trigger, const sparql::RunOp
   return run.version->ContainsMatch(bound);
 }
 
-absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                                Visitor visit) {
+absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run,
+                                absl::Span<const TermId> seed, Visitor visit) {
   if (const std::optional<bool> decided = DecideFrom(trigger, run, seed)) {
     if (*decided) visit(seed);
     return run.cancellation == nullptr ? absl::OkStatus() : run.cancellation->Check();
@@ -437,8 +438,8 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   if (trigger.rest >= 0) {
     const Pattern& rest = patterns_[static_cast<size_t>(trigger.rest)];
     const QuadPattern bound = Bind(rest, seed);
-    const unsigned open =
-        (bound.subject.IsNone() ? 1u : 0u) | (bound.predicate.IsNone() ? 2u : 0u) | (bound.object.IsNone() ? 4u : 0u);
+    const unsigned open = (bound.subject.IsNone() ? 1u : 0u) | (bound.predicate.IsNone() ? 2u : 0u) |
+                          (bound.object.IsNone() ? 4u : 0u);
     if (std::has_single_bit(open)) return ScanFor(rest, bound, std::countr_zero(open), run, seed, visit);
   }
   for (const NumberTest& test : tests_) {
@@ -447,8 +448,8 @@ absl::Status Body::EvaluateFrom(const Trigger& trigger, const sparql::RunOptions
   return plan_->EvaluateRest(run, seed, uint32_t{1} << trigger.pattern, Filters::kAll, visit);
 }
 
-absl::Status Body::ScanFor(const Pattern& pattern, const QuadPattern& bound, int position, const sparql::RunOptions& run,
-                           absl::Span<const TermId> seed, Visitor visit) {
+absl::Status Body::ScanFor(const Pattern& pattern, const QuadPattern& bound, int position,
+                           const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
   row_.assign(seed.begin(), seed.end());
   TermId& value = row_[static_cast<size_t>(pattern.columns[static_cast<size_t>(position)])];
   for (QuadCursor c = run.version->Scan(bound); c.Valid(); c.NextTriple()) {

@@ -24,8 +24,8 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "graph/rdf/dictionary.h"
-#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/graph_version.h"
 #include "reasoner/matching/pattern_index.h"
@@ -128,10 +128,11 @@ class Body {
   using Visitor = absl::FunctionRef<bool(absl::Span<const TermId> row)>;
   absl::Status Evaluate(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
   // The same where `seed` comes from a quad that is in the graph and matches `trigger`: that is not looked up again.
-  absl::Status EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed,
-                            Visitor visit);
+  absl::Status EvaluateFrom(const Trigger& trigger, const sparql::RunOptions& run,
+                            absl::Span<const TermId> seed, Visitor visit);
   // The same where one lookup at most decides: whether `seed` is a solution, and there is no other. nullopt: evaluate it.
-  std::optional<bool> DecideFrom(const Trigger& trigger, const sparql::RunOptions& run, absl::Span<const TermId> seed) const;
+  std::optional<bool> DecideFrom(const Trigger& trigger, const sparql::RunOptions& run,
+                                 absl::Span<const TermId> seed) const;
   // The same for a flat body of which the patterns in the bit set `matched` are known to match under `seed`,
   // or are not to be asked: they are not looked at.
   enum class Filters : uint8_t {
@@ -152,8 +153,8 @@ class Body {
   // What it asks for with the row's values in it.
   static QuadPattern Bind(const Pattern& pattern, absl::Span<const TermId> row);
   // `seed` with each value that `position` of `bound` has, where that is all that is open.
-  absl::Status ScanFor(const Pattern& pattern, const QuadPattern& bound, int position, const sparql::RunOptions& run,
-                       absl::Span<const TermId> seed, Visitor visit);
+  absl::Status ScanFor(const Pattern& pattern, const QuadPattern& bound, int position,
+                       const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
   absl::Status EvaluateSeeded(const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit);
 
   std::vector<Column> columns_;

@@ -8,7 +8,8 @@ namespace docent {
 
 struct Body::FlatPlan::Run {
   static constexpr uint64_t kStepsAPoll = 1024;
-  static constexpr uint64_t kStepsAnExpression = 16;  // what the evaluator of expressions takes beside a row, about
+  static constexpr uint64_t kStepsAnExpression =
+      16;  // what the evaluator of expressions takes beside a row, about
   const sparql::RunOptions& options;
   Visitor visit;
   Filters filters;
@@ -120,7 +121,8 @@ bool Body::FlatPlan::Leaf(Run& run) {
     Filter& filter = filters_[i];
     if (run.filters == Filters::kBound && !IsBound(filter)) continue;
     if (filter.exists) {
-      if ((i >= 64 || (run.decided >> i & 1) == 0) && !Exists(*filter.exists, *run.options.version)) return true;
+      if ((i >= 64 || (run.decided >> i & 1) == 0) && !Exists(*filter.exists, *run.options.version))
+        return true;
       continue;
     }
     if (filter.test || filter.terms) {

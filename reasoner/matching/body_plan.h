@@ -52,7 +52,7 @@ class Body::FlatPlan final : public Body::Plan {
     std::optional<NumberTest> test;
     std::optional<TermTest> terms;
     std::optional<ExistsTest> exists;  // then no expression is needed
-    sparql::ExpressionPtr source;  // made ready when first needed, where there is a test
+    sparql::ExpressionPtr source;      // made ready when first needed, where there is a test
     std::unique_ptr<sparql::PreparedExpression> expression;
     std::vector<int16_t> columns;  // of its variables
   };

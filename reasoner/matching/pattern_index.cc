@@ -8,7 +8,8 @@ namespace docent {
 namespace {
 
 unsigned ShapeOf(const QuadPattern& key) {
-  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) | (key.object.IsNone() ? 0u : 4u);
+  return (key.subject.IsNone() ? 0u : 1u) | (key.predicate.IsNone() ? 0u : 2u) |
+         (key.object.IsNone() ? 0u : 4u);
 }
 
 constexpr size_t kLeastSlots = 16;
@@ -54,7 +55,8 @@ void PatternIndex::Grow() {
   }
 }
 
-PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPattern& constants, Reference reference) {
+PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPattern& constants,
+                                       Reference reference) {
   Handle handle;
   if (free_.empty()) {
     handle = static_cast<Handle>(entries_.size());
@@ -134,8 +136,8 @@ void PatternIndex::VisitGuarded(const Quad& quad, absl::FunctionRef<void(Referen
   const bool known = view.kind == NumberView::Kind::kNumber;
   for (unsigned rest = guarded_shapes_; rest != 0; rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
-    const QuadPattern key{(shape & 1) != 0 ? quad.subject : TermId(), (shape & 2) != 0 ? quad.predicate : TermId(),
-                          TermId(), TermId()};
+    const QuadPattern key{(shape & 1) != 0 ? quad.subject : TermId(),
+                          (shape & 2) != 0 ? quad.predicate : TermId(), TermId(), TermId()};
     const auto found = guarded_.find(HashOfKey(key));
     if (found == guarded_.end()) continue;
     const Guarded& guarded = *found->second;

@@ -57,7 +57,9 @@ class PatternIndex {
     friend bool operator==(const Reference&, const Reference&) = default;
   };
 
-  Handle Add(const MatchPattern& pattern, Reference reference) { return Add(pattern, pattern.constants, reference); }
+  Handle Add(const MatchPattern& pattern, Reference reference) {
+    return Add(pattern, pattern.constants, reference);
+  }
   // `pattern` with these constants instead of its own. It has no guard where the object is one of them.
   Handle Add(const MatchPattern& pattern, const QuadPattern& constants, Reference reference);
   // `handle` came from Add and was not removed since. Constant time (logarithmic with a guard).
@@ -96,7 +98,8 @@ class PatternIndex {
   struct alignas(64) Entry {
     QuadPattern constants;
     Reference reference;
-    Handle next = kNone, previous = kNone;  // without a guard: those with the same hash; before the first comes the last
+    Handle next = kNone,
+           previous = kNone;  // without a guard: those with the same hash; before the first comes the last
     uint8_t equal = 0;
     uint8_t shape = 0;  // bit 0 subject, 1 predicate, 2 object: it is a constant
     int8_t side = 0;    // 0: no guard, +1: at_least, -1: at_most
@@ -153,7 +156,7 @@ class PatternIndex {
   std::vector<Slot> slots_ = std::vector<Slot>(1);
   size_t taken_ = 0;  // slots
   absl::flat_hash_map<uint32_t, std::unique_ptr<Guarded>> guarded_;
-  unsigned shapes_ = 0;          // bit i: shape i has any
+  unsigned shapes_ = 0;  // bit i: shape i has any
   // The same, of the patterns with a predicate of this hash; what had any once keeps its bit. Most often a quad need not be
   // looked up for all shapes in use.
   std::array<uint8_t, 256> by_predicate_ = {};
@@ -180,9 +183,11 @@ inline bool PatternIndex::Matches(const Entry& entry, unsigned shape, const Quad
 
 template <typename Visit>
 void PatternIndex::ForEachHash(const Quad& quad, const Visit& visit) const {
-  const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate), o = ObjectPart(quad.object);
+  const uint64_t s = SubjectPart(quad.subject), p = PredicatePart(quad.predicate),
+                 o = ObjectPart(quad.object);
   const std::array<uint64_t, 8> parts = {0, s, p, s + p, o, s + o, p + o, s + p + o};  // by shape
-  for (unsigned rest = shapes_ & (kWithoutPredicate | by_predicate_[BucketOf(p)]); rest != 0; rest &= rest - 1) {
+  for (unsigned rest = shapes_ & (kWithoutPredicate | by_predicate_[BucketOf(p)]); rest != 0;
+       rest &= rest - 1) {
     const auto shape = static_cast<unsigned>(std::countr_zero(rest));
     visit(shape, HashOf(parts[shape]));
   }
@@ -213,7 +218,9 @@ void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   std::array<Lookup, 8> lookups;
   size_t count = 0;
   const size_t mask = tags_.size() - 1;
-  ForEachHash(quad, [&](unsigned shape, uint32_t hash) { lookups[count++] = {shape, hash, tags_[hash & mask]}; });
+  ForEachHash(quad, [&](unsigned shape, uint32_t hash) {
+    lookups[count++] = {shape, hash, tags_[hash & mask]};
+  });
   for (size_t i = 0; i < count; ++i) {
     if (lookups[i].tag == 0) continue;
     const size_t at = SlotOf(lookups[i].hash);

@@ -5,8 +5,8 @@
 
 namespace docent::ontology {
 
-std::vector<std::string> CycleThrough(const std::map<std::string, Words, std::less<>>& edges, const std::string& from,
-                                      const std::string& to) {
+std::vector<std::string> CycleThrough(const std::map<std::string, Words, std::less<>>& edges,
+                                      const std::string& from, const std::string& to) {
   if (from == to) return {from};
   std::map<std::string, std::string> before = {{to, from}};
   std::deque<std::string> open = {to};

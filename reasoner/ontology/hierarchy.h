@@ -13,8 +13,8 @@ namespace docent::ontology {
 
 // A shortest circle that goes from `from` to `to` and back to `from`, without repeating `from` at its end; empty where
 // there is none. O(edges).
-std::vector<std::string> CycleThrough(const std::map<std::string, Words, std::less<>>& edges, const std::string& from,
-                                      const std::string& to);
+std::vector<std::string> CycleThrough(const std::map<std::string, Words, std::less<>>& edges,
+                                      const std::string& from, const std::string& to);
 
 }  // namespace docent::ontology
 

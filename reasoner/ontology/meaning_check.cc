@@ -14,7 +14,9 @@
 namespace docent::ontology {
 namespace {
 
-std::string Show(std::string_view iri) { return ToDisplay(Term::Iri(std::string(iri))); }
+std::string Show(std::string_view iri) {
+  return ToDisplay(Term::Iri(std::string(iri)));
+}
 
 std::string DatatypeOf(const Term& literal) {
   if (!literal.language.empty()) return std::string(kRdfLangString);
@@ -53,7 +55,8 @@ class MeaningCheck {
   void CheckLiteral(const Term& literal, const SourceSpan& span) {
     if (shapes::IsValidLexicalForm(literal.lexical, DatatypeOf(literal)).value_or(true)) return;
     findings_.Error("bad-literal", span,
-                    Concat("\"", literal.lexical.substr(0, 100), "\" is not a text that ", Show(literal.datatype), " allows"),
+                    Concat("\"", literal.lexical.substr(0, 100), "\" is not a text that ",
+                           Show(literal.datatype), " allows"),
                     "correct the text, or its datatype");
   }
 
@@ -76,13 +79,17 @@ class MeaningCheck {
     } else if (!label) {
       findings_.Warning("missing-label", span, Concat(Show(iri), " has no label"), Concat("add ", kLabel));
     } else if (!comment) {
-      findings_.Warning("missing-comment", span, Concat(Show(iri), " has no comment"), Concat("add ", kComment));
+      findings_.Warning("missing-comment", span, Concat(Show(iri), " has no comment"),
+                        Concat("add ", kComment));
     }
   }
 
   void CheckImport(const TermQuad& q, const QuadPlace& at) {
-    if (q.predicate.lexical != Concat(kOwlNs, "imports") || !q.object.IsIri() || vocabulary_.HasOntology(q.object.lexical)) return;
-    findings_.Warning("import", at.object, Concat(Show(q.object.lexical), " is imported, and is no ontology of these files"),
+    if (q.predicate.lexical != Concat(kOwlNs, "imports") || !q.object.IsIri() ||
+        vocabulary_.HasOntology(q.object.lexical))
+      return;
+    findings_.Warning("import", at.object,
+                      Concat(Show(q.object.lexical), " is imported, and is no ontology of these files"),
                       "imports are not fetched; name the file that has it, too");
   }
 
@@ -99,7 +106,8 @@ class MeaningCheck {
   // How the types of a resource stand to a class that it has to be in.
   enum class Fit { kUnknown, kIs, kMismatch, kClash };
   Fit FitOf(const Term& node, const std::string& cls, std::string* why) const {
-    if (!node.IsIri() || cls == Concat(kOwlNs, "Thing") || cls == Concat(kRdfsNs, "Resource")) return Fit::kUnknown;
+    if (!node.IsIri() || cls == Concat(kOwlNs, "Thing") || cls == Concat(kRdfsNs, "Resource"))
+      return Fit::kUnknown;
     const Words& types = vocabulary_.TypesOf(node.lexical);
     Fit fit = Fit::kUnknown;
     for (const std::string& type : types) {
@@ -123,11 +131,13 @@ class MeaningCheck {
     const std::string rule = side;
     if (fit == Fit::kClash) {
       findings_.Error(rule + "-clash", span,
-                      Concat(ToDisplay(node), " cannot be ", Show(cls), ", the ", side, " of ", Show(property), ": ", why),
+                      Concat(ToDisplay(node), " cannot be ", Show(cls), ", the ", side, " of ",
+                             Show(property), ": ", why),
                       Concat("use another property, or correct the type of ", ToDisplay(node)));
     } else if (fit == Fit::kMismatch) {
       findings_.Warning(rule + "-mismatch", span,
-                        Concat(ToDisplay(node), " is taken for ", Show(cls), ", the ", side, " of ", Show(property), "; ", why),
+                        Concat(ToDisplay(node), " is taken for ", Show(cls), ", the ", side, " of ",
+                               Show(property), "; ", why),
                         Concat("say that it is ", Show(cls), ", too, or use another property"));
     }
   }
@@ -135,7 +145,8 @@ class MeaningCheck {
   void CheckDomain(const TermQuad& q, const QuadPlace& at) {
     const PropertyFacts* facts = vocabulary_.Property(q.predicate.lexical);
     if (facts == nullptr) return;
-    for (const std::string& domain : facts->domains) Judge(q.subject, domain, q.predicate.lexical, "domain", at.subject);
+    for (const std::string& domain : facts->domains)
+      Judge(q.subject, domain, q.predicate.lexical, "domain", at.subject);
   }
 
   void CheckRange(const TermQuad& q, const QuadPlace& at) {
@@ -149,9 +160,10 @@ class MeaningCheck {
     const bool data_range = std::any_of(facts->ranges.begin(), facts->ranges.end(),
                                         [this](const std::string& r) { return vocabulary_.IsDatatype(r); });
     if ((facts->data && !facts->object) || data_range) {
-      findings_.Error("range-clash", at.object,
-                      Concat(Show(property), " has a literal as value, and ", ToDisplay(q.object), " is a resource"),
-                      "write a literal, or use a property that leads to resources");
+      findings_.Error(
+          "range-clash", at.object,
+          Concat(Show(property), " has a literal as value, and ", ToDisplay(q.object), " is a resource"),
+          "write a literal, or use a property that leads to resources");
       return;
     }
     for (const std::string& range : facts->ranges) Judge(q.object, range, property, "range", at.object);
@@ -160,8 +172,10 @@ class MeaningCheck {
   void CheckLiteralRange(const TermQuad& q, const PropertyFacts& facts, const SourceSpan& span) {
     const std::string& property = q.predicate.lexical;
     if (facts.object && !facts.data) {
-      findings_.Error("range-clash", span, Concat(Show(property), " leads to a resource, and ", ToDisplay(q.object), " is a literal"),
-                      "name the resource by its IRI, or use a property that has literals");
+      findings_.Error(
+          "range-clash", span,
+          Concat(Show(property), " leads to a resource, and ", ToDisplay(q.object), " is a literal"),
+          "name the resource by its IRI, or use a property that has literals");
       return;
     }
     const std::string datatype = DatatypeOf(q.object);
@@ -169,13 +183,17 @@ class MeaningCheck {
       const bool any = range == Concat(kRdfsNs, "Literal") || range == Concat(kRdfsNs, "Resource") ||
                        range == Concat(kXsdNs, "anyAtomicType") || range == Concat(kXsdNs, "anySimpleType");
       if (any || shapes::IsDerivedDatatype(datatype, range)) continue;
-      if (vocabulary_.IsDatatype(range) && !range.starts_with(kXsdNs)) continue;  // one that is defined elsewhere
+      if (vocabulary_.IsDatatype(range) && !range.starts_with(kXsdNs))
+        continue;  // one that is defined elsewhere
       if (vocabulary_.IsClass(range)) {
-        findings_.Error("range-clash", span, Concat(Show(property), " leads to ", Show(range), ", and ", ToDisplay(q.object), " is a literal"),
-                        "name the resource by its IRI");
+        findings_.Error(
+            "range-clash", span,
+            Concat(Show(property), " leads to ", Show(range), ", and ", ToDisplay(q.object), " is a literal"),
+            "name the resource by its IRI");
       } else if (vocabulary_.IsDatatype(range)) {
         findings_.Error("range-clash", span,
-                        Concat(ToDisplay(q.object), " is ", Show(datatype), "; the range of ", Show(property), " is ", Show(range)),
+                        Concat(ToDisplay(q.object), " is ", Show(datatype), "; the range of ", Show(property),
+                               " is ", Show(range)),
                         Concat("write the value as ", Show(range)));
       }
     }
@@ -198,10 +216,11 @@ class MeaningCheck {
     std::string text;
     for (const std::string& word : cycle) absl::StrAppend(&text, Show(word), " → ");
     absl::StrAppend(&text, Show(cycle.front()));
-    findings_.Warning("cycle", at.object,
-                      Concat(of_classes ? "classes" : "properties", " that are below each other: ", text),
-                      Concat("remove one of the ", of_classes ? "rdfs:subClassOf" : "rdfs:subPropertyOf", ", or write ",
-                             of_classes ? "owl:equivalentClass" : "owl:equivalentProperty", " if they mean the same"));
+    findings_.Warning(
+        "cycle", at.object,
+        Concat(of_classes ? "classes" : "properties", " that are below each other: ", text),
+        Concat("remove one of the ", of_classes ? "rdfs:subClassOf" : "rdfs:subPropertyOf", ", or write ",
+               of_classes ? "owl:equivalentClass" : "owl:equivalentProperty", " if they mean the same"));
   }
 
   void CheckListLength(const TermQuad& q, const QuadPlace& at) {
@@ -211,8 +230,9 @@ class MeaningCheck {
     const int length = LengthOf(q.object);
     if (length <= most) return;
     findings_.Warning("long-list", at.predicate,
-                      absl::StrCat(chain ? "a chain of " : "a key of ", length, " properties; rule set owl2rl follows up to ",
-                                   most, ", and draws nothing from this one"),
+                      absl::StrCat(chain ? "a chain of " : "a key of ", length,
+                                   " properties; rule set owl2rl follows up to ", most,
+                                   ", and draws nothing from this one"),
                       chain ? "give a part of the chain a property of its own, and name that in the chain"
                             : "name fewer properties, or write a rule");
   }
@@ -236,7 +256,7 @@ class MeaningCheck {
   std::set<std::string>& cycles_;
   Findings& findings_;
   std::set<std::string> declared_;
-  std::map<Term, Term> rests_;  // rdf:rest, by cell
+  std::map<Term, Term> rests_;    // rdf:rest, by cell
   std::set<std::string> judged_;  // classes
 };
 

@@ -18,32 +18,43 @@ constexpr Table kTables[] = {
     {kRdfNs, StandardKind::kProperty, "type subject predicate object value first rest language direction"},
     {kRdfNs, StandardKind::kDatatype, "langString HTML XMLLiteral PlainLiteral JSON"},
     {kRdfNs, StandardKind::kOther, "nil RDF Description"},
-    {kRdfsNs, StandardKind::kClass,
-     "Resource Class Container ContainerMembershipProperty Datatype"},
+    {kRdfsNs, StandardKind::kClass, "Resource Class Container ContainerMembershipProperty Datatype"},
     {kRdfsNs, StandardKind::kDatatype, "Literal"},
     {kRdfsNs, StandardKind::kProperty,
      "subClassOf subPropertyOf domain range label comment member seeAlso isDefinedBy"},
     {kOwlNs, StandardKind::kClass,
-     "AllDifferent AllDisjointClasses AllDisjointProperties Annotation AnnotationProperty AsymmetricProperty Axiom Class "
-     "DataRange DatatypeProperty DeprecatedClass DeprecatedProperty FunctionalProperty InverseFunctionalProperty "
-     "IrreflexiveProperty NamedIndividual NegativePropertyAssertion Nothing ObjectProperty Ontology OntologyProperty "
+     "AllDifferent AllDisjointClasses AllDisjointProperties Annotation AnnotationProperty AsymmetricProperty "
+     "Axiom Class "
+     "DataRange DatatypeProperty DeprecatedClass DeprecatedProperty FunctionalProperty "
+     "InverseFunctionalProperty "
+     "IrreflexiveProperty NamedIndividual NegativePropertyAssertion Nothing ObjectProperty Ontology "
+     "OntologyProperty "
      "ReflexiveProperty Restriction SymmetricProperty Thing TransitiveProperty"},
     {kOwlNs, StandardKind::kProperty,
-     "allValuesFrom annotatedProperty annotatedSource annotatedTarget assertionProperty backwardCompatibleWith "
-     "bottomDataProperty bottomObjectProperty cardinality complementOf datatypeComplementOf deprecated differentFrom "
-     "disjointUnionOf disjointWith distinctMembers equivalentClass equivalentProperty hasKey hasSelf hasValue imports "
-     "incompatibleWith intersectionOf inverseOf maxCardinality maxQualifiedCardinality members minCardinality "
+     "allValuesFrom annotatedProperty annotatedSource annotatedTarget assertionProperty "
+     "backwardCompatibleWith "
+     "bottomDataProperty bottomObjectProperty cardinality complementOf datatypeComplementOf deprecated "
+     "differentFrom "
+     "disjointUnionOf disjointWith distinctMembers equivalentClass equivalentProperty hasKey hasSelf "
+     "hasValue imports "
+     "incompatibleWith intersectionOf inverseOf maxCardinality maxQualifiedCardinality members "
+     "minCardinality "
      "minQualifiedCardinality onClass onDataRange onDatatype onProperties onProperty oneOf priorVersion "
-     "propertyChainAxiom propertyDisjointWith qualifiedCardinality sameAs someValuesFrom sourceIndividual targetIndividual "
+     "propertyChainAxiom propertyDisjointWith qualifiedCardinality sameAs someValuesFrom sourceIndividual "
+     "targetIndividual "
      "targetValue topDataProperty topObjectProperty unionOf versionIRI versionInfo withRestrictions"},
     {kOwlNs, StandardKind::kDatatype, "real rational"},
     {kXsdNs, StandardKind::kDatatype,
-     "anyAtomicType anySimpleType anyType anyURI base64Binary boolean byte date dateTime dateTimeStamp dayTimeDuration "
-     "decimal double duration float gDay gMonth gMonthDay gYear gYearMonth hexBinary int integer language long Name NCName "
-     "negativeInteger NMTOKEN nonNegativeInteger nonPositiveInteger normalizedString positiveInteger QName short string time "
+     "anyAtomicType anySimpleType anyType anyURI base64Binary boolean byte date dateTime dateTimeStamp "
+     "dayTimeDuration "
+     "decimal double duration float gDay gMonth gMonthDay gYear gYearMonth hexBinary int integer language "
+     "long Name NCName "
+     "negativeInteger NMTOKEN nonNegativeInteger nonPositiveInteger normalizedString positiveInteger QName "
+     "short string time "
      "token unsignedByte unsignedInt unsignedLong unsignedShort yearMonthDuration"},
     {kXsdNs, StandardKind::kProperty,
-     "length minLength maxLength pattern langRange minInclusive minExclusive maxInclusive maxExclusive totalDigits "
+     "length minLength maxLength pattern langRange minInclusive minExclusive maxInclusive maxExclusive "
+     "totalDigits "
      "fractionDigits whiteSpace"},
 };
 

@@ -15,8 +15,9 @@ constexpr std::string_view kTermsNs = "http://purl.org/dc/terms/";
 
 // "owl:Class" of its IRI, for the namespaces that decide what a word is.
 std::string Short(std::string_view iri) {
-  for (const auto& [prefix, name_space] :
-       {std::pair<std::string_view, std::string_view>{"rdf:", kRdfNs}, {"rdfs:", kRdfsNs}, {"owl:", kOwlNs}}) {
+  for (const auto& [prefix, name_space] : {std::pair<std::string_view, std::string_view>{"rdf:", kRdfNs},
+                                           {"rdfs:", kRdfsNs},
+                                           {"owl:", kOwlNs}}) {
     if (iri.starts_with(name_space)) return Concat(prefix, iri.substr(name_space.size()));
   }
   return "";
@@ -69,7 +70,8 @@ class Lists {
   }
 
  private:
-  std::map<std::string_view, std::pair<const Term*, const Term*>> cells_;  // first and rest, in the document's quads
+  std::map<std::string_view, std::pair<const Term*, const Term*>>
+      cells_;  // first and rest, in the document's quads
 };
 
 }  // namespace
@@ -153,13 +155,16 @@ void Vocabulary::AddPropertyFact(const TermQuad& quad) {
 // declaration of.
 void Vocabulary::AddAxioms(const std::vector<TermQuad>& quads) {
   const Lists lists(quads);
-  std::map<std::string, std::string> types;  // of the blank nodes that AllDisjointClasses and AllDifferent are
+  std::map<std::string, std::string>
+      types;  // of the blank nodes that AllDisjointClasses and AllDifferent are
   for (const TermQuad& q : quads) {
-    if (q.subject.IsBlank() && q.predicate.lexical == kRdfType) types[q.subject.lexical] = Short(q.object.lexical);
+    if (q.subject.IsBlank() && q.predicate.lexical == kRdfType)
+      types[q.subject.lexical] = Short(q.object.lexical);
   }
   for (const TermQuad& q : quads) {
     const std::string name = Short(q.predicate.lexical);
-    if (name == "owl:oneOf" || name == "owl:distinctMembers" || (name == "owl:members" && types[q.subject.lexical] == "owl:AllDifferent")) {
+    if (name == "owl:oneOf" || name == "owl:distinctMembers" ||
+        (name == "owl:members" && types[q.subject.lexical] == "owl:AllDifferent")) {
       known_.merge(lists.Iris(q.object));
     } else if (name == "owl:members" && types[q.subject.lexical] == "owl:AllDisjointClasses") {
       const Words classes = lists.Iris(q.object);
@@ -184,7 +189,9 @@ void Vocabulary::Add(const std::vector<TermQuad>& quads) {
   AddAxioms(quads);
 }
 
-bool Vocabulary::IsDatatype(std::string_view iri) const { return datatypes_.contains(iri); }
+bool Vocabulary::IsDatatype(std::string_view iri) const {
+  return datatypes_.contains(iri);
+}
 
 const PropertyFacts* Vocabulary::Property(std::string_view iri) const {
   auto it = facts_.find(iri);

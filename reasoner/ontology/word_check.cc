@@ -42,8 +42,10 @@ class WordCheck {
     const std::string_view name_space = NamespaceOf(iri);
     if (!vocabulary_.Covers(name_space)) return CheckNamespace(name_space, span);
     if (name_space == iri || IsContainerMember(iri)) return;
-    if (kind == Kind::kClass && !IsClass(iri) && vocabulary_.IsProperty(iri)) return WrongKind(iri, kind, span);
-    if (kind == Kind::kProperty && !vocabulary_.IsProperty(iri) && IsClass(iri)) return WrongKind(iri, kind, span);
+    if (kind == Kind::kClass && !IsClass(iri) && vocabulary_.IsProperty(iri))
+      return WrongKind(iri, kind, span);
+    if (kind == Kind::kProperty && !vocabulary_.IsProperty(iri) && IsClass(iri))
+      return WrongKind(iri, kind, span);
     const bool defined = kind == Kind::kClass      ? IsClass(iri)
                          : kind == Kind::kProperty ? vocabulary_.IsProperty(iri)
                                                    : vocabulary_.IsKnown(iri);
@@ -51,7 +53,9 @@ class WordCheck {
   }
 
  private:
-  bool IsClass(const std::string& iri) const { return vocabulary_.IsClass(iri) || vocabulary_.IsDatatype(iri); }
+  bool IsClass(const std::string& iri) const {
+    return vocabulary_.IsClass(iri) || vocabulary_.IsDatatype(iri);
+  }
   static bool IsContainerMember(std::string_view iri) {
     return iri.starts_with(kRdfNs) && iri.size() > kRdfNs.size() + 1 && iri[kRdfNs.size()] == '_';
   }
@@ -61,9 +65,11 @@ class WordCheck {
     if (!undefined_.insert(iri).second) return;
     const std::string nearest = vocabulary_.NearestWord(iri, kind);
     const std::string any = nearest.empty() ? vocabulary_.NearestWord(iri, Kind::kAny) : nearest;
-    findings_.Error("undefined-term", span, Concat("the ", NameOf(kind), " ", ToDisplay(Term::Iri(iri)), " is not defined"),
-                    any.empty() ? Concat("declare it in the ontology of <", NamespaceOf(iri), ">, or use one that it has")
-                                : Concat("did you mean ", ToDisplay(Term::Iri(any)), "?"));
+    findings_.Error(
+        "undefined-term", span,
+        Concat("the ", NameOf(kind), " ", ToDisplay(Term::Iri(iri)), " is not defined"),
+        any.empty() ? Concat("declare it in the ontology of <", NamespaceOf(iri), ">, or use one that it has")
+                    : Concat("did you mean ", ToDisplay(Term::Iri(any)), "?"));
   }
 
   void WrongKind(const std::string& iri, Kind kind, const SourceSpan& span) {
@@ -93,20 +99,28 @@ class WordCheck {
 
 // The kind of word that stands behind such a property.
 Kind ObjectKind(std::string_view predicate) {
-  static const std::set<std::string, std::less<>>* classes = new std::set<std::string, std::less<>>{
-      std::string(kRdfType),           Concat(kRdfsNs, "subClassOf"),   Concat(kRdfsNs, "domain"),
-      Concat(kRdfsNs, "range"),        Concat(kOwlNs, "equivalentClass"), Concat(kOwlNs, "disjointWith"),
-      Concat(kOwlNs, "complementOf"),  Concat(kOwlNs, "onClass"),       Concat(kOwlNs, "someValuesFrom"),
-      Concat(kOwlNs, "allValuesFrom"), "http://www.w3.org/ns/shacl#class", "http://www.w3.org/ns/shacl#targetClass",
-      "http://www.w3.org/ns/shacl#datatype"};
-  static const std::set<std::string, std::less<>>* properties = new std::set<std::string, std::less<>>{
-      Concat(kRdfsNs, "subPropertyOf"),
-      Concat(kOwlNs, "onProperty"),
-      Concat(kOwlNs, "inverseOf"),
-      Concat(kOwlNs, "equivalentProperty"),
-      "http://www.w3.org/ns/shacl#path",
-      "http://www.w3.org/ns/shacl#targetSubjectsOf",
-      "http://www.w3.org/ns/shacl#targetObjectsOf"};
+  static const std::set<std::string, std::less<>>* classes =
+      new std::set<std::string, std::less<>>{std::string(kRdfType),
+                                             Concat(kRdfsNs, "subClassOf"),
+                                             Concat(kRdfsNs, "domain"),
+                                             Concat(kRdfsNs, "range"),
+                                             Concat(kOwlNs, "equivalentClass"),
+                                             Concat(kOwlNs, "disjointWith"),
+                                             Concat(kOwlNs, "complementOf"),
+                                             Concat(kOwlNs, "onClass"),
+                                             Concat(kOwlNs, "someValuesFrom"),
+                                             Concat(kOwlNs, "allValuesFrom"),
+                                             "http://www.w3.org/ns/shacl#class",
+                                             "http://www.w3.org/ns/shacl#targetClass",
+                                             "http://www.w3.org/ns/shacl#datatype"};
+  static const std::set<std::string, std::less<>>* properties =
+      new std::set<std::string, std::less<>>{Concat(kRdfsNs, "subPropertyOf"),
+                                             Concat(kOwlNs, "onProperty"),
+                                             Concat(kOwlNs, "inverseOf"),
+                                             Concat(kOwlNs, "equivalentProperty"),
+                                             "http://www.w3.org/ns/shacl#path",
+                                             "http://www.w3.org/ns/shacl#targetSubjectsOf",
+                                             "http://www.w3.org/ns/shacl#targetObjectsOf"};
   if (classes->contains(predicate)) return Kind::kClass;
   return properties->contains(predicate) ? Kind::kProperty : Kind::kAny;
 }
@@ -120,7 +134,8 @@ bool NamesOntology(std::string_view predicate) {
 }
 
 void UseTriple(const Term& subject, const Term& predicate, const Term& object, const SourceSpan& subject_at,
-               const SourceSpan& predicate_at, const SourceSpan& object_at, bool described, WordCheck& check) {
+               const SourceSpan& predicate_at, const SourceSpan& object_at, bool described,
+               WordCheck& check) {
   if (!described) check.Use(subject, Kind::kAny, subject_at);
   check.Use(predicate, Kind::kProperty, predicate_at);
   if (!NamesOntology(predicate.lexical)) check.Use(object, ObjectKind(predicate.lexical), object_at);
@@ -131,8 +146,8 @@ void UsePattern(const sparql::TriplePattern& t, WordCheck& check) {
   const auto term = [](const sparql::PatternTerm& p) -> const Term& {
     return p.IsVariable() ? *none : p.term();
   };
-  UseTriple(term(t.subject), term(t.predicate), term(t.object), t.subject.span, t.predicate.span, t.object.span, false,
-            check);
+  UseTriple(term(t.subject), term(t.predicate), term(t.object), t.subject.span, t.predicate.span,
+            t.object.span, false, check);
 }
 
 void UsePath(const sparql::Path& path, const SourceSpan& span, WordCheck& check) {

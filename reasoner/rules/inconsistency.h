@@ -51,7 +51,17 @@ class InconsistencyFacts {
   std::vector<Triple> FactsIn(const GraphVersion& graph) const;
 
  private:
-  enum Word : uint8_t { kRule, kEvidence, kSubject, kPredicate, kObject, kBinding, kBindingName, kBindingValue, kWords };
+  enum Word : uint8_t {
+    kRule,
+    kEvidence,
+    kSubject,
+    kPredicate,
+    kObject,
+    kBinding,
+    kBindingName,
+    kBindingValue,
+    kWords
+  };
   static constexpr std::string_view kPrefix = "urn:docent:inconsistency:";
 
   Dictionary& dictionary_;

@@ -69,7 +69,8 @@ absl::Status Materialiser::SettleTold() {
     if (entry.now != (entry.before || entry.inferred_before)) {
       if (!entry.now) {
         context_.schema.Lost(entry.triple);
-      } else if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation); !status.ok()) {
+      } else if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation);
+                 !status.ok()) {
         return status;
       }
     }
@@ -86,7 +87,9 @@ absl::Status Materialiser::SettleTold() {
       context_.writer.Add(InferredQuad(entry.triple));
       NowInferred(entry.triple);
       proofs_.Forget();
-      if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation); !status.ok()) return status;
+      if (absl::Status status = context_.schema.Gained(entry.triple, graph(), context_.cancellation);
+          !status.ok())
+        return status;
     } else if (*answer == ProofSearch::Answer::kUndecided) {
       any_proven = true;  // it may come back
       rederivable_.push_back(entry.triple);
@@ -183,15 +186,19 @@ absl::Status Materialiser::Maintain() {
   CompareRules();
   ReadTold();
   if (absl::Status status = SettleTold(); !status.ok()) return status;
-  PlaceNegation(AskAxioms::kGraph).status().IgnoreError();  // by the axioms as they are yet; below by those that stay
+  PlaceNegation(AskAxioms::kGraph)
+      .status()
+      .IgnoreError();  // by the axioms as they are yet; below by those that stay
   if (absl::Status status = TakeAwayFromLeavingRules(); !status.ok()) return status;
   for (stratum_ = 0; stratum_ < program_.stratum_count; ++stratum_) {
     if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     if (stratum_ != program_.first_entangled || program_.ordered.empty()) continue;
     // Axioms came and went: by those that are there now the facts of this stratum may be others, though no axioms.
     absl::StatusOr<bool> moved = PlaceNegation(AskAxioms::kGraph);
-    for (int passes = 0; moved.ok() && *moved; moved = PlaceNegation(passes < kAskingPasses ? AskAxioms::kGraph : AskAxioms::kNothing)) {
-      if (++passes > kMostPasses) return absl::InternalError("rules with negation find no order; the batch was not applied");
+    for (int passes = 0; moved.ok() && *moved;
+         moved = PlaceNegation(passes < kAskingPasses ? AskAxioms::kGraph : AskAxioms::kNothing)) {
+      if (++passes > kMostPasses)
+        return absl::InternalError("rules with negation find no order; the batch was not applied");
       TakeBackEarly();
       if (absl::Status status = MaintainStratum(); !status.ok()) return status;
     }
@@ -208,8 +215,10 @@ absl::Status Materialiser::MaintainStratum() {
 
 absl::StatusOr<bool> Materialiser::PlaceNegation(AskAxioms ask) {
   if (program_.ordered.empty()) return false;
-  if (program_.placed_for == context_.schema.changes() && KnowsAnswers(program_.order(), graph())) return false;
-  absl::StatusOr<NegationOrder> order = OrderNegation(program_, context_.schema, graph(), context_.dictionary, asked_, ask);
+  if (program_.placed_for == context_.schema.changes() && KnowsAnswers(program_.order(), graph()))
+    return false;
+  absl::StatusOr<NegationOrder> order =
+      OrderNegation(program_, context_.schema, graph(), context_.dictionary, asked_, ask);
   if (!order.ok()) return order.status();
   if (stratum_ >= 0) {
     for (const auto& [about, answers] : order->asked) asked_[about] = answers;

@@ -173,8 +173,8 @@ class Materialiser {
   std::vector<Triple> queue_;           // marked_, in order
   size_t ghosts_ = 0;                   // the first of queue_ that were gone already
   bool ghosts_in_graph_ = false;
-  std::vector<Triple> rederivable_;  // in the running stratum and all after it
-  std::vector<Triple> unproven_;     // taken away, but not for what may come back
+  std::vector<Triple> rederivable_;      // in the running stratum and all after it
+  std::vector<Triple> unproven_;         // taken away, but not for what may come back
   absl::flat_hash_set<Triple> put_off_;  // of rederivable_: taken away, made again, and of a later stratum
   struct CheckRow {
     uint32_t rule;

@@ -111,13 +111,15 @@ absl::Status Materialiser::EndRound() {
     added_.push_back(t);
     ++context_.inferred_so_far;
   }
-  if (context_.cancellation != nullptr) context_.cancellation->AllowMoreSteps(round_.size() * context_.limits.steps_per_fact);
+  if (context_.cancellation != nullptr)
+    context_.cancellation->AllowMoreSteps(round_.size() * context_.limits.steps_per_fact);
   if (context_.inferred_so_far > context_.limits.inferred_per_turn) {
     return LimitError(program_.rules[last_rule_], "inferred_per_turn", context_.limits.inferred_per_turn);
   }
   context_.writer.AddAll(std::move(quads));
   for (const Triple& t : round_) {
-    if (absl::Status status = context_.schema.Gained(t, graph(), context_.cancellation); !status.ok()) return status;
+    if (absl::Status status = context_.schema.Gained(t, graph(), context_.cancellation); !status.ok())
+      return status;
   }
   return absl::OkStatus();
 }
@@ -209,8 +211,8 @@ absl::Status Materialiser::FireSeeded(uint32_t number, Phase phase) {
 absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phase phase) {
   const CompiledRule& rule = program.rules[number];
   const std::vector<TermId> nothing(rule.body->columns().size());
-  const absl::Status status =
-      rule.body->Evaluate(Now(), nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
+  const absl::Status status = rule.body->Evaluate(
+      Now(), nothing, [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
   return status.ok() ? status_ : rule.Named(status);
 }
 
@@ -246,7 +248,8 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
     if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
     if (!MayMake(rule, triple, phase)) {
       // What it is made of may be there as it was before the turn, so that a later stratum sees no change.
-      if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second) rederivable_.push_back(triple);
+      if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second)
+        rederivable_.push_back(triple);
       continue;
     }
     if (!Collect(rule, triple, phase)) return false;

@@ -54,7 +54,8 @@ absl::Status Materialiser::EvaluateBefore(int stratum) {
     for (const Triple& t : triples) {
       program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
         const CompiledRule& rule = program_.rules[reference.owner];
-        if (rule.positive || !program_.Runs(reference.owner, stratum) || is_entering_[reference.owner]) return;
+        if (rule.positive || !program_.Runs(reference.owner, stratum) || is_entering_[reference.owner])
+          return;
         if (rule.body->triggers()[reference.pattern].polarity == unconcerned) return;
         tasks.push_back({reference.owner, reference.pattern, t});
       });
@@ -180,7 +181,8 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
     } else {
       seed_.assign(rule.body->columns().size(), TermId());
     }
-    if (rule.stratum > stratum || (program_.IsEntangled(maker.rule) && program_.StratumOf(triple) > stratum)) continue;
+    if (rule.stratum > stratum || (program_.IsEntangled(maker.rule) && program_.StratumOf(triple) > stratum))
+      continue;
     if (!head.SeedFrom(triple, absl::MakeSpan(seed_))) continue;
     bool derivable = false;
     const auto visit = [&](absl::Span<const TermId> row) {

@@ -60,7 +60,8 @@ struct Taking {
   uint32_t instance = kNone;
   std::vector<TermId> row;        // of its body; none: unknown
   std::vector<bool> of_instance;  // columns that the instance alone knows
-  std::array<int16_t, 2> same = {Trigger::kNoColumn, Trigger::kNoColumn};  // columns that are so, being unknown
+  std::array<int16_t, 2> same = {Trigger::kNoColumn,
+                                 Trigger::kNoColumn};  // columns that are so, being unknown
 
   bool IsOfInstance(int16_t column) const { return instance != kNone && of_instance[column]; }
 };
@@ -85,7 +86,8 @@ using Places = std::array<Place, 3>;
 // The subjects or objects, of which `about` does not know one, up to kManyAnswers + 1.
 std::vector<TermId> Answers(const GraphVersion& graph, const FactPattern& about) {
   std::vector<TermId> answers;
-  for (QuadCursor c = graph.Scan({about.subject, about.predicate, about.object, TermId()}); c.Valid() && answers.size() <= kManyAnswers; c.Next()) {
+  for (QuadCursor c = graph.Scan({about.subject, about.predicate, about.object, TermId()});
+       c.Valid() && answers.size() <= kManyAnswers; c.Next()) {
     const TermId answer = about.object.IsNone() ? c.quad().object : c.quad().subject;
     if (std::find(answers.begin(), answers.end(), answer) == answers.end()) answers.push_back(answer);
   }
@@ -100,8 +102,8 @@ void AddNew(const std::vector<TermId>& from, std::vector<TermId>& to) {
 
 class Order {
  public:
-  Order(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph, const Dictionary& dictionary,
-        const AxiomAnswers& before, AskAxioms ask)
+  Order(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph,
+        const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask)
       : program_(program),
         schema_(schema),
         graph_(graph),
@@ -115,7 +117,9 @@ class Order {
       if (program.IsEntangled(r)) AddTakers(r, kNone);
     }
     schema.ForEach([this](uint32_t id, const SchemaIndex::Instance& instance) {
-      if (!program_.IsEntangled(instance.rule) || MakesNothingNew({.number = 0, .rule = instance.rule, .row = instance.row})) return;
+      if (!program_.IsEntangled(instance.rule) ||
+          MakesNothingNew({.number = 0, .rule = instance.rule, .row = instance.row}))
+        return;
       AddTakers(instance.rule, id);
     });
   }
@@ -123,7 +127,9 @@ class Order {
   absl::StatusOr<NegationOrder> Find() {
     for (uint32_t i = 0; i < program_.ordered.size(); ++i) {
       const uint32_t rule = program_.ordered[i];
-      Conclude({.number = i, .rule = rule, .row = std::vector<TermId>(program_.rules[rule].body->columns().size())});
+      Conclude({.number = i,
+                .rule = rule,
+                .row = std::vector<TermId>(program_.rules[rule].body->columns().size())});
       Follow(i);
     }
     while (status_.ok() && AnswerByReached()) {
@@ -136,7 +142,8 @@ class Order {
     for (int component = 0; component < strata.count; ++component) {
       for (const RuleDependency& d : dependencies_) {
         if (strata.stratum[d.from] != component || strata.stratum[d.to] == component) continue;
-        of_component[component] = std::max(of_component[component], of_component[strata.stratum[d.to]] + (d.negative ? 1 : 0));
+        of_component[component] =
+            std::max(of_component[component], of_component[strata.stratum[d.to]] + (d.negative ? 1 : 0));
       }
     }
     NegationOrder order;
@@ -178,7 +185,8 @@ class Order {
   bool IsOther(uint32_t rule, uint32_t trigger, const QuadPattern& pattern, const std::vector<TermId>& row) {
     Key key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
     for (const HeadTriple& head : program_.rules[rule].head) {
-      for (const int i : {1, 2}) key.push_back(head.columns[i] == Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
+      for (const int i : {1, 2})
+        key.push_back(head.columns[i] == Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
     }
     return instances_.insert(std::move(key)).second;
   }
@@ -228,7 +236,12 @@ class Order {
       if (negative) ways_.try_emplace({static_cast<uint32_t>(place_[taker.rule]), number}, Way(number, from));
       if (trigger.polarity == Polarity::kNegative) return;
     }
-    Taking taking{.number = number, .from = from, .rule = taker.rule, .instance = taker.instance, .row = {}, .of_instance = {}};
+    Taking taking{.number = number,
+                  .from = from,
+                  .rule = taker.rule,
+                  .instance = taker.instance,
+                  .row = {},
+                  .of_instance = {}};
     if (taker.instance != kNone) {
       taking.row = schema_.instance(taker.instance).row;
       for (const TermId known : taking.row) taking.of_instance.push_back(!known.IsNone());
@@ -240,7 +253,8 @@ class Order {
       taking.row[trigger.columns[i]] = terms[i];
       taking.of_instance[trigger.columns[i]] = false;
     }
-    if (rule.positive && pattern.reflexive && terms[0].IsNone()) taking.same = {trigger.columns[0], trigger.columns[2]};
+    if (rule.positive && pattern.reflexive && terms[0].IsNone())
+      taking.same = {trigger.columns[0], trigger.columns[2]};
     if (taker.instance == kNone && rule.positive) {
       if (MakesNothingNew(taking) || IsFilteredOut(taking)) return;
       if (taker.of_axioms) return RefuseAxioms(number, taker.rule);
@@ -254,11 +268,13 @@ class Order {
   static Place At(const Taking& taking, TermId constant, int16_t column) {
     if (column == Trigger::kNoColumn) return {constant};
     if (!taking.row[column].IsNone()) return {taking.row[column]};
-    return {TermId(), column == taking.same[1] && taking.same[0] != Trigger::kNoColumn ? taking.same[0] : column};
+    return {TermId(),
+            column == taking.same[1] && taking.same[0] != Trigger::kNoColumn ? taking.same[0] : column};
   }
   template <typename Pattern>  // HeadTriple, Body::Pattern
   static Places PlacesOf(const Taking& taking, const Pattern& pattern) {
-    return {At(taking, pattern.constants[0], pattern.columns[0]), At(taking, pattern.constants[1], pattern.columns[1]),
+    return {At(taking, pattern.constants[0], pattern.columns[0]),
+            At(taking, pattern.constants[1], pattern.columns[1]),
             At(taking, pattern.constants[2], pattern.columns[2])};
   }
 
@@ -267,11 +283,13 @@ class Order {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.positive) return false;
     const std::vector<Body::Pattern>& patterns = rule.body->patterns();
-    return std::any_of(patterns.begin(), patterns.end(), [&](const Body::Pattern& p) { return PlacesOf(taking, p) == made; });
+    return std::any_of(patterns.begin(), patterns.end(),
+                       [&](const Body::Pattern& p) { return PlacesOf(taking, p) == made; });
   }
   bool MakesNothingNew(const Taking& taking) const {
     const std::vector<HeadTriple>& head = program_.rules[taking.rule].head;
-    return std::all_of(head.begin(), head.end(), [&](const HeadTriple& h) { return IsPremise(taking, PlacesOf(taking, h)); });
+    return std::all_of(head.begin(), head.end(),
+                       [&](const HeadTriple& h) { return IsPremise(taking, PlacesOf(taking, h)); });
   }
 
   // A FILTER says no to what is known already. (It depends on the terms alone.)
@@ -279,8 +297,8 @@ class Order {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.body->has_filters()) return false;
     bool passes = false;
-    const absl::Status status = rule.body->EvaluateRest({.version = &graph_}, taking.row, rule.patterns, Body::Filters::kBound,
-                                                        [&](absl::Span<const TermId>) {
+    const absl::Status status = rule.body->EvaluateRest({.version = &graph_}, taking.row, rule.patterns,
+                                                        Body::Filters::kBound, [&](absl::Span<const TermId>) {
                                                           passes = true;
                                                           return false;
                                                         });
@@ -296,7 +314,9 @@ class Order {
       const Places premise = PlacesOf(taking, rule.body->patterns()[static_cast<size_t>(i)]);
       const int side = premise[2].term.IsNone() ? 2 : 0;
       const int16_t column = premise[side].column;
-      if (i == taken || premise[2 - side].term.IsNone() || premise[1].term.IsNone() || column == Trigger::kNoColumn) continue;
+      if (i == taken || premise[2 - side].term.IsNone() || premise[1].term.IsNone() ||
+          column == Trigger::kNoColumn)
+        continue;
       if (column == taking.same[0] || !IsMade(rule, column)) continue;
       Question question{taking, {premise[0].term, premise[1].term, premise[2].term}, side, column};
       const auto [answers, is_new] = answers_.try_emplace(question.about);
@@ -354,7 +374,9 @@ class Order {
       Places places = PlacesOf(taking, head);
       if (taking.instance == kNone && IsPremise(taking, places)) continue;
       // The subject of an instance may be another in one that is like it.
-      if (head.columns[0] != Trigger::kNoColumn && head.columns[0] != head.columns[2] && taking.IsOfInstance(head.columns[0])) places[0] = {};
+      if (head.columns[0] != Trigger::kNoColumn && head.columns[0] != head.columns[2] &&
+          taking.IsOfInstance(head.columns[0]))
+        places[0] = {};
       const TermId predicate = places[1].term, object = places[2].term;
       FactPattern made{TermId(), predicate, object};
       if (IsOfAxioms(predicate, object)) {
@@ -364,7 +386,8 @@ class Order {
       } else if (following.reached.size() >= kManyPatterns) {
         made.object = TermId();
       }
-      if (AnyWider(made, true, [&](const FactPattern& wider) { return following.seen.contains(wider); })) continue;
+      if (AnyWider(made, true, [&](const FactPattern& wider) { return following.seen.contains(wider); }))
+        continue;
       following.seen.insert(made);
       following.reached.push_back({made, taking.from, taking.rule, taking.instance});
       if (all_seen_.insert(made).second) all_reached_[made.predicate].push_back(made);
@@ -384,16 +407,18 @@ class Order {
   std::vector<Step> Way(uint32_t number, size_t at) const {
     const std::vector<Reached>& reached = followings_[number].reached;
     std::vector<Step> way;
-    for (; reached[at].from != kItself; at = reached[at].from) way.push_back({reached[at].by, reached[at].instance});
+    for (; reached[at].from != kItself; at = reached[at].from)
+      way.push_back({reached[at].by, reached[at].instance});
     std::reverse(way.begin(), way.end());
     return way;
   }
 
   void RefuseAxioms(uint32_t number, uint32_t rule) {
     if (!status_.ok()) return;
-    status_ = absl::FailedPreconditionError(
-        absl::StrCat(program_.rules[program_.ordered[number]].label, " negates or aggregates, and what it makes may be an axiom for ",
-                     program_.rules[rule].label, ", on which the order of rules with negation depends; the batch was not applied"));
+    status_ = absl::FailedPreconditionError(absl::StrCat(
+        program_.rules[program_.ordered[number]].label,
+        " negates or aggregates, and what it makes may be an axiom for ", program_.rules[rule].label,
+        ", on which the order of rules with negation depends; the batch was not applied"));
   }
 
   absl::Status Refusal(const std::vector<uint32_t>& cycle) const {
@@ -406,11 +431,13 @@ class Order {
                       next == cycle[i] ? "itself" : program_.rules[program_.ordered[next]].label);
       if (way == ways_.end()) continue;
       for (size_t k = 0; k < way->second.size(); ++k) {
-        absl::StrAppend(&text, k == 0 ? " by " : ", ", program_.rules[way->second[k].rule].label, Axioms(way->second[k]));
+        absl::StrAppend(&text, k == 0 ? " by " : ", ", program_.rules[way->second[k].rule].label,
+                        Axioms(way->second[k]));
       }
     }
-    return absl::FailedPreconditionError(
-        text + "; the batch was not applied. Take one of these axioms away, or let a rule negate something that does not follow from it");
+    return absl::FailedPreconditionError(text +
+                                         "; the batch was not applied. Take one of these axioms away, or let "
+                                         "a rule negate something that does not follow from it");
   }
 
   // " (ex:Available rdfs:subClassOf ex:Broken)"
@@ -421,7 +448,8 @@ class Order {
     for (size_t i = 0; i < rule.body->patterns().size(); ++i) {
       if ((rule.schema & (1u << i)) == 0) continue;
       const Triple axiom = rule.Premise(i, schema_.instance(step.instance).row);
-      absl::StrAppend(&text, text.empty() ? " (" : " . ", Shown(axiom.subject), " ", Shown(axiom.predicate), " ", Shown(axiom.object));
+      absl::StrAppend(&text, text.empty() ? " (" : " . ", Shown(axiom.subject), " ", Shown(axiom.predicate),
+                      " ", Shown(axiom.object));
     }
     return text.empty() ? text : text + ")";
   }
@@ -441,7 +469,7 @@ class Order {
   absl::flat_hash_map<std::pair<TermId, TermId>, bool> of_axioms_;
   std::vector<Question> questions_;
   AxiomAnswers answers_;
-  absl::flat_hash_map<TermId, std::vector<FactPattern>> all_reached_;            // by predicate
+  absl::flat_hash_map<TermId, std::vector<FactPattern>> all_reached_;  // by predicate
   absl::flat_hash_set<FactPattern> all_seen_;
   std::vector<RuleDependency> dependencies_;  // among program_.ordered
   absl::flat_hash_set<std::tuple<uint32_t, uint32_t, bool>> known_;
@@ -451,8 +479,9 @@ class Order {
 
 }  // namespace
 
-absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph,
-                                            const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask) {
+absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema,
+                                            const GraphVersion& graph, const Dictionary& dictionary,
+                                            const AxiomAnswers& before, AskAxioms ask) {
   return Order(program, schema, graph, dictionary, before, ask).Find();
 }
 
@@ -460,7 +489,9 @@ bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph) {
   return std::all_of(order.asked.begin(), order.asked.end(), [&](const auto& asked) {
     if (asked.second.size() > kManyAnswers) return true;
     const std::vector<TermId> now = Answers(graph, asked.first);
-    return std::all_of(now.begin(), now.end(), [&](TermId id) { return std::find(asked.second.begin(), asked.second.end(), id) != asked.second.end(); });
+    return std::all_of(now.begin(), now.end(), [&](TermId id) {
+      return std::find(asked.second.begin(), asked.second.end(), id) != asked.second.end();
+    });
   });
 }
 

@@ -30,8 +30,9 @@ namespace docent {
 // Rules about axioms alone are joined with those in `graph`. An order may put off the very axioms that it was asked for; so they
 // count, too, that an earlier one was (`before`). kNothing: as if there might be any.
 enum class AskAxioms : uint8_t { kNothing, kGraph };
-absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph,
-                                            const Dictionary& dictionary, const AxiomAnswers& before = {},
+absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema,
+                                            const GraphVersion& graph, const Dictionary& dictionary,
+                                            const AxiomAnswers& before = {},
                                             AskAxioms ask = AskAxioms::kGraph);
 
 // Whether the order knew all that `graph` answers now to what it asked.

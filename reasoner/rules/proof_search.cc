@@ -36,7 +36,8 @@ bool Surroundings::MayMatch(const GraphVersion& graph, const Triple& pattern,
   const TermId first = by_subject ? pattern.predicate : pattern.subject;
   const TermId second = by_subject ? pattern.object : pattern.predicate;
   return std::any_of(facts.others.begin(), facts.others.end(), [&](const auto& other) {
-    if (!(first.IsNone() || first == other.first) || !(second.IsNone() || second == other.second)) return false;
+    if (!(first.IsNone() || first == other.first) || !(second.IsNone() || second == other.second))
+      return false;
     return counts(by_subject ? Triple{pattern.subject, other.first, other.second}
                              : Triple{other.first, other.second, pattern.object});
   });

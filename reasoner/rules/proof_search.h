@@ -30,7 +30,8 @@ namespace docent {
 class Surroundings {
  public:
   // False: no triple of the graph that `counts` matches. True: one may. A term that is none stands for any.
-  bool MayMatch(const GraphVersion& graph, const Triple& pattern, absl::FunctionRef<bool(const Triple&)> counts);
+  bool MayMatch(const GraphVersion& graph, const Triple& pattern,
+                absl::FunctionRef<bool(const Triple&)> counts);
   void Forget() {
     of_subject_.clear();
     of_object_.clear();

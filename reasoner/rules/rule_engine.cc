@@ -93,15 +93,16 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
   RuleProgram& before = impl.state.applied != nullptr ? *impl.state.applied : impl.no_rules;
   if (impl.schema_of != &program) {
     impl.schema_of = nullptr;
-    if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok()) return status;
+    if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok())
+      return status;
     impl.inconsistencies.InternWords();
     impl.schema_of = &program;
   }
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
   Materialiser materialiser(program, before, told,
-                            {writer, impl.schema, impl.inconsistencies, impl.dictionary, impl.inferred_graph, impl.limits,
-                             impl.inferred_since_commit, impl.counters, cancellation});
+                            {writer, impl.schema, impl.inconsistencies, impl.dictionary, impl.inferred_graph,
+                             impl.limits, impl.inferred_since_commit, impl.counters, cancellation});
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();

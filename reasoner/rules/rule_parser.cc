@@ -382,8 +382,10 @@ class RulesReader {
         if (!term->IsVariable() && !blank) continue;
         // one of several: a list is many triples at one place
         parser_.Error(term->span,
-                      blank ? "DATA of rules takes no blank nodes, nor lists, which are made of them" : "a variable stands in DATA",
-                      blank ? "name the thing by an IRI, or tell it as a fact" : "DATA holds facts; a rule has variables");
+                      blank ? "DATA of rules takes no blank nodes, nor lists, which are made of them"
+                            : "a variable stands in DATA",
+                      blank ? "name the thing by an IRI, or tell it as a fact"
+                            : "DATA holds facts; a rule has variables");
         return;
       }
     }

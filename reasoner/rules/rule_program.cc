@@ -89,8 +89,9 @@ Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::ve
   }
   absl::StrAppend(&message, cycle.size() == 1 ? "itself" : first.label);
   return {first.set, first.span, std::move(message),
-          Aggregates(first) ? "take the aggregate out of the cycle: a rule may count or sum only what does not depend on it"
-                            : "take the negation out of the cycle: a rule may negate only what does not depend on it"};
+          Aggregates(first)
+              ? "take the aggregate out of the cycle: a rule may count or sum only what does not depend on it"
+              : "take the negation out of the cycle: a rule may negate only what does not depend on it"};
 }
 
 // Rules that compute new values from values of their own make, without end: each an error with its cycle.
@@ -206,9 +207,11 @@ bool RuleProgram::Place(NegationOrder order) {
   std::vector<int> first(static_cast<size_t>(component_count_), 0);
   std::vector<std::vector<std::pair<int, bool>>> needs(static_cast<size_t>(component_count_));
   for (const RuleDependency& d : dependencies_) {
-    if (component_[d.from] != component_[d.to]) needs[component_[d.from]].push_back({component_[d.to], d.negative});
+    if (component_[d.from] != component_[d.to])
+      needs[component_[d.from]].push_back({component_[d.to], d.negative});
   }
-  const int height = order_.of_rules.empty() ? 0 : *std::max_element(order_.of_rules.begin(), order_.of_rules.end());
+  const int height =
+      order_.of_rules.empty() ? 0 : *std::max_element(order_.of_rules.begin(), order_.of_rules.end());
   const auto last = [&](int component) { return first[component] + (component == entangled_ ? height : 0); };
   stratum_count = 0;
   for (int component = 0; component < component_count_; ++component) {
@@ -225,7 +228,8 @@ bool RuleProgram::Place(NegationOrder order) {
   for (size_t i = 0; i < ordered.size(); ++i) rules[ordered[i]].stratum += order_.of_rules[i];
   rules_of_stratum.assign(static_cast<size_t>(stratum_count), {});
   for (uint32_t r = 0; r < rules.size(); ++r) {
-    for (int stratum = rules[r].stratum; stratum < stratum_count && Runs(r, stratum); ++stratum) rules_of_stratum[stratum].push_back(r);
+    for (int stratum = rules[r].stratum; stratum < stratum_count && Runs(r, stratum); ++stratum)
+      rules_of_stratum[stratum].push_back(r);
   }
   return true;
 }
@@ -305,7 +309,8 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
     for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, program->dependencies_);
   }
   if (!program->FindOrdered(diagnostics)) return nullptr;
-  if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics)) return nullptr;
+  if (!CheckTermination(sets, program->rules, WithoutAxioms(program->dependencies_), diagnostics))
+    return nullptr;
   program->Place({.of_rules = std::vector<int>(program->ordered.size(), 1)});
   program->Index();
   return program;

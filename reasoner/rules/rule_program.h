@@ -81,9 +81,11 @@ struct NegationOrder {
   std::vector<int> of_rules;                       // of RuleProgram::ordered, from 1
   absl::flat_hash_map<FactPattern, int> of_facts;  // from 1; others: 0
   absl::flat_hash_set<TermId> with_subjects;       // predicates of those that know a subject
-  AxiomAnswers asked;                              // what the order rests on beside the instances of the SchemaIndex
+  AxiomAnswers asked;  // what the order rests on beside the instances of the SchemaIndex
 
-  bool IsSame(const NegationOrder& other) const { return of_rules == other.of_rules && of_facts == other.of_facts; }
+  bool IsSame(const NegationOrder& other) const {
+    return of_rules == other.of_rules && of_facts == other.of_facts;
+  }
 };
 
 using RuleSets = std::map<std::string, std::shared_ptr<const ParsedRules>>;

@@ -22,7 +22,8 @@ absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph,
   return absl::OkStatus();
 }
 
-absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph, Cancellation* cancellation) {
+absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph,
+                                 Cancellation* cancellation) {
   if (program_ == nullptr) return absl::OkStatus();
   absl::InlinedVector<PatternIndex::Reference, 4> found;
   const Quad quad = {triple.subject, triple.predicate, triple.object, TermId()};
@@ -33,7 +34,8 @@ absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph
     const Trigger& trigger = body.triggers()[reference.pattern];
     std::vector<TermId> seed;
     body.SeedFrom(trigger, quad, seed);
-    if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, run); !status.ok()) return status;
+    if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, run); !status.ok())
+      return status;
   }
   return absl::OkStatus();
 }

@@ -64,7 +64,8 @@ class SchemaIndex {
   uint64_t changes() const { return changes_; }
 
  private:
-  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched, const sparql::RunOptions& run);
+  absl::Status Find(uint32_t rule, absl::Span<const TermId> seed, uint32_t matched,
+                    const sparql::RunOptions& run);
   void Add(uint32_t rule, absl::Span<const TermId> row);
   void Remove(uint32_t id);
 

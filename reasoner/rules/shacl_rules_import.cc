@@ -20,7 +20,8 @@ constexpr std::string_view kShNs = "http://www.w3.org/ns/shacl#";
 
 class Importer {
  public:
-  Importer(const LocatedRdf& document, std::string_view source, std::string_view file, const sparql::FunctionRegistry* functions)
+  Importer(const LocatedRdf& document, std::string_view source, std::string_view file,
+           const sparql::FunctionRegistry* functions)
       : source_(source), file_(file), functions_(functions) {
     for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
       const TermQuad& q = document.rdf.quads[i];
@@ -41,8 +42,10 @@ class Importer {
     }
     Write();
     if (by_class_.line > 0) {
-      result_.diagnostics.push_back({file_, by_class_, "a target class means its explicit instances here, those of its subclasses only where inferred",
-                                     "put rdfs or owl2rl in use, too, if there are subclasses", Diagnostic::Severity::kWarning});
+      result_.diagnostics.push_back(
+          {file_, by_class_,
+           "a target class means its explicit instances here, those of its subclasses only where inferred",
+           "put rdfs or owl2rl in use, too, if there are subclasses", Diagnostic::Severity::kWarning});
     }
     return std::move(result_);
   }
@@ -73,7 +76,8 @@ class Importer {
     result_.diagnostics.push_back(
         {file_, place_, absl::StrCat("rule of the shape ", shape_, ": ", message), std::move(hint)});
   }
-  SourceSpan PlaceOf(const std::string& subject, const std::string& predicate, const std::string& object) const {
+  SourceSpan PlaceOf(const std::string& subject, const std::string& predicate,
+                     const std::string& object) const {
     const auto found = places_.find({subject, predicate, object});
     return found == places_.end() ? SourceSpan() : found->second;
   }
@@ -153,15 +157,17 @@ class Importer {
     where = where.substr(1, where.rfind('}') - 1);
     if (by_class_.line == 0 && !Values(shape_, Sh("targetClass")).empty()) by_class_ = place_;
     for (const std::string& target : targets) {
-      made_.push_back({rule.starts_with("_:") ? "" : absl::StrCat("<", rule, "> "), WithoutLineBreaks(head), target, WithoutLineBreaks(where),
-                       result_.constructs.size()});
+      made_.push_back({rule.starts_with("_:") ? "" : absl::StrCat("<", rule, "> "), WithoutLineBreaks(head),
+                       target, WithoutLineBreaks(where), result_.constructs.size()});
     }
     read.query = std::move(parsed.query);
     result_.constructs.push_back(std::move(read));
   }
 
   // What is printed has line breaks between its parts alone: those of literals are escaped.
-  static std::string WithoutLineBreaks(std::string_view printed) { return absl::StrReplaceAll(std::string(printed), {{"\n", " "}}); }
+  static std::string WithoutLineBreaks(std::string_view printed) {
+    return absl::StrReplaceAll(std::string(printed), {{"\n", " "}});
+  }
 
   // Of a literal whose characters stand in the document as they are.
   size_t QuoteOf(const ImportedConstruct& read) const {
@@ -175,7 +181,8 @@ class Importer {
   // The document of rules, each in its line; and what the rule language says of them.
   void Write() {
     const auto line = [this](const Made& rule) { return result_.constructs[rule.construct].literal.line; };
-    std::stable_sort(made_.begin(), made_.end(), [&](const Made& a, const Made& b) { return line(a) < line(b); });
+    std::stable_sort(made_.begin(), made_.end(),
+                     [&](const Made& a, const Made& b) { return line(a) < line(b); });
     int at = 1;
     std::string& text = result_.text;
     for (Made& rule : made_) {
@@ -191,17 +198,20 @@ class Importer {
     }
     if (!text.empty()) text += '\n';
     result_.rules = made_.size();
-    std::map<std::pair<size_t, std::string>, bool> told;  // place and message: a rule of two targets has its mistakes twice
+    std::map<std::pair<size_t, std::string>, bool>
+        told;  // place and message: a rule of two targets has its mistakes twice
     for (Diagnostic& d : ParseRules(text, file_, {}, functions_).diagnostics) {
       d.span = InDocument(d.span);
-      if (told.emplace(std::pair(d.span.offset, d.message), true).second) result_.diagnostics.push_back(std::move(d));
+      if (told.emplace(std::pair(d.span.offset, d.message), true).second)
+        result_.diagnostics.push_back(std::move(d));
     }
   }
 
   // Where the word that a place of `text` names stands in the document: the same of those that are alike, if both have as many.
   SourceSpan InDocument(const SourceSpan& in_rules) const {
-    const auto rule = std::find_if(made_.begin(), made_.end(),
-                                   [&](const Made& m) { return m.begin <= in_rules.offset && in_rules.offset < m.end; });
+    const auto rule = std::find_if(made_.begin(), made_.end(), [&](const Made& m) {
+      return m.begin <= in_rules.offset && in_rules.offset < m.end;
+    });
     if (rule == made_.end()) return {};
     const ImportedConstruct& construct = result_.constructs[rule->construct];
     if (in_rules.offset >= rule->target_begin && in_rules.offset < rule->target_end) return construct.literal;
@@ -218,7 +228,9 @@ class Importer {
     return construct.InDocument({0, 0, construct.prologue + offset, word.size()});
   }
 
-  static bool IsWordCharacter(char c) { return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '?'; }
+  static bool IsWordCharacter(char c) {
+    return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '?';
+  }
   static std::string Plain(std::string_view text) {
     return absl::AsciiStrToLower(absl::StrReplaceAll(std::string(text), {{"$", "?"}}));
   }
@@ -231,7 +243,8 @@ class Importer {
   static std::vector<size_t> Occurrences(std::string_view text, const std::string& word) {
     std::vector<size_t> out;
     const std::string plain = Plain(text);
-    for (size_t at = plain.find(word); at != std::string::npos && !word.empty(); at = plain.find(word, at + 1)) {
+    for (size_t at = plain.find(word); at != std::string::npos && !word.empty();
+         at = plain.find(word, at + 1)) {
       const bool begins = at == 0 || !IsWordCharacter(plain[at - 1]);
       const size_t end = at + word.size();
       if (begins && (end == plain.size() || !IsWordCharacter(plain[end]))) out.push_back(at);

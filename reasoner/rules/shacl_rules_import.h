@@ -26,10 +26,10 @@ namespace docent {
 // A sh:construct as it was read.
 struct ImportedConstruct {
   sparql::Query query;
-  std::string text;       // of the literal
-  size_t prologue = 0;    // bytes of the declarations of sh:prefixes, which stand before it in what was parsed
-  SourceSpan literal;     // its place in the document
-  size_t quote = 0;       // bytes of its quotation mark; 0: its characters are written otherwise (escapes, XML)
+  std::string text;     // of the literal
+  size_t prologue = 0;  // bytes of the declarations of sh:prefixes, which stand before it in what was parsed
+  SourceSpan literal;   // its place in the document
+  size_t quote = 0;     // bytes of its quotation mark; 0: its characters are written otherwise (escapes, XML)
   // Where the document has a place of the query, as exactly as the way it is written allows.
   SourceSpan InDocument(const SourceSpan& in_query) const;
 };

@@ -19,7 +19,8 @@ using sparql::Value;
 // (XML Schema part 2, section 3.2.7.4). nullopt: they do not compare.
 std::optional<int> Compare(TermId a, TermId b, const Dictionary& dictionary) {
   const Value left = Value::OfId(a, dictionary), right = Value::OfId(b, dictionary);
-  if (left.IsTime() && right.IsTime() && left.zone_minutes().has_value() != right.zone_minutes().has_value()) {
+  if (left.IsTime() && right.IsTime() &&
+      left.zone_minutes().has_value() != right.zone_minutes().has_value()) {
     if (left.type() != right.type()) return std::nullopt;
     constexpr TimeMicros kFourteenHours = TimeMicros{14} * 3600 * 1'000'000;
     const TimeMicros difference = left.instant_us() - right.instant_us();
@@ -41,7 +42,8 @@ size_t CodePoints(std::string_view text) {
 // SPARQL's langMatches (section 17.4.3.11, RFC 4647 basic filtering).
 bool LanguageMatches(std::string_view tag, std::string_view range) {
   if (range == "*") return !tag.empty();
-  if (tag.size() < range.size() || !sparql::EqualsIgnoreCase(tag.substr(0, range.size()), range)) return false;
+  if (tag.size() < range.size() || !sparql::EqualsIgnoreCase(tag.substr(0, range.size()), range))
+    return false;
   return tag.size() == range.size() || tag[range.size()] == '-';
 }
 
@@ -106,7 +108,8 @@ void Evaluation::CheckValueType(const Place& place) {
     } else if (place.constraint.component == Component::kDatatype) {
       if (!value.IsLiteral() || dictionary_.Datatype(value) != name) {
         Report(place, value, absl::StrCat("is not of datatype ", Show(wanted)));
-      } else if (!value.InDictionary() || IsValidLexicalForm(dictionary_.Lexical(value), name).value_or(true)) {
+      } else if (!value.InDictionary() ||
+                 IsValidLexicalForm(dictionary_.Lexical(value), name).value_or(true)) {
         continue;
       } else {
         Report(place, value, absl::StrCat("is not a text that ", Show(wanted), " allows"));
@@ -114,7 +117,8 @@ void Evaluation::CheckValueType(const Place& place) {
     } else {
       const std::string_view kinds = name.substr(kShaclNs.size());
       const std::string_view kind = value.IsIri() ? "IRI" : value.IsBlank() ? "BlankNode" : "Literal";
-      if (kinds.find(kind) == std::string_view::npos) Report(place, value, Concat("is not of the kind ", Show(wanted)));
+      if (kinds.find(kind) == std::string_view::npos)
+        Report(place, value, Concat("is not of the kind ", Show(wanted)));
     }
   }
 }
@@ -124,15 +128,17 @@ void Evaluation::CheckCount(const Place& place) {
   const int64_t count = static_cast<int64_t>(place.values.size()), limit = place.constraint.number;
   const bool least = place.constraint.component == Component::kMinCount;
   if (least ? count >= limit : count <= limit) return;
-  Report(place, TermId(), absl::StrCat("has ", count, count == 1 ? " value" : " values", "; at ", least ? "least " : "most ",
-                                       limit, least ? " needed" : " allowed"));
+  Report(place, TermId(),
+         absl::StrCat("has ", count, count == 1 ? " value" : " values", "; at ", least ? "least " : "most ",
+                      limit, least ? " needed" : " allowed"));
 }
 
 // 4.3 sh:minExclusive and its kin: a value that does not compare violates
 void Evaluation::CheckRange(const Place& place) {
   for (const TermId value : place.values) {
     if (place.sink.done()) return;
-    const std::optional<int> order = value.IsLiteral() ? Compare(value, place.constraint.value, dictionary_) : std::nullopt;
+    const std::optional<int> order =
+        value.IsLiteral() ? Compare(value, place.constraint.value, dictionary_) : std::nullopt;
     bool holds = false;
     std::string_view wanted;
     switch (place.constraint.component) {
@@ -163,15 +169,17 @@ void Evaluation::CheckString(const Place& place) {
     if (!Poll() || place.sink.done()) return;
     if (constraint.component == Component::kLanguageIn) {
       const std::string_view tag = value.IsLiteral() ? dictionary_.Language(value) : std::string_view();
-      const bool allowed =
-          !tag.empty() && std::any_of(constraint.languages.begin(), constraint.languages.end(),
-                                      [tag](const Term& range) { return LanguageMatches(tag, range.lexical); });
+      const bool allowed = !tag.empty() && std::any_of(constraint.languages.begin(),
+                                                       constraint.languages.end(), [tag](const Term& range) {
+                                                         return LanguageMatches(tag, range.lexical);
+                                                       });
       if (!allowed) Report(place, value, "is not in one of the languages that are allowed");
       continue;
     }
     if (constraint.component == Component::kPattern) {
       const bool matches = !value.IsBlank() && RegexOf(constraint).Matches(value);
-      if (!matches) Report(place, value, Concat("does not match the pattern \"", constraint.pattern.lexical, "\""));
+      if (!matches)
+        Report(place, value, Concat("does not match the pattern \"", constraint.pattern.lexical, "\""));
       continue;
     }
     const bool least = constraint.component == Component::kMinLength;
@@ -179,7 +187,8 @@ void Evaluation::CheckString(const Place& place) {
         value.IsBlank() ? -1 : static_cast<int64_t>(CodePoints(dictionary_.Decode(value).lexical));
     const bool holds = length >= 0 && (least ? length >= constraint.number : length <= constraint.number);
     if (!holds) {
-      Report(place, value, absl::StrCat(least ? "is shorter than " : "is longer than ", constraint.number, " characters"));
+      Report(place, value,
+             absl::StrCat(least ? "is shorter than " : "is longer than ", constraint.number, " characters"));
     }
   }
 }
@@ -193,7 +202,8 @@ void Evaluation::CheckUniqueLang(const Place& place) {
     if (!tag.empty()) ++seen[sparql::LowerAscii(tag)];
   }
   for (const auto& [tag, count] : seen) {
-    if (count > 1) Report(place, TermId(), absl::StrCat("has ", count, " values in the language \"", tag, "\""));
+    if (count > 1)
+      Report(place, TermId(), absl::StrCat("has ", count, " values in the language \"", tag, "\""));
   }
 }
 
@@ -208,7 +218,8 @@ void Evaluation::CheckEquals(const Place& place) {
   };
   for (const TermId value : place.values) {
     if (!Poll()) return;
-    if (!has(others, value)) Report(place, value, Concat("is no value of ", Show(other), ", which should have the same"));
+    if (!has(others, value))
+      Report(place, value, Concat("is no value of ", Show(other), ", which should have the same"));
   }
   for (const TermId value : others) {
     if (!Poll()) return;
@@ -224,7 +235,8 @@ void Evaluation::CheckDisjoint(const Place& place) {
   for (const TermId value : place.values) {
     if (!Poll()) return;
     if (data_.Contains(place.focus, place.constraint.value, value)) {
-      Report(place, value, Concat("is a value of ", Show(place.constraint.value), ", too; they should share none"));
+      Report(place, value,
+             Concat("is a value of ", Show(place.constraint.value), ", too; they should share none"));
     }
   }
 }
@@ -240,8 +252,9 @@ void Evaluation::CheckLess(const Place& place) {
       std::optional<int> order;
       if (value.IsLiteral() && other.IsLiteral()) order = Compare(value, other, dictionary_);
       if (order && (strict ? *order < 0 : *order <= 0)) continue;
-      Report(place, value, Concat("is not less than ", strict ? "" : "or equal to ", Show(other), ", the value of ",
-                                  Show(place.constraint.value)));
+      Report(place, value,
+             Concat("is not less than ", strict ? "" : "or equal to ", Show(other), ", the value of ",
+                    Show(place.constraint.value)));
     }
   }
 }
@@ -262,15 +275,18 @@ void Evaluation::CheckLogic(const Place& place) {
         break;
       case Component::kAnd:
         if (conforming < shapes.size()) {
-          Report(place, value, absl::StrCat("conforms to ", conforming, " of the ", shapes.size(), " shapes of sh:and"));
+          Report(place, value,
+                 absl::StrCat("conforms to ", conforming, " of the ", shapes.size(), " shapes of sh:and"));
         }
         break;
       case Component::kOr:
-        if (conforming == 0) Report(place, value, absl::StrCat("conforms to none of the ", shapes.size(), " shapes of sh:or"));
+        if (conforming == 0)
+          Report(place, value, absl::StrCat("conforms to none of the ", shapes.size(), " shapes of sh:or"));
         break;
       default:
         if (conforming != 1) {
-          Report(place, value, absl::StrCat("conforms to ", conforming, " of the shapes of sh:xone, not to exactly one"));
+          Report(place, value,
+                 absl::StrCat("conforms to ", conforming, " of the shapes of sh:xone, not to exactly one"));
         }
     }
   }
@@ -310,16 +326,16 @@ void Evaluation::CheckQualified(const Place& place) {
     if (!Poll()) return;
     if (!Conforms(place.constraint.shapes[0], value)) continue;
     const auto& siblings = place.constraint.siblings;
-    const bool elsewhere =
-        std::any_of(siblings.begin(), siblings.end(), [&](ShapeIndex sibling) { return Conforms(sibling, value); });
+    const bool elsewhere = std::any_of(siblings.begin(), siblings.end(),
+                                       [&](ShapeIndex sibling) { return Conforms(sibling, value); });
     if (!elsewhere) ++count;
   }
   const bool least = place.constraint.component == Component::kQualifiedMinCount;
   if (least ? count >= place.constraint.number : count <= place.constraint.number) return;
   Report(place, TermId(),
          absl::StrCat("has ", count, count == 1 ? " value that conforms" : " values that conform", " to ",
-                      Show(shapes_.shapes[place.constraint.shapes[0]].node), "; at ", least ? "least " : "most ",
-                      place.constraint.number, least ? " needed" : " allowed"));
+                      Show(shapes_.shapes[place.constraint.shapes[0]].node), "; at ",
+                      least ? "least " : "most ", place.constraint.number, least ? " needed" : " allowed"));
 }
 
 // 4.8.1 sh:closed: the path of a result is the property that is too much
@@ -333,7 +349,8 @@ void Evaluation::CheckClosed(const Place& place) {
       result.value = q.object;
       result.has_path = true;
       result.path.predicate = q.predicate;
-      Add(place, std::move(result), Concat("has the property ", Show(q.predicate), ", which this closed shape does not allow"));
+      Add(place, std::move(result),
+          Concat("has the property ", Show(q.predicate), ", which this closed shape does not allow"));
       return Poll() && !place.sink.done();
     });
   }
@@ -349,7 +366,8 @@ void Evaluation::CheckOthers(const Place& place) {
   const std::vector<TermId>& members = place.constraint.terms;
   for (const TermId value : place.values) {
     if (place.sink.done()) return;
-    if (!std::binary_search(members.begin(), members.end(), value)) Report(place, value, "is none of the values that sh:in lists");
+    if (!std::binary_search(members.begin(), members.end(), value))
+      Report(place, value, "is none of the values that sh:in lists");
   }
 }
 

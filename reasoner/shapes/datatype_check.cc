@@ -10,7 +10,9 @@
 namespace docent::shapes {
 namespace {
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsDigit(char c) {
+  return c >= '0' && c <= '9';
+}
 bool AllDigits(std::string_view text) {
   for (const char c : text) {
     if (!IsDigit(c)) return false;
@@ -127,7 +129,8 @@ bool IsDuration(std::string_view text, std::string_view date_parts, std::string_
     const size_t at = parts.find(text[end]);
     if (at == std::string_view::npos) return false;
     const std::string_view number = text.substr(0, end);
-    if (text[end] == 'S' ? !(IsDecimal(number) && IsDigit(number[0]) && IsDigit(number.back())) : !AllDigits(number)) {
+    if (text[end] == 'S' ? !(IsDecimal(number) && IsDigit(number[0]) && IsDigit(number.back()))
+                         : !AllDigits(number)) {
       return false;
     }
     parts.remove_prefix(at + 1);
@@ -146,7 +149,8 @@ bool IsBase64(std::string_view text) {
   size_t symbols = 0, padding = 0;
   for (const char c : text) {
     if (c == ' ') continue;
-    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || IsDigit(c) || c == '+' || c == '/';
+    const bool letter =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || IsDigit(c) || c == '+' || c == '/';
     if (c == '=') {
       ++padding;
     } else if (!letter || padding > 0) {
@@ -190,8 +194,8 @@ bool IsTime(std::string_view name, std::string_view text) {
   return text.starts_with("---") && IsDatePart("2000-01-", text.substr(3), "");  // gDay
 }
 
-constexpr std::array<std::string_view, 9> kTimeTypes = {"dateTime",   "dateTimeStamp", "date",      "time", "gYear",
-                                                        "gYearMonth", "gMonth",        "gMonthDay", "gDay"};
+constexpr std::array<std::string_view, 9> kTimeTypes = {
+    "dateTime", "dateTimeStamp", "date", "time", "gYear", "gYearMonth", "gMonth", "gMonthDay", "gDay"};
 
 }  // namespace
 
@@ -218,8 +222,8 @@ std::optional<bool> IsValidLexicalForm(std::string_view text, std::string_view d
   if (name == "language") return IsLanguageTag(text);
   if (name == "normalizedString") return text.find_first_of("\t\n\r") == std::string_view::npos;
   if (name == "token") {
-    return text.find_first_of("\t\n\r") == std::string_view::npos && text.find("  ") == std::string_view::npos &&
-           !text.starts_with(' ') && !text.ends_with(' ');
+    return text.find_first_of("\t\n\r") == std::string_view::npos &&
+           text.find("  ") == std::string_view::npos && !text.starts_with(' ') && !text.ends_with(' ');
   }
   return std::nullopt;
 }

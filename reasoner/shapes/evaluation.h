@@ -69,8 +69,10 @@ class Evaluation {
   // value_paths.cc: the nodes that a path leads to from `node`, distinct.
   std::vector<TermId> ValueNodes(const Path& path, TermId node);
   void Step(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
-  void StepSequence(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
-  void StepRepeated(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to);
+  void StepSequence(const Path& path, bool backwards, const std::vector<TermId>& from,
+                    std::vector<TermId>* to);
+  void StepRepeated(const Path& path, bool backwards, const std::vector<TermId>& from,
+                    std::vector<TermId>* to);
 
   bool IsInstance(TermId node, TermId cls);
   const absl::flat_hash_set<TermId>& ClassAndSubclasses(TermId cls);

@@ -7,7 +7,8 @@ void FileGraph::Add(const std::string& file, const LocatedRdf& document, const s
   SourceMap& places = places_[name];
   for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
     const TermQuad& q = document.rdf.quads[i];
-    const Quad quad{dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate), dictionary_.Intern(q.object), graph};
+    const Quad quad{dictionary_.Intern(q.subject), dictionary_.Intern(q.predicate),
+                    dictionary_.Intern(q.object), graph};
     writer_.Add(quad);
     const QuadPlace& at = document.places[i];
     places.Add(quad, {file, at.subject}, {file, at.object});

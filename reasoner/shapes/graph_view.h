@@ -33,7 +33,8 @@ class GraphView {
     for (QuadCursor c = version_->Scan({subject, predicate, object, TermId()}); c.Valid(); c.Next()) {
       const Quad quad = c.quad();
       if (!all_ && !std::binary_search(graphs_.begin(), graphs_.end(), quad.graph)) continue;
-      if (quad.subject == last.subject && quad.predicate == last.predicate && quad.object == last.object) continue;
+      if (quad.subject == last.subject && quad.predicate == last.predicate && quad.object == last.object)
+        continue;
       last = quad;
       if (!visit(quad)) return;
     }

@@ -95,7 +95,8 @@ std::optional<Path> PathReader::ReadNested(TermId node, int depth) {
   std::optional<std::pair<Path::Kind, TermId>> found;
   for (const PathWord& word : kPathWords) {
     for (const TermId value : graph_.Objects(node, IdOf(dictionary_, Shacl(word.local)))) {
-      if (found) return Fail("a path says more than one of sh:inversePath, sh:alternativePath, sh:zeroOrMorePath …");
+      if (found)
+        return Fail("a path says more than one of sh:inversePath, sh:alternativePath, sh:zeroOrMorePath …");
       found = {word.kind, value};
     }
   }

@@ -42,11 +42,13 @@ ExpressionPtr TextOfVariable() {
 RegexTest::RegexTest(const Term& pattern, const Term& flags, const Dictionary& dictionary) {
   sparql::RunOptions run;
   run.version = &empty_;
-  auto probe = sparql::PreparedExpression::Prepare(*Regex(Constant(Term::Literal("")), pattern, flags), {}, dictionary);
+  auto probe = sparql::PreparedExpression::Prepare(*Regex(Constant(Term::Literal("")), pattern, flags), {},
+                                                   dictionary);
   if (!probe.ok()) return;
   auto answer = (*probe)->Evaluate(run, {});
   if (!answer.ok() || !answer->has_value()) return;
-  auto expression = sparql::PreparedExpression::Prepare(*Regex(TextOfVariable(), pattern, flags), {"value"}, dictionary);
+  auto expression =
+      sparql::PreparedExpression::Prepare(*Regex(TextOfVariable(), pattern, flags), {"value"}, dictionary);
   if (!expression.ok()) return;
   expression_ = *std::move(expression);
   valid_ = true;

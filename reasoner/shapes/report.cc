@@ -43,14 +43,15 @@ std::string MessageText(const std::vector<Term>& messages) {
   return best->lexical;
 }
 
-void AddDetails(const ValidationResult& result, const Dictionary& dictionary, int depth, std::vector<std::string>* out) {
+void AddDetails(const ValidationResult& result, const Dictionary& dictionary, int depth,
+                std::vector<std::string>* out) {
   constexpr size_t kMost = 20;
   for (const ValidationResult& detail : result.details) {
     if (out->size() >= kMost) return;
     const ResultText text = Describe(detail, dictionary, nullptr, nullptr);
     std::string line(static_cast<size_t>(depth) * 2, ' ');
-    absl::StrAppend(&line, text.focus, text.path.empty() ? "" : " ", text.path, text.value.empty() ? "" : " ", text.value,
-                    ": ", text.message);
+    absl::StrAppend(&line, text.focus, text.path.empty() ? "" : " ", text.path, text.value.empty() ? "" : " ",
+                    text.value, ": ", text.message);
     out->push_back(std::move(line));
     AddDetails(detail, dictionary, depth + 1, out);
   }
@@ -92,8 +93,8 @@ class RdfReport {
   }
 
   Term Write(const Path& path) {
-    static constexpr const char* kWords[] = {"", "inversePath", "", "alternativePath", "zeroOrMorePath", "oneOrMorePath",
-                                             "zeroOrOnePath"};
+    static constexpr const char* kWords[] = {
+        "", "inversePath", "", "alternativePath", "zeroOrMorePath", "oneOrMorePath", "zeroOrOnePath"};
     switch (path.kind) {
       case Path::Kind::kPredicate:
         return dictionary_.Decode(path.predicate);
@@ -103,7 +104,8 @@ class RdfReport {
         break;
     }
     const Term node = NewNode();
-    const Term value = path.kind == Path::Kind::kAlternative ? WriteList(path.children) : Write(path.children[0]);
+    const Term value =
+        path.kind == Path::Kind::kAlternative ? WriteList(path.children) : Write(path.children[0]);
     Say(node, Shacl(kWords[static_cast<size_t>(path.kind)]), value);
     return node;
   }
@@ -214,7 +216,8 @@ std::string Summary(const ValidationReport& report, const Dictionary& dictionary
   return out + checked;
 }
 
-std::vector<TermQuad> ToRdf(const ValidationReport& report, const Dictionary& dictionary, const std::string& label_prefix) {
+std::vector<TermQuad> ToRdf(const ValidationReport& report, const Dictionary& dictionary,
+                            const std::string& label_prefix) {
   return RdfReport(dictionary, label_prefix).Write(report);
 }
 

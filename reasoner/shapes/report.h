@@ -22,10 +22,10 @@ struct ResultText {
   int line = 0, column = 0;
   std::string shape_file;
   int shape_line = 0, shape_column = 0;
-  std::string severity;   // "violation", "warning", "info", or the IRI
+  std::string severity;                   // "violation", "warning", "info", or the IRI
   std::string focus, path, value, shape;  // for people; path and value may be empty
-  std::string component;  // "sh:minCount"
-  std::string message;    // the first that suits people: English before others
+  std::string component;                  // "sh:minCount"
+  std::string message;                    // the first that suits people: English before others
   std::vector<std::string> details;       // why a nested shape is violated, indented by depth
 };
 // `data` and `shapes` may be null.

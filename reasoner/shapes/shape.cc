@@ -6,12 +6,35 @@ namespace docent::shapes {
 namespace {
 
 // In the order of Component.
-constexpr std::array<std::string_view, 29> kNames = {
-    "Class",        "Datatype",     "NodeKind",     "MinCount",  "MaxCount",          "MinExclusive",
-    "MinInclusive", "MaxExclusive", "MaxInclusive", "MinLength", "MaxLength",         "Pattern",
-    "LanguageIn",   "UniqueLang",   "Equals",       "Disjoint",  "LessThan",          "LessThanOrEquals",
-    "Not",          "And",          "Or",           "Xone",      "Node",              "Property",
-    "QualifiedMinCount", "QualifiedMaxCount", "Closed", "HasValue", "In"};
+constexpr std::array<std::string_view, 29> kNames = {"Class",
+                                                     "Datatype",
+                                                     "NodeKind",
+                                                     "MinCount",
+                                                     "MaxCount",
+                                                     "MinExclusive",
+                                                     "MinInclusive",
+                                                     "MaxExclusive",
+                                                     "MaxInclusive",
+                                                     "MinLength",
+                                                     "MaxLength",
+                                                     "Pattern",
+                                                     "LanguageIn",
+                                                     "UniqueLang",
+                                                     "Equals",
+                                                     "Disjoint",
+                                                     "LessThan",
+                                                     "LessThanOrEquals",
+                                                     "Not",
+                                                     "And",
+                                                     "Or",
+                                                     "Xone",
+                                                     "Node",
+                                                     "Property",
+                                                     "QualifiedMinCount",
+                                                     "QualifiedMaxCount",
+                                                     "Closed",
+                                                     "HasValue",
+                                                     "In"};
 
 }  // namespace
 

@@ -78,12 +78,12 @@ using ShapeIndex = uint32_t;
 // One constraint of a shape; which fields it uses depends on the component.
 struct Constraint {
   Component component = Component::kClass;
-  TermId value;                      // class, datatype, nodeKind, ranges, property pairs, hasValue
-  int64_t number = 0;                // counts and lengths
-  Term pattern, flags;               // kPattern
-  std::vector<Term> languages;       // kLanguageIn
-  std::vector<TermId> terms;         // kIn: the members; kClosed: the properties that are allowed
-  std::vector<ShapeIndex> shapes;    // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: what they name
+  TermId value;                    // class, datatype, nodeKind, ranges, property pairs, hasValue
+  int64_t number = 0;              // counts and lengths
+  Term pattern, flags;             // kPattern
+  std::vector<Term> languages;     // kLanguageIn
+  std::vector<TermId> terms;       // kIn: the members; kClosed: the properties that are allowed
+  std::vector<ShapeIndex> shapes;  // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: what they name
   std::vector<ShapeIndex> siblings;  // kQualified… with sh:qualifiedValueShapesDisjoint
 };
 

@@ -20,7 +20,18 @@ namespace docent::shapes {
 namespace {
 
 // What values a parameter may have, and how many.
-enum class ValueRule : uint8_t { kIri, kInteger, kLiteral, kNodeKind, kAny, kTrue, kString, kList, kShape, kShapes };
+enum class ValueRule : uint8_t {
+  kIri,
+  kInteger,
+  kLiteral,
+  kNodeKind,
+  kAny,
+  kTrue,
+  kString,
+  kList,
+  kShape,
+  kShapes
+};
 struct Parameter {
   Component component;
   ValueRule values;
@@ -58,19 +69,33 @@ constexpr std::array<Parameter, 27> kParameters = {{
 }};
 
 // Words that are no parameters of Core but may stand at a shape.
-constexpr std::array<std::string_view, 18> kOtherWords = {
-    "path",        "severity",     "message",       "deactivated",        "targetNode",
-    "targetClass", "name",         "targetSubjectsOf", "targetObjectsOf", "flags",
-    "description", "group",        "order",         "defaultValue",       "ignoredProperties",
-    "qualifiedValueShape", "qualifiedMinCount", "qualifiedMaxCount"};
+constexpr std::array<std::string_view, 18> kOtherWords = {"path",
+                                                          "severity",
+                                                          "message",
+                                                          "deactivated",
+                                                          "targetNode",
+                                                          "targetClass",
+                                                          "name",
+                                                          "targetSubjectsOf",
+                                                          "targetObjectsOf",
+                                                          "flags",
+                                                          "description",
+                                                          "group",
+                                                          "order",
+                                                          "defaultValue",
+                                                          "ignoredProperties",
+                                                          "qualifiedValueShape",
+                                                          "qualifiedMinCount",
+                                                          "qualifiedMaxCount"};
 // What they would do is not done.
-constexpr std::array<std::string_view, 9> kBeyondCore = {"sparql",   "target",     "rule",     "js",
-                                                         "expression", "values", "validator", "nodeValidator",
-                                                         "propertyValidator"};
+constexpr std::array<std::string_view, 9> kBeyondCore = {"sparql",    "target",        "rule",
+                                                         "js",        "expression",    "values",
+                                                         "validator", "nodeValidator", "propertyValidator"};
 
 class ShapeReader {
  public:
-  ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits, const SourceMap* places)
+  ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
+              const SourceMap* places)
       : graph_(graph),
         dictionary_(dictionary),
         limits_(limits),
@@ -87,9 +112,10 @@ class ShapeReader {
     }
     if (!HasErrors(parsed_.diagnostics)) CheckOrder();
     if (!HasErrors(parsed_.diagnostics)) CollectProperties();
-    std::stable_sort(parsed_.diagnostics.begin(), parsed_.diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
-      return std::tie(a.file, a.span.line, a.span.column) < std::tie(b.file, b.span.line, b.span.column);
-    });
+    std::stable_sort(
+        parsed_.diagnostics.begin(), parsed_.diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
+          return std::tie(a.file, a.span.line, a.span.column) < std::tie(b.file, b.span.line, b.span.column);
+        });
     return std::move(parsed_);
   }
 
@@ -97,7 +123,9 @@ class ShapeReader {
   TermId Id(std::string_view iri) const { return dictionary_.FindIri(iri).value_or(kAbsentTerm); }
   TermId Sh(std::string_view local) const { return Id(Shacl(local)); }
   std::string Show(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
-  std::vector<TermId> Values(TermId node, std::string_view local) const { return graph_.Objects(node, Sh(local)); }
+  std::vector<TermId> Values(TermId node, std::string_view local) const {
+    return graph_.Objects(node, Sh(local));
+  }
 
   void Report(TermId node, std::string_view local, std::string message, std::string hint,
               Diagnostic::Severity severity = Diagnostic::Severity::kError) {
@@ -172,14 +200,17 @@ class ShapeReader {
                     "write several property shapes, or one sh:alternativePath");
     }
     std::optional<Path> path = paths_.Read(paths[0]);
-    if (!path) return Report(shape->node, "path", "ill-formed sh:path: " + paths_.problem(), "see SHACL section 2.3.1");
+    if (!path)
+      return Report(shape->node, "path", "ill-formed sh:path: " + paths_.problem(),
+                    "see SHACL section 2.3.1");
     shape->path = *std::move(path);
   }
 
   void ReadTargets(Shape* shape) {
     shape->target_nodes = Values(shape->node, "targetNode");
     for (const TermId node : shape->target_nodes) {
-      if (node.IsBlank()) Report(shape->node, "targetNode", "a blank node is no target", "target an IRI or a literal");
+      if (node.IsBlank())
+        Report(shape->node, "targetNode", "a blank node is no target", "target an IRI or a literal");
     }
     shape->target_classes = IriValues(shape->node, "targetClass");
     shape->target_subjects_of = IriValues(shape->node, "targetSubjectsOf");
@@ -201,7 +232,8 @@ class ShapeReader {
       if (value.IsIri()) {
         iris.push_back(value);
       } else {
-        Report(node, local, Concat("sh:", local, " is ", Show(value), ", which is no IRI"), "name it by its IRI");
+        Report(node, local, Concat("sh:", local, " is ", Show(value), ", which is no IRI"),
+               "name it by its IRI");
       }
     }
     return iris;
@@ -218,7 +250,8 @@ class ShapeReader {
       if (message.IsLiteral() && (datatype == kXsdString || datatype == kRdfLangString)) {
         shape->messages.push_back(message);
       } else {
-        Report(shape->node, "message", Concat("sh:message is ", Show(message), ", which is no text"), "write \"text\"");
+        Report(shape->node, "message", Concat("sh:message is ", Show(message), ", which is no text"),
+               "write \"text\"");
       }
     }
     const std::vector<TermId> deactivated = Values(shape->node, "deactivated");
@@ -231,9 +264,8 @@ class ShapeReader {
   }
 
   bool IsTrue(const std::vector<TermId>& values) const {
-    return std::any_of(values.begin(), values.end(), [this](TermId id) {
-      return id.tag() == TermId::Tag::kBoolean && InlineBoolean(id);
-    });
+    return std::any_of(values.begin(), values.end(),
+                       [this](TermId id) { return id.tag() == TermId::Tag::kBoolean && InlineBoolean(id); });
   }
 
   void ReadParameter(const Parameter& parameter, Shape* shape) {
@@ -264,7 +296,8 @@ class ShapeReader {
   }
 
   // False: it is ill-formed, or says nothing.
-  bool ReadValue(const Parameter& parameter, const std::string& name, TermId node, TermId value, Constraint* out) {
+  bool ReadValue(const Parameter& parameter, const std::string& name, TermId node, TermId value,
+                 Constraint* out) {
     switch (parameter.values) {
       case ValueRule::kAny:
         return true;
@@ -275,7 +308,8 @@ class ShapeReader {
       case ValueRule::kInteger:
         return ReadInteger(node, name, value, &out->number);
       case ValueRule::kNodeKind:
-        return IsNodeKind(value) || Wrong(node, name, value, "sh:IRI, sh:BlankNode, sh:Literal or a pair of them");
+        return IsNodeKind(value) ||
+               Wrong(node, name, value, "sh:IRI, sh:BlankNode, sh:Literal or a pair of them");
       case ValueRule::kTrue:
         return ReadTrue(name, node, value, out);
       case ValueRule::kString:
@@ -301,7 +335,8 @@ class ShapeReader {
              "add sh:path to it, or refer to it with sh:node");
     }
     if (component == Component::kNode && has_path) {
-      Report(node, "node", Concat("sh:node is ", Show(value), ", which has a sh:path"), "refer to it with sh:property");
+      Report(node, "node", Concat("sh:node is ", Show(value), ", which has a sh:path"),
+             "refer to it with sh:property");
     }
   }
 
@@ -312,7 +347,8 @@ class ShapeReader {
   }
 
   bool IsNodeKind(TermId value) const {
-    for (const char* kind : {"IRI", "BlankNode", "Literal", "BlankNodeOrIRI", "BlankNodeOrLiteral", "IRIOrLiteral"}) {
+    for (const char* kind :
+         {"IRI", "BlankNode", "Literal", "BlankNodeOrIRI", "BlankNodeOrLiteral", "IRIOrLiteral"}) {
       if (value == Sh(kind)) return true;
     }
     return false;
@@ -335,7 +371,8 @@ class ShapeReader {
     for (const TermId list : Values(node, "ignoredProperties")) {
       std::optional<std::vector<TermId>> ignored = paths_.ReadList(list);
       if (!ignored) {
-        Report(node, "ignoredProperties", "ill-formed sh:ignoredProperties: " + paths_.problem(), "write ( ex:p ex:q )");
+        Report(node, "ignoredProperties", "ill-formed sh:ignoredProperties: " + paths_.problem(),
+               "write ( ex:p ex:q )");
         continue;
       }
       for (const TermId property : *ignored) {
@@ -355,8 +392,9 @@ class ShapeReader {
     if (flags.size() > 1) Report(node, "flags", "has several sh:flags; one is allowed", "keep one");
     out->flags = flags.empty() ? Term::Literal("") : dictionary_.Decode(flags[0]);
     if (RegexTest(out->pattern, out->flags, dictionary_).valid()) return true;
-    Report(node, "pattern", Concat("sh:pattern ", Show(value), " with flags \"", out->flags.lexical,
-                                   "\" is no regular expression that can be evaluated"),
+    Report(node, "pattern",
+           Concat("sh:pattern ", Show(value), " with flags \"", out->flags.lexical,
+                  "\" is no regular expression that can be evaluated"),
            "check its brackets and flags (smixq); back-references and look-around are not available");
     return false;
   }
@@ -373,7 +411,8 @@ class ShapeReader {
       return true;
     }
     for (const TermId tag : *members) {
-      if (!tag.IsLiteral() || dictionary_.Datatype(tag) != kXsdString) return Wrong(node, name, tag, "a language tag");
+      if (!tag.IsLiteral() || dictionary_.Datatype(tag) != kXsdString)
+        return Wrong(node, name, tag, "a language tag");
       out->languages.push_back(dictionary_.Decode(tag));
     }
     return true;
@@ -382,7 +421,8 @@ class ShapeReader {
   bool ReadShapeList(const std::string& name, TermId node, TermId head, Constraint* out) {
     std::optional<std::vector<TermId>> members = paths_.ReadList(head);
     if (!members) {
-      Report(node, name, Concat("ill-formed sh:", name, ": ", paths_.problem()), "write ( ex:Shape1 ex:Shape2 )");
+      Report(node, name, Concat("ill-formed sh:", name, ": ", paths_.problem()),
+             "write ( ex:Shape1 ex:Shape2 )");
       return false;
     }
     for (const TermId member : *members) out->shapes.push_back(IndexOf(member));
@@ -398,16 +438,18 @@ class ShapeReader {
     if (shapes.empty()) {  // a component without all its parameters is none (test qualified-001 of the suite)
       return Report(shape->node, least.empty() ? "qualifiedMaxCount" : "qualifiedMinCount",
                     "a qualified count without sh:qualifiedValueShape says nothing",
-                    "add the shape whose values count, or write sh:minCount or sh:maxCount", Diagnostic::Severity::kWarning);
+                    "add the shape whose values count, or write sh:minCount or sh:maxCount",
+                    Diagnostic::Severity::kWarning);
     }
     if (!shape->is_property) {
       return Report(shape->node, "qualifiedValueShape", "sh:qualifiedValueShape at a node shape",
                     "it counts a property's values: put it into a sh:property with its sh:path");
     }
     if (shapes.size() != 1 || least.size() > 1 || most.size() > 1) {
-      return Report(shape->node, "qualifiedValueShape",
-                    "needs one sh:qualifiedValueShape, and at most one sh:qualifiedMinCount and sh:qualifiedMaxCount",
-                    "write a property shape for each");
+      return Report(
+          shape->node, "qualifiedValueShape",
+          "needs one sh:qualifiedValueShape, and at most one sh:qualifiedMinCount and sh:qualifiedMaxCount",
+          "write a property shape for each");
     }
     if (least.empty() && most.empty()) {
       return Report(shape->node, "qualifiedValueShape", "sh:qualifiedValueShape without a count says nothing",
@@ -415,9 +457,10 @@ class ShapeReader {
     }
     Constraint constraint;
     constraint.shapes = {IndexOf(shapes[0])};
-    if (IsTrue(Values(shape->node, "qualifiedValueShapesDisjoint"))) ReadSiblings(shape->node, shapes[0], &constraint);
-    for (const auto& [component, counts] :
-         {std::pair{Component::kQualifiedMinCount, &least}, std::pair{Component::kQualifiedMaxCount, &most}}) {
+    if (IsTrue(Values(shape->node, "qualifiedValueShapesDisjoint")))
+      ReadSiblings(shape->node, shapes[0], &constraint);
+    for (const auto& [component, counts] : {std::pair{Component::kQualifiedMinCount, &least},
+                                            std::pair{Component::kQualifiedMaxCount, &most}}) {
       if (counts->empty()) continue;
       constraint.component = component;
       if (ReadInteger(shape->node, ParameterName(component), (*counts)[0], &constraint.number)) {
@@ -451,7 +494,8 @@ class ShapeReader {
       if (IsKnown(word)) return true;
       if (std::find(kBeyondCore.begin(), kBeyondCore.end(), word) != kBeyondCore.end()) {
         Report(node, word, Concat("sh:", word, " is not SHACL Core and is not checked"),
-               word == "rule" ? "a sh:SPARQLRule is put in use by docent rules use FILE" : "say it with SHACL Core, or as a rule",
+               word == "rule" ? "a sh:SPARQLRule is put in use by docent rules use FILE"
+                              : "say it with SHACL Core, or as a rule",
                Diagnostic::Severity::kWarning);
         return true;
       }
@@ -485,9 +529,10 @@ class ShapeReader {
         absl::StrAppend(&cycle, Show(parsed_.shapes.shapes[index].node), " → ");
       }
       const TermId first = parsed_.shapes.shapes[order.cycle[0]].node;
-      return Report(first, "", Concat("refers to itself: ", cycle, Show(first)),
-                    "SHACL does not say what recursive shapes mean (section 3.4.3); use a property path such as "
-                    "[ sh:zeroOrMorePath ex:p ], or give one shape a target of its own");
+      return Report(
+          first, "", Concat("refers to itself: ", cycle, Show(first)),
+          "SHACL does not say what recursive shapes mean (section 3.4.3); use a property path such as "
+          "[ sh:zeroOrMorePath ex:p ], or give one shape a target of its own");
     }
     if (order.depth > limits_.shape_nesting) {
       Report(parsed_.shapes.shapes[order.deepest].node, "",
@@ -509,7 +554,8 @@ class ShapeReader {
         found.insert(targets->begin(), targets->end());
       }
       for (const Constraint& c : shape.constraints) {
-        if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals) found.insert(c.value);
+        if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals)
+          found.insert(c.value);
         if (c.component == Component::kClosed) parsed_.shapes.any_property = true;
       }
     }

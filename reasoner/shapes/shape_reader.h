@@ -2,8 +2,8 @@
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_READER_H_
 
-#include "graph/base/diagnostic.h"
 #include "graph/base/check_limits.h"
+#include "graph/base/diagnostic.h"
 #include "graph/rdf/dictionary.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/shape.h"

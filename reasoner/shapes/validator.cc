@@ -153,7 +153,8 @@ bool Evaluation::IsInstance(TermId node, TermId cls) {
 
 RegexTest& Evaluation::RegexOf(const Constraint& constraint) {
   std::unique_ptr<RegexTest>& regex = regexes_[&constraint];
-  if (regex == nullptr) regex = std::make_unique<RegexTest>(constraint.pattern, constraint.flags, dictionary_);
+  if (regex == nullptr)
+    regex = std::make_unique<RegexTest>(constraint.pattern, constraint.flags, dictionary_);
   return *regex;
 }
 
@@ -161,8 +162,8 @@ std::string Evaluation::ShowPath(const Shape& shape) const {
   return PathText(shape.path, dictionary_);
 }
 
-absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
-                                          const ValidateOptions& options) {
+absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data,
+                                          const Dictionary& dictionary, const ValidateOptions& options) {
   return Evaluation(shapes, data, dictionary, options).Run();
 }
 

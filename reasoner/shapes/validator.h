@@ -44,8 +44,8 @@ struct ValidateOptions {
 };
 
 // CANCELLED, DEADLINE_EXCEEDED, or RESOURCE_EXHAUSTED naming query_memory_bytes: then there is no report.
-absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data, const Dictionary& dictionary,
-                                          const ValidateOptions& options = {});
+absl::StatusOr<ValidationReport> Validate(const ShapeSet& shapes, const GraphView& data,
+                                          const Dictionary& dictionary, const ValidateOptions& options = {});
 
 }  // namespace docent::shapes
 

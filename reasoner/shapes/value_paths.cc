@@ -22,7 +22,8 @@ std::vector<TermId> Evaluation::ValueNodes(const Path& path, TermId node) {
 }
 
 // Appends to `to` where the path leads from each node of `from`; repeats are possible.
-void Evaluation::Step(const Path& path, bool backwards, const std::vector<TermId>& from, std::vector<TermId>* to) {
+void Evaluation::Step(const Path& path, bool backwards, const std::vector<TermId>& from,
+                      std::vector<TermId>* to) {
   switch (path.kind) {
     case Path::Kind::kPredicate:
       for (const TermId node : from) {

@@ -14,10 +14,12 @@ mrpt::obs::CObservation2DRangeScan::Ptr ToMrpt(const maps::LaserScan& scan) {
   auto observation = mrpt::obs::CObservation2DRangeScan::Create();
   const size_t n = scan.range_m.size();
   observation->rightToLeft = scan.bearing_step_rad >= 0;
-  observation->aperture = static_cast<float>(std::abs(scan.bearing_step_rad) * static_cast<double>(n > 0 ? n - 1 : 0));
+  observation->aperture =
+      static_cast<float>(std::abs(scan.bearing_step_rad) * static_cast<double>(n > 0 ? n - 1 : 0));
   observation->maxRange = static_cast<float>(scan.max_range_m);
   // MRPT's scans lie symmetrically about the sensor's x axis: what is left over turns the sensor.
-  const double middle = scan.first_bearing_rad + scan.bearing_step_rad * (n > 0 ? static_cast<double>(n - 1) / 2 : 0);
+  const double middle =
+      scan.first_bearing_rad + scan.bearing_step_rad * (n > 0 ? static_cast<double>(n - 1) / 2 : 0);
   observation->sensorPose = mrpt::poses::CPose3D(scan.sensor_in_robot.x_m, scan.sensor_in_robot.y_m, 0,
                                                  scan.sensor_in_robot.heading_rad + middle, 0, 0);
   observation->resizeScan(n);
@@ -36,7 +38,8 @@ maps::LaserScan FromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) 
   scan.first_bearing_rad = n > 1 ? -sign * observation.aperture / 2 : 0;
   scan.bearing_step_rad = sign * step;
   scan.max_range_m = observation.maxRange;
-  scan.sensor_in_robot = {observation.sensorPose.x(), observation.sensorPose.y(), observation.sensorPose.yaw()};
+  scan.sensor_in_robot = {observation.sensorPose.x(), observation.sensorPose.y(),
+                          observation.sensorPose.yaw()};
   scan.range_m.resize(n);
   for (size_t i = 0; i < n; ++i) {
     scan.range_m[i] = observation.getScanRangeValidity(i) ? observation.getScanRange(i) : 0.0f;
@@ -58,7 +61,8 @@ double DistanceMap::internal_computeObservationLikelihood(const mrpt::obs::CObse
 }
 
 bool DistanceMap::internal_canComputeObservationLikelihood(const mrpt::obs::CObservation& observation) const {
-  return model_ != nullptr && dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&observation) != nullptr;
+  return model_ != nullptr &&
+         dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&observation) != nullptr;
 }
 
 bool DistanceMap::internal_insertObservation(const mrpt::obs::CObservation&,
@@ -75,10 +79,14 @@ void DistanceMap::saveMetricMapRepresentationToFile(const std::string&) const {}
 
 void DistanceMap::getVisualizationInto(mrpt::opengl::CSetOfObjects&) const {}
 
-std::string DistanceMap::asString() const { return "likelihood field on the hall's distance grid"; }
+std::string DistanceMap::asString() const {
+  return "likelihood field on the hall's distance grid";
+}
 
 // The map is made from the hall model, which has a file format of its own.
-uint8_t DistanceMap::serializeGetVersion() const { return 0; }
+uint8_t DistanceMap::serializeGetVersion() const {
+  return 0;
+}
 void DistanceMap::serializeTo(mrpt::serialization::CArchive&) const {
   throw std::logic_error("DistanceMap is not serialised; save the HallModel");
 }

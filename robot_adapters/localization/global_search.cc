@@ -10,12 +10,15 @@ namespace {
 // Centres of the free places of a lattice over the map.
 std::vector<maps::Point2> FreePlaces(const maps::DistanceGrid& clearance, const LocaliserSettings& settings) {
   std::vector<maps::Point2> places;
-  const double width_m = clearance.width * clearance.resolution_m, height_m = clearance.height * clearance.resolution_m;
+  const double width_m = clearance.width * clearance.resolution_m,
+               height_m = clearance.height * clearance.resolution_m;
   for (double y = settings.search_step_m / 2; y < height_m; y += settings.search_step_m) {
     for (double x = settings.search_step_m / 2; x < width_m; x += settings.search_step_m) {
       const maps::Point2 p = {clearance.origin_x_m + x, clearance.origin_y_m + y};
-      const double needed = std::min(settings.search_clearance_m, clearance.max_distance_m - clearance.resolution_m);
-      if (clearance.StateAt(p) == maps::CellState::kFree && clearance.DistanceAt(p) >= needed) places.push_back(p);
+      const double needed =
+          std::min(settings.search_clearance_m, clearance.max_distance_m - clearance.resolution_m);
+      if (clearance.StateAt(p) == maps::CellState::kFree && clearance.DistanceAt(p) >= needed)
+        places.push_back(p);
     }
   }
   return places;
@@ -52,12 +55,15 @@ bool Near(const maps::Pose2& a, const maps::Pose2& b, const LocaliserSettings& s
          std::abs(maps::WrapAngle(a.heading_rad - b.heading_rad)) < 2 * settings.search_step_rad;
 }
 
-bool Better(const Candidate& a, const Candidate& b) { return a.log_likelihood > b.log_likelihood; }
+bool Better(const Candidate& a, const Candidate& b) {
+  return a.log_likelihood > b.log_likelihood;
+}
 
 }  // namespace
 
 std::vector<Candidate> SearchGlobally(const maps::HallModel& hall, const SensorModel& model,
-                                      const maps::LaserScan& scan, const LocaliserSettings& settings, int count) {
+                                      const maps::LaserScan& scan, const LocaliserSettings& settings,
+                                      int count) {
   const BeamEnds few = EndsOf(scan, settings.search_beams);
   const BeamEnds all = EndsOf(scan, settings.sensor.max_beams);
   if (few.size() == 0 || count < 1) return {};
@@ -73,7 +79,8 @@ std::vector<Candidate> SearchGlobally(const maps::HallModel& hall, const SensorM
     std::nth_element(found.begin(), found.begin() + kept, found.end(), Better);
     found.resize(kept);
   };
-  const int headings = std::max(1, static_cast<int>(std::ceil(2 * std::numbers::pi / settings.search_step_rad)));
+  const int headings =
+      std::max(1, static_cast<int>(std::ceil(2 * std::numbers::pi / settings.search_step_rad)));
   for (const maps::Point2& place : FreePlaces(hall.clearance(), settings)) {
     for (int k = 0; k < headings; ++k) {
       const maps::Pose2 pose = {place.x_m, place.y_m, maps::WrapAngle(2 * std::numbers::pi * k / headings)};

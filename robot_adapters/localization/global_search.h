@@ -21,7 +21,8 @@ struct Candidate {
 // The `count` best candidates, each refined by a local search, best first, no two within one lattice step of each
 // other. Empty if the map has no free place or the scan no return.
 std::vector<Candidate> SearchGlobally(const maps::HallModel& hall, const SensorModel& model,
-                                      const maps::LaserScan& scan, const LocaliserSettings& settings, int count);
+                                      const maps::LaserScan& scan, const LocaliserSettings& settings,
+                                      int count);
 
 }  // namespace docent::robot
 

@@ -30,8 +30,8 @@ absl::Mutex& MrptRandomMutex() {
   return mutex;
 }
 
-constexpr int kCandidates = 32;        // of a global search that get particles
-constexpr double kSureXy_m = 0.10;     // standard deviations below which a search's many particles are thinned
+constexpr int kCandidates = 32;     // of a global search that get particles
+constexpr double kSureXy_m = 0.10;  // standard deviations below which a search's many particles are thinned
 constexpr double kSureHeading_rad = 0.05;
 
 bool Finite(const Pose2& pose) {
@@ -69,8 +69,8 @@ struct Localiser::Impl {
   }
 
   // Replaces all particles by draws around `centres`, each chosen in proportion to its weight.
-  void Spread(const std::vector<std::pair<Pose2, double>>& centres, double sigma_xy_m, double sigma_heading_rad,
-              int count) {
+  void Spread(const std::vector<std::pair<Pose2, double>>& centres, double sigma_xy_m,
+              double sigma_heading_rad, int count) {
     std::vector<double> weights;
     for (const auto& [pose, weight] : centres) weights.push_back(weight);
     std::discrete_distribution<size_t> choose(weights.begin(), weights.end());
@@ -101,7 +101,8 @@ struct Localiser::Impl {
   absl::Status Step(const Pose2& increment, const maps::LaserScan& scan) {
     try {
       mrpt::obs::CActionRobotMovement2D movement;
-      movement.computeFromOdometry(mrpt::poses::CPose2D(increment.x_m, increment.y_m, increment.heading_rad), motion);
+      movement.computeFromOdometry(mrpt::poses::CPose2D(increment.x_m, increment.y_m, increment.heading_rad),
+                                   motion);
       mrpt::obs::CActionCollection actions;
       actions.insert(movement);
       const mrpt::obs::CObservation2DRangeScan::Ptr observation = ToMrpt(scan);
@@ -167,7 +168,8 @@ struct Localiser::Impl {
   }
 
   void SpreadAround(const std::vector<Candidate>& candidates) {
-    Spread(Weighted(candidates), settings.search_step_m / 4, settings.search_step_rad / 4, settings.search_particles);
+    Spread(Weighted(candidates), settings.search_step_m / 4, settings.search_step_rad / 4,
+           settings.search_particles);
   }
 
   // A global search whose answer is taken only if it explains the scan better and passes fewer walls.
@@ -198,12 +200,14 @@ struct Localiser::Impl {
   int updates_since_search = 0;
 };
 
-Localiser::Localiser(std::shared_ptr<const maps::HallModel> hall, const LocaliserSettings& settings, uint64_t seed)
+Localiser::Localiser(std::shared_ptr<const maps::HallModel> hall, const LocaliserSettings& settings,
+                     uint64_t seed)
     : impl_(std::make_unique<Impl>(std::move(hall), settings, seed)) {}
 
 Localiser::~Localiser() = default;
 
-absl::Status Localiser::InitialiseAt(const Pose2& robot_in_hall, double sigma_xy_m, double sigma_heading_rad) {
+absl::Status Localiser::InitialiseAt(const Pose2& robot_in_hall, double sigma_xy_m,
+                                     double sigma_heading_rad) {
   if (!Finite(robot_in_hall) || !(sigma_xy_m > 0) || !(sigma_heading_rad > 0) || !std::isfinite(sigma_xy_m) ||
       !std::isfinite(sigma_heading_rad)) {
     return absl::InvalidArgumentError("localiser: the start pose is not finite or a sigma not above 0");
@@ -244,15 +248,19 @@ absl::StatusOr<Estimate> Localiser::Update(const Pose2& odometry_increment, cons
       ShareThroughWalls(impl.hall->laser_field(), few, e.pose(), impl.settings.lost_margin_m);
   impl.lost_share += impl.settings.lost_smoothing * (through - impl.lost_share);
   ++impl.updates_since_search;
-  if (impl.settings.relocalise && impl.lost_share > impl.settings.lost_above && impl.updates_since_search >= 5) {
+  if (impl.settings.relocalise && impl.lost_share > impl.settings.lost_above &&
+      impl.updates_since_search >= 5) {
     impl.updates_since_search = 0;
     impl.Relocalise(scan, e.pose());
     e = impl.Summary();
   }
-  const double sigma_xy = std::sqrt(e.covariance[0] + e.covariance[4]), sigma_heading = std::sqrt(e.covariance[8]);
-  if (e.particles > impl.settings.particles && sigma_xy < kSureXy_m && sigma_heading < kSureHeading_rad) impl.Thin();
+  const double sigma_xy = std::sqrt(e.covariance[0] + e.covariance[4]),
+               sigma_heading = std::sqrt(e.covariance[8]);
+  if (e.particles > impl.settings.particles && sigma_xy < kSureXy_m && sigma_heading < kSureHeading_rad)
+    impl.Thin();
   e.lost_share = impl.lost_share;
-  e.localised = sigma_xy < impl.settings.localised_xy_m && sigma_heading < impl.settings.localised_heading_rad &&
+  e.localised = sigma_xy < impl.settings.localised_xy_m &&
+                sigma_heading < impl.settings.localised_heading_rad &&
                 impl.lost_share <= impl.settings.lost_above;
   estimate_ = e;
   return e;
@@ -260,7 +268,8 @@ absl::StatusOr<Estimate> Localiser::Update(const Pose2& odometry_increment, cons
 
 std::vector<Pose2> Localiser::Particles() const {
   std::vector<Pose2> poses;
-  for (const auto& particle : impl_->pdf.m_particles) poses.push_back({particle.d.x, particle.d.y, particle.d.phi});
+  for (const auto& particle : impl_->pdf.m_particles)
+    poses.push_back({particle.d.x, particle.d.y, particle.d.phi});
   return poses;
 }
 

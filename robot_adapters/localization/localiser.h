@@ -27,8 +27,8 @@ struct Estimate {
   double y_m = 0;
   double heading_rad = 0;
   std::array<double, 9> covariance = {};  // x, y, heading; row by row
-  bool localised = false;   // sure enough to drive by (LocaliserSettings)
-  double neff = 0;          // effective number of particles before resampling
+  bool localised = false;                 // sure enough to drive by (LocaliserSettings)
+  double neff = 0;                        // effective number of particles before resampling
   int particles = 0;
   double lost_share = 0;    // smoothed share of beams through walls
   int relocalisations = 0;  // global searches whose answer was taken, so far

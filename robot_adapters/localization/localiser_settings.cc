@@ -17,8 +17,8 @@ struct Range {
 absl::Status Check(std::initializer_list<Range> ranges) {
   for (const Range& range : ranges) {
     if (range.value >= range.low && range.value <= range.high) continue;
-    return absl::InvalidArgumentError(
-        absl::StrFormat("localiser: %s = %g is not in %g..%g", range.name, range.value, range.low, range.high));
+    return absl::InvalidArgumentError(absl::StrFormat("localiser: %s = %g is not in %g..%g", range.name,
+                                                      range.value, range.low, range.high));
   }
   return absl::OkStatus();
 }

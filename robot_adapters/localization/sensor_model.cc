@@ -16,8 +16,8 @@ BeamEnds EndsOf(const maps::LaserScan& scan, int max_beams) {
     const size_t i = k * n / kept;
     const double range = scan.range_m[i];
     if (!(range > 0) || range >= scan.max_range_m) continue;
-    const double bearing =
-        scan.sensor_in_robot.heading_rad + scan.first_bearing_rad + static_cast<double>(i) * scan.bearing_step_rad;
+    const double bearing = scan.sensor_in_robot.heading_rad + scan.first_bearing_rad +
+                           static_cast<double>(i) * scan.bearing_step_rad;
     ends.x_m.push_back(static_cast<float>(scan.sensor_in_robot.x_m + range * std::cos(bearing)));
     ends.y_m.push_back(static_cast<float>(scan.sensor_in_robot.y_m + range * std::sin(bearing)));
   }
@@ -36,7 +36,8 @@ SensorModel::SensorModel(const maps::DistanceGrid& laser_field, const SensorMode
   const double scale = -0.5 / (settings.sigma_hit_m * settings.sigma_hit_m);
   for (int j = 0; j < height_; ++j) {
     for (int i = 0; i < width_; ++i) {
-      const double d = laser_field.DistanceAt({origin_x_m_ + (i + 0.5) * cell_m, origin_y_m_ + (j + 0.5) * cell_m});
+      const double d =
+          laser_field.DistanceAt({origin_x_m_ + (i + 0.5) * cell_m, origin_y_m_ + (j + 0.5) * cell_m});
       const double p = (1 - settings.z_random) * std::exp(scale * d * d) + settings.z_random;
       table_.push_back(static_cast<float>(settings.temper * std::log(p)));
     }
@@ -64,8 +65,7 @@ double SensorModel::LogLikelihood(const BeamEnds& ends, const maps::Pose2& robot
 double ShareThroughWalls(const maps::DistanceGrid& laser_field, const BeamEnds& ends,
                          const maps::Pose2& robot_in_hall, double margin_m) {
   if (ends.size() == 0) return 0;
-  const maps::Pose2 sensor =
-      maps::Compose(robot_in_hall, {ends.sensor.x_m, ends.sensor.y_m, 0});
+  const maps::Pose2 sensor = maps::Compose(robot_in_hall, {ends.sensor.x_m, ends.sensor.y_m, 0});
   const double least_step_m = laser_field.resolution_m / 2;
   int through = 0;
   for (size_t k = 0; k < ends.size(); ++k) {

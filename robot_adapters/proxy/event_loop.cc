@@ -40,7 +40,8 @@ void EventLoop::Run() {
     std::function<void()> task;
     {
       absl::MutexLock lock(&mutex_);
-      absl::Duration wait = timers_.empty() ? absl::InfiniteDuration() : timers_.begin()->first.first - SteadyNow();
+      absl::Duration wait =
+          timers_.empty() ? absl::InfiniteDuration() : timers_.begin()->first.first - SteadyNow();
       mutex_.AwaitWithTimeout(absl::Condition(&has_task), wait);
       if (!tasks_.empty()) {
         task = std::move(tasks_.front());

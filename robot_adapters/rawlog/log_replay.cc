@@ -20,7 +20,8 @@ absl::StatusOr<ReplayedStep> LogReplay::Next() {
     if (!estimate.ok()) return estimate.status();
   }
   ReplayedStep step = {next_, recorded.time_us, *estimate, nullptr};
-  if (regions_ != nullptr && estimate->localised) step.region = regions_->Innermost(estimate->pose().position());
+  if (regions_ != nullptr && estimate->localised)
+    step.region = regions_->Innermost(estimate->pose().position());
   ++next_;
   return step;
 }

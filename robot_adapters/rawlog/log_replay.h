@@ -26,8 +26,8 @@ struct ReplayedStep {
 class LogReplay {
  public:
   // `regions` may be nullptr; it must outlive the replay.
-  LogReplay(std::shared_ptr<const maps::HallModel> building, RecordedDrive drive, const maps::RegionIndex* regions,
-            const LocaliserSettings& settings, uint64_t seed);
+  LogReplay(std::shared_ptr<const maps::HallModel> building, RecordedDrive drive,
+            const maps::RegionIndex* regions, const LocaliserSettings& settings, uint64_t seed);
 
   bool Done() const { return next_ == drive_.steps.size(); }
   // The next step of the recording. Requires !Done(). An error of the localiser ends the replay.

@@ -39,7 +39,8 @@ absl::StatusOr<std::string> FindMrptDataset(const std::string& name) {
     const std::string path = std::string(prefix) + "/share/mrpt/datasets/" + name;
     if (Missing(path).ok()) return path;
   }
-  return absl::NotFoundError("no data set " + name + " under /usr/share/mrpt/datasets: install the package mrpt-common");
+  return absl::NotFoundError("no data set " + name +
+                             " under /usr/share/mrpt/datasets: install the package mrpt-common");
 }
 
 absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path) {
@@ -67,7 +68,8 @@ absl::StatusOr<RecordedDrive> ReadRawlog(const std::string& path) {
   } catch (const std::exception& error) {
     return absl::InvalidArgumentError(path + ": " + MrptMessage(error));
   }
-  if (drive.steps.empty()) return absl::InvalidArgumentError(path + ": no action/observation pair with a 2D scan");
+  if (drive.steps.empty())
+    return absl::InvalidArgumentError(path + ": no action/observation pair with a 2D scan");
   return drive;
 }
 

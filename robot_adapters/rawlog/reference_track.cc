@@ -13,9 +13,11 @@ constexpr char kColumns[] = "step,time_us,x_m,y_m,heading_rad,spread_m";
 
 bool ReadRow(const std::string& line, ReferencePose& pose) {
   const std::vector<std::string> cells = absl::StrSplit(line, ',');
-  return cells.size() == 6 && absl::SimpleAtoi(cells[0], &pose.step) && absl::SimpleAtoi(cells[1], &pose.time_us) &&
-         absl::SimpleAtod(cells[2], &pose.robot_in_hall.x_m) && absl::SimpleAtod(cells[3], &pose.robot_in_hall.y_m) &&
-         absl::SimpleAtod(cells[4], &pose.robot_in_hall.heading_rad) && absl::SimpleAtod(cells[5], &pose.spread_m);
+  return cells.size() == 6 && absl::SimpleAtoi(cells[0], &pose.step) &&
+         absl::SimpleAtoi(cells[1], &pose.time_us) && absl::SimpleAtod(cells[2], &pose.robot_in_hall.x_m) &&
+         absl::SimpleAtod(cells[3], &pose.robot_in_hall.y_m) &&
+         absl::SimpleAtod(cells[4], &pose.robot_in_hall.heading_rad) &&
+         absl::SimpleAtod(cells[5], &pose.spread_m);
 }
 
 }  // namespace
@@ -34,8 +36,8 @@ absl::StatusOr<std::vector<ReferencePose>> ReadReference(const std::string& path
     } else if (columns_seen && ReadRow(line, pose)) {
       poses.push_back(pose);
     } else {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("%s:%d: expected %s, found '%s'", path, number, columns_seen ? "six numbers" : kColumns, line));
+      return absl::InvalidArgumentError(absl::StrFormat("%s:%d: expected %s, found '%s'", path, number,
+                                                        columns_seen ? "six numbers" : kColumns, line));
     }
   }
   if (poses.empty()) return absl::InvalidArgumentError(path + ": no pose in the reference");

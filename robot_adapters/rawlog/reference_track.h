@@ -18,10 +18,10 @@
 namespace docent::robot {
 
 struct ReferencePose {
-  size_t step = 0;        // of the recording, from 0
+  size_t step = 0;  // of the recording, from 0
   TimeMicros time_us = 0;
   maps::Pose2 robot_in_hall;
-  double spread_m = 0;    // standard deviation between the runs that it is the mean of
+  double spread_m = 0;  // standard deviation between the runs that it is the mean of
 };
 
 // NOT_FOUND; INVALID_ARGUMENT with the line that cannot be read.

@@ -13,7 +13,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     auto* out = new cawl::QuadEnvironment;
     out->AddOperation({"moveToUser", {"user"}, true});
     out->AddOperation({"moveToBooth", {"booth"}, true});
-    out->AddOntology({{Term::Iri("https://w3id.org/docent#isAt"), Term::Iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
+    out->AddOntology({{Term::Iri("https://w3id.org/docent#isAt"),
+                       Term::Iri("http://www.w3.org/1999/02/22-rdf-syntax-ns#type"),
                        Term::Iri("http://www.w3.org/2002/07/owl#ObjectProperty"), Term()}});
     return out;
   }();
@@ -23,7 +24,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const cawl::ConditionText& condition : report.conditions) {
     if (condition.ask.starts_with("# cannot be compiled")) continue;
     sparql::ParsedQuery query = sparql::ParseQuery(condition.ask);
-    fuzz::Require(query.ok(), "not SPARQL: " + condition.ask + "\n" + Render(query.diagnostics, condition.ask));
+    fuzz::Require(query.ok(),
+                  "not SPARQL: " + condition.ask + "\n" + Render(query.diagnostics, condition.ask));
   }
   return 0;
 }

@@ -21,8 +21,10 @@ inline void Require(bool good, const std::string& what) {
 inline void RequireSound(const Diagnostics& diagnostics, std::string_view text) {
   for (const Diagnostic& d : diagnostics) {
     Require(!d.message.empty(), "a diagnostic without message");
-    Require(d.span.offset <= text.size() && d.span.length <= text.size() - d.span.offset, "a span outside of the text: " + d.message);
-    Require(d.span.line >= 0 && (d.span.line == 0 || d.span.column > 0), "a place without column: " + d.message);
+    Require(d.span.offset <= text.size() && d.span.length <= text.size() - d.span.offset,
+            "a span outside of the text: " + d.message);
+    Require(d.span.line >= 0 && (d.span.line == 0 || d.span.column > 0),
+            "a place without column: " + d.message);
   }
   Require(diagnostics.empty() || !Render(diagnostics, text).empty(), "nothing rendered");
 }

@@ -33,9 +33,15 @@ class Mutator {
       case 0:
         if (at < text->size()) (*text)[at] = static_cast<char>((*text)[at] ^ (1 << Below(8)));
         break;
-      case 1: text->erase(at, length); break;
-      case 2: text->insert(Below(text->size() + 1), text->substr(at, length)); break;
-      case 3: text->insert(at, 1, static_cast<char>(Below(256))); break;
+      case 1:
+        text->erase(at, length);
+        break;
+      case 2:
+        text->insert(Below(text->size() + 1), text->substr(at, length));
+        break;
+      case 3:
+        text->insert(at, 1, static_cast<char>(Below(256)));
+        break;
       case 4:
         if (!words_.empty()) text->insert(at, words_[Below(words_.size())]);
         break;

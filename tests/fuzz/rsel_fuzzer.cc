@@ -43,7 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   rsel::ServiceRegistry registry;
   Diagnostics diagnostics = registry.Put(parsed.document);
   fuzz::RequireSound(diagnostics, text);
-  fuzz::Require(HasErrors(diagnostics) || registry.Plans().size() == parsed.document->processes.size(), "a process without plan");
+  fuzz::Require(HasErrors(diagnostics) || registry.Plans().size() == parsed.document->processes.size(),
+                "a process without plan");
   for (const rsel::PlanPtr& plan : registry.Plans()) RunToTheEnd(plan);
   return 0;
 }

@@ -35,7 +35,8 @@ struct World {
     for (int i = 0; i < 6; ++i) {
       const TermId node = iri("http://example.org/n" + std::to_string(i));
       facts.push_back({node, iri(std::string(kRdfType)), iri(DocentIri(i % 2 ? "Robot" : "Visitor")), graph});
-      facts.push_back({node, iri(DocentIri("isAt")), iri("http://example.org/n" + std::to_string(i * 2 % 6)), graph});
+      facts.push_back(
+          {node, iri(DocentIri("isAt")), iri("http://example.org/n" + std::to_string(i * 2 % 6)), graph});
       facts.push_back({node, iri("http://example.org/p"), *InlineLiteral(Term::Integer(i)), graph});
     }
     const auto axiom = [&](const std::string& s, const std::string& p, const std::string& o) {
@@ -53,9 +54,11 @@ struct World {
   // False where it was refused: at a limit, or as axioms make negation depend on itself where the rules alone do not.
   bool Tell(const std::vector<Quad>& add, const std::vector<Quad>& remove) {
     const absl::Status status = engine.Update(writer, writer.Apply(add, remove)).status();
-    const bool by_axioms = status.code() == absl::StatusCode::kFailedPrecondition &&
-                           std::string(status.message()).find("the batch was not applied") != std::string::npos;
-    fuzz::Require(status.ok() || by_axioms || status.code() == absl::StatusCode::kResourceExhausted, "an update that ends with " + status.ToString());
+    const bool by_axioms =
+        status.code() == absl::StatusCode::kFailedPrecondition &&
+        std::string(status.message()).find("the batch was not applied") != std::string::npos;
+    fuzz::Require(status.ok() || by_axioms || status.code() == absl::StatusCode::kResourceExhausted,
+                  "an update that ends with " + status.ToString());
     if (!status.ok()) return false;
     engine.Commit();
     writer.Freeze(Revision(++revision));
@@ -109,7 +112,8 @@ void CheckOne(std::string_view text) {
   for (size_t i = 0; i < same.size(); i += 2) even.push_back(same[i]);
   for (size_t i = 1; i < facts.size(); i += 2) odd.push_back(facts[i]);
   if (!half.Tell(even, {}) || !at_once.Tell({}, odd)) return;
-  fuzz::Require(at_once.Inferred() == half.Inferred(), "other facts inferred where half of them were withdrawn");
+  fuzz::Require(at_once.Inferred() == half.Inferred(),
+                "other facts inferred where half of them were withdrawn");
   if (!at_once.Tell(odd, {})) return;
   fuzz::Require(at_once.Inferred() == all, "other facts inferred where half of them were told again");
   World nothing;

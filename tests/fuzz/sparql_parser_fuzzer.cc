@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
 #include "tests/fuzz/fuzz_check.h"

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/run/update_evaluator.h"
+#include "graph/sparql/syntax/parser.h"
 #include "graph/store/batch_applier.h"
 #include "graph/store/graph_writer.h"
 #include "graph/store/server_graphs.h"

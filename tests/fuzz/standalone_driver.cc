@@ -94,11 +94,45 @@ int main(int argc, char** argv) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds ? number : 0);
   uint32_t seed = static_cast<uint32_t>(std::strtoul(argv[2], nullptr, 10));
   docent::fuzz::Mutator mutator(seed, corpus,
-                                {"<", ">", "</", "/>", "\"", "&lt;", "&#x0;", "&#10;", "<![CDATA[", "]]>", "<!--", "-->", "<?x?>",
-                                 "<!DOCTYPE a [", "xmlns:x=\"urn:x\"", " name=\"\"", "$user", "?x", "not (", " or ", " and ",
-                                 "prefix:", "RULE {", "} WHERE {", "FILTER NOT EXISTS {", "OPTIONAL {", "BIND(", "?x", "<urn:x>", "\xC3\xA9", "\xFF", std::string(1, '\0'), "{", "}", "ASK", "."});
+                                {"<",
+                                 ">",
+                                 "</",
+                                 "/>",
+                                 "\"",
+                                 "&lt;",
+                                 "&#x0;",
+                                 "&#10;",
+                                 "<![CDATA[",
+                                 "]]>",
+                                 "<!--",
+                                 "-->",
+                                 "<?x?>",
+                                 "<!DOCTYPE a [",
+                                 "xmlns:x=\"urn:x\"",
+                                 " name=\"\"",
+                                 "$user",
+                                 "?x",
+                                 "not (",
+                                 " or ",
+                                 " and ",
+                                 "prefix:",
+                                 "RULE {",
+                                 "} WHERE {",
+                                 "FILTER NOT EXISTS {",
+                                 "OPTIONAL {",
+                                 "BIND(",
+                                 "?x",
+                                 "<urn:x>",
+                                 "\xC3\xA9",
+                                 "\xFF",
+                                 std::string(1, '\0'),
+                                 "{",
+                                 "}",
+                                 "ASK",
+                                 "."});
   long mutations = 0;
-  for (; seconds ? std::chrono::steady_clock::now() < end : mutations < number; ++mutations) RunOne(mutator.Next());
+  for (; seconds ? std::chrono::steady_clock::now() < end : mutations < number; ++mutations)
+    RunOne(mutator.Next());
   std::printf("%zu corpus files, %ld mutations of seed %u: nothing found\n", corpus.size(), mutations, seed);
   return 0;
 }

@@ -43,10 +43,12 @@ TEST_P(CawlGolden, SaysWhatIsExpected) {
   std::string source = golden::Input(folder);
   ASSERT_FALSE(source.empty());
   bool has_environment = std::filesystem::exists(folder / "environment.txt");
-  QuadEnvironment environment = ReadEnvironment(has_environment ? golden::ReadFile(folder / "environment.txt") : "");
+  QuadEnvironment environment =
+      ReadEnvironment(has_environment ? golden::ReadFile(folder / "environment.txt") : "");
   CheckReport report = CheckDocument(source, "input.xml", has_environment ? &environment : nullptr);
   std::string actual = Render(report.diagnostics, source);
-  for (const ConditionText& condition : report.conditions) actual += "== " + condition.place + "\n" + condition.ask + "\n";
+  for (const ConditionText& condition : report.conditions)
+    actual += "== " + condition.place + "\n" + condition.ask + "\n";
   golden::Compare(folder, actual);
 }
 

@@ -24,11 +24,13 @@ class Hall {
   Hall() : writer_(std::make_shared<const GraphVersion>()), rules_(dictionary_) {
     const std::filesystem::path root(DOCENT_SOURCE_DIR);
     for (const auto& file : std::filesystem::directory_iterator(root / "ontology")) {
-      if (file.path().extension() == ".ttl") Load(golden::ReadFile(file.path()), file.path().filename().string());
+      if (file.path().extension() == ".ttl")
+        Load(golden::ReadFile(file.path()), file.path().filename().string());
     }
     for (const char* name : {"hall.ttl", "world.ttl"})
       Load(golden::ReadFile(root / "scenarios/s01_booth_guide" / name), name);
-    rule_text_ = std::make_shared<const std::string>(golden::ReadFile(root / "scenarios/s01_booth_guide/guide.rules"));
+    rule_text_ =
+        std::make_shared<const std::string>(golden::ReadFile(root / "scenarios/s01_booth_guide/guide.rules"));
     EXPECT_FALSE(HasErrors(rules_.PutRules("guide.rules", *rule_text_)));
   }
 
@@ -66,7 +68,8 @@ class Hall {
 class ExplainGolden : public testing::TestWithParam<std::string> {};
 
 TEST_P(ExplainGolden, SaysWhatAPersonWould) {
-  const std::filesystem::path folder = std::filesystem::path(DOCENT_SOURCE_DIR) / "tests/golden/explain" / GetParam();
+  const std::filesystem::path folder =
+      std::filesystem::path(DOCENT_SOURCE_DIR) / "tests/golden/explain" / GetParam();
   Hall hall;
   hall.Load("@prefix docent: <https://w3id.org/docent#> . @prefix expo: <" + std::string(kExpo) + "> .\n" +
                 golden::ReadFile(folder / "situation.ttl"),

@@ -23,7 +23,8 @@ inline std::string ReadFile(const std::filesystem::path& path) {
 // Names of the case folders beneath tests/golden/<kind>.
 inline std::vector<std::string> Cases(const std::string& kind) {
   std::vector<std::string> out;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(DOCENT_SOURCE_DIR) / "tests/golden" / kind)) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(DOCENT_SOURCE_DIR) /
+                                                               "tests/golden" / kind)) {
     if (entry.is_directory()) out.push_back(entry.path().filename().string());
   }
   std::sort(out.begin(), out.end());

@@ -13,7 +13,9 @@ namespace {
 
 class RselGolden : public testing::TestWithParam<std::string> {};
 
-std::string Describe(const PlanSource& source) { return source.constant ? ToDisplay(*source.constant) : source.slot; }
+std::string Describe(const PlanSource& source) {
+  return source.constant ? ToDisplay(*source.constant) : source.slot;
+}
 
 std::string Describe(const Plan& plan) {
   std::string out = absl::StrCat("== ", plan.process, "(", absl::StrJoin(plan.inputs, ", "), ")");
@@ -27,7 +29,9 @@ std::string Describe(const Plan& plan) {
     }
     out += ")";
     if (!step.after.empty()) {
-      absl::StrAppend(&out, " after ", absl::StrJoin(step.after, ",", [](std::string* o, int s) { absl::StrAppend(o, s + 1); }));
+      absl::StrAppend(&out, " after ", absl::StrJoin(step.after, ",", [](std::string* o, int s) {
+        absl::StrAppend(o, s + 1);
+      }));
     }
     if (step.retry > 0) absl::StrAppend(&out, " retry ", step.retry);
     if (step.timeout_ms) absl::StrAppend(&out, " timeout ", *step.timeout_ms, " ms");

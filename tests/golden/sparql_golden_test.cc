@@ -5,10 +5,10 @@
 
 #include "graph/rdf/parser.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/algebra_printer.h"
-#include "graph/sparql/run/evaluator.h"
-#include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/results/results.h"
+#include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
 #include "tests/golden/golden_file.h"
 

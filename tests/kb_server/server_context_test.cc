@@ -85,7 +85,8 @@ TEST_F(ServerContextTest, ABadBatchSaysWhereAndChangesNothing) {
 // RDF 1.1 section 3.4: blank node labels mean nothing outside of their document.
 TEST_F(ServerContextTest, BlankNodesOfDifferentTextsAreDifferent) {
   StartServer();
-  for (const char* text : {":John :saw [ :what 1 ] . _:n :what 2 .", ":Mary :saw [ :what 3 ] . _:n :what 4 ."}) {
+  for (const char* text :
+       {":John :saw [ :what 1 ] . _:n :what 2 .", ":Mary :saw [ :what 3 ] . _:n :what 4 ."}) {
     ASSERT_TRUE(Assert(Turtle(text)).ok());
     ASSERT_TRUE(Load(v1::LoadRequest::DATA, "data.ttl", absl::StrCat("@prefix : <urn:w:> . ", text)).ok());
   }
@@ -95,7 +96,8 @@ TEST_F(ServerContextTest, BlankNodesOfDifferentTextsAreDifferent) {
   part.set_kind(v1::LoadRequest::DATA);
   part.set_document("both");
   v1::LoadReply reply;
-  for (const auto& [text, added] : {std::pair("_:m <urn:w:a> 1 .", 1u), {"_:m <urn:w:b> 1 .", 1u}, {"_:m <urn:w:b> 1 .", 0u}}) {
+  for (const auto& [text, added] :
+       {std::pair("_:m <urn:w:a> 1 .", 1u), {"_:m <urn:w:b> 1 .", 1u}, {"_:m <urn:w:b> 1 .", 0u}}) {
     part.set_text(text);
     ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Load, part, &reply).ok());
     EXPECT_EQ(reply.added(), added);
@@ -245,10 +247,13 @@ constexpr char kBomb[] =
 TEST_F(ServerContextTest, ACallOfNoFunctionIsShownWithItsPlaceAndWhatItTakes) {
   StartServer();
   EXPECT_THAT(Query("SELECT * { BIND(docent:distanse(1, 2, 3, 4) AS ?d) }").status.error_message(),
-              AllOf(HasSubstr("1:17: error: no function"), HasSubstr("^"), HasSubstr("did you mean <https://w3id.org/docent#distance>?")));
+              AllOf(HasSubstr("1:17: error: no function"), HasSubstr("^"),
+                    HasSubstr("did you mean <https://w3id.org/docent#distance>?")));
   EXPECT_THAT(Query("SELECT * { BIND(docent:distance(1, 2, 3) AS ?d) }").status.error_message(),
               AllOf(HasSubstr("does not take 3 arguments"), HasSubstr("it takes 4")));
-  EXPECT_TRUE(Query("SELECT * { SERVICE SILENT <http://127.0.0.1:1/> { BIND(<urn:theirs>(1) AS ?d) } }").status.ok()) << "theirs, not ours";
+  EXPECT_TRUE(
+      Query("SELECT * { SERVICE SILENT <http://127.0.0.1:1/> { BIND(<urn:theirs>(1) AS ?d) } }").status.ok())
+      << "theirs, not ours";
 }
 
 TEST_F(ServerContextTest, AQueryBombIsStoppedAndOthersGoOn) {
@@ -422,14 +427,19 @@ TEST_F(ServerContextTest, HealthAndReflectionAnswer) {
   grpc::internal::RpcMethod check("/grpc.health.v1.Health/Check", grpc::internal::RpcMethod::NORMAL_RPC);
   grpc::ByteBuffer answer;
   grpc::Slice bytes;
-  for (const char* request : {"", "\x0a\x11" "docent.v1.Context", "\x0a\x0f" "docent.v1.Fleet"}) {  // HealthCheckRequest.service
+  for (const char* request : {"",
+                              "\x0a\x11"
+                              "docent.v1.Context",
+                              "\x0a\x0f"
+                              "docent.v1.Fleet"}) {  // HealthCheckRequest.service
     grpc::ClientContext context;
     Limit(&context);
     grpc::Slice slice{std::string(request)};
     grpc::Status status = CallRaw(channel_.get(), check, &context, grpc::ByteBuffer(&slice, 1), &answer);
     ASSERT_TRUE(status.ok()) << request << status.error_message();
     ASSERT_TRUE(answer.DumpToSingleSlice(&bytes).ok());
-    EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size()), "\x08\x01") << "SERVING";
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size()), "\x08\x01")
+        << "SERVING";
   }
 
   grpc::internal::RpcMethod info("/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",

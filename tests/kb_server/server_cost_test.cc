@@ -28,8 +28,9 @@ TEST_F(ServerWorkflowTest, AConditionThatEveryChangeMatchesIsDeployedWithAWarnin
   StartServer();
   MustTell(":a :b :c . :d :e :f .");
   v1::DeployReply reply;
-  const grpc::Status status = Deploy(
-      "waiting.xml", Waiting("<subject>?thing</subject><verb>?relation</verb><object>?other</object>"), &reply);
+  const grpc::Status status =
+      Deploy("waiting.xml", Waiting("<subject>?thing</subject><verb>?relation</verb><object>?other</object>"),
+             &reply);
   ASSERT_TRUE(status.ok()) << status.error_message();
   ASSERT_EQ(reply.diagnostics_size(), 1) << reply.DebugString();
   const v1::Diagnostic& warning = reply.diagnostics(0);
@@ -37,14 +38,16 @@ TEST_F(ServerWorkflowTest, AConditionThatEveryChangeMatchesIsDeployedWithAWarnin
   EXPECT_EQ(warning.line(), 6);
   EXPECT_THAT(warning.message(), HasSubstr("node Anything"));
   EXPECT_THAT(warning.message(), HasSubstr("every change"));
-  EXPECT_THAT(warning.hint(), ::testing::MatchesRegex("one evaluation takes .* ms and 2 solutions on 2 facts; .*"));
+  EXPECT_THAT(warning.hint(),
+              ::testing::MatchesRegex("one evaluation takes .* ms and 2 solutions on 2 facts; .*"));
 }
 
 TEST_F(ServerWorkflowTest, AConditionThatChangesNarrowIsDeployedWithoutOne) {
   StartServer();
   v1::DeployReply reply;
-  const grpc::Status status = Deploy(
-      "waiting.xml", Waiting("<subject>?thing</subject><verb>docent:isAt</verb><object>?place</object>"), &reply);
+  const grpc::Status status =
+      Deploy("waiting.xml",
+             Waiting("<subject>?thing</subject><verb>docent:isAt</verb><object>?place</object>"), &reply);
   ASSERT_TRUE(status.ok()) << status.error_message();
   for (const v1::Diagnostic& diagnostic : reply.diagnostics())
     EXPECT_THAT(diagnostic.message(), ::testing::Not(HasSubstr("expensive")));

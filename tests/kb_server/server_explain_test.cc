@@ -43,7 +43,8 @@ TEST_F(ServerExplainTest, AProofEndsAtWhoToldItWhenAndWhereInTheLog) {
   StartServer();
   SetUpGreeting();
   MustTell(
-      ":R1 a docent:Robot ; docent:isAt :Hall . :DoorMapping docent:forSensor :Door ; docent:subject docent:readingValue ;"
+      ":R1 a docent:Robot ; docent:isAt :Hall . :DoorMapping docent:forSensor :Door ; docent:subject "
+      "docent:readingValue ;"
       " docent:predicate docent:isAt ; docent:object :Hall .");
   v1::AssertRequest reading;
   reading.set_source("urn:w:tracking");
@@ -118,7 +119,8 @@ TEST_F(ServerExplainTest, RefusesWhatItCannotExplain) {
 TEST_F(ServerExplainTest, WhatIfTellsWhatWouldHappenAndNothingDoes) {
   StartServer();
   SetUpGreeting();
-  MustTell(":R1 a docent:Robot ; docent:isAt :Hall ; docent:status docent:Standby . :John docent:isAt :Cafe .");
+  MustTell(
+      ":R1 a docent:Robot ; docent:isAt :Hall ; docent:status docent:Standby . :John docent:isAt :Cafe .");
   ASSERT_TRUE(Deploy("called.xml", kCalled).ok());
   v1::StartReply run;
   ASSERT_TRUE(StartRun("Greeting", &run).ok());
@@ -213,7 +215,8 @@ TEST_F(ServerExplainTest, TheWorkEndsWhenTheCallerGoesAway) {
   for (int i = 0; i < 500; ++i) absl::StrAppend(&facts, ":a", i, " :p ", i, " . ");
   MustTell(facts);
   v1::ExplainRequest request;
-  request.set_why_ask("PREFIX : <urn:w:> ASK { ?a :p ?x . ?b :p ?y . ?c :p ?z . ?d :p ?w FILTER(?x * ?y * ?z * ?w = 7.5) }");
+  request.set_why_ask(
+      "PREFIX : <urn:w:> ASK { ?a :p ?x . ?b :p ?y . ?c :p ?z . ?d :p ?w FILTER(?x * ?y * ?z * ?w = 7.5) }");
   v1::ExplainReply reply;
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
@@ -224,7 +227,8 @@ TEST_F(ServerExplainTest, TheWorkEndsWhenTheCallerGoesAway) {
 TEST_F(ServerExplainTest, AQuestionThatWouldInferMillionsEndsInTime) {
   settings_.limits.queries_running = 1;
   const std::string rules = folder_ / "pairs.rules";
-  std::ofstream(rules) << "PREFIX : <urn:w:> RULE { ?a :with ?b } WHERE { :Party :is :On . ?a :in :Hall . ?b :in :Hall }";
+  std::ofstream(rules)
+      << "PREFIX : <urn:w:> RULE { ?a :with ?b } WHERE { :Party :is :On . ?a :in :Hall . ?b :in :Hall }";
   settings_.rules = {rules};
   StartServer();
   std::string facts;

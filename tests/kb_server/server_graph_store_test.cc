@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "tests/kb_server/server_world.h"
 #include "tests/kb_server/http/http_client.h"
+#include "tests/kb_server/server_world.h"
 
 namespace docent::test {
 namespace {
@@ -54,7 +54,8 @@ TEST_F(GraphStoreTest, WhatRdfXmlCannotSayIsSaidOtherwise) {
   StartServer();
   const std::string graph = "/rdf-graphs?graph=urn:w:g";
   const std::string construct = "/sparql?query=CONSTRUCT%20WHERE%20%7B%20%3Curn:w:a%3E%20?p%20?o%20%7D";
-  const std::string both = "Accept: application/rdf+xml, text/html;q=0.9, */*;q=0.1\r\n", xml = "Accept: application/rdf+xml\r\n";
+  const std::string both = "Accept: application/rdf+xml, text/html;q=0.9, */*;q=0.1\r\n",
+                    xml = "Accept: application/rdf+xml\r\n";
   for (const char* triple : {"<urn:w:a> <http://e/1> 2 .", "<urn:w:a> <urn:w:p> \"\\u0001\" ."}) {
     ASSERT_LT(Ask("PUT", graph, kTurtle, triple).status, 300);
     const HttpReply other = Ask("GET", graph, both);
@@ -64,7 +65,8 @@ TEST_F(GraphStoreTest, WhatRdfXmlCannotSayIsSaidOtherwise) {
     const HttpReply none = Ask("GET", graph, xml);
     EXPECT_EQ(none.status, 406);
     EXPECT_THAT(none.body, HasSubstr("use Turtle"));
-    EXPECT_EQ(Ask("GET", graph, xml + "Accept: application/n-triples;q=0.2\r\n").headers.at("content-type"), "application/n-triples");
+    EXPECT_EQ(Ask("GET", graph, xml + "Accept: application/n-triples;q=0.2\r\n").headers.at("content-type"),
+              "application/n-triples");
   }
   ASSERT_EQ(Ask("PUT", graph, kTurtle, "<urn:w:a> <urn:w:p> 2 .").status, 200);
   EXPECT_EQ(Ask("GET", graph, both).headers.at("content-type"), "application/rdf+xml");
@@ -100,9 +102,11 @@ TEST_F(GraphStoreTest, AGraphsLife) {
 // RFC 9110 section 13.1
 TEST_F(GraphStoreTest, ConditionalChanges) {
   StartServer();
-  const std::string graph = "/rdf-graphs?graph=urn:w:g", is_there = "If-Match: *\r\n", is_not = "If-None-Match: *\r\n";
+  const std::string graph = "/rdf-graphs?graph=urn:w:g", is_there = "If-Match: *\r\n",
+                    is_not = "If-None-Match: *\r\n";
   const auto put = [&](const std::string& condition) {
-    return Ask("PUT", graph, kTurtle + condition, "<urn:w:a> <urn:w:p> \"" + condition.substr(0, 7) + "\" .").status;
+    return Ask("PUT", graph, kTurtle + condition, "<urn:w:a> <urn:w:p> \"" + condition.substr(0, 7) + "\" .")
+        .status;
   };
   EXPECT_EQ(put(is_there), 412);
   EXPECT_EQ(Ask("GET", graph).status, 404);
@@ -143,7 +147,8 @@ TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
   settings_.limits.queries_memory_bytes = 40u << 20;
   StartServer();
   std::string turtle;
-  for (int i = 0; i < 7000; ++i) absl::StrAppend(&turtle, "<urn:w:a> <urn:w:p> \"", i, std::string(2000, 'x'), "\" .\n");
+  for (int i = 0; i < 7000; ++i)
+    absl::StrAppend(&turtle, "<urn:w:a> <urn:w:p> \"", i, std::string(2000, 'x'), "\" .\n");
   ASSERT_EQ(Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, turtle).status, 201);
   const auto await_free = [&] {
     bool free = false;
@@ -154,10 +159,12 @@ TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
     return free;
   };
   ASSERT_TRUE(await_free());
-  const auto get = [&] { return Ask("GET", "/rdf-graphs?graph=urn:w:g", "Accept: application/n-triples\r\n"); };
+  const auto get = [&] {
+    return Ask("GET", "/rdf-graphs?graph=urn:w:g", "Accept: application/n-triples\r\n");
+  };
   HttpClient slow(http_port());
-  ASSERT_TRUE(slow.Send(absl::StrCat("GET /rdf-graphs?graph=urn:w:g HTTP/1.1\r\nHost: localhost:", http_port(),
-                                     "\r\nAccept: application/n-triples\r\n\r\n")));
+  ASSERT_TRUE(slow.Send(absl::StrCat("GET /rdf-graphs?graph=urn:w:g HTTP/1.1\r\nHost: localhost:",
+                                     http_port(), "\r\nAccept: application/n-triples\r\n\r\n")));
   ASSERT_TRUE(slow.AwaitAnswer());
   HttpReply other = get();
   ASSERT_EQ(other.status, 503);
@@ -177,7 +184,8 @@ TEST_F(GraphStoreTest, ALargeGraphIsSentInPiecesAndCountsUntilItIsTaken) {
 TEST_F(GraphStoreTest, AGraphWithoutTriplesIsNotMade) {
   StartServer();
   const std::string graph = "/rdf-graphs?graph=urn:w:g";
-  for (const char* method : {"PUT", "POST"}) EXPECT_EQ(Ask(method, graph, kTurtle, "# nothing").status, 200) << method;
+  for (const char* method : {"PUT", "POST"})
+    EXPECT_EQ(Ask(method, graph, kTurtle, "# nothing").status, 200) << method;
   EXPECT_EQ(Ask("PATCH", graph, kUpdate, "DELETE DATA { <urn:w:a> <urn:w:p> 1 }").status, 200);
   EXPECT_EQ(Ask("GET", graph).status, 404);
   const HttpReply nowhere = Ask("POST", "/rdf-graphs", kTurtle, "# nothing");
@@ -198,9 +206,15 @@ TEST_F(GraphStoreTest, WhatCannotBeIsRefusedWithItsStatus) {
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", kTurtle, "<a:a> <a:b"), 400);
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: image/png\r\n", "x"), 415);
   const std::string latin = "; charset=ISO-8859-1\r\n";
-  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle" + latin, "<a:a> <a:b> '\xC3\xA9' ."), 415);
-  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", "Content-Type: application/sparql-update" + latin, "CLEAR ALL"), 415);
-  EXPECT_EQ(status("POST", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle; charset=\"UTF-8\"\r\n", "# nothing"), 200);
+  EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle" + latin,
+                   "<a:a> <a:b> '\xC3\xA9' ."),
+            415);
+  EXPECT_EQ(status("PATCH", "/rdf-graphs?graph=urn:x", "Content-Type: application/sparql-update" + latin,
+                   "CLEAR ALL"),
+            415);
+  EXPECT_EQ(status("POST", "/rdf-graphs?graph=urn:x", "Content-Type: text/turtle; charset=\"UTF-8\"\r\n",
+                   "# nothing"),
+            200);
   EXPECT_EQ(status("PUT", "/rdf-graphs?graph=urn:x", "Content-Type: application/trig\r\n",
                    "<g:g> { <a:a> <a:b> <a:c> }"),
             400);

@@ -71,7 +71,8 @@ TEST_F(ServerLastingTest, ANodeFiresOnceItsConditionHasHeldForTheTime) {
   AdvanceMs(1);  // nothing is told any more: the server's own tick does it
   WaitForRun(run, "done");
   EXPECT_EQ(adapter.commands().size(), 1u);
-  const Rows rows = Query("PREFIX docent: <https://w3id.org/docent#> SELECT ?why { ?n docent:waitsFor ?why }");
+  const Rows rows =
+      Query("PREFIX docent: <https://w3id.org/docent#> SELECT ?why { ?n docent:waitsFor ?why }");
   EXPECT_THAT(rows.rows, ::testing::IsEmpty());
 }
 

@@ -68,7 +68,8 @@ TEST_F(ServerShapesTest, WhatTheServerHoldsIsValidatedOnDemand) {
 TEST_F(ServerShapesTest, IllFormedShapesAreRefusedWithTheirPlace) {
   StartServer();
   v1::ValidateReply reply;
-  grpc::Status status = Validate(&reply, "@prefix sh: <http://www.w3.org/ns/shacl#> .\n<urn:s> sh:targetNode 1 ;\n sh:nodeKind 2 .");
+  grpc::Status status = Validate(
+      &reply, "@prefix sh: <http://www.w3.org/ns/shacl#> .\n<urn:s> sh:targetNode 1 ;\n sh:nodeKind 2 .");
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), HasSubstr("given.ttl:3:14: error: shape <urn:s>: sh:nodeKind is 2"));
   status = Validate(&reply, "<urn:s> <urn:p> ");
@@ -109,7 +110,8 @@ TEST_F(ServerShapesTest, ShapesThatTheGraphViolatesAreRefusedToo) {
   ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::Check, request, &check).ok());
   EXPECT_FALSE(check.conforms());
   EXPECT_EQ(check.results_size(), 1);
-  EXPECT_EQ(Load(v1::LoadRequest::ONTOLOGY, "shapes.ttl", kShapes).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(Load(v1::LoadRequest::ONTOLOGY, "shapes.ttl", kShapes).error_code(),
+            grpc::StatusCode::FAILED_PRECONDITION);
   ASSERT_TRUE(LoadData(":A :door :D .").ok());
   EXPECT_TRUE(Load(v1::LoadRequest::ONTOLOGY, "shapes.ttl", kShapes).ok());
 }
@@ -170,13 +172,19 @@ TEST_F(ServerShapesTest, AServerThatWarnsLoadsAndSaysWhy) {
 
 TEST_F(ServerShapesTest, ModulesAreAddedReplacedAndListedWithTheirVersions) {
   StartServer();
-  EXPECT_EQ(LoadModule("m.ttl", ":a :b 1 .", v1::LoadRequest::REPLACE).error_code(), grpc::StatusCode::NOT_FOUND);
-  ASSERT_TRUE(LoadModule("m.ttl", ":m a owl:Ontology ; owl:versionInfo \"1.0\" . :a :b 1 .", v1::LoadRequest::ADD).ok());
-  EXPECT_EQ(LoadModule("m.ttl", ":a :b 2 .", v1::LoadRequest::ADD).error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(LoadModule("m.ttl", ":a :b 1 .", v1::LoadRequest::REPLACE).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+  ASSERT_TRUE(
+      LoadModule("m.ttl", ":m a owl:Ontology ; owl:versionInfo \"1.0\" . :a :b 1 .", v1::LoadRequest::ADD)
+          .ok());
+  EXPECT_EQ(LoadModule("m.ttl", ":a :b 2 .", v1::LoadRequest::ADD).error_code(),
+            grpc::StatusCode::ALREADY_EXISTS);
   EXPECT_TRUE(Ask(":a :b 1"));
-  ASSERT_TRUE(LoadModule("m.ttl", ":m a owl:Ontology ; owl:versionInfo \"1.1\" ; owl:versionIRI <urn:w:m/1.1> . :a :b 2 .",
-                         v1::LoadRequest::REPLACE)
-                  .ok());
+  ASSERT_TRUE(
+      LoadModule("m.ttl",
+                 ":m a owl:Ontology ; owl:versionInfo \"1.1\" ; owl:versionIRI <urn:w:m/1.1> . :a :b 2 .",
+                 v1::LoadRequest::REPLACE)
+          .ok());
   EXPECT_FALSE(Ask(":a :b 1"));
   EXPECT_TRUE(Ask(":a :b 2"));
   v1::ListOntologiesReply list;
@@ -190,7 +198,8 @@ TEST_F(ServerShapesTest, ModulesAreAddedReplacedAndListedWithTheirVersions) {
 
 TEST_F(ServerShapesTest, ModulesAreListedWithTheImportsThatAreNotLoaded) {
   StartServer();
-  ASSERT_TRUE(LoadModule("m.ttl", ":m a owl:Ontology ; owl:imports :n , :o , :v1 .", v1::LoadRequest::ADD).ok());
+  ASSERT_TRUE(
+      LoadModule("m.ttl", ":m a owl:Ontology ; owl:imports :n , :o , :v1 .", v1::LoadRequest::ADD).ok());
   ASSERT_TRUE(LoadModule("n.ttl", ":n a owl:Ontology ; owl:versionIRI :v1 .", v1::LoadRequest::ADD).ok());
   v1::ListOntologiesReply list;
   ASSERT_TRUE(Call(ontologies_, &v1::Ontologies::Stub::List, v1::ListOntologiesRequest(), &list).ok());
@@ -205,7 +214,8 @@ TEST_F(ServerShapesTest, AModuleWithoutTriplesIsThere) {
   ASSERT_TRUE(LoadModule("m.ttl", ":a :b 1 .", v1::LoadRequest::ADD).ok());
   ASSERT_TRUE(LoadModule("m.ttl", "", v1::LoadRequest::REPLACE).ok());
   EXPECT_FALSE(Ask(":a :b 1"));
-  EXPECT_EQ(LoadModule("m.ttl", ":a :b 2 .", v1::LoadRequest::ADD).error_code(), grpc::StatusCode::ALREADY_EXISTS);
+  EXPECT_EQ(LoadModule("m.ttl", ":a :b 2 .", v1::LoadRequest::ADD).error_code(),
+            grpc::StatusCode::ALREADY_EXISTS);
   ASSERT_TRUE(LoadModule("m.ttl", ":a :b 3 .", v1::LoadRequest::REPLACE).ok());
   EXPECT_TRUE(Ask(":a :b 3"));
 }

@@ -14,7 +14,8 @@ using ::testing::HasSubstr;
 
 // Joins three patterns that share no variable, without a result: hours with 3000 facts.
 constexpr char kCross[] =
-    "PREFIX : <urn:w:> RULE :cross { ?a :r ?d } WHERE { ?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1) }";
+    "PREFIX : <urn:w:> RULE :cross { ?a :r ?d } WHERE { ?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = "
+    "-1) }";
 
 class ServerStepsTest : public test::ServerTest {
  protected:
@@ -61,7 +62,8 @@ TEST_F(ServerStepsTest, APreviewEndsAtTheTimeOfQueries) {
 TEST_F(ServerStepsTest, TheEndOfTheServerEndsALongTurnAndAPreview) {
   settings_.limits.steps_per_turn = uint64_t{1} << 60;
   Begin();
-  auto put = std::async(std::launch::async, [this] { return Load(v1::LoadRequest::RULES, "cross.rules", kCross); });
+  auto put =
+      std::async(std::launch::async, [this] { return Load(v1::LoadRequest::RULES, "cross.rules", kCross); });
   auto preview = std::async(std::launch::async, [this] {
     v1::PreviewRulesReply reply;
     return Preview(&reply);

@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "gmock/gmock.h"
-#include "tests/kb_server/server_world.h"
 #include "tests/kb_server/http/http_client.h"
+#include "tests/kb_server/server_world.h"
 
 namespace docent::test {
 namespace {
@@ -35,7 +35,8 @@ class ServerSubscribeStreamTest : public ServerTest {
     stream_->Finish();
     stream_.reset();
   }
-  void Begin(uint64_t tag, const std::string& query, const std::string& resume = "", uint32_t interval_ms = 0) {
+  void Begin(uint64_t tag, const std::string& query, const std::string& resume = "",
+             uint32_t interval_ms = 0) {
     v1::SubscribeStreamRequest request;
     request.set_tag(tag);
     request.mutable_begin()->set_query("PREFIX : <urn:w:> " + query);
@@ -296,7 +297,8 @@ TEST_F(ServerSubscribeStreamTest, ThrottledChangesAreAddedUpAlsoWhereTheyAreNoLo
   StartServer();
   OpenStream();
   const absl::Time begin = absl::Now();
-  Begin(1, "SELECT ?v { :a :p ?v }", "", 2000);  // long enough for thirty turns of a slow build on a busy machine
+  Begin(1, "SELECT ?v { :a :p ?v }", "",
+        2000);  // long enough for thirty turns of a slow build on a busy machine
   EXPECT_TRUE(Next().reply().reset());
   for (int i = 0; i < 3; ++i) MustTell(absl::StrCat(":a :p ", i, " ."));
   auto part = Next();

@@ -43,7 +43,8 @@ class ServerSubscribeTest : public ServerTest {
     }
   };
 
-  std::unique_ptr<Client> Follow(const std::string& query, const std::string& resume = "", uint32_t interval_ms = 0) {
+  std::unique_ptr<Client> Follow(const std::string& query, const std::string& resume = "",
+                                 uint32_t interval_ms = 0) {
     auto client = std::make_unique<Client>();
     Limit(&client->context);
     v1::SubscribeRequest request;
@@ -166,7 +167,8 @@ TEST_F(ServerSubscribeTest, ManyFollowAndEachHearsItsOwn) {
   const char* given = std::getenv("DOCENT_SUBSCRIBERS");  // to try more than a test should
   const int clients_wanted = given != nullptr ? std::atoi(given) : 500;
   std::vector<std::unique_ptr<Client>> clients;
-  for (int i = 0; i < clients_wanted; ++i) clients.push_back(Follow(absl::StrCat("ASK { :x", i, " :on true }")));
+  for (int i = 0; i < clients_wanted; ++i)
+    clients.push_back(Follow(absl::StrCat("ASK { :x", i, " :on true }")));
   for (auto& client : clients) {
     ASSERT_TRUE(client->Next());
     EXPECT_FALSE(client->reply.boolean());

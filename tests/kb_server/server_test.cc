@@ -95,7 +95,8 @@ TEST_F(ServerWorkflowTest, ARunIsStartedWatchedAndDone) {
               HasSubstr("<urn:w:John> <https://w3id.org/docent#isNear> <urn:w:R1> ."));
   ASSERT_EQ(FindNode(run, "Hello")->invocations_size(), 1);
   EXPECT_EQ(FindNode(run, "Hello")->invocations(0).robot(), "urn:w:R1");
-  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
+  EXPECT_THAT(adapter.commands(),
+              ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
 
   std::vector<std::string> events;
   v1::RunEvent event;
@@ -185,7 +186,8 @@ TEST_F(ServerWorkflowTest, ARestartKeepsEverything) {
   ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
   MustTell(":John docent:feels docent:Glad .");
   WaitForRun("Greet-1", "done");
-  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
+  EXPECT_THAT(adapter.commands(),
+              ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
 }
 
 // An adapter that keeps its journal would answer an id that it knows with what it did then, and do nothing.

@@ -175,8 +175,8 @@ inline WriteBatch Named(const std::string& request_id, WriteBatch batch) {
 // World, rules, workflow, a run that waits, and what makes it go on.
 inline std::vector<WriteBatch> Story() {
   return {WorldFacts(), Put(Document::Kind::kRules, "near.rules", kRules),
-          Put(Document::Kind::kCawl, "greeting.xml", kGreeting),
-          Named("start", Start("Greeting")), Reading("tag-17")};
+          Put(Document::Kind::kCawl, "greeting.xml", kGreeting), Named("start", Start("Greeting")),
+          Reading("tag-17")};
 }
 
 }  // namespace docent::test

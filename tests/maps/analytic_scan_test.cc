@@ -19,11 +19,11 @@ class AnalyticScanTest : public ::testing::Test {
 
 TEST_F(AnalyticScanTest, RaysMeetWallsPillarsAndTheOutline) {
   const double pi = std::numbers::pi;
-  EXPECT_NEAR(scanner_.CastRay({2, 1}, 0, {}), 2.0, 1e-12);           // the partition at x = 4
-  EXPECT_NEAR(scanner_.CastRay({2, 1}, pi, {}), 2.0, 1e-12);          // the outline at x = 0
-  EXPECT_NEAR(scanner_.CastRay({2, 4}, 0, {}), 3.7, 1e-12);           // the pillar
-  EXPECT_NEAR(scanner_.CastRay({8, 4}, pi / 2, {}), 2.0, 1e-12);      // the desk reaches 1 m, the laser sees it
-  EXPECT_NEAR(scanner_.CastRay({1.5, 4}, pi / 2, {}), 4.0, 1e-12);    // the step of 0.15 m is below the laser
+  EXPECT_NEAR(scanner_.CastRay({2, 1}, 0, {}), 2.0, 1e-12);         // the partition at x = 4
+  EXPECT_NEAR(scanner_.CastRay({2, 1}, pi, {}), 2.0, 1e-12);        // the outline at x = 0
+  EXPECT_NEAR(scanner_.CastRay({2, 4}, 0, {}), 3.7, 1e-12);         // the pillar
+  EXPECT_NEAR(scanner_.CastRay({8, 4}, pi / 2, {}), 2.0, 1e-12);    // the desk reaches 1 m, the laser sees it
+  EXPECT_NEAR(scanner_.CastRay({1.5, 4}, pi / 2, {}), 4.0, 1e-12);  // the step of 0.15 m is below the laser
   EXPECT_NEAR(scanner_.CastRay({2, 4}, pi / 4, {}), 4 * std::sqrt(2), 1e-12);
 }
 
@@ -48,7 +48,8 @@ TEST_F(AnalyticScanTest, ScanCountsBeamsFromTheFirstBearingInTheRobotsFrame) {
 TEST_F(AnalyticScanTest, BeamsBeyondTheRangeReturnNothing) {
   ScannerSettings settings;
   settings.max_range_m = 1;
-  for (const float range : AnalyticScanner(layout_, settings).ExactScan({2, 4, 0}).range_m) EXPECT_EQ(range, 0.0f);
+  for (const float range : AnalyticScanner(layout_, settings).ExactScan({2, 4, 0}).range_m)
+    EXPECT_EQ(range, 0.0f);
 }
 
 TEST_F(AnalyticScanTest, NoiseIsSeededAndAsLargeAsStated) {

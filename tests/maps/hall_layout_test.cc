@@ -72,12 +72,15 @@ TEST(HallLayout, TellsAllMistakesAtOnceAndNamesEachResource) {
   quads.Thing("Flat", "Counter", "POLYGON((0 0, 1 0, 1 1, 0 0))").Number("Flat", "height", "0");
   quads.Add(Term::Iri(LayoutQuads::Iri("Nowhere")), std::string(kRdfType), Term::Iri(DocentIri("Region")));
   quads.Thing("Blind", "Booth", "POLYGON((0 0, 1 0, 1 1, 0 0))").ServicePoint("Blind", "POINT(.5 .2)", "");
-  quads.Thing("InWall", "Booth", "POLYGON((0 0, 1 0, 1 1, 0 0))").ServicePoint("InWall", "POINT(4.05 1)", "0");
-  quads.Thing("Outside", "Booth", "POLYGON((0 0, 1 0, 1 1, 0 0))").ServicePoint("Outside", "POINT(-1 1)", "0");
+  quads.Thing("InWall", "Booth", "POLYGON((0 0, 1 0, 1 1, 0 0))")
+      .ServicePoint("InWall", "POINT(4.05 1)", "0");
+  quads.Thing("Outside", "Booth", "POLYGON((0 0, 1 0, 1 1, 0 0))")
+      .ServicePoint("Outside", "POINT(-1 1)", "0");
   const std::string error = ErrorOf(quads);
   for (const char* expected :
        {"#Open: well-known text: the polygon does not close", "#NoRadius: a pillar without docent:radius",
-        "#Flat: docent:height is not a number above 0", "#Nowhere: no geometry", "#Blind: docent:servicePoint has no docent:heading",
+        "#Flat: docent:height is not a number above 0", "#Nowhere: no geometry",
+        "#Blind: docent:servicePoint has no docent:heading",
         "#InWall: docent:servicePoint lies inside https://example.org/hall#Partition",
         "#Outside: docent:servicePoint lies outside the hall"}) {
     EXPECT_THAT(error, HasSubstr(expected));

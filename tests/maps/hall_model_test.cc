@@ -68,7 +68,8 @@ TEST(HallModel, DistanceFieldsAgreeWithAnalyticDistance) {
   for (int k = 0; k < 20000; ++k) {
     const Point2 p = {x(random), y(random)};
     if (InObstacle(p)) continue;
-    const double laser = std::min(1.9, AnalyticDistance(p, 0.3)), body = std::min(1.9, AnalyticDistance(p, 0.1));
+    const double laser = std::min(1.9, AnalyticDistance(p, 0.3)),
+                 body = std::min(1.9, AnalyticDistance(p, 0.1));
     worst_laser = std::max(worst_laser, std::abs(std::min(1.9, Model().laser_field().DistanceAt(p)) - laser));
     worst_body = std::max(worst_body, std::abs(std::min(1.9, Model().DistanceAt(p.x_m, p.y_m)) - body));
   }
@@ -140,9 +141,10 @@ TEST(HallModel, AMapFromScansHasItsSurfacesWhereTheBeamsEnded) {
   int beams = 0;
   for (const PosedScan& posed : scans) {
     for (size_t i = 0; i < posed.scan.range_m.size(); ++i) {
-      const double bearing =
-          posed.robot_in_hall.heading_rad + posed.scan.first_bearing_rad + static_cast<double>(i) * posed.scan.bearing_step_rad;
-      const Pose2 end = Compose({posed.robot_in_hall.x_m, posed.robot_in_hall.y_m, bearing}, {posed.scan.range_m[i], 0, 0});
+      const double bearing = posed.robot_in_hall.heading_rad + posed.scan.first_bearing_rad +
+                             static_cast<double>(i) * posed.scan.bearing_step_rad;
+      const Pose2 end =
+          Compose({posed.robot_in_hall.x_m, posed.robot_in_hall.y_m, bearing}, {posed.scan.range_m[i], 0, 0});
       sum += (*model)->laser_field().DistanceAt(end.position());
       ++beams;
     }

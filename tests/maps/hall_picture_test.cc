@@ -33,7 +33,8 @@ class HallPictureTest : public ::testing::Test {
     return value;
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(::testing::TempDir()) /
+  const std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) /
       (std::string("docent_hall_picture_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
   const HallLayout layout_ = *HallLayout::FromQuads(LayoutQuads::SmallHall().quads());
 };

@@ -45,11 +45,13 @@ class LayoutQuads {
   static LayoutQuads SmallHall() {
     LayoutQuads q;
     q.Thing("Hall", "Hall", "POLYGON((0 0, 12 0, 12 8, 0 8, 0 0))").Number("Hall", "height", "3");
-    q.Thing("Partition", "Wall", "POLYGON((4 0, 4.1 0, 4.1 3, 4 3, 4 0))").Number("Partition", "height", "2.5");
+    q.Thing("Partition", "Wall", "POLYGON((4 0, 4.1 0, 4.1 3, 4 3, 4 0))")
+        .Number("Partition", "height", "2.5");
     q.Thing("Desk", "Counter", "POLYGON((7 6, 9 6, 9 6.6, 7 6.6, 7 6))").Number("Desk", "height", "1.0");
     q.Thing("Step", "Obstacle", "POLYGON((1 6, 2 6, 2 7, 1 7, 1 6))").Number("Step", "height", "0.15");
     q.Thing("P1", "Pillar", "POINT(6 4)").Number("P1", "radius", "0.3").Number("P1", "height", "3");
-    q.Thing("B1Back", "BoothWall", "POLYGON((9 0.5, 11.5 0.5, 11.5 0.6, 9 0.6, 9 0.5))").Number("B1Back", "height", "2.4");
+    q.Thing("B1Back", "BoothWall", "POLYGON((9 0.5, 11.5 0.5, 11.5 0.6, 9 0.6, 9 0.5))")
+        .Number("B1Back", "height", "2.4");
     q.Thing("B1Side", "BoothWall", "POLYGON((11.4 0.6, 11.5 0.6, 11.5 3, 11.4 3, 11.4 0.6))");
     q.Thing("B1", "Booth", "POLYGON((9 0.5, 11.5 0.5, 11.5 3, 9 3, 9 0.5))").Name("B1", "First booth");
     q.ServicePoint("B1", "POINT(10 2.2)", "-1.571");

@@ -32,11 +32,14 @@ TEST_F(RegionsTest, LeavingOutwardsIsHeldBackByTheMargin) {
   const Region* booth = index_.Innermost({2.5, 2.5});
   EXPECT_EQ(index_.Innermost({1.95, 2.5}, booth, 0.1), booth);
   EXPECT_EQ(index_.Innermost({1.85, 2.5}, booth, 0.1)->iri, "hall");
-  EXPECT_EQ(index_.Innermost({3.05, 3.5}, booth, 0.1)->iri, "counter") << "a region inside is entered at once";
+  EXPECT_EQ(index_.Innermost({3.05, 3.5}, booth, 0.1)->iri, "counter")
+      << "a region inside is entered at once";
   EXPECT_EQ(index_.Innermost({1.95, 2.5}, nullptr, 0.1)->iri, "hall");
 }
 
-TEST_F(RegionsTest, NoRegions) { EXPECT_EQ(RegionIndex(std::vector<Region>()).Innermost({0, 0}), nullptr); }
+TEST_F(RegionsTest, NoRegions) {
+  EXPECT_EQ(RegionIndex(std::vector<Region>()).Innermost({0, 0}), nullptr);
+}
 
 }  // namespace
 }  // namespace docent::maps

@@ -17,8 +17,9 @@ TEST(Wkt, ReadsPoint) {
 }
 
 TEST(Wkt, RefusesBadPointAndSaysWhere) {
-  for (const char* text : {"", "POINT", "POINT()", "POINT(1)", "POINT(1 2", "POINT(1 2 3)", "POINT(nan 2)", "POINT(1 inf)",
-                           "POINT(1 2) x", "POLYGON((0 0, 1 0, 1 1, 0 0))", "<http://unclosed POINT(1 2)"}) {
+  for (const char* text :
+       {"", "POINT", "POINT()", "POINT(1)", "POINT(1 2", "POINT(1 2 3)", "POINT(nan 2)", "POINT(1 inf)",
+        "POINT(1 2) x", "POLYGON((0 0, 1 0, 1 1, 0 0))", "<http://unclosed POINT(1 2)"}) {
     EXPECT_EQ(ReadWktPoint(text).status().code(), absl::StatusCode::kInvalidArgument) << text;
   }
   EXPECT_EQ(ReadWktPoint("POINT(1 x)").status().message(),
@@ -37,7 +38,8 @@ TEST(Wkt, RefusesPolygonsWithoutMeaning) {
   EXPECT_NE(PolygonError("POLYGON((0 0, 1 0, 1 1, 0 1))").find("does not close"), std::string::npos);
   EXPECT_NE(PolygonError("POLYGON((0 0, 1 1, 1 0, 0 1, 0 0))").find("cross"), std::string::npos);
   EXPECT_NE(PolygonError("POLYGON((0 0, 1 0, 2 0, 0 0))").find("no area"), std::string::npos);
-  EXPECT_NE(PolygonError("POLYGON((0 0, 3 0, 3 3, 0 0), (1 .5, 2 .5, 2 1, 1 .5))").find("hole"), std::string::npos);
+  EXPECT_NE(PolygonError("POLYGON((0 0, 3 0, 3 3, 0 0), (1 .5, 2 .5, 2 1, 1 .5))").find("hole"),
+            std::string::npos);
 }
 
 TEST(Wkt, WritesWhatItReads) {

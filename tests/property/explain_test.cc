@@ -109,7 +109,8 @@ std::string RandomAsk(RandomWorld& random) {
     std::string group = node() + " " + predicate() + " " + node() + " . ";
     if (random.Chance(40)) group += node() + " " + predicate() + " " + node() + " . ";
     if (random.Chance(20)) group += node() + " a " + (random.Chance(50) ? ":Thing" : ":Bad") + " . ";
-    if (random.Chance(15)) group += "FILTER NOT EXISTS { " + node() + " " + predicate() + " " + node() + " } ";
+    if (random.Chance(15))
+      group += "FILTER NOT EXISTS { " + node() + " " + predicate() + " " + node() + " } ";
     where += "FILTER NOT EXISTS { " + group + "} ";
   }
   if (random.Chance(15)) where += node() + (random.Chance(70) ? " :p0+ " : " (:p0/:p1)* ") + node() + " . ";
@@ -146,10 +147,14 @@ TEST(ExplainProperty, EveryInferredFactHasAWellFoundedProofThatItsLeavesAloneGiv
     auto explainer = MakeExplainer(closed, rules);
     const Dictionary& dictionary = closed.world.dictionary;
     std::vector<TermQuad> facts;
-    closed.version->ForEach({TermId(), TermId(), TermId(), *dictionary.FindIri(kInferredGraph)}, [&](const Quad& q) {
-      facts.push_back({dictionary.Decode(q.subject), dictionary.Decode(q.predicate), dictionary.Decode(q.object), {}});
-      return true;
-    });
+    closed.version->ForEach({TermId(), TermId(), TermId(), *dictionary.FindIri(kInferredGraph)},
+                            [&](const Quad& q) {
+                              facts.push_back({dictionary.Decode(q.subject),
+                                               dictionary.Decode(q.predicate),
+                                               dictionary.Decode(q.object),
+                                               {}});
+                              return true;
+                            });
     for (const TermQuad& fact : facts) {
       const auto proof = explainer->WhyFact(fact);
       ASSERT_TRUE(proof.ok() && proof->has_value()) << "seed " << seed;
@@ -200,8 +205,8 @@ std::vector<Change> ChangesOf(const Repair& repair) {
   return changes;
 }
 
-bool HoldsWith(const std::string& rules, const std::set<std::string>& told, const std::vector<Change>& changes,
-               uint32_t chosen, const std::string& ask) {
+bool HoldsWith(const std::string& rules, const std::set<std::string>& told,
+               const std::vector<Change>& changes, uint32_t chosen, const std::string& ask) {
   Closed closed(rules, told);
   std::vector<TermQuad> add, remove;
   for (size_t i = 0; i < changes.size(); ++i) {
@@ -284,7 +289,8 @@ TEST(ExplainProperty, NoSetOfOneIsMissedWhereTwoAreNamed) {
           Closed with("", more);
           with.Infer();
           ASSERT_FALSE(with.Ask(with.world.Parse(ask)))
-              << "seed " << seed << ": n" << s << " " << p << " " << o << "\n" << ask;
+              << "seed " << seed << ": n" << s << " " << p << " " << o << "\n"
+              << ask;
         }
       }
     }
@@ -300,7 +306,8 @@ TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMi
     random.numbers_percent = 0;
     const std::string rules = RandomRules(random);
     std::set<std::string> told;
-    for (int i = random.Pick(12); i >= 0; --i) told.insert(random.Node() + " p" + std::to_string(random.Pick(2)) + " " + random.Node());
+    for (int i = random.Pick(12); i >= 0; --i)
+      told.insert(random.Node() + " p" + std::to_string(random.Pick(2)) + " " + random.Node());
     const std::string ask = RandomAsk(random);
     if (ask.find("NOT EXISTS") == std::string::npos) continue;
     Closed closed(rules, told);
@@ -310,8 +317,8 @@ TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMi
     const auto answer = MakeExplainer(closed, rules)->WhyNot(closed.world.Parse(ask), 100);
     ASSERT_TRUE(answer.ok()) << answer.status();
     const size_t size = answer->repairs.empty() ? 99 : answer->repairs[0].size();
-    const std::string where = "seed " + std::to_string(seed) + "\n" + rules + absl::StrJoin(told, "\n") + "\n" + ask + "\n" +
-                              explain::ToText(*answer, {{"", std::string(kExampleNs)}});
+    const std::string where = "seed " + std::to_string(seed) + "\n" + rules + absl::StrJoin(told, "\n") +
+                              "\n" + ask + "\n" + explain::ToText(*answer, {{"", std::string(kExampleNs)}});
     if (!answer->whole) {
       ++not_whole;
       continue;
@@ -326,7 +333,9 @@ TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMi
     for (const Repair& repair : answer->repairs) {
       for (const Change& change : ChangesOf(repair)) {
         for (const TermQuad& q : change.remove) {
-          const auto word = [&](const Term& term) { return closed.world.Text(closed.world.dictionary.Intern(term)); };
+          const auto word = [&](const Term& term) {
+            return closed.world.Text(closed.world.dictionary.Intern(term));
+          };
           listed.insert(word(q.subject) + " " + word(q.predicate) + " " + word(q.object));
         }
       }
@@ -347,7 +356,8 @@ TEST(ExplainProperty, WhereTheSearchWasWholeNoSetOfOneChangeOrTwoWithdrawalsIsMi
     }
     for (int t = 0; size > 1 && t < 50; ++t) {
       std::set<std::string> more = told;
-      const std::string fact = "n" + std::to_string(t % 5) + " p" + std::to_string(t / 25) + " n" + std::to_string(t / 5 % 5);
+      const std::string fact =
+          "n" + std::to_string(t % 5) + " p" + std::to_string(t / 25) + " n" + std::to_string(t / 5 % 5);
       more.insert(fact);
       ASSERT_FALSE(holds(more)) << where << "tell " << fact;
     }

@@ -67,16 +67,20 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
   for (const auto& construct : constructs) {
     const auto triples = construct->Construct({.version = &world.writer.current()});
     for (const TermQuad& t : *triples) {
-      made.insert({world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate), world.dictionary.Intern(t.object), inferred});
+      made.insert({world.dictionary.Intern(t.subject), world.dictionary.Intern(t.predicate),
+                   world.dictionary.Intern(t.object), inferred});
     }
   }
   world.writer.current().ForEach({TermId(), TermId(), TermId(), inferred}, [&](const Quad& quad) {
-    EXPECT_TRUE(made.contains(quad)) << "nothing makes " << world.Text(quad.subject) << " " << world.Text(quad.predicate) << " "
-                                     << world.Text(quad.object) << " by\n" << rules;
+    EXPECT_TRUE(made.contains(quad)) << "nothing makes " << world.Text(quad.subject) << " "
+                                     << world.Text(quad.predicate) << " " << world.Text(quad.object)
+                                     << " by\n"
+                                     << rules;
     return true;
   });
   for (const Quad& quad : made) {
-    EXPECT_TRUE(world.writer.current().ContainsMatch({quad.subject, quad.predicate, quad.object, TermId()})) << rules;
+    EXPECT_TRUE(world.writer.current().ContainsMatch({quad.subject, quad.predicate, quad.object, TermId()}))
+        << rules;
   }
   return world.Inferred();
 }

@@ -33,7 +33,9 @@ struct Theme {
   Facts always;
   Facts pool;
 };
-void PrintTo(const Theme& theme, std::ostream* out) { *out << theme.name; }
+void PrintTo(const Theme& theme, std::ostream* out) {
+  *out << theme.name;
+}
 
 std::string Node(int i) {
   return absl::StrCat("n", i % 6);

@@ -83,12 +83,14 @@ struct Tally {
 };
 
 // The first step after which the two differ, or -1. `trace` explains it. A step that is refused leaves everything as it was.
-int FirstDifference(const std::string& rules, const std::vector<Step>& steps, std::string* trace, Tally* tally = nullptr) {
+int FirstDifference(const std::string& rules, const std::vector<Step>& steps, std::string* trace,
+                    Tally* tally = nullptr) {
   TestWorld world;
   // The order of ids is the order in which changes are looked at; it must not be that of the rules alone.
   for (size_t i = 0; i < 4; ++i) world.Id("p" + std::to_string((i * 3 + rules.size()) % 4));
   Limits limits;
-  limits.inferred_per_turn = 20000;  // far more than so few things have facts: what goes on without end fails soon
+  limits.inferred_per_turn =
+      20000;  // far more than so few things have facts: what goes on without end fails soon
   RuleEngine engine(world.dictionary, limits);
   std::string current = rules;
   if (HasErrors(engine.PutRules("rules", kRulesPrefix + rules))) return -1;
@@ -114,14 +116,16 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
     if (tally != nullptr) ++(delta.ok() ? tally->taken : tally->refused);
     if (!delta.ok()) {
       const absl::Status delta_status = delta.status();
-      const bool rightly = delta.status().code() == absl::StatusCode::kFailedPrecondition && IsRefused(current, told);
+      const bool rightly =
+          delta.status().code() == absl::StatusCode::kFailedPrecondition && IsRefused(current, told);
       engine.Rollback();
       world.writer.Rollback();
       current = rules_before;
       told = told_before;
       delta = Delta();
       if (!rightly) {
-        if (trace != nullptr) *trace = "step " + std::to_string(i) + " is refused: " + delta_status.ToString() + "\n" + current;
+        if (trace != nullptr)
+          *trace = "step " + std::to_string(i) + " is refused: " + delta_status.ToString() + "\n" + current;
         return static_cast<int>(i);
       }
     }
@@ -143,7 +147,8 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
     if (trace != nullptr) {
       *trace = "rules:\n" + current + (delta_right ? "" : "the delta does not lead to the graph\n");
       for (size_t k = 0; k <= i; ++k) {
-        *trace += "step " + std::to_string(k) + ":" + (steps[k].new_rules.empty() ? "" : " with the rules\n" + steps[k].new_rules);
+        *trace += "step " + std::to_string(k) + ":" +
+                  (steps[k].new_rules.empty() ? "" : " with the rules\n" + steps[k].new_rules);
         for (const std::string& q : steps[k].batch.add) *trace += "  +" + q;
         for (const std::string& q : steps[k].batch.remove) *trace += "  -" + q;
         *trace += "\n";
@@ -334,7 +339,8 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
     const auto property = [&] { return (random.Chance(60) ? "p" : "q") + std::to_string(random.Pick(4)); };
     const auto some = [&] {
       std::string rules;
-      for (const auto& [from, percent] : {std::pair(&pool.schema, pool.schema_percent), std::pair(&pool.likes, 60)}) {
+      for (const auto& [from, percent] :
+           {std::pair(&pool.schema, pool.schema_percent), std::pair(&pool.likes, 60)}) {
         for (const std::string& rule : *from) {
           if (random.Chance(percent)) rules += rule + "\n";
         }
@@ -343,7 +349,9 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
         if (!random.Chance(pool.negating_percent)) continue;
         TestWorld world;
         RuleEngine engine(world.dictionary);
-        if (!HasErrors(engine.PutRules("rules", kRulesPrefix + rules + rule)) && engine.Update(world.writer, {}).ok()) rules += rule + "\n";
+        if (!HasErrors(engine.PutRules("rules", kRulesPrefix + rules + rule)) &&
+            engine.Update(world.writer, {}).ok())
+          rules += rule + "\n";
       }
       return rules;
     };
@@ -365,7 +373,8 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
         const size_t word = static_cast<size_t>(random.Pick(5));
         turn_over(property() + words[word] + (word == 4 ? random.Node() : property()));
       }
-      if (!pool.unusual.empty() && random.Chance(25)) turn_over(pool.unusual[static_cast<size_t>(random.Pick(static_cast<int>(pool.unusual.size())))]);
+      if (!pool.unusual.empty() && random.Chance(25))
+        turn_over(pool.unusual[static_cast<size_t>(random.Pick(static_cast<int>(pool.unusual.size())))]);
       if (i > 0 && random.Chance(8)) step.new_rules = some();
       steps.push_back(std::move(step));
     }
@@ -402,7 +411,8 @@ std::vector<std::string> RdfsRules() {
 std::vector<std::string> RdfsAxioms(const std::string& rule) {
   std::vector<std::string> axioms;
   const size_t begin = rule.find('{') + 1, end = rule.find('}');
-  for (const std::string& axiom : std::vector<std::string>(absl::StrSplit(rule.substr(begin, end - begin), " . "))) {
+  for (const std::string& axiom :
+       std::vector<std::string>(absl::StrSplit(rule.substr(begin, end - begin), " . "))) {
     axioms.push_back("RULE { " + axiom + " } WHERE { }");
   }
   return axioms;
@@ -437,12 +447,24 @@ TEST_P(ReasonerRulesBesideRdfs, Negation) {
     for (const std::string& axiom : RdfsAxioms(rule)) some.likes.push_back(axiom);
   }
   for (const std::string& rule : Lines(kNegatingClasses)) some.negating.push_back(rule);
-  some.unusual = {"p0 rdfs:subPropertyOf rdfs:subClassOf", "rdfs:subClassOf rdfs:subPropertyOf p1", "rdf:type rdfs:subPropertyOf q1",
-                  "rdfs:Resource rdfs:subClassOf n1", "rdfs:Class rdfs:subClassOf n2", "n3 rdfs:subClassOf rdfs:Class",
-                  "n3 rdfs:subClassOf rdfs:Datatype", "p2 a rdfs:ContainerMembershipProperty", "p2 rdfs:range rdfs:Class",
-                  "n1 rdf:_1 n2", "rdfs:member rdfs:domain n1", "rdfs:subClassOf rdfs:subPropertyOf rdfs:subPropertyOf",
-                  "rdfs:subPropertyOf rdfs:subPropertyOf p1", "rdf:Property rdfs:subClassOf n0", "q0 rdfs:subPropertyOf rdf:type",
-                  "n0 a rdfs:Class", "q3 rdfs:domain n3", "n2 rdfs:subClassOf n3"};
+  some.unusual = {"p0 rdfs:subPropertyOf rdfs:subClassOf",
+                  "rdfs:subClassOf rdfs:subPropertyOf p1",
+                  "rdf:type rdfs:subPropertyOf q1",
+                  "rdfs:Resource rdfs:subClassOf n1",
+                  "rdfs:Class rdfs:subClassOf n2",
+                  "n3 rdfs:subClassOf rdfs:Class",
+                  "n3 rdfs:subClassOf rdfs:Datatype",
+                  "p2 a rdfs:ContainerMembershipProperty",
+                  "p2 rdfs:range rdfs:Class",
+                  "n1 rdf:_1 n2",
+                  "rdfs:member rdfs:domain n1",
+                  "rdfs:subClassOf rdfs:subPropertyOf rdfs:subPropertyOf",
+                  "rdfs:subPropertyOf rdfs:subPropertyOf p1",
+                  "rdf:Property rdfs:subClassOf n0",
+                  "q0 rdfs:subPropertyOf rdf:type",
+                  "n0 a rdfs:Class",
+                  "q3 rdfs:domain n3",
+                  "n2 rdfs:subClassOf n3"};
   const int half = SequenceCount() / 2;
   CheckNegationBeside(some, GetParam() == 0 ? 1 : half + 1, GetParam() == 0 ? half : SequenceCount());
 }
@@ -471,7 +493,8 @@ std::string Try(const std::string& rules, const std::vector<Step>& steps) {
   return trace;
 }
 
-constexpr char kSub[] = "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y }\n"
+constexpr char kSub[] =
+    "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y }\n"
     "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
     "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n";
 
@@ -479,105 +502,112 @@ constexpr char kSub[] = "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 .
 TEST(ReasonerRulesKnown, WhatWasRemadeIsTakenBackToo) {
   const std::string without = kSub;
   const std::string with = without + "RULE { ?x :u ?y } WHERE { ?x :z ?y }\n";
-  EXPECT_EQ(Try(with, {{{{"a k b", "a z b"}, {}}, {}},
-                       {{{"h like t", "t like u", "a m b"}, {}}, without}}), "");
+  EXPECT_EQ(Try(with, {{{{"a k b", "a z b"}, {}}, {}}, {{{"h like t", "t like u", "a m b"}, {}}, without}}),
+            "");
 }
 
 TEST(ReasonerRulesKnown, WhatALowerStratumRemadeIsTakenBackToo) {
   const std::string rules =
-    "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
-    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
-    "RULE { ?x :low :w } WHERE { ?x :z0 :w }\n"
-    "RULE { ?x :h2 :v } WHERE { ?x :hh :v NOT { ?x :low :w } }\n"
-    "RULE { ?x :u :v } WHERE { ?x :z :w }\n"
-    "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n";
-  EXPECT_EQ(Try(rules, {{{{"a k v", "a z w"}, {}}, {}},
-                        {{{"h like t", "t like u", "a m v"}, {"a z w"}}, {}}}), "");
+      "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
+      "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+      "RULE { ?x :low :w } WHERE { ?x :z0 :w }\n"
+      "RULE { ?x :h2 :v } WHERE { ?x :hh :v NOT { ?x :low :w } }\n"
+      "RULE { ?x :u :v } WHERE { ?x :z :w }\n"
+      "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n";
+  EXPECT_EQ(
+      Try(rules, {{{{"a k v", "a z w"}, {}}, {}}, {{{"h like t", "t like u", "a m v"}, {"a z w"}}, {}}}), "");
 }
 
 TEST(ReasonerRulesKnown, ProofsOfAnEarlierPassAreForgotten) {
   // c1 told and made by a UNION rule; f rests on c1 and on q
   const std::string rules = std::string(kSub) +
-    "RULE { ?x :c ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
-    "RULE { ?x :f ?y } WHERE { ?x :c ?y }\n"
-    "RULE { ?x :f ?y } WHERE { ?x :q ?y }\n";
-  EXPECT_EQ(Try(rules, {{{{"a k b", "a z b", "a c b", "a q b"}, {}}, {}},
-                        {{{"h like t"}, {"a c b", "a q b"}}, {}}}), "");
+                            "RULE { ?x :c ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+                            "RULE { ?x :f ?y } WHERE { ?x :c ?y }\n"
+                            "RULE { ?x :f ?y } WHERE { ?x :q ?y }\n";
+  EXPECT_EQ(Try(rules,
+                {{{{"a k b", "a z b", "a c b", "a q b"}, {}}, {}}, {{{"h like t"}, {"a c b", "a q b"}}, {}}}),
+            "");
 }
 
 TEST(ReasonerRulesKnown, WhatIsTakenBackIsNoAxiom) {
   const std::string rules =
-    "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
-    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
-    "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n"
-    "RULE { ?x :got :w } WHERE { ?p rdfs:domain :v . ?x ?p ?y }\n";
+      "RULE { ?x ?p2 :v } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 :v }\n"
+      "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+      "RULE { ?x :h :v } WHERE { ?x :k :v NOT { ?x :m :v } }\n"
+      "RULE { ?x :got :w } WHERE { ?p rdfs:domain :v . ?x ?p ?y }\n";
   EXPECT_EQ(Try(rules, {{{{"pp k v", "x pp y"}, {}}, {}},
                         {{{"h like rdfs:domain", "pp m v"}, {}}, {}},
-                        {{{"z pp y2"}, {}}, {}}}), "");
+                        {{{"z pp y2"}, {}}, {}}}),
+            "");
 }
 
 constexpr char kCOld[] =
-  "RULE { ?x :q0 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n0 } }\n"
-  "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
-  "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
-  "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
+    "RULE { ?x :q0 ?y } WHERE { ?x :p2 ?y NOT { ?y a :n0 } }\n"
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?a :like ?b } WHERE { { ?a :like1 ?b } UNION { ?a :like2 ?b } }\n"
+    "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
 constexpr char kCNew[] =
-  "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y FILTER(?p1 != ?p2) }\n"
-  "RULE { ?x :q3 ?y } WHERE { ?x :p1 ?y NOT { ?x :p3 ?y } NOT { ?y :q2 ?x } }\n"
-  "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
-  "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
+    "RULE { ?x ?p2 ?y } WHERE { ?p1 rdfs:subPropertyOf ?p2 . ?x ?p1 ?y FILTER(?p1 != ?p2) }\n"
+    "RULE { ?x :q3 ?y } WHERE { ?x :p1 ?y NOT { ?x :p3 ?y } NOT { ?y :q2 ?x } }\n"
+    "RULE { ?a rdfs:subPropertyOf ?b } WHERE { ?a :like ?b }\n"
+    "RULE { ?x :p0 ?y } WHERE { { ?x :p1 ?y } UNION { ?x :q0 ?y } }\n";
 
 TEST(ReasonerRulesKnown, ALevelThatFalls) {
   EXPECT_EQ(Try(kCOld, {{{{"q3 like1 p1", "n1 p2 n2"}, {}}, {}}, {{{"p0 like q0"}, {}}, kCNew}}), "");
 }
 
 TEST(ReasonerRulesKnown, ALevelThatFallsRefusesNothing) {
-  EXPECT_EQ(Try(kCOld, {{{{"q3 like1 p1", "h p2 m"}, {}}, {}}, {{{"p0 like q0"}, {}}, std::string(kCNew) +
-     "RULE { ?x rdfs:subPropertyOf ?y } WHERE { ?x :q0 ?y }\n"
-     "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"}}), "");
+  EXPECT_EQ(Try(kCOld, {{{{"q3 like1 p1", "h p2 m"}, {}}, {}},
+                        {{{"p0 like q0"}, {}},
+                         std::string(kCNew) + "RULE { ?x rdfs:subPropertyOf ?y } WHERE { ?x :q0 ?y }\n"
+                                              "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"}}),
+            "");
 }
 
 TEST(ReasonerRulesKnown, ALevelThatFallsByAFact) {
-  EXPECT_EQ(Try(kCNew, {{{{"q3 like p1", "n1 q0 n2"}, {}}, {}}, {{{"p0 like q0"}, {"q3 like p1", "n1 q0 n2"}}, {}}}), "");
+  EXPECT_EQ(Try(kCNew,
+                {{{{"q3 like p1", "n1 q0 n2"}, {}}, {}}, {{{"p0 like q0"}, {"q3 like p1", "n1 q0 n2"}}, {}}}),
+            "");
 }
 
 TEST(ReasonerRulesKnown, APremiseThatComesBackAfterItsRuleLeft) {
   const std::string stay =
-    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
-    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
-    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
-    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+      "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+      "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+      "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+      "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
   const std::string leave = "RULE { ?x :u ?y } WHERE { ?x :l ?y }\nRULE { ?x :t ?y } WHERE { ?x :l ?y }\n";
   EXPECT_EQ(Try(stay + leave, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{"n p n"}, {}}, stay}}), "");
 }
 
 TEST(ReasonerRulesKnown, APremiseThatComesBackAfterItWasTold) {
   const std::string stay =
-    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
-    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
-    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
-    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
-  EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a u b", "a t b"}, {}}, {}}, {{{}, {"a t b", "a u b"}}, {}}}), "");
+      "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+      "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+      "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+      "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+  EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a u b", "a t b"}, {}}, {}}, {{{}, {"a t b", "a u b"}}, {}}}),
+            "");
 }
 
 TEST(ReasonerRulesKnown, APremiseThatComesBack) {
   const std::string stay =
-    "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
-    "RULE { ?x :u ?y } WHERE { ?x :l ?y }\n"
-    "RULE { ?x :t ?y } WHERE { ?x :l ?y }\n"
-    "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
-    "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
-    "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
+      "RULE { ?x :u ?y } WHERE { { ?x :z ?y } UNION { ?x :w ?y } }\n"
+      "RULE { ?x :u ?y } WHERE { ?x :l ?y }\n"
+      "RULE { ?x :t ?y } WHERE { ?x :l ?y }\n"
+      "RULE { ?x :m ?y } WHERE { ?x :mm ?y }\n"
+      "RULE { ?x :s ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n"
+      "RULE { ?x :t ?y } WHERE { ?x :u ?y . ?x :s ?y }\n";
   EXPECT_EQ(Try(stay, {{{{"a z b", "a k b", "a l b"}, {}}, {}}, {{{}, {"a l b"}}, {}}}), "");
 }
 
 // It lies above its premise, which goes and comes again by something that is made in the same turn.
 TEST(ReasonerRulesKnown, WhatRestsOnWhatIsMadeAnewIsMadeAnewToo) {
   const std::string rules = std::string(kSub) +
-    "RULE { ?x :b ?y } WHERE { ?x :c ?y }\n"
-    "RULE { ?x :a :v } WHERE { ?x :b ?y }\n"
-    "RULE { ?x :i ?y } WHERE { ?x :a ?y }\n"
-    "RULE { ?x :i ?y } WHERE { ?x :h ?y }\n";
+                            "RULE { ?x :b ?y } WHERE { ?x :c ?y }\n"
+                            "RULE { ?x :a :v } WHERE { ?x :b ?y }\n"
+                            "RULE { ?x :i ?y } WHERE { ?x :a ?y }\n"
+                            "RULE { ?x :i ?y } WHERE { ?x :h ?y }\n";
   EXPECT_EQ(Try(rules, {{{{"x c y1"}, {}}, {}}, {{{"x c y2"}, {"x c y1"}}, {}}}), "");
 }
 

@@ -9,8 +9,8 @@
 #include <map>
 
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/run/evaluator.h"
+#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
 #include "tests/property/sparql_random.h"
@@ -180,8 +180,8 @@ uint32_t FromEnvironment(const char* name, uint32_t otherwise) {
 }
 
 // What the naive evaluator says, as RowsOf does.
-std::vector<std::string> NaiveRows(const Query& query, const PreparedQuery& names, const Dictionary& dictionary,
-                                   const GraphVersion& version) {
+std::vector<std::string> NaiveRows(const Query& query, const PreparedQuery& names,
+                                   const Dictionary& dictionary, const GraphVersion& version) {
   std::vector<std::string> rows;
   for (const Solution& s : Naive(dictionary, version).Evaluate(*query.algebra->children[0])) {
     std::string row;
@@ -212,20 +212,22 @@ std::string Disagreement(const RandomCase& c) {
   PrepareOptions as_written;
   as_written.reorder_joins = false;
   auto plain = *PreparedQuery::Prepare(parsed.query, dictionary, as_written);
-  auto counted = *PreparedQuery::Prepare(ParseQuery("SELECT (COUNT(*) AS ?rows) " + c.query.Text()).query, dictionary, {});
+  auto counted = *PreparedQuery::Prepare(ParseQuery("SELECT (COUNT(*) AS ?rows) " + c.query.Text()).query,
+                                         dictionary, {});
   std::vector<GraphVersionPtr> versions;
   for (int step = 0; step < RandomCase::kSteps; ++step) {
     for (const RandomQuad& quad : c.quads) {
       if (quad.step != step) continue;
-      writer.Add({dictionary.InternIri(quad.subject), dictionary.InternIri(quad.predicate), dictionary.InternIri(quad.object),
-                  dictionary.InternIri(quad.graph)});
+      writer.Add({dictionary.InternIri(quad.subject), dictionary.InternIri(quad.predicate),
+                  dictionary.InternIri(quad.object), dictionary.InternIri(quad.graph)});
     }
     versions.push_back(writer.Freeze(Revision(static_cast<uint64_t>(step) + 1)));
   }
   for (const GraphVersionPtr& version : {versions[2], versions[0], versions[1]}) {
     const std::vector<std::string> with_plan = RowsOf(*planned, *version), without = RowsOf(*plain, *version);
     if (with_plan != without) {
-      return "planned: " + Show(with_plan) + "\nas written: " + Show(without) + "\n" + planned->Explain(*version);
+      return "planned: " + Show(with_plan) + "\nas written: " + Show(without) + "\n" +
+             planned->Explain(*version);
     }
     const std::vector<std::string> count = RowsOf(*counted, *version);
     if (with_plan != kTooMany && count != std::vector{std::to_string(with_plan.size()) + " "}) {
@@ -236,7 +238,8 @@ std::string Disagreement(const RandomCase& c) {
     for (size_t n = 0; n < RandomQueries::kNodes; ++n) dictionary.InternIri("urn:n" + std::to_string(n));
     const std::vector<std::string> naive = NaiveRows(parsed.query, *planned, dictionary, *version);
     if (with_plan != naive) {
-      return "planned: " + Show(with_plan) + "\nby section 18: " + Show(naive) + "\n" + planned->Explain(*version);
+      return "planned: " + Show(with_plan) + "\nby section 18: " + Show(naive) + "\n" +
+             planned->Explain(*version);
     }
   }
   return "";
@@ -250,7 +253,8 @@ TEST(SparqlPlanner, PlannedQueriesGiveWhatTheAlgebraSays) {
     ASSERT_TRUE(c.wide || ParseQuery("SELECT * " + c.query.Text()).ok()) << c.Text();
     if (Disagreement(c).empty()) continue;
     Shrink(&c, [](const RandomCase& smaller) { return !Disagreement(smaller).empty(); });
-    FAIL() << "DOCENT_PLANNER_SEED=" << seed << " DOCENT_PLANNER_QUERIES=1, made as small as it still fails:\n"
+    FAIL() << "DOCENT_PLANNER_SEED=" << seed
+           << " DOCENT_PLANNER_QUERIES=1, made as small as it still fails:\n"
            << c.Text() << Disagreement(c);
   }
 }

@@ -178,7 +178,8 @@ struct RandomCase {
   std::string Text() const {
     std::string out = "SELECT * " + query.Text() + "\n";
     for (const RandomQuad& q : quads) {
-      out += "  version " + std::to_string(q.step + 1) + ": " + q.subject + " " + q.predicate + " " + q.object + " " + q.graph + "\n";
+      out += "  version " + std::to_string(q.step + 1) + ": " + q.subject + " " + q.predicate + " " +
+             q.object + " " + q.graph + "\n";
     }
     return out;
   }
@@ -205,7 +206,8 @@ inline void Shrink(RandomCase* c, const std::function<bool(const RandomCase&)>& 
       if (!whole.inner.empty()) {
         auto kept = piece.inner;
         piece.inner.erase(piece.inner.begin() + static_cast<std::ptrdiff_t>(i));
-        piece.inner.insert(piece.inner.begin() + static_cast<std::ptrdiff_t>(i), whole.inner.begin(), whole.inner.end());
+        piece.inner.insert(piece.inner.begin() + static_cast<std::ptrdiff_t>(i), whole.inner.begin(),
+                           whole.inner.end());
         if (fails(*c)) return true;  // from the start: places have moved
         piece.inner = std::move(kept);
       }

@@ -68,7 +68,8 @@ void ExpectSameRanges(const QuadTree& tree, const std::set<Key>& model, KeySourc
     ASSERT_EQ(found, expected);
     ASSERT_EQ(tree.CountRange(first, last), expected.size());
     ExpectSamePrefix(tree, model, first, i % 5);
-    ASSERT_EQ(tree.RankOf(first), static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
+    ASSERT_EQ(tree.RankOf(first),
+              static_cast<uint64_t>(std::distance(model.begin(), model.lower_bound(first))));
     if (!model.empty()) {
       const uint64_t rank = source->random() % model.size();
       ASSERT_EQ(tree.KeyAt(rank), *std::next(model.begin(), static_cast<std::ptrdiff_t>(rank)));
@@ -199,7 +200,8 @@ TEST(StoreTree, ANodeOfAnOlderVersionKeepsItsOnlyChild) {
 TEST(StoreTree, WordsBesideTheGreatestAndTheLeastInOneLeaf) {
   QuadTree tree;
   const uint64_t epoch = QuadTree::NewEpoch();
-  const std::vector<Key> keys = {{0, 0, 0, 0}, {5, 0, 0, 0}, {kMax - 300, 1, 0, 0}, {kMax - 1, 0, 0, 0}, {kMax, 0, 0, 0}};
+  const std::vector<Key> keys = {
+      {0, 0, 0, 0}, {5, 0, 0, 0}, {kMax - 300, 1, 0, 0}, {kMax - 1, 0, 0, 0}, {kMax, 0, 0, 0}};
   for (const size_t i : {3, 4, 1, 0, 2}) {
     ASSERT_TRUE(tree.Insert(keys[i], epoch));
     tree.CheckInvariants();

@@ -27,8 +27,8 @@ CompiledAsk Written(AskWriter writer, std::string name, int priority) {
   return out;
 }
 
-absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula, const VariableValues& values,
-                                    std::string name, int priority) {
+absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula,
+                                    const VariableValues& values, std::string name, int priority) {
   absl::StatusOr<std::vector<Conjunction>> alternatives = ToAlternatives(formula);
   if (!alternatives.ok()) return alternatives.status();
   AskWriter writer(document, values);
@@ -37,10 +37,13 @@ absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& for
   return Written(std::move(writer), std::move(name), priority);
 }
 
-std::string NameOr(const Text& name, std::string otherwise) { return name.empty() ? otherwise : name.value; }
+std::string NameOr(const Text& name, std::string otherwise) {
+  return name.empty() ? otherwise : name.value;
+}
 
 // The rules of `context` that must have held for some time become parts of `ask`, and its text says so.
-absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values, CompiledAsk* ask) {
+absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values,
+                        CompiledAsk* ask) {
   std::string notes;
   for (size_t i = 0; i < context.rules.size(); ++i) {
     const Rule& rule = context.rules[i];
@@ -49,11 +52,12 @@ absl::Status AddLasting(const Document& document, const Context& context, const 
     if (!part.ok()) return part.status();
     LastingAsk lasting{std::move(part->ask), {}, *rule.at_least_ms};
     const std::set<std::string> bound = CertainVariables(rule);
-    std::copy_if(part->free_variables.begin(), part->free_variables.end(), std::back_inserter(lasting.variables),
+    std::copy_if(part->free_variables.begin(), part->free_variables.end(),
+                 std::back_inserter(lasting.variables),
                  [&bound](const std::string& name) { return bound.contains(name); });
     ask->lasting.push_back(std::move(lasting));
-    absl::StrAppend(&notes, "# ", absl::StrCat("rule ", NameOr(rule.name, absl::StrCat(i + 1))), ": for at least ",
-                    rule.for_text.value, "\n");
+    absl::StrAppend(&notes, "# ", absl::StrCat("rule ", NameOr(rule.name, absl::StrCat(i + 1))),
+                    ": for at least ", rule.for_text.value, "\n");
   }
   ask->ask = notes + ask->ask;
   return absl::OkStatus();
@@ -61,7 +65,8 @@ absl::Status AddLasting(const Document& document, const Context& context, const 
 
 }  // namespace
 
-absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document, const Condition& condition,
+absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
+                                                          const Condition& condition,
                                                           const VariableValues& values) {
   std::vector<CompiledAsk> out;
   if (condition.expression) {
@@ -76,8 +81,9 @@ absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& docume
   std::stable_sort(contexts.begin(), contexts.end(),
                    [](const Context* a, const Context* b) { return a->priority < b->priority; });
   for (const Context* context : contexts) {
-    absl::StatusOr<CompiledAsk> ask = Compile(document, FormulaOf(*context), values,
-                                              NameOr(context->name, absl::StrCat("context ", out.size() + 1)), context->priority);
+    absl::StatusOr<CompiledAsk> ask =
+        Compile(document, FormulaOf(*context), values,
+                NameOr(context->name, absl::StrCat("context ", out.size() + 1)), context->priority);
     if (!ask.ok()) return ask.status();
     absl::Status lasting = AddLasting(document, *context, values, &*ask);
     if (!lasting.ok()) return lasting;
@@ -119,7 +125,8 @@ std::vector<ConditionText> ConditionTexts(const Document& document) {
       return;
     }
     std::string notes;
-    for (const std::string& name : ask->unset) absl::StrAppend(&notes, "# ?", name, " is the value of $", name, " at run time\n");
+    for (const std::string& name : ask->unset)
+      absl::StrAppend(&notes, "# ?", name, " is the value of $", name, " at run time\n");
     bool says_so = absl::StartsWith(ask->name, what);  // "context 2"
     out.push_back({absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask, span});
   };
@@ -127,16 +134,20 @@ std::vector<ConditionText> ConditionTexts(const Document& document) {
     span = condition.span;
     absl::StatusOr<std::vector<CompiledAsk>> asks = CompileCondition(document, condition, none);
     if (!asks.ok()) return add(place, asks.status(), "");
-    for (const CompiledAsk& ask : *asks) add(place, ask, condition.expression ? "condition" : ask.by_event() ? "case" : "context");
+    for (const CompiledAsk& ask : *asks)
+      add(place, ask, condition.expression ? "condition" : ask.by_event() ? "case" : "context");
   };
   if (document.activator) {
-    add_condition(document.activator->name.empty() ? "activator" : absl::StrCat("activator ", document.activator->name.value),
+    add_condition(document.activator->name.empty()
+                      ? "activator"
+                      : absl::StrCat("activator ", document.activator->name.value),
                   document.activator->condition);
   }
   for (const Flow& flow : document.flows) {
     std::string flow_place = absl::StrCat("flow ", flow.name.value);
     for (const Node& node : flow.nodes) {
-      if (node.condition) add_condition(absl::StrCat(flow_place, " / node ", node.name.value), *node.condition);
+      if (node.condition)
+        add_condition(absl::StrCat(flow_place, " / node ", node.name.value), *node.condition);
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;

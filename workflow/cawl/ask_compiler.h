@@ -33,8 +33,9 @@ struct LastingAsk {
 };
 
 struct CompiledAsk {
-  std::string name;   // of the context or case ("context 2", "case" without one), or the condition's expression
-  std::string ask;    // SPARQL
+  std::string
+      name;         // of the context or case ("context 2", "case" without one), or the condition's expression
+  std::string ask;  // SPARQL
   int priority = 0;
   // What a solution binds, without "?", in order of first use. A variable that stands only in some alternatives of
   // an `or` may be left unbound. Names beginning with "_" and event variables are not among them.
@@ -54,7 +55,8 @@ struct CompiledAsk {
 // The alternatives in the order in which they are to be tried; none: the condition holds at once.
 // INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one) or a literal where a resource has to
 // stand, or the expression has more than 256 alternatives.
-absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document, const Condition& condition,
+absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
+                                                          const Condition& condition,
                                                           const VariableValues& values);
 
 // The ASK of one constraint (ext:while).

@@ -13,23 +13,31 @@ namespace {
 // The part of PN_LOCAL (SPARQL 1.1 grammar, rule 169) that needs no thought.
 bool IsPlainLocal(std::string_view local) {
   if (local.empty() || (!absl::ascii_isalnum(local[0]) && local[0] != '_')) return false;
-  return std::all_of(local.begin(), local.end(), [](char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; });
+  return std::all_of(local.begin(), local.end(),
+                     [](char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; });
 }
 
 bool IsPlainPrefix(std::string_view prefix) {
   if (prefix.empty() || !absl::ascii_isalpha(prefix[0])) return false;
-  return std::all_of(prefix.begin(), prefix.end(), [](char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; });
+  return std::all_of(prefix.begin(), prefix.end(),
+                     [](char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; });
 }
 
 std::string_view Symbol(Word::Comparison comparison) {
   switch (comparison) {
     case Word::Comparison::kNone:
-    case Word::Comparison::kEqual: return "=";
-    case Word::Comparison::kNotEqual: return "!=";
-    case Word::Comparison::kLess: return "<";
-    case Word::Comparison::kLessOrEqual: return "<=";
-    case Word::Comparison::kGreater: return ">";
-    case Word::Comparison::kGreaterOrEqual: return ">=";
+    case Word::Comparison::kEqual:
+      return "=";
+    case Word::Comparison::kNotEqual:
+      return "!=";
+    case Word::Comparison::kLess:
+      return "<";
+    case Word::Comparison::kLessOrEqual:
+      return "<=";
+    case Word::Comparison::kGreater:
+      return ">";
+    case Word::Comparison::kGreaterOrEqual:
+      return ">=";
   }
   return "=";
 }
@@ -50,14 +58,18 @@ void AddOnce(std::string line, std::vector<std::string>* lines) {
   if (std::find(lines->begin(), lines->end(), line) == lines->end()) lines->push_back(std::move(line));
 }
 
-absl::Status Refused(const std::string& why) { return absl::InvalidArgumentError(why); }
+absl::Status Refused(const std::string& why) {
+  return absl::InvalidArgumentError(why);
+}
 
 }  // namespace
 
 AskWriter::AskWriter(const Document& document, const VariableValues& values) : values_(values) {
   std::set<std::string> taken;
   auto add = [&](std::string_view prefix, std::string_view iri) {
-    if (iri.find(':') == std::string_view::npos || !IsPlainPrefix(prefix) || !taken.insert(std::string(prefix)).second) return;
+    if (iri.find(':') == std::string_view::npos || !IsPlainPrefix(prefix) ||
+        !taken.insert(std::string(prefix)).second)
+      return;
     if (iri.find_first_of("<>\"{}|^`\\ \n\t\r") != std::string_view::npos) return;
     prefixes_.emplace_back(iri, prefix);
   };
@@ -73,12 +85,13 @@ absl::Status AskWriter::Write(const std::vector<Conjunction>& alternatives) {
 
 std::string AskWriter::Text() const {
   std::string out;
-  for (const auto& [prefix, iri] : used_prefixes_) absl::StrAppend(&out, "PREFIX ", prefix, ": <", iri, ">\n");
+  for (const auto& [prefix, iri] : used_prefixes_)
+    absl::StrAppend(&out, "PREFIX ", prefix, ": <", iri, ">\n");
   return absl::StrCat(out, "ASK {\n", body_, "}");
 }
 
-absl::Status AskWriter::WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent, bool negated,
-                                          std::string* out) {
+absl::Status AskWriter::WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent,
+                                          bool negated, std::string* out) {
   if (alternatives.size() == 1) return WriteConjunction(alternatives[0], indent, negated, out);
   for (size_t i = 0; i < alternatives.size(); ++i) {
     AppendLine(indent, i == 0 ? "{" : "UNION {", out);
@@ -89,7 +102,8 @@ absl::Status AskWriter::WriteAlternatives(const std::vector<Conjunction>& altern
   return absl::OkStatus();
 }
 
-absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int indent, bool negated, std::string* out) {
+absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int indent, bool negated,
+                                         std::string* out) {
   Group group;
   for (const Event* event : conjunction.events) AddEvent(*event, negated, &group);
   for (const Constraint* constraint : conjunction.constraints) {
@@ -127,7 +141,8 @@ absl::Status AskWriter::AddConstraint(const Constraint& constraint, bool negated
   if (compares) {
     int number = compared_.emplace(&constraint, static_cast<int>(compared_.size()) + 1).first->second;
     found = absl::StrCat("?_", number);
-    AddOnce(Concat("FILTER (", found, " ", Symbol(constraint.object.comparison), " ", *object, ")"), &group->filters);
+    AddOnce(Concat("FILTER (", found, " ", Symbol(constraint.object.comparison), " ", *object, ")"),
+            &group->filters);
   }
   AddOnce(Concat(*subject, " ", *verb, " ", found, " ."), &group->triples);
   absl::Status status = AddType(constraint.subject, *subject, group);
@@ -152,8 +167,10 @@ void AskWriter::AddEvent(const Event& event, bool negated, Group* group) {
   int number = events_.emplace(&event, static_cast<int>(events_.size()) + 1).first->second;
   std::string name = absl::StrCat("_event_", number);
   if (!negated) Note(name, &event_variables_);
-  AddOnce(Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."), &group->triples);
-  AddOnce(Concat("?", name, " ", Short(DocentIri("operation")), " ", ToNTriples(Term::Literal(event.operation.value)), " ."),
+  AddOnce(Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."),
+          &group->triples);
+  AddOnce(Concat("?", name, " ", Short(DocentIri("operation")), " ",
+                 ToNTriples(Term::Literal(event.operation.value)), " ."),
           &group->triples);
 }
 
@@ -164,15 +181,17 @@ std::optional<Term> AskWriter::ValueOf(const Word& word) const {
 
 absl::StatusOr<std::string> AskWriter::Value(const Word& word, bool negated) {
   switch (word.kind) {
-    case Word::Kind::kTerm: return TermText(word.term);
+    case Word::Kind::kTerm:
+      return TermText(word.term);
     case Word::Kind::kFree:
       if (!negated) Note(word.name, &free_variables_);
       return "?" + word.name;
     case Word::Kind::kVariable: {
       std::optional<Term> value = ValueOf(word);
       if (value && value->IsBlank()) {
-        return absl::InvalidArgumentError(absl::StrCat("the value of $", word.name,
-                                                       " is a blank node, which a condition cannot name; give the thing an IRI"));
+        return absl::InvalidArgumentError(
+            absl::StrCat("the value of $", word.name,
+                         " is a blank node, which a condition cannot name; give the thing an IRI"));
       }
       if (value) return TermText(*value);
       std::string name = VariableText(word.name);
@@ -180,7 +199,8 @@ absl::StatusOr<std::string> AskWriter::Value(const Word& word, bool negated) {
       if (!negated) Note(name, &free_variables_);
       return "?" + name;
     }
-    case Word::Kind::kMissing: break;
+    case Word::Kind::kMissing:
+      break;
   }
   return absl::InvalidArgumentError("a word is missing in a constraint");
 }

@@ -35,7 +35,8 @@ class AskWriter {
     std::vector<std::string> filters;
   };
 
-  absl::Status WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent, bool negated, std::string* out);
+  absl::Status WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent, bool negated,
+                                 std::string* out);
   absl::Status WriteConjunction(const Conjunction& conjunction, int indent, bool negated, std::string* out);
   absl::Status AddConstraint(const Constraint& constraint, bool negated, Group* group);
   absl::Status AddType(const Word& word, const std::string& value, Group* group);

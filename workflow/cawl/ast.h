@@ -35,7 +35,7 @@ inline constexpr std::string_view kExtensionNs = "https://w3id.org/docent/cawl-e
 // <part name="booth" type="docent:Booth" element="…"/>
 struct Part {
   Text name;
-  Text type;     // a class or datatype as prefix:local; kept as written
+  Text type;  // a class or datatype as prefix:local; kept as written
   Text element;
   SourceSpan span;
 };
@@ -104,11 +104,11 @@ struct Word {
   enum class Comparison { kNone, kEqual, kNotEqual, kLess, kLessOrEqual, kGreater, kGreaterOrEqual };
   Kind kind = Kind::kMissing;
   Comparison comparison = Comparison::kNone;
-  std::string name;  // kVariable ("name" or "name.part"), kFree
-  Term term;         // kTerm
-  Text text;         // as written
-  SourceSpan span;   // of the word itself, without the comparison
-  Text type;                   // @type as written
+  std::string name;               // kVariable ("name" or "name.part"), kFree
+  Term term;                      // kTerm
+  Text text;                      // as written
+  SourceSpan span;                // of the word itself, without the comparison
+  Text type;                      // @type as written
   std::optional<Term> type_term;  // its IRI
 };
 
@@ -196,14 +196,14 @@ struct Node {
   Text state;  // Activate | deActivate; kept for round trip
   std::vector<Message> messages;
   std::vector<Variable> variables;
-  Text join_text;                   // wait @joinCondition (several waits: joined by `and`)
+  Text join_text;  // wait @joinCondition (several waits: joined by `and`)
   std::optional<Expression> join;
   std::optional<Condition> condition;
   std::vector<Invoke> invokes;
   std::optional<int64_t> timeout_ms;  // ext:timeout: from the opening of its condition to done
   int retry = 0;                      // ext:retry: the whole node again after a failure
-  Text compensate;                    // ext:compensate: operation to invoke when the run fails after this node was done
-  Text for_each_text;                 // ext:forEach="?booth ?visitor": the invokes once for each binding of these
+  Text compensate;     // ext:compensate: operation to invoke when the run fails after this node was done
+  Text for_each_text;  // ext:forEach="?booth ?visitor": the invokes once for each binding of these
   std::vector<std::string> for_each;  // without "?"
   SourceSpan span;
 };

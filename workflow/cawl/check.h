@@ -15,8 +15,8 @@
 namespace docent::cawl {
 
 struct CheckReport {
-  DocumentPtr document;      // as ParsedCawl::document
-  Diagnostics diagnostics;   // errors and warnings, in order of the text
+  DocumentPtr document;                   // as ParsedCawl::document
+  Diagnostics diagnostics;                // errors and warnings, in order of the text
   std::vector<ConditionText> conditions;  // empty when there are errors
   bool ok() const { return document != nullptr && !HasErrors(diagnostics); }
 };

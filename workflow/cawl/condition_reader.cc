@@ -19,7 +19,8 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
   out.span = element.span;
   reader->CheckAttributes(element, {"name"}, {"for"});
   if (const Text time = reader->Extension(element, "for"); time.given()) {
-    reader->Error(time.span, "for stands at a <constraint>", "write it at the <rule>, which may have this constraint alone");
+    reader->Error(time.span, "for stands at a <constraint>",
+                  "write it at the <rule>, which may have this constraint alone");
   }
   out.name = reader->Attribute(element, "name");
   int subjects = 0, verbs = 0, objects = 0;
@@ -36,10 +37,9 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
       }
     };
   };
-  reader->ReadChildren(element,
-               {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
-                {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
-                {"object", once(&objects, &out.object, WordRole::kObject)}});
+  reader->ReadChildren(element, {{"subject", once(&subjects, &out.subject, WordRole::kSubject)},
+                                 {"verb", once(&verbs, &out.verb, WordRole::kVerb)},
+                                 {"object", once(&objects, &out.object, WordRole::kObject)}});
   if (subjects == 0) reader->Error(element.name_span, "<constraint> has no <subject>");
   if (verbs == 0) reader->Error(element.name_span, "<constraint> has no <verb>");
   if (objects == 0) reader->Error(element.name_span, "<constraint> has no <object>");
@@ -68,12 +68,13 @@ Context ReadContext(const xml::Element& element, const Limits& limits, xml::Elem
   out.name = reader->Attribute(element, "name");
   out.priority_text = reader->Attribute(element, "priority");
   if (out.priority_text.given() && !absl::SimpleAtoi(out.priority_text.value, &out.priority)) {
-    reader->Error(out.priority_text.span, Concat("priority \"", out.priority_text.value, "\" is not a whole number"),
+    reader->Error(out.priority_text.span,
+                  Concat("priority \"", out.priority_text.value, "\" is not a whole number"),
                   "lower numbers are tried first");
   }
-  reader->ReadChildren(element, {{"rule", [&](const xml::Element& child) {
-                                    out.rules.push_back(ReadRule(child, limits, reader));
-                                  }}});
+  reader->ReadChildren(
+      element,
+      {{"rule", [&](const xml::Element& child) { out.rules.push_back(ReadRule(child, limits, reader)); }}});
   return out;
 }
 
@@ -104,18 +105,18 @@ Condition ReadCondition(const xml::Element& element, const Limits& limits, xml::
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
   out.timeout_ms = reader->Timeout(element);
-  reader->ReadChildren(element,
-               {{"case",
-                 [&](const xml::Element& child) {
-                   if (!out.cases.empty()) {
-                     reader->Error(child.name_span, "a second <case> in a <condition>",
-                                   "put its events into the first and say how they belong together in its expression");
-                   }
-                   out.cases.push_back(ReadCase(child, limits, reader));
-                 }},
-                {"context", [&](const xml::Element& child) {
-                   out.contexts.push_back(ReadContext(child, limits, reader));
-                 }}});
+  reader->ReadChildren(
+      element,
+      {{"case",
+        [&](const xml::Element& child) {
+          if (!out.cases.empty()) {
+            reader->Error(child.name_span, "a second <case> in a <condition>",
+                          "put its events into the first and say how they belong together in its expression");
+          }
+          out.cases.push_back(ReadCase(child, limits, reader));
+        }},
+       {"context",
+        [&](const xml::Element& child) { out.contexts.push_back(ReadContext(child, limits, reader)); }}});
   return out;
 }
 

@@ -23,21 +23,23 @@ class DocumentReader {
     out->name = reader_.Required(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
-    reader_.ReadChildren(root, {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
-                  {"variable", [&](const xml::Element& e) { out->variables.push_back(ReadVariable(e)); }},
-                  {"baseOntologies", [&](const xml::Element& e) { ReadOntologies(e, out); }},
-                  {"serviceProvider", [&](const xml::Element& e) { out->providers.push_back(ReadProvider(e)); }},
-                  {"activator",
-                   [&](const xml::Element& e) {
-                     if (out->activator) return Second(e, root);
-                     out->activator = ReadActivator(e);
-                   }},
-                  {"flow", [&](const xml::Element& e) { out->flows.push_back(ReadFlow(e)); }}});
+    reader_.ReadChildren(
+        root, {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
+               {"variable", [&](const xml::Element& e) { out->variables.push_back(ReadVariable(e)); }},
+               {"baseOntologies", [&](const xml::Element& e) { ReadOntologies(e, out); }},
+               {"serviceProvider", [&](const xml::Element& e) { out->providers.push_back(ReadProvider(e)); }},
+               {"activator",
+                [&](const xml::Element& e) {
+                  if (out->activator) return Second(e, root);
+                  out->activator = ReadActivator(e);
+                }},
+               {"flow", [&](const xml::Element& e) { out->flows.push_back(ReadFlow(e)); }}});
   }
 
  private:
   void Second(const xml::Element& element, const xml::Element& parent) {
-    reader_.Error(element.name_span, Concat("a second <", element.name, "> in <", parent.name, ">"), "one may stand here");
+    reader_.Error(element.name_span, Concat("a second <", element.name, "> in <", parent.name, ">"),
+                  "one may stand here");
   }
   void Nothing(const xml::Element& element) { reader_.ReadChildren(element, {}); }
 
@@ -57,11 +59,11 @@ class DocumentReader {
     reader_.CheckAttributes(element, {"name"});
     out.name = reader_.Required(element, "name");
     reader_.ReadChildren(element, {{"part", [&](const xml::Element& e) {
-                                        reader_.CheckAttributes(e, {"name", "type", "element"});
-                                        out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
-                                                             reader_.Attribute(e, "element"), e.span});
-                                        Nothing(e);
-                                      }}});
+                                      reader_.CheckAttributes(e, {"name", "type", "element"});
+                                      out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
+                                                           reader_.Attribute(e, "element"), e.span});
+                                      Nothing(e);
+                                    }}});
     return out;
   }
 
@@ -72,7 +74,9 @@ class DocumentReader {
     out.name = ReadVariableName(element);
     out.type = reader_.Attribute(element, "type");
     if (out.type.value.find(':') != std::string::npos) reader_.TermOf(element, out.type);
-    reader_.ReadChildren(element, {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
+    reader_.ReadChildren(
+        element,
+        {{"initialize", [&](const xml::Element& e) { out.initializers.push_back(ReadInitialize(e)); }}});
     return out;
   }
 
@@ -83,9 +87,9 @@ class DocumentReader {
     out.part = reader_.Attribute(element, "part");
     int froms = 0;
     reader_.ReadChildren(element, {{"from", [&](const xml::Element& e) {
-                                        if (froms++ > 0) return Second(e, element);
-                                        ReadFrom(e, &out);
-                                      }}});
+                                      if (froms++ > 0) return Second(e, element);
+                                      ReadFrom(e, &out);
+                                    }}});
     if (froms == 0) {
       reader_.Error(element.name_span, "<initialize> has no <from>",
                     "write <from expression=\"…\"/> or <from variable=\"…\"/>");
@@ -116,11 +120,11 @@ class DocumentReader {
   void ReadOntologies(const xml::Element& element, Document* out) {
     reader_.CheckAttributes(element, {});
     reader_.ReadChildren(element, {{"ontology", [&](const xml::Element& e) {
-                                        reader_.CheckAttributes(e, {"location", "namespace"});
-                                        out->ontologies.push_back(
-                                            {reader_.Attribute(e, "location"), reader_.Attribute(e, "namespace"), e.span});
-                                        Nothing(e);
-                                      }}});
+                                      reader_.CheckAttributes(e, {"location", "namespace"});
+                                      out->ontologies.push_back({reader_.Attribute(e, "location"),
+                                                                 reader_.Attribute(e, "namespace"), e.span});
+                                      Nothing(e);
+                                    }}});
   }
 
   ServiceProvider ReadProvider(const xml::Element& element) {
@@ -130,10 +134,10 @@ class DocumentReader {
     out.name = reader_.Required(element, "name");
     out.location = reader_.Attribute(element, "location");
     reader_.ReadChildren(element, {{"service", [&](const xml::Element& e) {
-                                        reader_.CheckAttributes(e, {"operation"});
-                                        out.services.push_back({reader_.Required(e, "operation"), e.span});
-                                        Nothing(e);
-                                      }}});
+                                      reader_.CheckAttributes(e, {"operation"});
+                                      out.services.push_back({reader_.Required(e, "operation"), e.span});
+                                      Nothing(e);
+                                    }}});
     return out;
   }
 
@@ -144,7 +148,8 @@ class DocumentReader {
     out.name = reader_.Attribute(element, "name");
     bool has_condition = false;
     int activates = 0;
-    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(
+        element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"activate",
                    [&](const xml::Element& e) {
@@ -160,7 +165,8 @@ class DocumentReader {
                    }}});
     if (activates == 0) reader_.Error(element.name_span, "<activator> has no <activate flow=\"…\"/>");
     if (!has_condition || (out.condition.contexts.empty() && out.condition.cases.empty())) {
-      reader_.Error(element.name_span, "<activator> has no condition: it would start its flow again and again",
+      reader_.Error(element.name_span,
+                    "<activator> has no condition: it would start its flow again and again",
                     "write a <condition> with a <context> or a <case>");
     }
     return out;
@@ -179,7 +185,8 @@ class DocumentReader {
         Nothing(e);
       };
     };
-    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(
+        element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"source", end(&out.source)},
                   {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
@@ -197,14 +204,16 @@ class DocumentReader {
     out.name = reader_.Required(element, "name");
     out.state = reader_.Attribute(element, "state");
     if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
-      reader_.Error(out.state.span, Concat("state \"", out.state.value, "\" is unknown"), "write Activate or deActivate");
+      reader_.Error(out.state.span, Concat("state \"", out.state.value, "\" is unknown"),
+                    "write Activate or deActivate");
     }
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
     out.compensate = reader_.Extension(element, "compensate");
     out.for_each_text = reader_.Extension(element, "forEach");
     ReadForEach(&out);
-    reader_.ReadChildren(element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
+    reader_.ReadChildren(
+        element, {{"message", [&](const xml::Element& e) { out.messages.push_back(ReadMessage(e)); }},
                   {"variable", [&](const xml::Element& e) { out.variables.push_back(ReadVariable(e)); }},
                   {"wait", [&](const xml::Element& e) { ReadWait(e, &out); }},
                   {"condition",
@@ -285,9 +294,11 @@ class DocumentReader {
 
 }  // namespace
 
-bool ReadDocument(const xml::Element& root, const Limits& limits, xml::ElementReader* reader, Document* document) {
+bool ReadDocument(const xml::Element& root, const Limits& limits, xml::ElementReader* reader,
+                  Document* document) {
   if (!absl::EqualsIgnoreCase(root.name, "cawl")) {
-    reader->Error(root.name_span, Concat("<", root.name, "> is not a CAWL document"), "its root element is <CAWL>");
+    reader->Error(root.name_span, Concat("<", root.name, "> is not a CAWL document"),
+                  "its root element is <CAWL>");
     return false;
   }
   DocumentReader(limits, reader).Read(root, document);

@@ -10,7 +10,8 @@
 namespace docent::cawl {
 
 // Fills `document` (whose file and source are set) from `root`. Mistakes go to `reader`. False: the root is not CAWL.
-bool ReadDocument(const xml::Element& root, const Limits& limits, xml::ElementReader* reader, Document* document);
+bool ReadDocument(const xml::Element& root, const Limits& limits, xml::ElementReader* reader,
+                  Document* document);
 
 }  // namespace docent::cawl
 

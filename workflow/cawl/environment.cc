@@ -8,14 +8,17 @@
 namespace docent::cawl {
 namespace {
 
-std::vector<std::string> BeginningWith(const std::set<std::string, std::less<>>& iris, std::string_view space) {
+std::vector<std::string> BeginningWith(const std::set<std::string, std::less<>>& iris,
+                                       std::string_view space) {
   std::vector<std::string> out;
-  for (auto it = iris.lower_bound(space); it != iris.end() && it->starts_with(space); ++it) out.push_back(*it);
+  for (auto it = iris.lower_bound(space); it != iris.end() && it->starts_with(space); ++it)
+    out.push_back(*it);
   return out;
 }
 
 bool IsClassType(std::string_view type) {
-  return type == "http://www.w3.org/2000/01/rdf-schema#Class" || type == "http://www.w3.org/2002/07/owl#Class";
+  return type == "http://www.w3.org/2000/01/rdf-schema#Class" ||
+         type == "http://www.w3.org/2002/07/owl#Class";
 }
 
 bool IsPropertyType(std::string_view type) {
@@ -54,7 +57,9 @@ void QuadEnvironment::AddOperation(OperationSignature operation) {
   operations_.emplace(std::move(name), std::move(operation));
 }
 
-void QuadEnvironment::AddApplicationService(std::string name) { services_.insert(std::move(name)); }
+void QuadEnvironment::AddApplicationService(std::string name) {
+  services_.insert(std::move(name));
+}
 
 std::optional<OperationSignature> QuadEnvironment::FindOperation(std::string_view name) const {
   auto it = operations_.find(name);
@@ -68,10 +73,16 @@ std::vector<std::string> QuadEnvironment::OperationNames() const {
   return out;
 }
 
-std::vector<std::string> QuadEnvironment::ApplicationServices() const { return {services_.begin(), services_.end()}; }
+std::vector<std::string> QuadEnvironment::ApplicationServices() const {
+  return {services_.begin(), services_.end()};
+}
 
-bool QuadEnvironment::IsClass(const std::string& iri) const { return classes_.contains(iri); }
-bool QuadEnvironment::IsProperty(const std::string& iri) const { return properties_.contains(iri); }
+bool QuadEnvironment::IsClass(const std::string& iri) const {
+  return classes_.contains(iri);
+}
+bool QuadEnvironment::IsProperty(const std::string& iri) const {
+  return properties_.contains(iri);
+}
 bool QuadEnvironment::IsKnown(const std::string& iri) const {
   return known_.contains(iri) || classes_.contains(iri) || properties_.contains(iri);
 }

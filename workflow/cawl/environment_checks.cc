@@ -21,7 +21,10 @@ std::string_view NamespaceOf(std::string_view iri) {
 class EnvironmentChecker {
  public:
   EnvironmentChecker(const Document& document, const Environment& environment, xml::ElementReader* reader)
-      : document_(document), environment_(environment), reader_(*reader), operations_(environment.OperationNames()) {}
+      : document_(document),
+        environment_(environment),
+        reader_(*reader),
+        operations_(environment.OperationNames()) {}
 
   void Check() {
     for (const ServiceProvider& provider : document_.providers) {
@@ -38,8 +41,9 @@ class EnvironmentChecker {
     if (!found && !reader_.full()) {
       reader_.Error(name.span, Concat("there is no robot service or operation ", name.value),
                     reader_.DidYouMean(name.value, operations_,
-                                       operations_.empty() ? "no robot offers anything and no RSEL process is registered"
-                                                           : Concat("there are: ", xml::ListOf(operations_))));
+                                       operations_.empty()
+                                           ? "no robot offers anything and no RSEL process is registered"
+                                           : Concat("there are: ", xml::ListOf(operations_))));
     }
     return found;
   }
@@ -89,8 +93,8 @@ class EnvironmentChecker {
     }
   }
 
-  void CheckInputs(const Flow& flow, const Node& node, const Invoke& invoke, const OperationSignature& operation,
-                   const std::set<std::string>& keys) {
+  void CheckInputs(const Flow& flow, const Node& node, const Invoke& invoke,
+                   const OperationSignature& operation, const std::set<std::string>& keys) {
     for (const std::string& input : operation.inputs) {
       if (keys.contains(input)) continue;
       bool own = std::any_of(node.variables.begin(), node.variables.end(),
@@ -98,10 +102,11 @@ class EnvironmentChecker {
       if (own) continue;
       std::vector<std::string> known(keys.begin(), keys.end());
       reader_.Error(invoke.operation.span,
-                    Concat("operation ", operation.name, " needs ", input, ", but no variable ", input, " is declared in flow ",
-                           flow.name.value, " and no condition binds ?", input),
-                    reader_.DidYouMean(input, known, Concat("write <variable name=\"", input, "\"> or bind ?", input,
-                                                            " in a condition")));
+                    Concat("operation ", operation.name, " needs ", input, ", but no variable ", input,
+                           " is declared in flow ", flow.name.value, " and no condition binds ?", input),
+                    reader_.DidYouMean(
+                        input, known,
+                        Concat("write <variable name=\"", input, "\"> or bind ?", input, " in a condition")));
     }
   }
 
@@ -121,7 +126,8 @@ class EnvironmentChecker {
     bool types = constraint.verb.kind == Word::Kind::kTerm && constraint.verb.term.lexical == kRdfType;
     for (const Word* word : {&constraint.subject, &constraint.object}) {
       if (word->type_term && word->type_term->IsIri()) {
-        CheckWord(word->type_term->lexical, word->type.span, "class", &Environment::IsClass, &Environment::Classes);
+        CheckWord(word->type_term->lexical, word->type.span, "class", &Environment::IsClass,
+                  &Environment::Classes);
       }
       if (word->kind != Word::Kind::kTerm || !word->term.IsIri()) continue;
       if (types && word == &constraint.object) {
@@ -151,7 +157,8 @@ class EnvironmentChecker {
     Warn(iri, span, "word", environment_.Words(space));
   }
 
-  void Warn(const std::string& iri, const SourceSpan& span, std::string_view kind, const std::vector<std::string>& known) {
+  void Warn(const std::string& iri, const SourceSpan& span, std::string_view kind,
+            const std::vector<std::string>& known) {
     size_t cut = NamespaceOf(iri).size();
     std::vector<std::string> locals;
     for (const std::string& k : known) locals.push_back(k.substr(cut));

@@ -19,13 +19,16 @@ class Parser {
   std::optional<Expression> Whole() {
     std::optional<Expression> out = Sequence(Expression::Kind::kOr);
     if (out && !token_.empty()) {
-      return Fail(token_ == ")" ? "a ) without its (" : absl::StrCat("`and` or `or` is missing before ", std::string(token_)));
+      return Fail(token_ == ")" ? "a ) without its ("
+                                : absl::StrCat("`and` or `or` is missing before ", std::string(token_)));
     }
     return out;
   }
 
  private:
-  bool IsWord(std::string_view word) const { return absl::AsciiStrToLower(ToAbsl(token_)) == std::string(word); }
+  bool IsWord(std::string_view word) const {
+    return absl::AsciiStrToLower(ToAbsl(token_)) == std::string(word);
+  }
 
   void Advance() {
     at_ = end_;
@@ -34,8 +37,8 @@ class Parser {
     if (at_ < text_.value.size() && (text_.value[at_] == '(' || text_.value[at_] == ')')) {
       ++end_;
     } else {
-      while (end_ < text_.value.size() && !absl::ascii_isspace(text_.value[end_]) && text_.value[end_] != '(' &&
-             text_.value[end_] != ')') {
+      while (end_ < text_.value.size() && !absl::ascii_isspace(text_.value[end_]) &&
+             text_.value[end_] != '(' && text_.value[end_] != ')') {
         ++end_;
       }
     }
@@ -114,10 +117,14 @@ class Parser {
 
 int Strength(Expression::Kind kind) {
   switch (kind) {
-    case Expression::Kind::kOr: return 0;
-    case Expression::Kind::kAnd: return 1;
-    case Expression::Kind::kNot: return 2;
-    case Expression::Kind::kName: return 3;
+    case Expression::Kind::kOr:
+      return 0;
+    case Expression::Kind::kAnd:
+      return 1;
+    case Expression::Kind::kNot:
+      return 2;
+    case Expression::Kind::kName:
+      return 3;
   }
   return 3;
 }
@@ -129,14 +136,17 @@ void Collect(const Expression& expression, std::vector<const Expression*>* out) 
 
 }  // namespace
 
-std::optional<Expression> ParseExpression(const xml::Text& text, int max_nesting, xml::ElementReader* reader) {
+std::optional<Expression> ParseExpression(const xml::Text& text, int max_nesting,
+                                          xml::ElementReader* reader) {
   return Parser(text, max_nesting, reader).Whole();
 }
 
 bool Evaluate(const Expression& expression, const std::function<bool(const std::string&)>& value_of) {
   switch (expression.kind) {
-    case Expression::Kind::kName: return value_of(expression.name);
-    case Expression::Kind::kNot: return !Evaluate(expression.children[0], value_of);
+    case Expression::Kind::kName:
+      return value_of(expression.name);
+    case Expression::Kind::kNot:
+      return !Evaluate(expression.children[0], value_of);
     case Expression::Kind::kAnd:
       for (const Expression& child : expression.children) {
         if (!Evaluate(child, value_of)) return false;

@@ -72,8 +72,10 @@ class FlowChecker {
  private:
   void CheckLink(const Link& link) {
     if (link.from.empty() || link.to.empty()) return;
-    bool good = End(link.from, flow_.source.value, flow_.sink.value, "from", "the sink: nothing comes after it");
-    good = End(link.to, flow_.sink.value, flow_.source.value, "to", "the source: nothing comes before it") && good;
+    bool good =
+        End(link.from, flow_.source.value, flow_.sink.value, "from", "the sink: nothing comes after it");
+    good = End(link.to, flow_.sink.value, flow_.source.value, "to", "the source: nothing comes before it") &&
+           good;
     if (!good) return;
     if (!seen_.insert({link.from.value, link.to.value}).second) {
       reader_.Error(link.from.span, Concat("a second link from ", link.from.value, " to ", link.to.value));
@@ -88,8 +90,8 @@ class FlowChecker {
     if (!link.while_text.given()) forward_[link.from.value].insert(link.to.value);
   }
 
-  bool End(const Text& name, const std::string& allowed, const std::string& wrong_end, std::string_view attribute,
-           std::string_view why) {
+  bool End(const Text& name, const std::string& allowed, const std::string& wrong_end,
+           std::string_view attribute, std::string_view why) {
     if (nodes_.contains(name.value) || name.value == allowed) return true;
     if (name.value == wrong_end) {
       reader_.Error(name.span, Concat(attribute, "=\"", name.value, "\" is ", why));
@@ -109,15 +111,19 @@ class FlowChecker {
     for (const Node& node : flow_.nodes) {
       if (node.name.empty()) continue;
       if (!from_source.contains(node.name.value)) {
-        reader_.Error(node.name.span, Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
-                      "link it, or remove it");
+        reader_.Error(
+            node.name.span,
+            Concat("node ", node.name.value, " cannot be reached from the source ", flow_.source.value),
+            "link it, or remove it");
       } else if (!to_sink.contains(node.name.value)) {
-        reader_.Error(node.name.span, Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),
+        reader_.Error(node.name.span,
+                      Concat("node ", node.name.value, " has no path to the sink ", flow_.sink.value),
                       "a run would never end; link it on");
       }
     }
     if (!from_source.contains(flow_.sink.value)) {
-      reader_.Error(flow_.sink.span, Concat("no path leads from the source ", flow_.source.value, " to the sink ", flow_.sink.value));
+      reader_.Error(flow_.sink.span, Concat("no path leads from the source ", flow_.source.value,
+                                            " to the sink ", flow_.sink.value));
     }
   }
 
@@ -174,9 +180,11 @@ class FlowChecker {
     for (const Expression* e : NamesIn(*node.join)) {
       if (std::find(before.begin(), before.end(), e->name) != before.end()) continue;
       if (reader_.full()) return;
-      reader_.Error(e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
-                    reader_.DidYouMean(e->name, before, before.empty() ? "no link leads here"
-                                                                       : Concat("links lead here from ", xml::ListOf(before))));
+      reader_.Error(
+          e->span, Concat("joinCondition names ", e->name, ", from which no link leads to ", node.name.value),
+          reader_.DidYouMean(
+              e->name, before,
+              before.empty() ? "no link leads here" : Concat("links lead here from ", xml::ListOf(before))));
     }
   }
 

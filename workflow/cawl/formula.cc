@@ -41,14 +41,16 @@ Formula Combine(const std::optional<Expression>& expression, const std::vector<c
 }
 
 absl::Status TooMany() {
-  return absl::InvalidArgumentError(absl::StrCat("the condition has more than ", kMaxAlternatives,
-                                                 " alternatives when its `or`s are carried to the outside; split it into "
-                                                 "several contexts"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("the condition has more than ", kMaxAlternatives,
+                   " alternatives when its `or`s are carried to the outside; split it into "
+                   "several contexts"));
 }
 
 void Append(const Conjunction& from, Conjunction* to) {
   for (const Constraint* c : from.constraints) {
-    if (std::find(to->constraints.begin(), to->constraints.end(), c) == to->constraints.end()) to->constraints.push_back(c);
+    if (std::find(to->constraints.begin(), to->constraints.end(), c) == to->constraints.end())
+      to->constraints.push_back(c);
   }
   for (const Event* e : from.events) {
     if (std::find(to->events.begin(), to->events.end(), e) == to->events.end()) to->events.push_back(e);
@@ -114,7 +116,8 @@ absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula) 
       out.emplace_back().events.push_back(formula.event);
       return out;
     case Formula::Kind::kNot:
-      if (formula.children[0].kind == Formula::Kind::kNot) return ToAlternatives(formula.children[0].children[0]);
+      if (formula.children[0].kind == Formula::Kind::kNot)
+        return ToAlternatives(formula.children[0].children[0]);
       out.emplace_back().absent.push_back(formula.children[0]);
       return out;
     case Formula::Kind::kOr:

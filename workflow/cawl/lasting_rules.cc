@@ -27,7 +27,8 @@ std::array<const Word*, 3> WordsOf(const Constraint& constraint) {
 bool Mentions(const Rule& rule, const std::string& name) {
   return std::any_of(rule.constraints.begin(), rule.constraints.end(), [&](const Constraint& constraint) {
     const auto words = WordsOf(constraint);
-    return std::any_of(words.begin(), words.end(), [&](const Word* word) { return VariableName(*word) == name; });
+    return std::any_of(words.begin(), words.end(),
+                       [&](const Word* word) { return VariableName(*word) == name; });
   });
 }
 
@@ -42,7 +43,8 @@ class LastingChecker {
         if (!rule.at_least_ms) continue;
         if (condition.expression) {
           reader_.Error(rule.for_text.span, "a rule with for stands in a condition with an expression",
-                        "leave the expression out (contexts are alternatives) and put what must hold together into one context");
+                        "leave the expression out (contexts are alternatives) and put what must hold "
+                        "together into one context");
         }
         CheckShared(context, rule, no_values);
       }
@@ -62,8 +64,10 @@ class LastingChecker {
           return &other != &rule && Mentions(other, name);
         });
         if (!shared || !told.insert(name).second) continue;
-        reader_.Error(word->span, Concat("a rule with for does not bind ?", name, " itself, and another rule has it, too"),
-                      Concat("repeat in this rule a constraint that binds ?", name, ", outside of not"));
+        reader_.Error(
+            word->span,
+            Concat("a rule with for does not bind ?", name, " itself, and another rule has it, too"),
+            Concat("repeat in this rule a constraint that binds ?", name, ", outside of not"));
       }
     }
   }
@@ -86,7 +90,8 @@ std::set<std::string> CertainVariables(const Rule& rule) {
     }
     here.erase("");
     std::set<std::string> both;
-    std::set_intersection(certain.begin(), certain.end(), here.begin(), here.end(), std::inserter(both, both.end()));
+    std::set_intersection(certain.begin(), certain.end(), here.begin(), here.end(),
+                          std::inserter(both, both.end()));
     certain = i == 0 ? std::move(here) : std::move(both);
   }
   return certain;

@@ -29,7 +29,8 @@ std::vector<const Word*> FreeWords(const Condition& condition) {
   std::vector<const Word*> out;
   auto add = [&out](const Word& word) {
     if (word.kind != Word::Kind::kFree || word.comparison != Word::Comparison::kNone) return;
-    if (std::none_of(out.begin(), out.end(), [&](const Word* known) { return known->name == word.name; })) out.push_back(&word);
+    if (std::none_of(out.begin(), out.end(), [&](const Word* known) { return known->name == word.name; }))
+      out.push_back(&word);
   };
   for (const Context& context : condition.contexts) {
     if (!Counts(condition.expression, context.name)) continue;
@@ -86,18 +87,22 @@ class NameChecker {
     const Message* message = scope.PartsOf(variable);
     const std::string& type = variable.type.value;
     if (!type.empty() && message == nullptr && type.find(':') == std::string::npos) {
-      reader_.Error(variable.type.span, Concat("there is no message ", type, " to type variable ", variable.name.value),
-                    reader_.DidYouMean(type, scope.MessageNames(), "name a message, or a class or datatype as prefix:local"));
+      reader_.Error(variable.type.span,
+                    Concat("there is no message ", type, " to type variable ", variable.name.value),
+                    reader_.DidYouMean(type, scope.MessageNames(),
+                                       "name a message, or a class or datatype as prefix:local"));
     }
     std::set<std::string> initialized;
     for (const Initialize& i : variable.initializers) {
       if (!initialized.insert(i.part.value).second) {
-        reader_.Error(i.part.given() ? i.part.span : i.span, Concat("variable ", variable.name.value, i.part.given() ? "." : "",
-                                                                    i.part.value, " is initialized twice"));
+        reader_.Error(i.part.given() ? i.part.span : i.span,
+                      Concat("variable ", variable.name.value, i.part.given() ? "." : "", i.part.value,
+                             " is initialized twice"));
       }
       if (i.part.given()) CheckPart(scope, variable, i.part);
       if (!i.part.given() && message != nullptr && i.value) {
-        reader_.Error(i.from_expression.span, Concat("variable ", variable.name.value, " has parts; one value cannot fill it"),
+        reader_.Error(i.from_expression.span,
+                      Concat("variable ", variable.name.value, " has parts; one value cannot fill it"),
                       "say which part: <initialize part=\"…\">");
       }
       if (i.from_variable.given()) {
@@ -117,10 +122,12 @@ class NameChecker {
     }
     if (std::find(names.begin(), names.end(), part.value) != names.end()) return;
     if (message == nullptr) {
-      reader_.Error(part.span, Concat("variable ", variable.name.value, " has no parts"), "type it with a message to give it parts");
+      reader_.Error(part.span, Concat("variable ", variable.name.value, " has no parts"),
+                    "type it with a message to give it parts");
     } else {
-      reader_.Error(part.span, Concat("message ", message->name.value, " of variable ", variable.name.value, " has no part ",
-                                      part.value),
+      reader_.Error(part.span,
+                    Concat("message ", message->name.value, " of variable ", variable.name.value,
+                           " has no part ", part.value),
                     reader_.DidYouMean(part.value, names, Concat("its parts: ", xml::ListOf(names))));
     }
   }
@@ -130,7 +137,8 @@ class NameChecker {
     if (variable == nullptr && !reader_.full()) {
       reader_.Error(span, Concat("variable $", name, " is not declared here"),
                     reader_.DidYouMean(name, scope.VariableNames(),
-                               Concat("write <variable name=\"", name, "\"/> in the flow, or ?", name, " for a free one")));
+                                       Concat("write <variable name=\"", name, "\"/> in the flow, or ?", name,
+                                              " for a free one")));
     }
     return variable;
   }
@@ -143,7 +151,8 @@ class NameChecker {
     if (dot != std::string::npos) {
       CheckPart(scope, *variable, {key.substr(dot + 1), span});
     } else if (scope.PartsOf(*variable) != nullptr) {
-      reader_.Error(span, Concat("variable $", key, " has parts"), Concat("write $", scope.Keys(*variable).empty() ? key : scope.Keys(*variable)[0]));
+      reader_.Error(span, Concat("variable $", key, " has parts"),
+                    Concat("write $", scope.Keys(*variable).empty() ? key : scope.Keys(*variable)[0]));
     }
   }
 
@@ -165,13 +174,16 @@ class NameChecker {
     for (const Expression* e : NamesIn(*expression)) {
       used.insert(e->name);
       if (std::find(names.begin(), names.end(), e->name) != names.end() || reader_.full()) continue;
-      reader_.Error(e->span, Concat("the expression names ", e->name, ", but there is no ", what, " of that name here"),
-                    reader_.DidYouMean(e->name, names, names.empty() ? Concat("give each ", what, " a name")
-                                                             : Concat("there are: ", xml::ListOf(names))));
+      reader_.Error(
+          e->span, Concat("the expression names ", e->name, ", but there is no ", what, " of that name here"),
+          reader_.DidYouMean(e->name, names,
+                             names.empty() ? Concat("give each ", what, " a name")
+                                           : Concat("there are: ", xml::ListOf(names))));
     }
     for (const Text* t : children) {
       if (!t->empty() && !used.contains(t->value)) {
-        reader_.Warning(t->span, Concat(what, " ", t->value, " is not in the expression and will not be looked at"));
+        reader_.Warning(t->span,
+                        Concat(what, " ", t->value, " is not in the expression and will not be looked at"));
       }
     }
   }
@@ -186,10 +198,12 @@ class NameChecker {
           CheckConstraint(scope, constraint);
           constraints.push_back(&constraint.name);
         }
-        Unique(rule.constraints, "constraint", rule.name.empty() ? "its rule" : Concat("rule ", rule.name.value));
+        Unique(rule.constraints, "constraint",
+               rule.name.empty() ? "its rule" : Concat("rule ", rule.name.value));
         CheckExpression(rule.expression, constraints, "constraint");
       }
-      Unique(context.rules, "rule", context.name.empty() ? "its context" : Concat("context ", context.name.value));
+      Unique(context.rules, "rule",
+             context.name.empty() ? "its context" : Concat("context ", context.name.value));
     }
     Unique(condition.contexts, "context", "the condition");
     for (const Case& c : condition.cases) {
@@ -222,7 +236,8 @@ class NameChecker {
     CheckScope(flow_scope, Concat("flow ", flow.name.value));
     Unique(flow.nodes, "node", Concat("flow ", flow.name.value));
     for (const Node& node : flow.nodes) {
-      if (!node.name.empty() && (node.name.value == flow.source.value || node.name.value == flow.sink.value)) {
+      if (!node.name.empty() &&
+          (node.name.value == flow.source.value || node.name.value == flow.sink.value)) {
         reader_.Error(node.name.span, Concat("node ", node.name.value, " has the name of the flow's ",
                                              node.name.value == flow.source.value ? "source" : "sink"));
       }
@@ -247,12 +262,15 @@ class NameChecker {
     for (const Word* word : FreeWords(condition)) {
       const Variable* variable = scope.FindVariable(word->name);
       const bool initialized = variable != nullptr && !variable->initializers.empty();
-      if (!initialized && std::find(activated.begin(), activated.end(), word->name) == activated.end()) continue;
-      reader_.Warning(word->span,
-                      Concat("?", word->name, " may match another value than the one that ",
-                             initialized ? "the variable begins with" : "the activator bound"),
-                      Concat("write $", word->name, " for the run's own",
-                             variable != nullptr ? "" : Concat(", and <variable name=\"", word->name, "\"/> in the flow")));
+      if (!initialized && std::find(activated.begin(), activated.end(), word->name) == activated.end())
+        continue;
+      reader_.Warning(
+          word->span,
+          Concat("?", word->name, " may match another value than the one that ",
+                 initialized ? "the variable begins with" : "the activator bound"),
+          Concat(
+              "write $", word->name, " for the run's own",
+              variable != nullptr ? "" : Concat(", and <variable name=\"", word->name, "\"/> in the flow")));
     }
   }
 
@@ -261,8 +279,10 @@ class NameChecker {
     std::vector<std::string> bound = node.condition ? BoundBy(*node.condition) : std::vector<std::string>();
     for (const std::string& name : node.for_each) {
       if (std::find(bound.begin(), bound.end(), name) != bound.end()) continue;
-      reader_.Error(node.for_each_text.span, Concat("forEach: the node's condition does not bind ?", name),
-                    reader_.DidYouMean(name, bound, bound.empty() ? "it binds nothing" : Concat("it binds ?", xml::ListOf(bound))));
+      reader_.Error(
+          node.for_each_text.span, Concat("forEach: the node's condition does not bind ?", name),
+          reader_.DidYouMean(name, bound,
+                             bound.empty() ? "it binds nothing" : Concat("it binds ?", xml::ListOf(bound))));
     }
   }
 
@@ -279,6 +299,8 @@ std::vector<std::string> BoundBy(const Condition& condition) {
   return out;
 }
 
-void CheckNames(const Document& document, xml::ElementReader* reader) { NameChecker(document, reader).Check(); }
+void CheckNames(const Document& document, xml::ElementReader* reader) {
+  NameChecker(document, reader).Check();
+}
 
 }  // namespace docent::cawl

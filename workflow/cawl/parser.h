@@ -14,7 +14,8 @@
 namespace docent::cawl {
 
 struct ParsedCawl {
-  DocumentPtr document;  // null when the XML itself is broken or the root is not CAWL; else as far as it was understood
+  DocumentPtr
+      document;  // null when the XML itself is broken or the root is not CAWL; else as far as it was understood
   Diagnostics diagnostics;  // in order of the text
   // True if the document may be deployed.
   bool ok() const { return document != nullptr && !HasErrors(diagnostics); }

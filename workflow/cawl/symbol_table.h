@@ -13,7 +13,7 @@ namespace docent::cawl {
 
 class Scope {
  public:
-  explicit Scope(const Document& document);                    // cawl
+  explicit Scope(const Document& document);  // cawl
   Scope(const Scope& cawl, const Activator& activator);
   Scope(const Scope& cawl, const Flow& flow);
   Scope(const Scope& flow, const Node& node);
@@ -30,7 +30,7 @@ class Scope {
   // Every key under which the variable keeps values: "name", or "name.part" for each part.
   std::vector<std::string> Keys(const Variable& variable) const;
 
-  const std::vector<Message>& messages() const { return *messages_; }    // this scope's own
+  const std::vector<Message>& messages() const { return *messages_; }  // this scope's own
   const std::vector<Variable>& variables() const { return *variables_; }
 
  private:

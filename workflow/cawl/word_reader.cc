@@ -31,7 +31,8 @@ std::pair<Word::Comparison, size_t> ComparisonAt(std::string_view text) {
 }
 
 // "$name" or "?name" at the beginning of `text`.
-void ReadVariable(std::string_view text, size_t offset, const Place& place, xml::ElementReader* reader, Word* word) {
+void ReadVariable(std::string_view text, size_t offset, const Place& place, xml::ElementReader* reader,
+                  Word* word) {
   std::string_view name = text.substr(1);
   bool is_free = text[0] == '?';
   std::string_view head = name, part;
@@ -43,8 +44,9 @@ void ReadVariable(std::string_view text, size_t offset, const Place& place, xml:
   bool good = xml::IsVariableName(head) && (part.data() == nullptr || xml::IsVariableName(part));
   if (!good) {
     reader->Error(place(offset, text.size()), Concat(text, " is not a variable's name"),
-                  is_free ? "write ? and letters (a-z), digits and _, beginning with a letter"
-                          : "write $name or $name.part: letters (a-z), digits and _, beginning with a letter");
+                  is_free
+                      ? "write ? and letters (a-z), digits and _, beginning with a letter"
+                      : "write $name or $name.part: letters (a-z), digits and _, beginning with a letter");
     return;
   }
   word->kind = is_free ? Word::Kind::kFree : Word::Kind::kVariable;
@@ -62,8 +64,9 @@ Word WordOf(std::string_view text, WordRole role, const xml::Prefixes& prefixes,
   std::string_view rest = text.substr(offset);
   word.span = place(offset, rest.size());
   if (rest.empty()) {
-    reader->Error(place(0, text.size()), text.empty() ? Concat("the ", RoleName(role), " is empty")
-                                                      : Concat("a value is missing after ", text),
+    reader->Error(place(0, text.size()),
+                  text.empty() ? Concat("the ", RoleName(role), " is empty")
+                               : Concat("a value is missing after ", text),
                   text.empty() ? "write $name, ?name, prefix:local, <iri> or a literal" : "e.g. > 0.5");
     return word;
   }
@@ -79,8 +82,8 @@ Word WordOf(std::string_view text, WordRole role, const xml::Prefixes& prefixes,
   xml::TermError error;
   std::optional<Term> term = xml::ParseTerm(rest, prefixes, &error);
   if (!term) {
-    reader->Error(place(offset + error.offset, error.length), Concat("in the ", RoleName(role), ": ", error.message),
-                  error.hint);
+    reader->Error(place(offset + error.offset, error.length),
+                  Concat("in the ", RoleName(role), ": ", error.message), error.hint);
     return word;
   }
   if (role != WordRole::kObject && !term->IsIri()) {
@@ -100,12 +103,13 @@ void ReadType(const xml::Element& element, xml::ElementReader* reader, Word* wor
   if (!word->type_term) return;
   bool datatype = word->type_term->lexical.starts_with(kXsdNs);
   if (!word->type_term->IsIri()) {
-    reader->Error(word->type.span, "a type is a class or datatype, not a literal", "e.g. docent:Robot or xsd:decimal");
+    reader->Error(word->type.span, "a type is a class or datatype, not a literal",
+                  "e.g. docent:Robot or xsd:decimal");
     word->type_term.reset();
   } else if (word->kind == Word::Kind::kTerm && word->term.IsLiteral() != datatype) {
-    reader->Error(word->type.span,
-                  Concat("type ", word->type.value, datatype ? " is a datatype but the word is a resource"
-                                                             : " is a class but the word is a literal"));
+    reader->Error(word->type.span, Concat("type ", word->type.value,
+                                          datatype ? " is a datatype but the word is a resource"
+                                                   : " is a class but the word is a literal"));
     word->type_term.reset();
   } else if (datatype && word->kind == Word::Kind::kTerm) {
     word->term = Term::Literal(word->term.lexical, word->type_term->lexical);
@@ -143,7 +147,8 @@ Word ReadWord(const xml::Element& element, WordRole role, xml::ElementReader* re
   return word;
 }
 
-std::optional<Constraint> ReadConstraintText(const xml::Element& element, const Text& text, xml::ElementReader* reader) {
+std::optional<Constraint> ReadConstraintText(const xml::Element& element, const Text& text,
+                                             xml::ElementReader* reader) {
   std::string_view value = text.value;
   size_t at = 0;
   Constraint constraint;

@@ -13,7 +13,8 @@ enum class WordRole { kSubject, kVerb, kObject };
 Word ReadWord(const xml::Element& element, WordRole role, xml::ElementReader* reader);
 
 // "subject verb object" in an attribute (ext:while) of `element`; nullopt after a reported mistake.
-std::optional<Constraint> ReadConstraintText(const xml::Element& element, const Text& text, xml::ElementReader* reader);
+std::optional<Constraint> ReadConstraintText(const xml::Element& element, const Text& text,
+                                             xml::ElementReader* reader);
 
 }  // namespace docent::cawl
 

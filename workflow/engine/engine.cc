@@ -291,8 +291,7 @@ void Engine::Deploy(cawl::DocumentPtr document) {
       for (cawl::CompiledAsk& ask : *asks) {
         ConditionHandle handle = core_->next_handle++;
         core_->owners[handle] = {RunId(), 0, document->name.value};
-        core_->deploy_arm.push_back(
-            RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
+        core_->deploy_arm.push_back(RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
         fresh.armed.push_back({handle, std::move(ask)});
       }
     }
@@ -482,7 +481,8 @@ std::string Engine::PlaceOf(ConditionHandle handle) const {
   if (owner->second.run.empty()) return absl::StrCat("activator of ", owner->second.workflow);
   const auto run = core_->runs.find(owner->second.run);
   if (run == core_->runs.end()) return "";
-  return absl::StrCat("run ", run->first.value(), ", node ", run->second.Flow().nodes[owner->second.node].name.value);
+  return absl::StrCat("run ", run->first.value(), ", node ",
+                      run->second.Flow().nodes[owner->second.node].name.value);
 }
 
 void Engine::Commit() {
@@ -502,8 +502,8 @@ void Engine::Commit() {
 }
 
 void Engine::Rollback() {
-  bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() && core_->undo_active.empty() &&
-                   !core_->undo_services;
+  bool untouched = core_->undo_runs.empty() && core_->undo_deployments.empty() &&
+                   core_->undo_active.empty() && !core_->undo_services;
   if (untouched) return;  // the batch was refused before it came to the engine
   for (auto& [id, before] : core_->undo_runs) {
     if (before)

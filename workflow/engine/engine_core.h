@@ -34,7 +34,8 @@ struct Deployment {
 };
 
 // How a compiled condition is asked for.
-ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask, std::vector<std::string> key_variables);
+ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
+                           std::vector<std::string> key_variables);
 
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
@@ -69,7 +70,7 @@ struct Engine::Core {
   std::vector<ActiveBefore> undo_active;
   std::optional<rsel::ServiceRegistry> undo_services;
   std::vector<KeptRun> undo_kept;  // let go of in this turn, in their order
-  size_t kept_new = 0;              // at the end of `kept`
+  size_t kept_new = 0;             // at the end of `kept`
   ConditionHandle committed_handle = 1;
   uint64_t committed_run = 1;
 

@@ -297,8 +297,7 @@ absl::StatusOr<std::string> EncodeEngineState(const EngineState& state) {
 }
 
 absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limits& limits,
-                                              Dictionary* dictionary,
-                                              const RunFactsLookup& facts) {
+                                              Dictionary* dictionary, const RunFactsLookup& facts) {
   Packed packed;
   ByteReader reader(bytes);
   Fields(reader, packed);
@@ -345,8 +344,8 @@ std::vector<ConditionRequest> ArmedConditions(const EngineState& state) {
   std::vector<ConditionRequest> requests;
   for (const auto& [name, deployment] : state.deployments) {
     for (const ArmedCondition& armed : deployment.armed) {
-      requests.push_back(RequestOf(armed.handle, armed.ask,
-                                   cawl::KeyVariables(*deployment.document->activator, armed.ask)));
+      requests.push_back(
+          RequestOf(armed.handle, armed.ask, cawl::KeyVariables(*deployment.document->activator, armed.ask)));
     }
   }
   for (const auto& [id, run] : state.runs) {

@@ -35,8 +35,7 @@ using RunFactsLookup = std::function<std::vector<Quad>(const RunId& run)>;
 // Interns no term that is not in the graph. DATA_LOSS for bytes that EncodeEngineState did not make; INTERNAL where a document that was good before is
 // not under these limits.
 absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limits& limits,
-                                              Dictionary* dictionary,
-                                              const RunFactsLookup& facts);
+                                              Dictionary* dictionary, const RunFactsLookup& facts);
 
 // The conditions that this state waits for, in the order in which they were armed.
 std::vector<ConditionRequest> ArmedConditions(const EngineState& state);

@@ -67,17 +67,19 @@ class Writer {
   std::vector<Quad> quads_;
 };
 
-void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri, TermId of_node,
-                     Writer* out) {
+void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, const std::string& iri,
+                     TermId of_node, Writer* out) {
   const cawl::Invoke& invoke = node.invokes[invocation.invoke];
   out->About(out->Iri(iri));
   out->Say(RunTerm::kType, RunTerm::kInvocation);
   out->Say(RunTerm::kOfNode, of_node);
-  out->SayText(RunTerm::kOperation, invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
+  out->SayText(RunTerm::kOperation,
+               invoke.operation.value.empty() ? invoke.subflow.value : invoke.operation.value);
   out->SayState(RunTerm::kInvocationState, invocation.state);
   if (!invocation.robot.empty()) out->Say(RunTerm::kRobot, out->Iri(invocation.robot.value()));
   if (!invocation.child.empty()) out->Say(RunTerm::kChildRun, out->Iri(RunIri(invocation.child)));
-  for (const OpenCommand& open : invocation.commands) out->SayText(RunTerm::kCommand, open.command.id.value());
+  for (const OpenCommand& open : invocation.commands)
+    out->SayText(RunTerm::kCommand, open.command.id.value());
   out->SayText(RunTerm::kStep, invocation.step);
   if (invocation.state == WorkState::kRunning) out->SayTerm(RunTerm::kProgress, Decimal(invocation.progress));
   out->SayText(RunTerm::kReason, invocation.reason);

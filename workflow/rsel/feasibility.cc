@@ -15,7 +15,8 @@ using Offers = std::map<std::string, const OfferedOperation*, std::less<>>;
 void CheckInvoke(const Document& document, const Process& process, const Invoke& invoke, const Offers& offers,
                  Diagnostics* out) {
   auto warn = [&](const SourceSpan& span, std::string message, std::string hint) {
-    out->push_back({document.file, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning});
+    out->push_back(
+        {document.file, span, std::move(message), std::move(hint), Diagnostic::Severity::kWarning});
   };
   auto it = offers.find(invoke.operation.value);
   if (it == offers.end()) {
@@ -23,7 +24,7 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
     for (const auto& [name, unused] : offers) names.push_back(name);
     std::string near = Nearest(invoke.operation.value, names);
     warn(invoke.operation.span, Concat("no robot offers operation ", invoke.operation.value, " now"),
-         !near.empty()    ? Concat("did you mean ", near, "?")
+         !near.empty()   ? Concat("did you mean ", near, "?")
          : names.empty() ? "no robot is here"
                          : Concat("robots offer ", xml::ListOf(names)));
     return;
@@ -37,12 +38,14 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
   const std::vector<std::string>& wanted = it->second->inputs;
   for (const std::string& part : given) {
     if (std::find(wanted.begin(), wanted.end(), part) != wanted.end()) continue;
-    warn(invoke.span, Concat("operation ", it->first, " of ", it->second->robot.value(), " has no part ", part),
+    warn(invoke.span,
+         Concat("operation ", it->first, " of ", it->second->robot.value(), " has no part ", part),
          wanted.empty() ? "it takes none" : Concat("it takes ", xml::ListOf(wanted)));
   }
   for (const std::string& part : wanted) {
     if (std::find(given.begin(), given.end(), part) != given.end()) continue;
-    warn(invoke.span, Concat("operation ", it->first, " of ", it->second->robot.value(), " needs part ", part),
+    warn(invoke.span,
+         Concat("operation ", it->first, " of ", it->second->robot.value(), " needs part ", part),
          Concat("write <input part=\"", part, "\" from=\"…\"/>"));
   }
 }
@@ -70,7 +73,8 @@ Diagnostics CheckFeasibility(const Document& document, const ServiceRegistry& re
   Diagnostics out;
   for (const Process& process : document.processes) {
     for (const Invoke& invoke : process.invokes) {
-      bool nested = invoke.operation.value != process.name.value && registry.Find(invoke.operation.value) != nullptr;
+      bool nested =
+          invoke.operation.value != process.name.value && registry.Find(invoke.operation.value) != nullptr;
       if (!nested) CheckInvoke(document, process, invoke, offers, &out);
     }
     PlanPtr plan = registry.Find(process.name.value);

@@ -14,11 +14,22 @@ std::string Escaped(std::string_view text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '&': out += "&amp;"; break;
-      case '"': out += "&quot;"; break;
-      case '\n': case '\t': out += ' '; break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\n':
+      case '\t':
+        out += ' ';
+        break;
       default:
         if (static_cast<unsigned char>(c) >= 0x20) out += c;
     }
@@ -49,8 +60,10 @@ std::string ProcessText(const OfferedOperation& operation) {
     out += Concat("    <documentation>", Escaped(operation.description), "</documentation>\n");
   }
   out += Concat("    <invoke operation=\"", name, "\">\n");
-  for (const std::string& part : operation.inputs) out += Concat("      <input part=\"", part, "\" from=\"", part, "\"/>\n");
-  for (const std::string& part : operation.outputs) out += Concat("      <output part=\"", part, "\" to=\"", part, "\"/>\n");
+  for (const std::string& part : operation.inputs)
+    out += Concat("      <input part=\"", part, "\" from=\"", part, "\"/>\n");
+  for (const std::string& part : operation.outputs)
+    out += Concat("      <output part=\"", part, "\" to=\"", part, "\"/>\n");
   return out + "    </invoke>\n  </process>\n";
 }
 
@@ -63,18 +76,23 @@ std::string GenerateRsel(const std::string& name, const std::vector<OfferedOpera
     if (Usable(operation)) {
       by_name.emplace(operation.name, &operation);
     } else {
-      left_out += Concat("  <documentation>left out, a name cannot stand here: ", Escaped(operation.name), "</documentation>\n");
+      left_out += Concat("  <documentation>left out, a name cannot stand here: ", Escaped(operation.name),
+                         "</documentation>\n");
     }
   }
   std::string messages, processes;
   for (const auto& [unused, operation] : by_name) {
     messages += MessageText(Escaped(operation->name) + "Request", operation->inputs);
-    if (!operation->outputs.empty()) messages += MessageText(Escaped(operation->name) + "Reply", operation->outputs);
+    if (!operation->outputs.empty())
+      messages += MessageText(Escaped(operation->name) + "Reply", operation->outputs);
     processes += "\n" + ProcessText(*operation);
   }
-  return Concat("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- Generated from what robots offer: one process for each operation. ",
-                "Compose your own from them. -->\n<rsel name=\"", Escaped(name), "\" version=\"1.0\"\n      xmlns:ext=\"",
-                kExtensionNs, "\">\n", left_out, messages, processes, "</rsel>\n");
+  return Concat(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- Generated from what robots offer: one process for "
+      "each operation. ",
+      "Compose your own from them. -->\n<rsel name=\"", Escaped(name),
+      "\" version=\"1.0\"\n      xmlns:ext=\"", kExtensionNs, "\">\n", left_out, messages, processes,
+      "</rsel>\n");
 }
 
 }  // namespace docent::rsel

@@ -60,7 +60,8 @@ std::vector<Instruction> InstructionHandler::TakeReady() {
       if (value) {
         instruction.arguments.emplace_back(part, *std::move(value));
       } else if (missing.empty()) {
-        missing = absl::StrCat("its part ", part, " takes result ", source.slot, ", which that step did not give");
+        missing =
+            absl::StrCat("its part ", part, " takes result ", source.slot, ", which that step did not give");
       }
     }
     if (!missing.empty()) {
@@ -120,7 +121,8 @@ void InstructionHandler::Cancel(std::string reason) {
   state_ = State::kCancelled;
   reason_ = std::move(reason);
   for (StepStatus& status : steps_) {
-    if (status.state != StepState::kDone && status.state != StepState::kFailed) status.state = StepState::kCancelled;
+    if (status.state != StepState::kDone && status.state != StepState::kFailed)
+      status.state = StepState::kCancelled;
   }
 }
 
@@ -180,7 +182,8 @@ void InstructionHandler::Fail(int step, const std::string& reason) {
   state_ = State::kFailed;
   reason_ = absl::StrCat(Label(step), ": ", reason);
   for (StepStatus& status : steps_) {
-    if (status.state != StepState::kDone && status.state != StepState::kFailed) status.state = StepState::kCancelled;
+    if (status.state != StepState::kDone && status.state != StepState::kFailed)
+      status.state = StepState::kCancelled;
   }
   steps_[step - 1].state = StepState::kFailed;
 }

@@ -27,9 +27,9 @@ using Arguments = std::map<std::string, Term>;  // part name → value
 
 // One operation to be done by the robot now.
 struct Instruction {
-  int step = 0;     // from 1, in the plan
-  int attempt = 0;  // from 1
-  std::string label;      // "2/4 moveToBooth": step, number of steps, path
+  int step = 0;       // from 1, in the plan
+  int attempt = 0;    // from 1
+  std::string label;  // "2/4 moveToBooth": step, number of steps, path
   std::string operation;
   std::vector<std::pair<std::string, Term>> arguments;
   std::optional<int64_t> timeout_ms;  // of this attempt; nullopt: the caller's

@@ -22,8 +22,9 @@ class DocumentReader {
     out->name = reader_.Required(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
-    reader_.ReadChildren(root, {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
-                                {"process", [&](const xml::Element& e) { out->processes.push_back(ReadProcess(e)); }}});
+    reader_.ReadChildren(
+        root, {{"message", [&](const xml::Element& e) { out->messages.push_back(ReadMessage(e)); }},
+               {"process", [&](const xml::Element& e) { out->processes.push_back(ReadProcess(e)); }}});
     if (out->processes.empty()) reader_.Error(root.name_span, "<rsel> has no <process>");
   }
 
@@ -42,13 +43,14 @@ class DocumentReader {
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
     out.name = reader_.Required(element, "name");
-    reader_.ReadChildren(element, {{"part", [&](const xml::Element& e) {
-                                      reader_.CheckAttributes(e, {"name", "type"});
-                                      Part part{ReadPartName(e, "name"), reader_.Attribute(e, "type"), e.span};
-                                      if (!part.type.empty()) reader_.TermOf(e, part.type);
-                                      out.parts.push_back(std::move(part));
-                                      reader_.ReadChildren(e, {});
-                                    }}});
+    reader_.ReadChildren(element,
+                         {{"part", [&](const xml::Element& e) {
+                             reader_.CheckAttributes(e, {"name", "type"});
+                             Part part{ReadPartName(e, "name"), reader_.Attribute(e, "type"), e.span};
+                             if (!part.type.empty()) reader_.TermOf(e, part.type);
+                             out.parts.push_back(std::move(part));
+                             reader_.ReadChildren(e, {});
+                           }}});
     return out;
   }
 
@@ -59,7 +61,8 @@ class DocumentReader {
     out.name = reader_.Required(element, "name");
     out.input = reader_.Attribute(element, "input");
     out.output = reader_.Attribute(element, "output");
-    reader_.ReadChildren(element, {{"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }}});
+    reader_.ReadChildren(element,
+                         {{"invoke", [&](const xml::Element& e) { out.invokes.push_back(ReadInvoke(e)); }}});
     if (out.invokes.empty()) reader_.Error(element.name_span, "<process> has no <invoke>");
     if (!out.invokes.empty() && out.invokes[0].parallel) {
       reader_.Error(out.invokes[0].span, "the first invoke is marked parallel, but none stands before it",
@@ -81,10 +84,12 @@ class DocumentReader {
     if (on_failure.value == "continue") {
       out.on_failure = Invoke::OnFailure::kContinue;
     } else if (on_failure.given() && on_failure.value != "fail") {
-      reader_.Error(on_failure.span, Concat("onFailure is \"", on_failure.value, "\""), "write fail or continue");
+      reader_.Error(on_failure.span, Concat("onFailure is \"", on_failure.value, "\""),
+                    "write fail or continue");
     }
-    reader_.ReadChildren(element, {{"input", [&](const xml::Element& e) { out.inputs.push_back(ReadInput(e)); }},
-                                   {"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e)); }}});
+    reader_.ReadChildren(element,
+                         {{"input", [&](const xml::Element& e) { out.inputs.push_back(ReadInput(e)); }},
+                          {"output", [&](const xml::Element& e) { out.outputs.push_back(ReadOutput(e)); }}});
     return out;
   }
 
@@ -154,8 +159,9 @@ class Checker {
     std::vector<std::string> known;
     for (const auto& [message, unused] : messages_) known.push_back(message);
     reader_.Error(name.span, Concat("there is no message ", name.value),
-                  reader_.DidYouMean(name.value, known, known.empty() ? "the document has no messages"
-                                                                     : Concat("there are: ", xml::ListOf(known))));
+                  reader_.DidYouMean(name.value, known,
+                                     known.empty() ? "the document has no messages"
+                                                   : Concat("there are: ", xml::ListOf(known))));
     return nullptr;
   }
 
@@ -179,8 +185,9 @@ class Checker {
                         "take ext:parallel away from this invoke");
         } else if (!open && input != nullptr && !known.contains(i.from.value)) {
           std::vector<std::string> names(known.begin(), known.end());
-          reader_.Error(i.from.span, Concat("nothing gives ", i.from.value, ": it is neither a part of message ",
-                                            process.input.value, " nor the result of an invoke before"),
+          reader_.Error(i.from.span,
+                        Concat("nothing gives ", i.from.value, ": it is neither a part of message ",
+                               process.input.value, " nor the result of an invoke before"),
                         reader_.DidYouMean(i.from.value, names,
                                            names.empty() ? "" : Concat("there are: ", xml::ListOf(names))));
         }
@@ -191,9 +198,10 @@ class Checker {
     if (output == nullptr) return;
     for (const Part& part : output->parts) {
       if (known.contains(part.name.value)) continue;
-      reader_.Error(process.output.span, Concat("nothing gives part ", part.name.value, " of the output message ",
-                                                output->name.value),
-                    Concat("write <output part=\"…\" to=\"", part.name.value, "\"/> in an invoke"));
+      reader_.Error(
+          process.output.span,
+          Concat("nothing gives part ", part.name.value, " of the output message ", output->name.value),
+          Concat("write <output part=\"…\" to=\"", part.name.value, "\"/> in an invoke"));
     }
   }
 

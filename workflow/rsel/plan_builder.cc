@@ -28,10 +28,11 @@ PlanBuilder::PlanBuilder(const ProcessMap& processes, Report report)
     for (const auto& [name, place] : processes_) {
       if (sound_.contains(place.process)) continue;
       const std::vector<Invoke>& invokes = place.process->invokes;
-      bool sound = std::all_of(invokes.begin(), invokes.end(), [&, caller = place.process](const Invoke& invoke) {
-        const ProcessPlace* nested = Nested(*caller, invoke);
-        return nested == nullptr || sound_.contains(nested->process);
-      });
+      bool sound =
+          std::all_of(invokes.begin(), invokes.end(), [&, caller = place.process](const Invoke& invoke) {
+            const ProcessPlace* nested = Nested(*caller, invoke);
+            return nested == nullptr || sound_.contains(nested->process);
+          });
       if (sound) found.push_back(place.process);
     }
     if (found.empty()) return;
@@ -54,7 +55,8 @@ PlanPtr PlanBuilder::Build(const std::string& process) {
   if (!Expand(place, "", &names, &after)) return nullptr;
   all_steps_ += plan_.steps.size();
   if (all_steps_ > kMaxAllSteps) {
-    Error(place, place.process->name.span, absl::StrCat("all processes together have more than ", kMaxAllSteps, " steps"),
+    Error(place, place.process->name.span,
+          absl::StrCat("all processes together have more than ", kMaxAllSteps, " steps"),
           "remove documents that are not needed");
     return nullptr;
   }
@@ -107,7 +109,8 @@ const std::vector<std::string>& PlanBuilder::InputsOf(const ProcessPlace& place)
   return inputs_[place.process] = std::move(out);
 }
 
-bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Names* names, std::vector<int>* after) {
+bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Names* names,
+                         std::vector<int>* after) {
   open_.push_back(place.process->name.value);
   bool good = true;
   const std::vector<Invoke>& invokes = place.process->invokes;
@@ -127,7 +130,8 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
         ends.push_back(static_cast<int>(plan_.steps.size()) - 1);
       }
       if (plan_.steps.size() > kMaxPlanSteps) {
-        good = Error(place, invokes[i].span, absl::StrCat("process ", plan_.process, " has more than ", kMaxPlanSteps, " steps"));
+        good = Error(place, invokes[i].span,
+                     absl::StrCat("process ", plan_.process, " has more than ", kMaxPlanSteps, " steps"));
         break;
       }
     }
@@ -139,8 +143,8 @@ bool PlanBuilder::Expand(const ProcessPlace& place, const std::string& path, Nam
   return good;
 }
 
-bool PlanBuilder::AddStep(const ProcessPlace& place, const Invoke& invoke, const std::string& path, const Names& names,
-                          const std::vector<int>& after, Names* results) {
+bool PlanBuilder::AddStep(const ProcessPlace& place, const Invoke& invoke, const std::string& path,
+                          const Names& names, const std::vector<int>& after, Names* results) {
   PlanStep step;
   step.path = Join(path, invoke.operation.value);
   step.operation = invoke.operation.value;
@@ -170,13 +174,15 @@ bool PlanBuilder::AddStep(const ProcessPlace& place, const Invoke& invoke, const
     }
   }
   std::string number = absl::StrCat(plan_.steps.size() + 1);
-  for (const Output& output : invoke.outputs) (*results)[output.to.value] = {std::nullopt, number + "." + output.part.value};
+  for (const Output& output : invoke.outputs)
+    (*results)[output.to.value] = {std::nullopt, number + "." + output.part.value};
   plan_.steps.push_back(std::move(step));
   return good;
 }
 
 bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, const ProcessPlace& nested,
-                            const std::string& path, const Names& names, std::vector<int>* after, Names* results) {
+                            const std::string& path, const Names& names, std::vector<int>* after,
+                            Names* results) {
   const std::string& name = invoke.operation.value;
   auto again = std::find(open_.begin(), open_.end(), name);
   if (again != open_.end()) {
@@ -187,11 +193,13 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
   }
   if (broken_.contains(nested.process)) return false;
   if (static_cast<int>(open_.size()) > kMaxProcessNesting) {
-    return Error(place, invoke.operation.span, absl::StrCat("processes inside each other deeper than ", kMaxProcessNesting));
+    return Error(place, invoke.operation.span,
+                 absl::StrCat("processes inside each other deeper than ", kMaxProcessNesting));
   }
   if (invoke.retry > 0 || invoke.timeout_ms || invoke.on_failure != Invoke::OnFailure::kFail) {
-    return Error(place, invoke.span, Concat("retry, timeout and onFailure stand on an invoke of a robot's operation, and ", name,
-                                            " is a process"),
+    return Error(place, invoke.span,
+                 Concat("retry, timeout and onFailure stand on an invoke of a robot's operation, and ", name,
+                        " is a process"),
                  Concat("write them on the invokes of process ", name));
   }
   const std::vector<std::string>& inputs = InputsOf(nested);
@@ -216,7 +224,8 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
     if (invoke.inputs.empty() && it != names.end()) {
       inner[part] = it->second;
     } else {
-      good = Error(place, invoke.operation.span, Concat("process ", name, " takes part ", part, ", which nothing gives here"),
+      good = Error(place, invoke.operation.span,
+                   Concat("process ", name, " takes part ", part, ", which nothing gives here"),
                    Concat("write <input part=\"", part, "\" from=\"…\"/>"));
     }
   }
@@ -232,7 +241,8 @@ bool PlanBuilder::AddNested(const ProcessPlace& place, const Invoke& invoke, con
   return good;
 }
 
-bool PlanBuilder::Error(const ProcessPlace& place, const SourceSpan& span, std::string message, std::string hint) {
+bool PlanBuilder::Error(const ProcessPlace& place, const SourceSpan& span, std::string message,
+                        std::string hint) {
   report_(*place.document, span, std::move(message), std::move(hint));
   return false;
 }

@@ -26,7 +26,8 @@ inline constexpr int kMaxProcessNesting = 32;
 class PlanBuilder {
  public:
   // Told of each mistake: the document, the place in it, what, hint.
-  using Report = std::function<void(const Document&, const SourceSpan&, std::string message, std::string hint)>;
+  using Report =
+      std::function<void(const Document&, const SourceSpan&, std::string message, std::string hint)>;
 
   // Both must outlive the builder.
   PlanBuilder(const ProcessMap& processes, Report report);
@@ -44,8 +45,8 @@ class PlanBuilder {
   bool Expand(const ProcessPlace& place, const std::string& path, Names* names, std::vector<int>* after);
   bool AddStep(const ProcessPlace& place, const Invoke& invoke, const std::string& path, const Names& names,
                const std::vector<int>& after, Names* results);
-  bool AddNested(const ProcessPlace& place, const Invoke& invoke, const ProcessPlace& nested, const std::string& path,
-                 const Names& names, std::vector<int>* after, Names* results);
+  bool AddNested(const ProcessPlace& place, const Invoke& invoke, const ProcessPlace& nested,
+                 const std::string& path, const Names& names, std::vector<int>* after, Names* results);
   bool Error(const ProcessPlace& place, const SourceSpan& span, std::string message, std::string hint = "");
 
   const ProcessMap& processes_;
@@ -55,8 +56,8 @@ class PlanBuilder {
   std::map<const Process*, std::vector<std::string>> inputs_;
   size_t all_steps_ = 0;
   // Of the plan being built:
-  std::vector<std::string> open_;     // processes being expanded, outermost first
-  std::set<const Process*> broken_;   // whose mistakes are reported; not expanded again
+  std::vector<std::string> open_;    // processes being expanded, outermost first
+  std::set<const Process*> broken_;  // whose mistakes are reported; not expanded again
   Plan plan_;
 };
 

@@ -13,14 +13,15 @@
 namespace docent {
 
 struct RobotCommand {
-  CommandId id;     // run/node/iteration/invoke/step/attempt@time: an adapter never does the same id twice
-  RobotId robot;    // IRI
+  CommandId id;   // run/node/iteration/invoke/step/attempt@time: an adapter never does the same id twice
+  RobotId robot;  // IRI
   std::string operation;
   std::vector<std::pair<std::string, Term>> arguments;  // input part → value
-  std::string expected_incarnation;  // of the robot's adapter when this was decided; another one: outcome unknown
-  Revision guard_revision;           // the facts that made the engine decide are those of this revision
-  TimeMicros deadline_us = 0;        // the adapter gives up then; 0: none
-  bool idempotent = false;           // may be sent again when its outcome is unknown
+  std::string
+      expected_incarnation;    // of the robot's adapter when this was decided; another one: outcome unknown
+  Revision guard_revision;     // the facts that made the engine decide are those of this revision
+  TimeMicros deadline_us = 0;  // the adapter gives up then; 0: none
+  bool idempotent = false;     // may be sent again when its outcome is unknown
 
   friend bool operator==(const RobotCommand&, const RobotCommand&) = default;
 };

@@ -26,16 +26,19 @@ Diagnostics ServiceRegistry::Put(DocumentPtr document) {
 
 absl::Status ServiceRegistry::Remove(std::string_view document_name) {
   auto it = documents_.find(document_name);
-  if (it == documents_.end()) return absl::NotFoundError(Concat("no RSEL document ", document_name, " is registered"));
+  if (it == documents_.end())
+    return absl::NotFoundError(Concat("no RSEL document ", document_name, " is registered"));
   // A process that others contain would silently become a robot's operation in them.
   for (const auto& [name, document] : documents_) {
     if (name == document_name) continue;
     for (const Process& process : document->processes) {
       for (const Invoke& invoke : process.invokes) {
-        if (invoke.operation.value == process.name.value || it->second->FindProcess(invoke.operation.value) == nullptr) continue;
-        return absl::FailedPreconditionError(Concat("process ", invoke.operation.value, " of RSEL document ", document_name,
-                                                    " is part of process ", process.name.value, " of document ", name,
-                                                    "; remove that document first"));
+        if (invoke.operation.value == process.name.value ||
+            it->second->FindProcess(invoke.operation.value) == nullptr)
+          continue;
+        return absl::FailedPreconditionError(Concat("process ", invoke.operation.value, " of RSEL document ",
+                                                    document_name, " is part of process ", process.name.value,
+                                                    " of document ", name, "; remove that document first"));
       }
     }
   }
@@ -75,19 +78,22 @@ std::vector<DocumentPtr> ServiceRegistry::Documents() const {
   return out;
 }
 
-absl::StatusOr<ServiceRegistry> ServiceRegistry::Restore(const std::vector<DocumentPtr>& documents, uint64_t version) {
+absl::StatusOr<ServiceRegistry> ServiceRegistry::Restore(const std::vector<DocumentPtr>& documents,
+                                                         uint64_t version) {
   ServiceRegistry registry;
   for (const DocumentPtr& document : documents) registry.documents_[document->name.value] = document;
   const Diagnostics diagnostics = MakePlans(registry.documents_, nullptr, &registry.plans_);
   if (HasErrors(diagnostics)) {
-    return absl::InternalError(Concat("RSEL documents that were registered do not go together: ", diagnostics[0].message));
+    return absl::InternalError(
+        Concat("RSEL documents that were registered do not go together: ", diagnostics[0].message));
   }
   registry.version_ = version;
   return registry;
 }
 
 Diagnostics ServiceRegistry::MakePlans(const std::map<std::string, DocumentPtr, std::less<>>& documents,
-                                       const Document* changed, std::map<std::string, PlanPtr, std::less<>>* plans) {
+                                       const Document* changed,
+                                       std::map<std::string, PlanPtr, std::less<>>* plans) {
   constexpr size_t kMaxDiagnostics = 200;
   Diagnostics out;
   std::set<std::tuple<const Document*, size_t, std::string>> told;
@@ -96,9 +102,11 @@ Diagnostics ServiceRegistry::MakePlans(const std::map<std::string, DocumentPtr, 
     if (&document == changed) {
       out.push_back({document.file, span, std::move(message), std::move(hint)});
     } else {
-      out.push_back({changed != nullptr ? changed->file : document.file, {},
-                     Concat("the registered document ", document.name.value, " would no longer work: ", message),
-                     std::move(hint)});
+      out.push_back(
+          {changed != nullptr ? changed->file : document.file,
+           {},
+           Concat("the registered document ", document.name.value, " would no longer work: ", message),
+           std::move(hint)});
     }
   };
   ProcessMap processes;

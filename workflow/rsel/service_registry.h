@@ -32,7 +32,7 @@ struct PlanStep {
   std::string operation;  // the robot's
   std::string service;
   std::vector<std::pair<std::string, PlanSource>> inputs;  // part → where from
-  std::vector<int> after;  // indexes of the steps that must have ended before
+  std::vector<int> after;                                  // indexes of the steps that must have ended before
   int retry = 0;
   std::optional<int64_t> timeout_ms;
   Invoke::OnFailure on_failure = Invoke::OnFailure::kFail;
@@ -41,9 +41,9 @@ struct PlanStep {
 // A process, flat and immutable. A running one keeps its plan, whatever is registered meanwhile.
 struct Plan {
   std::string process;
-  std::string document;  // rsel/@name
-  std::string version;   // rsel/@version
-  std::vector<std::string> inputs;  // part names that arguments must give
+  std::string document;                                     // rsel/@name
+  std::string version;                                      // rsel/@version
+  std::vector<std::string> inputs;                          // part names that arguments must give
   std::vector<std::pair<std::string, PlanSource>> outputs;  // part → where from
   std::vector<PlanStep> steps;
 };

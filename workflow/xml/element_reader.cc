@@ -29,7 +29,8 @@ std::string ListOf(const std::vector<std::string>& words) {
   return out;
 }
 
-void ElementReader::Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message, std::string hint) {
+void ElementReader::Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message,
+                        std::string hint) {
   if (diagnostics_.size() >= kMaxDiagnostics) {
     ++left_out_;
     return;
@@ -77,26 +78,29 @@ void ElementReader::CheckAttributes(const Element& element, const std::vector<st
     if (a.prefix.empty() || ours) {
       const std::vector<std::string>& allowed = ours ? extensions : known;
       if (std::find(allowed.begin(), allowed.end(), a.name) != allowed.end()) continue;
-      bool other = std::find(ours ? known.begin() : extensions.begin(), ours ? known.end() : extensions.end(), a.name) !=
-                   (ours ? known.end() : extensions.end());
-      std::string hint = other && ours  ? Concat("write it without prefix: ", a.name)
-                         : other        ? Concat("it is an extension: declare xmlns:ext=\"", extension_ns_,
-                                                 "\" and write ext:", a.name)
-                                        : DidYouMean(a.name, allowed, Otherwise(allowed, ours ? "extensions" : "attributes"));
+      bool other = std::find(ours ? known.begin() : extensions.begin(), ours ? known.end() : extensions.end(),
+                             a.name) != (ours ? known.end() : extensions.end());
+      std::string hint =
+          other && ours ? Concat("write it without prefix: ", a.name)
+          : other
+              ? Concat("it is an extension: declare xmlns:ext=\"", extension_ns_, "\" and write ext:", a.name)
+              : DidYouMean(a.name, allowed, Otherwise(allowed, ours ? "extensions" : "attributes"));
       Error(a.name_span,
             Concat("unknown ", ours ? "extension " : "attribute ", a.name, " of <", element.name, ">"), hint);
     } else if (a.prefix != "xml" && a.namespace_iri.empty()) {
       Error(a.name_span, Concat("prefix ", a.prefix, ": of attribute ", a.name, " is not declared"),
             Concat("extensions need xmlns:", a.prefix, "=\"", extension_ns_, "\" on the root element"));
     } else if (a.namespace_iri.starts_with(kOurNamespaces)) {
-      Error(a.name_span, Concat("attribute ", a.prefix, ":", a.name, " is of the namespace ", a.namespace_iri,
-                                ", which has no attributes here"),
+      Error(a.name_span,
+            Concat("attribute ", a.prefix, ":", a.name, " is of the namespace ", a.namespace_iri,
+                   ", which has no attributes here"),
             Concat("extensions are of ", extension_ns_));
     }
   }
 }
 
-void ElementReader::UnknownChild(const Element& parent, const Element& child, const std::vector<std::string>& known) {
+void ElementReader::UnknownChild(const Element& parent, const Element& child,
+                                 const std::vector<std::string>& known) {
   Error(child.name_span, Concat("unknown element <", child.name, "> in <", parent.name, ">"),
         DidYouMean(child.name, known, Otherwise(known, "child elements")));
 }
@@ -104,7 +108,8 @@ void ElementReader::UnknownChild(const Element& parent, const Element& child, co
 void ElementReader::ReadChildren(const Element& element, const ChildTable& table) {
   for (const auto& child : element.children) {
     if (child->name == "documentation") continue;
-    auto it = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.first == child->name; });
+    auto it = std::find_if(table.begin(), table.end(),
+                           [&](const auto& entry) { return entry.first == child->name; });
     if (it != table.end()) {
       it->second(*child);
       continue;
@@ -114,7 +119,8 @@ void ElementReader::ReadChildren(const Element& element, const ChildTable& table
     UnknownChild(element, *child, known);
   }
   if (element.text.given()) {
-    Error(element.text.span, Concat("text in <", element.name, ">"), "write remarks in <documentation> or in a comment");
+    Error(element.text.span, Concat("text in <", element.name, ">"),
+          "write remarks in <documentation> or in a comment");
   }
 }
 

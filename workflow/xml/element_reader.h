@@ -31,7 +31,8 @@ class ElementReader {
   // So many mistakes that no further one will be shown: what costs time for a message may be left out.
   bool full() const { return diagnostics_.size() >= kMaxDiagnostics; }
   // "did you mean X?" with the nearest of `known`, or `otherwise` where none is near.
-  std::string DidYouMean(std::string_view word, const std::vector<std::string>& known, std::string otherwise) const;
+  std::string DidYouMean(std::string_view word, const std::vector<std::string>& known,
+                         std::string otherwise) const;
   // All reports so far in order of the text, and a last one that tells how many are left out.
   Diagnostics TakeDiagnostics();
 

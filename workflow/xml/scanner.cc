@@ -12,9 +12,13 @@ namespace {
 
 constexpr std::string_view kXmlNs = "http://www.w3.org/XML/1998/namespace";
 
-bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+bool IsSpace(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
 // The end of a name in well-formed XML; which characters a name may have was libxml2's business.
-bool EndsName(char c) { return IsSpace(c) || c == '=' || c == '>' || c == '/' || c == '<' || c == '"' || c == '\''; }
+bool EndsName(char c) {
+  return IsSpace(c) || c == '=' || c == '>' || c == '/' || c == '<' || c == '"' || c == '\'';
+}
 
 void AppendUtf8(uint32_t code, std::string* out) {
   if (code < 0x80) {
@@ -36,7 +40,9 @@ void AppendUtf8(uint32_t code, std::string* out) {
 
 constexpr size_t kBlock = 256;
 
-bool BeginsCodePoint(char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }
+bool BeginsCodePoint(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+}
 
 class Scanner {
  public:
@@ -313,6 +319,8 @@ SourceSpan LineIndex::Span(size_t offset, size_t length) const {
   return {static_cast<int>(line - starts_.begin()) + 1, column, offset, length};
 }
 
-std::unique_ptr<Element> ScanXml(std::string_view text) { return Scanner(text).Document(); }
+std::unique_ptr<Element> ScanXml(std::string_view text) {
+  return Scanner(text).Document();
+}
 
 }  // namespace docent::xml

@@ -12,7 +12,8 @@ namespace docent::xml {
 namespace {
 
 bool IsIriByte(char c) {
-  return static_cast<unsigned char>(c) > 0x20 && std::string_view("<>\"{}|^`\\").find(c) == std::string_view::npos;
+  return static_cast<unsigned char>(c) > 0x20 &&
+         std::string_view("<>\"{}|^`\\").find(c) == std::string_view::npos;
 }
 
 bool IsLocalByte(char c) {
@@ -24,7 +25,8 @@ bool IsPrefixByte(char c) {
   return absl::ascii_isalnum(c) || static_cast<unsigned char>(c) >= 0x80 || c == '_' || c == '-' || c == '.';
 }
 
-std::optional<Term> Fail(TermError* error, size_t offset, size_t length, std::string message, std::string hint) {
+std::optional<Term> Fail(TermError* error, size_t offset, size_t length, std::string message,
+                         std::string hint) {
   *error = {offset, length, std::move(message), std::move(hint)};
   return std::nullopt;
 }
@@ -44,16 +46,18 @@ std::optional<Term> ParseIri(std::string_view text, TermError* error) {
   }
   std::string_view iri = text.substr(1, close - 1);
   if (close + 1 != text.size()) {
-    return Fail(error, close + 1, text.size() - close - 1, Concat("unexpected ", text.substr(close + 1), " after <", iri, ">"),
-                "one word stands here");
+    return Fail(error, close + 1, text.size() - close - 1,
+                Concat("unexpected ", text.substr(close + 1), " after <", iri, ">"), "one word stands here");
   }
   size_t bad = 0;
   while (bad < iri.size() && IsIriByte(iri[bad])) ++bad;
   if (bad < iri.size()) {
-    return Fail(error, bad + 1, 1, Concat("the character '", iri.substr(bad, 1), "' may not stand in an IRI"), "");
+    return Fail(error, bad + 1, 1, Concat("the character '", iri.substr(bad, 1), "' may not stand in an IRI"),
+                "");
   }
   if (!IsAbsolute(iri)) {
-    return Fail(error, 0, text.size(), Concat("<", iri, "> is not an absolute IRI"), "write it whole, as <https://…>");
+    return Fail(error, 0, text.size(), Concat("<", iri, "> is not an absolute IRI"),
+                "write it whole, as <https://…>");
   }
   return Term::Iri(std::string(iri));
 }
@@ -75,7 +79,8 @@ std::optional<Term> ParseQuoted(std::string_view text, const Prefixes& prefixes,
     value.push_back(kValues[which]);
     ++i;
   }
-  if (i >= text.size()) return Fail(error, 0, text.size(), Concat(text, " has no closing ", text.substr(0, 1)), "");
+  if (i >= text.size())
+    return Fail(error, 0, text.size(), Concat(text, " has no closing ", text.substr(0, 1)), "");
   std::string_view rest = text.substr(i + 1);
   if (rest.empty()) return Term::Literal(std::move(value));
   if (rest[0] == '@' && rest.size() > 1 &&
@@ -88,7 +93,8 @@ std::optional<Term> ParseQuoted(std::string_view text, const Prefixes& prefixes,
       error->offset += i + 3;
       return std::nullopt;
     }
-    if (!datatype->IsIri()) return Fail(error, i + 3, rest.size() - 2, "a datatype is an IRI", "e.g. ^^xsd:decimal");
+    if (!datatype->IsIri())
+      return Fail(error, i + 3, rest.size() - 2, "a datatype is an IRI", "e.g. ^^xsd:decimal");
     return Term::Literal(std::move(value), datatype->lexical);
   }
   return Fail(error, i + 1, rest.size(), Concat("unexpected ", rest, " after a literal"),
@@ -119,7 +125,8 @@ std::optional<Term> ParseNumber(std::string_view text) {
   return Term::Literal(std::string(text), std::string(kXsdDecimal));
 }
 
-std::optional<Term> ParsePrefixed(std::string_view text, size_t colon, const Prefixes& prefixes, TermError* error) {
+std::optional<Term> ParsePrefixed(std::string_view text, size_t colon, const Prefixes& prefixes,
+                                  TermError* error) {
   std::string_view prefix = text.substr(0, colon);
   std::string_view local = text.substr(colon + 1);
   if (prefix == "_") {
@@ -146,7 +153,8 @@ std::optional<Term> ParsePrefixed(std::string_view text, size_t colon, const Pre
                 "one word stands here; write <iri> for an IRI with other characters");
   }
   if (!IsAbsolute(*iri) || !std::all_of(iri->begin(), iri->end(), IsIriByte)) {
-    return Fail(error, 0, prefix.size(), Concat("prefix ", prefix, ": is declared as \"", *iri, "\", which is not an absolute IRI"),
+    return Fail(error, 0, prefix.size(),
+                Concat("prefix ", prefix, ": is declared as \"", *iri, "\", which is not an absolute IRI"),
                 Concat("declare it as xmlns:", prefix, "=\"https://…\""));
   }
   return Term::Iri(*iri + std::string(local));

@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kMaxXmlDiagnostics = 5;  // after the first, libxml2's complaints are mostly consequences
 // libxml2 2.9 compares each attribute of an element with every other, and looks up prefixes one by one.
-constexpr size_t kMaxAttributes = 256;  // of one element
+constexpr size_t kMaxAttributes = 256;   // of one element
 constexpr size_t kMaxNamespaces = 1000;  // declared in one document
 
 struct ContextDeleter {
@@ -38,7 +38,9 @@ struct Run {
   Diagnostics diagnostics;
 };
 
-Run* RunOf(void* context) { return static_cast<Run*>(static_cast<xmlParserCtxtPtr>(context)->_private); }
+Run* RunOf(void* context) {
+  return static_cast<Run*>(static_cast<xmlParserCtxtPtr>(context)->_private);
+}
 
 size_t OffsetOf(void* context) {
   auto* parser = static_cast<xmlParserCtxtPtr>(context);
@@ -64,8 +66,8 @@ void OnDocumentType(void* context, const xmlChar* name, const xmlChar*, const xm
                  "remove it; entities are not expanded and nothing is loaded from elsewhere"});
 }
 
-void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int namespaces, const xmlChar**, int,
-             int, const xmlChar**) {
+void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*, int namespaces,
+             const xmlChar**, int, int, const xmlChar**) {
   Run* run = RunOf(context);
   bool too_deep = ++run->depth > run->max_nesting;
   bool too_many = ++run->elements > run->max_elements;
@@ -76,14 +78,16 @@ void OnStart(void* context, const xmlChar* name, const xmlChar*, const xmlChar*,
   SourceSpan span = SpanAt(run->text, at == std::string_view::npos ? 0 : at);
   std::string_view element = reinterpret_cast<const char*>(name);
   Stop(context, {*run->file, span,
-                 too_deep ? absl::StrCat("<", ToAbsl(element), "> is nested deeper than the limit xml_nesting = ",
-                                         run->max_nesting)
+                 too_deep   ? absl::StrCat("<", ToAbsl(element),
+                                           "> is nested deeper than the limit xml_nesting = ", run->max_nesting)
                  : too_many ? absl::StrCat("more elements than the limit xml_elements = ", run->max_elements)
                             : absl::StrCat("more namespace declarations than ", kMaxNamespaces),
                  ""});
 }
 
-void OnEnd(void* context, const xmlChar*, const xmlChar*, const xmlChar*) { --RunOf(context)->depth; }
+void OnEnd(void* context, const xmlChar*, const xmlChar*, const xmlChar*) {
+  --RunOf(context)->depth;
+}
 
 void OnError(void* context, xmlErrorPtr error) {
   Run* run = RunOf(context);
@@ -94,7 +98,8 @@ void OnError(void* context, xmlErrorPtr error) {
   for (const Diagnostic& d : run->diagnostics) {
     if (d.span.offset == span.offset) return;  // a consequence
   }
-  std::string message(absl::StripAsciiWhitespace(error->message != nullptr ? error->message : "malformed XML"));
+  std::string message(
+      absl::StripAsciiWhitespace(error->message != nullptr ? error->message : "malformed XML"));
   std::string hint;
   if (error->code == XML_ERR_UNDECLARED_ENTITY) {
     hint = "only &lt; &gt; &amp; &quot; &apos; and character references such as &#233; are known";
@@ -160,7 +165,10 @@ size_t OverfullTag(std::string_view text) {
 
 Diagnostics CheckWellFormed(std::string_view text, const std::string& file, const Limits& limits) {
   if (text.size() > static_cast<size_t>(INT_MAX)) {
-    return {{file, {}, absl::StrCat("the document has ", text.size(), " bytes; XML is read up to ", INT_MAX), ""}};
+    return {{file,
+             {},
+             absl::StrCat("the document has ", text.size(), " bytes; XML is read up to ", INT_MAX),
+             ""}};
   }
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     return {{file, SpanAt(text, 0), "the document is UTF-16; only UTF-8 is accepted", "save it as UTF-8"}};
@@ -168,10 +176,12 @@ Diagnostics CheckWellFormed(std::string_view text, const std::string& file, cons
   std::string_view encoding = DeclaredEncoding(text);
   if (!encoding.empty() && !EncodingIsUtf8(encoding)) {
     return {{file, SpanAt(text, encoding.data() - text.data(), encoding.size()),
-             absl::StrCat("encoding \"", ToAbsl(encoding), "\" is not accepted"), "save the document as UTF-8"}};
+             absl::StrCat("encoding \"", ToAbsl(encoding), "\" is not accepted"),
+             "save the document as UTF-8"}};
   }
   if (size_t at = OverfullTag(text); at != std::string_view::npos) {
-    return {{file, SpanAt(text, at), absl::StrCat("an element with more than ", kMaxAttributes, " attributes"), ""}};
+    return {{file, SpanAt(text, at),
+             absl::StrCat("an element with more than ", kMaxAttributes, " attributes"), ""}};
   }
   // A byte order mark (EF BB BF) is stripped by libxml2 itself.
   ContextPtr context(xmlNewParserCtxt());
@@ -186,7 +196,8 @@ Diagnostics CheckWellFormed(std::string_view text, const std::string& file, cons
   sax.endElementNs = OnEnd;
   sax.serror = OnError;
   context->userData = context.get();
-  xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, "UTF-8", XML_PARSE_NONET);
+  xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, "UTF-8",
+                    XML_PARSE_NONET);
   if (context->myDoc != nullptr) xmlFreeDoc(context->myDoc);
   context->myDoc = nullptr;
   if (run.diagnostics.empty() && !context->wellFormed) {

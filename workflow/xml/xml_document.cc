@@ -22,17 +22,20 @@ const Attribute* Element::Find(std::string_view attribute_name) const {
 ParsedXml ParseXml(std::string_view text, const std::string& file, const Limits& limits) {
   ParsedXml out;
   if (text.size() > limits.document_bytes) {
-    out.diagnostics.push_back({file, {},
-                               absl::StrCat("the document has ", text.size(), " bytes, over the limit document_bytes = ",
-                                            limits.document_bytes),
-                               ""});
+    out.diagnostics.push_back(
+        {file,
+         {},
+         absl::StrCat("the document has ", text.size(),
+                      " bytes, over the limit document_bytes = ", limits.document_bytes),
+         ""});
     return out;
   }
   out.diagnostics = CheckWellFormed(text, file, limits);
   if (!out.diagnostics.empty()) return out;
   out.root = ScanXml(text);
   if (out.root == nullptr) {
-    out.diagnostics.push_back({file, SpanAt(text, 0), "XML of a form that is not understood", "report this document"});
+    out.diagnostics.push_back(
+        {file, SpanAt(text, 0), "XML of a form that is not understood", "report this document"});
   }
   return out;
 }

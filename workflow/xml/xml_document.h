@@ -31,8 +31,8 @@ struct Text {
 
 // name="value", prefix:name='value'. Namespace declarations are not attributes (see Element::namespaces).
 struct Attribute {
-  std::string prefix;     // as written; empty: none
-  std::string name;       // local name
+  std::string prefix;         // as written; empty: none
+  std::string name;           // local name
   std::string namespace_iri;  // of the prefix; empty: no prefix, or a prefix that is not declared
   SourceSpan name_span;
   Text value;

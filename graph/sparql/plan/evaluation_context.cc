@@ -23,9 +23,10 @@ bool EvaluationContext::WorkedNow() {
 bool EvaluationContext::Refuse(size_t more) {
   polls_left_ = 1;  // the next one tells
   if (status.ok()) {
-    status = memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
-                                                          std::to_string(memory_limit_)),
-                             more);
+    status =
+        memory_.Refusal(absl::ResourceExhaustedError("evaluation stopped at its limit query_memory_bytes = " +
+                                                     std::to_string(memory_limit_)),
+                        more);
   }
   return false;
 }
@@ -44,7 +45,8 @@ TermId EvaluationContext::EncodeComputed(const Value& value) {
   const int64_t mantissa = static_cast<int64_t>(number.mantissa);
   std::optional<TermId> id;
   if (mantissa == number.mantissa) {
-    id = value.type() == Value::Type::kInteger ? InlineIntegerId(mantissa) : InlineDecimalId({mantissa, number.scale});
+    id = value.type() == Value::Type::kInteger ? InlineIntegerId(mantissa)
+                                               : InlineDecimalId({mantissa, number.scale});
   }
   if (id) return *id;
   Term term = value.ToTerm();

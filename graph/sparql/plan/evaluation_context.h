@@ -37,7 +37,10 @@ class EvaluationContext {
  public:
   EvaluationContext(const Dictionary& dictionary, const FunctionRegistry* functions, size_t memory_limit,
                     MemoryBudget* all_memory = nullptr)
-      : dictionary(dictionary), functions(functions), memory_limit_(memory_limit), memory_(memory_limit, all_memory) {}
+      : dictionary(dictionary),
+        functions(functions),
+        memory_limit_(memory_limit),
+        memory_(memory_limit, all_memory) {}
 
   // Begins a run: forgets what the one before computed, and its error.
   void Begin(const GraphVersion* new_version, Cancellation* new_cancellation, TimeMicros new_now_us,
@@ -76,9 +79,7 @@ class EvaluationContext {
   }
 
   // Counts memory that the evaluation keeps; false, with `status` set, beyond the limit.
-  bool Charge(size_t bytes) {
-    return memory_.Add(bytes) || Refuse(0);
-  }
+  bool Charge(size_t bytes) { return memory_.Add(bytes) || Refuse(0); }
 
   // Whether so much more could be charged; if not, `status` is set as by Charge.
   bool HasRoom(size_t bytes) { return memory_.HasRoom(bytes) || Refuse(bytes); }
@@ -131,8 +132,8 @@ class EvaluationContext {
   bool WorkedNow();
   bool Refuse(size_t more);
 
-  int polls_left_ = 1;  // until the status, the caller and the clock are looked at
-  int polls_given_ = 1;  // the last time
+  int polls_left_ = 1;     // until the status, the caller and the clock are looked at
+  int polls_given_ = 1;    // the last time
   size_t work_bytes_ = 0;  // since then, too
   const size_t memory_limit_;
   MemoryUse memory_;

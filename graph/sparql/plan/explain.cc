@@ -3,9 +3,9 @@
 #include <string>
 #include <string_view>
 
+#include "graph/sparql/plan/planner.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
-#include "graph/sparql/plan/planner.h"
 
 namespace docent::sparql {
 namespace {

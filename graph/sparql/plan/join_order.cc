@@ -98,8 +98,9 @@ void JoinOrder::Count(PlanPattern& pattern, Pattern* out) {
     if (known) pattern.matches = static_cast<double>(context_.version->Count(quad));
   }
   out->matches = pattern.matches;
-  out->one_open = (pattern.terms[0].slot >= 0) + (pattern.terms[1].slot >= 0) + (pattern.terms[2].slot >= 0) == 1 &&
-                  pattern.graph.name.slot < 0;
+  out->one_open =
+      (pattern.terms[0].slot >= 0) + (pattern.terms[1].slot >= 0) + (pattern.terms[2].slot >= 0) == 1 &&
+      pattern.graph.name.slot < 0;
   const PlanTerm* terms[] = {&pattern.terms[0], &pattern.terms[1], &pattern.terms[2], &pattern.graph.name};
   for (int i = 0; i < 4; ++i) {
     if (terms[i]->slot < 0) continue;
@@ -155,7 +156,8 @@ JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) 
   for (const Use* use = pattern.begin(); use != pattern.end(); ++use) {
     const uint64_t bit = uint64_t{1} << use->variable;
     if ((bound & bit) != 0) {  // before, or by this very pattern
-      double values = (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use->variable)] : state.rows;
+      double values =
+          (state.bound & bit) != 0 ? state.values[static_cast<size_t>(use->variable)] : state.rows;
       for (const Use* other = pattern.begin(); other != use; ++other) {
         if (other->variable == use->variable) values = std::min(values, other->values);
       }
@@ -163,7 +165,8 @@ JoinOrder::Step JoinOrder::Estimate(const State& state, const Pattern& pattern) 
     }
     bound |= bit;
   }
-  double cost = state.cost + std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) +
+  double cost = state.cost +
+                std::min(state.rows * kLookup, pattern.matches * kHashed + state.rows * kHashLookup) +
                 rows * kRow;
   for (const Filter& filter : filters_) {
     const bool before = (filter.variables & ~state.bound) == 0 && state.bound != initial_;
@@ -209,7 +212,7 @@ JoinOrder::Order JoinOrder::Greedy(State* end) const {
 
 JoinOrder::Order JoinOrder::AsWritten() const {
   Order order(patterns_.size());
-  for (size_t i = 0; Place& place : order) place.pattern = i++;
+  for (size_t i = 0; Place & place : order) place.pattern = i++;
   return order;
 }
 
@@ -275,7 +278,8 @@ double JoinOrder::Arrange(bool reorder) {
     order = Greedy(&end);
     const double steps = n <= kMaxProgrammed ? static_cast<double>(n << n) * kStep : 0;
     // Those of which samples tell more.
-    const auto unsure = std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
+    const auto unsure =
+        std::count_if(patterns_.begin(), patterns_.end(), [](const Pattern& p) { return !p.one_open; });
     const double worth = initial_ == 0 ? kSearchWorth : kSearchWorthBound;
     if (end.cost > worth * (kSample * static_cast<double>(unsure) + steps)) {
       for (size_t i = 0; i < n; ++i) Refine(bgp_.patterns[i], &patterns_[i]);

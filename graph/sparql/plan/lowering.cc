@@ -68,7 +68,8 @@ int Lowering::ConstantOf(const Term& term) {
 
 int Lowering::ConstantOfMany(const Term& term) {
   if (constant_numbers_.empty()) {
-    for (size_t i = 0; i < constants_.size(); ++i) constant_numbers_.emplace(*constants_[i], static_cast<int>(i));
+    for (size_t i = 0; i < constants_.size(); ++i)
+      constant_numbers_.emplace(*constants_[i], static_cast<int>(i));
   }
   const auto [it, added] = constant_numbers_.emplace(term, static_cast<int>(constants_.size()));
   if (added) constants_.push_back(&term);
@@ -280,7 +281,8 @@ PlanNodePtr Lowering::LowerFilter(const Algebra& a, Scope& scope, const GraphRef
   for (const Expression* e : conjuncts) {
     SlotSet reads = Reads(*e, scope, graph);
     PlanExpressionPtr lowered = Lower(*e, scope, graph);
-    if (HasExists(*e) || !PushFilter(*child, lowered, reads)) rest.emplace_back(std::move(lowered), std::move(reads));
+    if (HasExists(*e) || !PushFilter(*child, lowered, reads))
+      rest.emplace_back(std::move(lowered), std::move(reads));
   }
   if (rest.empty()) return child;
   PlanNodePtr node = Over(Plan::kFilter, std::move(child));
@@ -419,7 +421,8 @@ SlotSet Lowering::Reads(const Expression& e, Scope& scope, const GraphRef& graph
 void Lowering::CheckFunction(const Expression& e) {
   const std::optional<CallMistake> mistake = FindCallMistake(functions_, e.term.lexical, e.arguments.size());
   if (!mistake) return;
-  Fail(absl::StatusCode::kInvalidArgument, e.span, mistake->message + (mistake->hint.empty() ? "" : "; " + mistake->hint));
+  Fail(absl::StatusCode::kInvalidArgument, e.span,
+       mistake->message + (mistake->hint.empty() ? "" : "; " + mistake->hint));
 }
 
 PlanExpressionPtr Lowering::Lower(const Expression& e, Scope& scope, const GraphRef& graph) {

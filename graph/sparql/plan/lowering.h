@@ -11,9 +11,9 @@
 #include "absl/container/inlined_vector.h"
 #include "absl/status/status.h"
 #include "graph/rdf/dictionary.h"
-#include "graph/sparql/values/function_registry.h"
-#include "graph/sparql/syntax/name_numbers.h"
 #include "graph/sparql/plan/plan.h"
+#include "graph/sparql/syntax/name_numbers.h"
+#include "graph/sparql/values/function_registry.h"
 
 namespace docent::sparql {
 

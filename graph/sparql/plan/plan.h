@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/plan/slot_set.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/values/value.h"
 
 namespace re2 {
@@ -39,10 +39,10 @@ struct PlanPattern {
   PlanTerm terms[3];  // subject, predicate, object
   GraphRef graph;
   const TriplePattern* source = nullptr;  // as written, for Explain; lives as long as the query
-  double matches = -1;   // triples that fit its constants; negative: not counted yet
-  double estimate = 0;   // rows that it gives for one row before it
-  uint64_t rows = 0;     // rows that it gave, over all runs of this plan
-  bool hashed = false;   // it was looked up in a hash table at last (operator_bgp.cc)
+  double matches = -1;                    // triples that fit its constants; negative: not counted yet
+  double estimate = 0;                    // rows that it gives for one row before it
+  uint64_t rows = 0;                      // rows that it gave, over all runs of this plan
+  bool hashed = false;                    // it was looked up in a hash table at last (operator_bgp.cc)
 };
 
 // An expression with its variables resolved. EXISTS holds its own plan and, once built, its operator.
@@ -109,7 +109,7 @@ struct PlanNode {
   bool barrier = false;  // holds a group, slice, sort or distinct: run once rather than for each row
   double estimate = 1;   // rows for each start
   uint64_t starts = 0, rows_made = 0;  // what it did, where measured
-  double seconds = 0;             // with everything beneath it, where measured
+  double seconds = 0;                  // with everything beneath it, where measured
 
   std::vector<PlanPattern> patterns;
   std::vector<PlanExpressionPtr> filters;                 // kBgp: all; kFilter: the conjuncts
@@ -124,7 +124,7 @@ struct PlanNode {
   std::vector<AggregatePlan> aggregates;                  // kGroup
   std::vector<std::pair<PlanExpressionPtr, bool>> order;  // kOrderBy: expression, descending
   uint64_t offset = 0;
-  std::optional<uint64_t> limit;                          // kSlice; kOrderBy: only so many rows are asked for
+  std::optional<uint64_t> limit;   // kSlice; kOrderBy: only so many rows are asked for
   PlanTerm subject, object;        // kPath
   Term subject_term, object_term;  // kPath, where they are constants: a path of length zero needs no triple
   const Path* path = nullptr;

@@ -56,7 +56,8 @@ class SlotSet {
   SlotSet Minus(const SlotSet& other) const {
     SlotSet out = *this;
     out.first_ &= ~other.first_;
-    for (size_t i = 0; i < std::min(out.more_.size(), other.more_.size()); ++i) out.more_[i] &= ~other.more_[i];
+    for (size_t i = 0; i < std::min(out.more_.size(), other.more_.size()); ++i)
+      out.more_[i] &= ~other.more_[i];
     return out;
   }
   // The members in ascending order.

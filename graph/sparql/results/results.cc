@@ -65,7 +65,8 @@ void AppendXmlText(std::string_view text, std::string* out) {
       default:
         if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') {
           *out += kReplacement;
-        } else if (const std::string_view next = text.substr(i, 3); next == "\xEF\xBF\xBE" || next == "\xEF\xBF\xBF") {
+        } else if (const std::string_view next = text.substr(i, 3);
+                   next == "\xEF\xBF\xBE" || next == "\xEF\xBF\xBF") {
           *out += kReplacement;
           i += 2;
         } else {

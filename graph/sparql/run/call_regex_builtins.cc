@@ -85,7 +85,8 @@ std::shared_ptr<re2::RE2> Compile(std::string_view pattern, std::string_view fla
 }
 
 // The compiled expression of this call, kept while pattern and flags stay the same.
-re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags, EvaluationContext& context) {
+re2::RE2* Prepared(PlanExpression& e, const Value& pattern, std::string_view flags,
+                   EvaluationContext& context) {
   constexpr size_t kBytesAnInstruction = 256;  // about the time to compile it
   std::string source(flags);
   source.push_back('/');
@@ -108,7 +109,9 @@ struct Replacement {
 // XPath's replacement ($1, \$; XPath and XQuery Functions section 5.6.4). nullopt if it is not valid.
 std::optional<Replacement> Read(std::string_view replacement, int groups, bool literal) {
   Replacement out;
-  const auto digit = [&](size_t i) { return i < replacement.size() && replacement[i] >= '0' && replacement[i] <= '9'; };
+  const auto digit = [&](size_t i) {
+    return i < replacement.size() && replacement[i] >= '0' && replacement[i] <= '9';
+  };
   for (size_t i = 0; i < replacement.size(); ++i) {
     const char c = replacement[i];
     if (literal || (c != '\\' && c != '$')) {
@@ -120,7 +123,8 @@ std::optional<Replacement> Read(std::string_view replacement, int groups, bool l
       if (!digit(++i)) return std::nullopt;
       int group = replacement[i] - '0';
       // The longest number that is a group; of others the first digit, which is an empty one then.
-      while (digit(i + 1) && group * 10 + (replacement[i + 1] - '0') <= groups) group = group * 10 + (replacement[++i] - '0');
+      while (digit(i + 1) && group * 10 + (replacement[i + 1] - '0') <= groups)
+        group = group * 10 + (replacement[++i] - '0');
       if (group > groups) continue;
       out.groups.push_back(group);
       out.texts.emplace_back();
@@ -132,10 +136,12 @@ std::optional<Replacement> Read(std::string_view replacement, int groups, bool l
 
 // As regex.Match of `text` from `at` on, for its first n groups. RE2 can't be cancelled, and where an expression has too many
 // states to keep, it simulates all instructions on each byte: false, with the context's status set, where that would take long.
-bool Match(const re2::RE2& regex, const re2::StringPiece& text, size_t at, re2::StringPiece* groups, int n, EvaluationContext& context) {
+bool Match(const re2::RE2& regex, const re2::StringPiece& text, size_t at, re2::StringPiece* groups, int n,
+           EvaluationContext& context) {
   const uint64_t steps = static_cast<uint64_t>(regex.ProgramSize()) * (text.size() - at);
   constexpr RegexLimits kLimits;
-  if (steps <= kLimits.regex_steps) return regex.Match(text, at, text.size(), re2::RE2::UNANCHORED, groups, n);
+  if (steps <= kLimits.regex_steps)
+    return regex.Match(text, at, text.size(), re2::RE2::UNANCHORED, groups, n);
   if (context.status.ok()) {
     context.status = absl::ResourceExhaustedError(
         Concat({"evaluation stopped at its limit regex_steps = ", std::to_string(kLimits.regex_steps), ": ",
@@ -154,13 +160,16 @@ size_t CharacterBytes(std::string_view text) {
 
 // `text` with all matches replaced, as RE2::GlobalReplace does it. nullopt, with the context's status set, where the
 // evaluation has to end meanwhile or the result is too long.
-std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2& regex, const Replacement& replacement,
-                                    EvaluationContext& context) {
+std::optional<std::string> Replaced(const re2::StringPiece& text, const re2::RE2& regex,
+                                    const Replacement& replacement, EvaluationContext& context) {
   constexpr size_t kBytesAMatch = 1024;  // about the time of one without groups
-  const int n = 1 + (replacement.groups.empty() ? 0 : *std::max_element(replacement.groups.begin(), replacement.groups.end()));
+  const int n = 1 + (replacement.groups.empty()
+                         ? 0
+                         : *std::max_element(replacement.groups.begin(), replacement.groups.end()));
   std::vector<re2::StringPiece> groups(static_cast<size_t>(n));
   std::string out;
-  size_t room = std::max<size_t>(4096, text.size() + text.size() / 2);  // that there is so much was asked by the caller
+  size_t room =
+      std::max<size_t>(4096, text.size() + text.size() / 2);  // that there is so much was asked by the caller
   const auto grow = [&](size_t bytes) {
     if (out.size() + bytes <= room) return true;
     room = (out.size() + bytes) * 5 / 4;
@@ -224,7 +233,8 @@ Value CallRegexBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluatio
   if (!replacement) return Value::Error();
   std::optional<std::string> out = Replaced(piece, *regex, *replacement, context);
   if (!out) return Value::Error();
-  if (a[0].type() == Type::kLangString) return Value::LangString(*std::move(out), std::string(a[0].language()));
+  if (a[0].type() == Type::kLangString)
+    return Value::LangString(*std::move(out), std::string(a[0].language()));
   return Value::String(*std::move(out));
 }
 

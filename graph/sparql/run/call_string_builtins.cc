@@ -5,8 +5,8 @@
 #include <cstring>
 #include <limits>
 
-#include "graph/sparql/values/case_map.h"
 #include "graph/sparql/run/expression_evaluator.h"
+#include "graph/sparql/values/case_map.h"
 #include "graph/sparql/values/text.h"
 #include "graph/sparql/values/time_text.h"
 
@@ -22,7 +22,8 @@ size_t Find(std::string_view text, std::string_view part) {
   constexpr size_t kShortText = 1024, kShortPart = 8;
   if (text.size() <= kShortText || part.size() <= kShortPart) return text.find(part);
   const void* at = memmem(text.data(), text.size(), part.data(), part.size());
-  return at == nullptr ? std::string_view::npos : static_cast<size_t>(static_cast<const char*>(at) - text.data());
+  return at == nullptr ? std::string_view::npos
+                       : static_cast<size_t>(static_cast<const char*>(at) - text.data());
 }
 
 bool IsContinuation(char c) {
@@ -50,9 +51,11 @@ bool Holds(Builtin test, std::string_view text, std::string_view part) {
 }
 
 // The text of a plain string that stands in the query or the dictionary.
-std::optional<std::string_view> PlainText(const PlanExpression& e, const TermId* row, const Dictionary& dictionary) {
+std::optional<std::string_view> PlainText(const PlanExpression& e, const TermId* row,
+                                          const Dictionary& dictionary) {
   if (e.kind == Expression::Kind::kTerm && e.constant.type() == Type::kString) return e.constant.text();
-  if (e.kind != Expression::Kind::kVariable || row[e.slot].tag() != TermId::Tag::kLiteral) return std::nullopt;
+  if (e.kind != Expression::Kind::kVariable || row[e.slot].tag() != TermId::Tag::kLiteral)
+    return std::nullopt;
   const Dictionary::LiteralView literal = dictionary.Literal(row[e.slot]);
   if (!literal.datatype.empty() || !literal.language.empty()) return std::nullopt;
   return literal.lexical;
@@ -131,7 +134,8 @@ std::optional<bool> TestPlainTexts(const PlanExpression& e, const TermId* row, E
   const auto text = PlainText(*e.arguments[0], row, context.dictionary);
   if (!text) return std::nullopt;
   const auto part = PlainText(*e.arguments[1], row, context.dictionary);
-  if (!part || text->size() + part->size() > kShort || !context.Worked(text->size() + part->size())) return std::nullopt;
+  if (!part || text->size() + part->size() > kShort || !context.Worked(text->size() + part->size()))
+    return std::nullopt;
   return Holds(e.builtin, *text, *part);
 }
 
@@ -180,8 +184,10 @@ Value CallStringBuiltin(PlanExpression& e, const std::vector<Value>& a, Evaluati
 
 Value CallTimeBuiltin(Builtin builtin, const Value& argument) {
   const bool date_part = builtin == Builtin::kYear || builtin == Builtin::kMonth || builtin == Builtin::kDay;
-  const bool clock_part = builtin == Builtin::kHours || builtin == Builtin::kMinutes || builtin == Builtin::kSeconds;
-  if (!argument.IsTime() || (argument.type() == Type::kDate && !date_part) || (argument.type() == Type::kTime && !clock_part)) {
+  const bool clock_part =
+      builtin == Builtin::kHours || builtin == Builtin::kMinutes || builtin == Builtin::kSeconds;
+  if (!argument.IsTime() || (argument.type() == Type::kDate && !date_part) ||
+      (argument.type() == Type::kTime && !clock_part)) {
     return Value::Error();
   }
   const CivilTime c = ToCivil(argument.local_time_us());

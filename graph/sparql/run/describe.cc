@@ -61,8 +61,9 @@ absl::StatusOr<std::vector<TermQuad>> Describe(PreparedQuery& prepared, const Qu
   const absl::Status status = prepared.Select(run, {}, [&](absl::Span<const TermId> row) {
     any = true;
     // The IRIs alone need no more than one solution.
-    return !columns.empty() &&
-           std::all_of(columns.begin(), columns.end(), [&](size_t column) { return resources.Add(row[column], prepared); });
+    return !columns.empty() && std::all_of(columns.begin(), columns.end(), [&](size_t column) {
+      return resources.Add(row[column], prepared);
+    });
   });
   if (!status.ok()) return status;
   for (const PatternTerm& target : query.describe) {

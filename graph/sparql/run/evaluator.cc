@@ -7,10 +7,10 @@
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/plan/evaluation_context.h"
-#include "graph/sparql/run/expression_evaluator.h"
 #include "graph/sparql/plan/lowering.h"
-#include "graph/sparql/run/operators.h"
 #include "graph/sparql/plan/planner.h"
+#include "graph/sparql/run/expression_evaluator.h"
+#include "graph/sparql/run/operators.h"
 
 namespace docent::sparql {
 namespace {
@@ -337,8 +337,7 @@ absl::StatusOr<std::vector<TermQuad>> PreparedQuery::Construct(const RunOptions&
                                 o = instantiate(t.object);
       if (!s || !r || !o || s->IsLiteral() || !r->IsIri()) continue;
       if (!seen.insert({*s, *r, *o}).second) continue;
-      if (!p.program.context.Charge(
-              2 * (3 * sizeof(Term) + TextBytes(*s) + TextBytes(*r) + TextBytes(*o)))) {
+      if (!p.program.context.Charge(2 * (3 * sizeof(Term) + TextBytes(*s) + TextBytes(*r) + TextBytes(*o)))) {
         break;
       }
       out.push_back({*s, *r, *o, Term{}});
@@ -400,7 +399,8 @@ absl::StatusOr<std::unique_ptr<PreparedExpression>> PreparedExpression::Prepare(
   auto impl = std::make_unique<Impl>(dictionary, options);
   Lowering lowering(dictionary, options.functions);
   for (const std::string& name : variables) impl->bound.Add(lowering.SlotOf(name));
-  if (options.default_graph == DefaultGraph::kStrict) impl->default_graph = lowering.ConstantOf(DefaultGraphTerm());
+  if (options.default_graph == DefaultGraph::kStrict)
+    impl->default_graph = lowering.ConstantOf(DefaultGraphTerm());
   impl->source = expression.Clone();
   impl->expression = lowering.LowerExpression(*impl->source);
   if (!lowering.status().ok()) return lowering.status();
@@ -457,7 +457,8 @@ absl::StatusOr<std::optional<Term>> PreparedExpression::Evaluate(const RunOption
   EvaluationContext& context = impl_->program.context;
   const Value value = sparql::Evaluate(*impl_->expression, impl_->base.data(), context);
   std::optional<Term> term;
-  if (context.status.ok() && !value.IsError()) term = value.id().IsNone() ? value.ToTerm() : context.Decode(value.id());
+  if (context.status.ok() && !value.IsError())
+    term = value.id().IsNone() ? value.ToTerm() : context.Decode(value.id());
   impl_->End();
   if (!context.status.ok()) return context.status;
   return term;

@@ -50,7 +50,8 @@ struct PrepareOptions {
   const FunctionRegistry* functions = nullptr;        // must outlive the query; null: casts and builtins only
   bool reorder_joins = true;                          // false: textual order (tests compare the two)
   size_t memory_bytes = Limits{}.query_memory_bytes;  // of hash tables, sorts, groups, computed terms
-  MemoryBudget* all_memory = nullptr;  // counts what the runs of all queries keep; null: nobody does; must outlive the query
+  MemoryBudget* all_memory =
+      nullptr;  // counts what the runs of all queries keep; null: nobody does; must outlive the query
 };
 
 // What changes from run to run. The pointers must outlive the run.

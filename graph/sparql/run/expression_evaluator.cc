@@ -5,8 +5,8 @@
 #include <compare>
 #include <utility>
 
-#include "graph/sparql/values/number.h"
 #include "graph/sparql/run/operators.h"
+#include "graph/sparql/values/number.h"
 
 namespace docent::sparql {
 
@@ -52,7 +52,8 @@ Number NumberOf(const PlanExpression& e, const TermId* row) {
 }
 
 // Of two numbers that stand there already, which most comparisons are about; nullopt: at least one is to be evaluated.
-std::optional<std::partial_ordering> CompareByIds(const PlanExpression& a, const PlanExpression& b, const TermId* row) {
+std::optional<std::partial_ordering> CompareByIds(const PlanExpression& a, const PlanExpression& b,
+                                                  const TermId* row) {
   if (const auto order = CompareExact(IdOf(a, row), IdOf(b, row))) return *order;
   const Number x = NumberOf(a, row);
   if (x.IsNone()) return std::nullopt;
@@ -237,7 +238,8 @@ std::optional<bool> EvaluateBoolean(PlanExpression& e, const TermId* row, Evalua
       return !*in;
     }
     case Kind::kBuiltin:
-      if (e.builtin == Builtin::kContains || e.builtin == Builtin::kStrStarts || e.builtin == Builtin::kStrEnds) {
+      if (e.builtin == Builtin::kContains || e.builtin == Builtin::kStrStarts ||
+          e.builtin == Builtin::kStrEnds) {
         if (const std::optional<bool> holds = TestPlainTexts(e, row, context)) return holds;
       }
       return EffectiveBooleanValue(Evaluate(e, row, context));
@@ -262,7 +264,8 @@ Value Evaluate(PlanExpression& e, const TermId* row, EvaluationContext& context)
       const TermId id = row[e.slot];
       if (id.IsNone()) return Value::Error();
       Value value = context.ValueOf(id);
-      if (id.tag() == TermId::Tag::kLocal && !context.Worked(value.text().size())) return Value::Error();  // it was copied
+      if (id.tag() == TermId::Tag::kLocal && !context.Worked(value.text().size()))
+        return Value::Error();  // it was copied
       return value;
     }
     case Kind::kTerm:

@@ -72,9 +72,11 @@ class Resolver {
       if (answer.ok()) {
         AddRows(*answer, open ? &endpoint : nullptr, values.get());
         if (bytes_ > options_.memory_bytes) {
-          return At(service, absl::ResourceExhaustedError(absl::StrCat(
-                                 "the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
-                                 options_.memory_bytes)));
+          return At(
+              service,
+              absl::ResourceExhaustedError(absl::StrCat(
+                  "the answers of other endpoints are more than fit into the limit query_memory_bytes = ",
+                  options_.memory_bytes)));
         }
       } else if (service.silent && answer.status().code() != absl::StatusCode::kCancelled) {
         values->rows.emplace_back(values->variables.size());

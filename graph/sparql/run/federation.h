@@ -27,8 +27,8 @@ class ServiceClient {
   // The rows of a SELECT. `silent`: the query goes on without them, so time is left for it. PERMISSION_DENIED for an
   // endpoint that is not allowed, UNKNOWN (the endpoint fails), DEADLINE_EXCEEDED, RESOURCE_EXHAUSTED (an answer beyond a
   // limit, named).
-  virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query, bool silent,
-                                               Cancellation* cancellation) = 0;
+  virtual absl::StatusOr<ServiceAnswer> Select(const std::string& endpoint, const std::string& query,
+                                               bool silent, Cancellation* cancellation) = 0;
 };
 
 bool HasService(const Query& query);

@@ -78,7 +78,8 @@ class BgpOperator final : public Operator {
 
   // The matches of the last pattern need not be made.
   uint64_t Count(TermId* scratch) override {
-    if (state_ != State::kFresh || levels_.empty() || !levels_.back().filters.empty()) return Operator::Count(scratch);
+    if (state_ != State::kFresh || levels_.empty() || !levels_.back().filters.empty())
+      return Operator::Count(scratch);
     state_ = State::kDone;
     if (!Pass(filters_)) return 0;
     Level& last = levels_.back();

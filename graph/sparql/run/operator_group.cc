@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "graph/sparql/values/exact_sum.h"
 #include "graph/sparql/run/expression_evaluator.h"
 #include "graph/sparql/run/operators.h"
 #include "graph/sparql/run/row_set.h"
+#include "graph/sparql/values/exact_sum.h"
 
 namespace docent::sparql {
 
@@ -135,8 +135,8 @@ class Accumulator {
   int64_t count_ = 0;
   int64_t integers_ = 0;  // the sum of the inline integers
   bool error_ = false;
-  Value sum_ = Value::Integer(0);  // of integers and decimals
-  ExactSum inexact_;               // of floats and doubles
+  Value sum_ = Value::Integer(0);             // of integers and decimals
+  ExactSum inexact_;                          // of floats and doubles
   Value::Type widest_ = Value::Type::kError;  // of these
   Value best_;
   std::string text_;
@@ -146,8 +146,8 @@ class Accumulator {
 // COUNT(*), and COUNT(?x) of what is bound in every row of `child`.
 bool CountsRows(const PlanNode::AggregatePlan& plan, const PlanNode& child) {
   if (plan.function != Function::kCount || plan.distinct) return false;
-  return !plan.expression ||
-         (plan.expression->kind == Expression::Kind::kVariable && child.certain.Contains(plan.expression->slot));
+  return !plan.expression || (plan.expression->kind == Expression::Kind::kVariable &&
+                              child.certain.Contains(plan.expression->slot));
 }
 
 class GroupOperator final : public Operator {
@@ -159,9 +159,9 @@ class GroupOperator final : public Operator {
         child_(BuildOperator(*node.children[0], build)),
         all_(node.children[0]->possible.List()),
         keys_(node.keys.size()),
-        counts_(node.keys.empty() && std::all_of(node.aggregates.begin(), node.aggregates.end(), [&node](const auto& a) {
-                  return CountsRows(a, *node.children[0]);
-                })) {
+        counts_(node.keys.empty() &&
+                std::all_of(node.aggregates.begin(), node.aggregates.end(),
+                            [&node](const auto& a) { return CountsRows(a, *node.children[0]); })) {
     for (auto& [slot, key] : node.keys) PrepareExpression(*key, build);
     for (auto& aggregate : node.aggregates) {
       if (aggregate.expression) PrepareExpression(*aggregate.expression, build);
@@ -218,9 +218,11 @@ class GroupOperator final : public Operator {
     }
     const bool wholes = std::any_of(node_.aggregates.begin(), node_.aggregates.end(),
                                     [](const auto& a) { return a.distinct && !a.expression; });
-    Accumulator* group = nullptr;  // of the row before: rows of a group often come together, as the index has them
+    Accumulator* group =
+        nullptr;  // of the row before: rows of a group often come together, as the index has them
     while (child_->Next(row.data()) && context_.Poll()) {
-      for (size_t i = 0; i < key.size(); ++i) key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
+      for (size_t i = 0; i < key.size(); ++i)
+        key[i] = EvaluateToId(*node_.keys[i].second, row.data(), context_);
       if (wholes) whole.clear();
       for (size_t i = 0; wholes && i < all_.size(); ++i) whole.push_back(row[all_[i]]);
       if (group == nullptr || !keys_.Is(last_, key.data())) group = GroupOf(key);
@@ -252,7 +254,7 @@ class GroupOperator final : public Operator {
   std::vector<TermId> in_;
   std::unique_ptr<Operator> child_;
   std::vector<int> all_;
-  RowSet keys_;        // of the groups, by number
+  RowSet keys_;                    // of the groups, by number
   std::vector<char> counts_rows_;  // each aggregate: CountsRows
   const bool counts_;              // how many rows there are is all that matters
   std::vector<std::vector<Accumulator>> groups_;

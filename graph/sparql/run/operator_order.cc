@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "graph/sparql/run/expression_evaluator.h"
-#include "graph/sparql/values/number.h"
 #include "graph/sparql/run/operators.h"
 #include "graph/sparql/run/row_set.h"
+#include "graph/sparql/values/number.h"
 #include "graph/sparql/values/value.h"
 
 namespace docent::sparql {
@@ -82,7 +82,8 @@ class OrderByOperator final : public Operator {
   void Sort() {
     sorted_ = true;
     if (node_.limit == uint64_t{0}) return;
-    const size_t most = node_.limit ? *node_.limit + std::max<size_t>(kSurplusRows, *node_.limit / 2) : ~size_t{0};
+    const size_t most =
+        node_.limit ? *node_.limit + std::max<size_t>(kSurplusRows, *node_.limit / 2) : ~size_t{0};
     Row* last = nullptr;  // of the first rows; those that come after it need not be kept
     Row* row = NewRow();
     for (uint64_t number = 0; child_->Next(row->slots.data()) && context_.Poll(); ++number) {
@@ -101,7 +102,8 @@ class OrderByOperator final : public Operator {
     }
     if (node_.limit && rows_.size() > *node_.limit) Cut();
     // A cancelled sort goes on with "all equal", which ends it soon and is safe for a merge sort.
-    std::stable_sort(rows_.begin(), rows_.end(), [&](Row* a, Row* b) { return context_.Poll() && Before(*a, *b); });
+    std::stable_sort(rows_.begin(), rows_.end(),
+                     [&](Row* a, Row* b) { return context_.Poll() && Before(*a, *b); });
   }
 
   // Only the first rows, as many as are asked for, stay. Their last.
@@ -172,7 +174,9 @@ class OrderByOperator final : public Operator {
   // By one key: negative where `a` stands first.
   int CompareKeys(Row& a, Row& b, size_t i) {
     const Key& key = keys_[i];
-    const auto by_ids = key.slot >= 0 ? CompareForOrder(a.slots[key.slot], b.slots[key.slot], context_.dictionary) : std::nullopt;
+    const auto by_ids = key.slot >= 0
+                            ? CompareForOrder(a.slots[key.slot], b.slots[key.slot], context_.dictionary)
+                            : std::nullopt;
     const int order = by_ids ? *by_ids : CompareForOrder(KeyOf(a, i), KeyOf(b, i));
     return key.descending ? -order : order;
   }
@@ -210,7 +214,7 @@ class OrderByOperator final : public Operator {
   std::deque<Row> memory_;
   KeptMemory kept_;
   std::vector<Row*> rows_;
-  std::vector<Row*> spare_;    // rows of memory_ to be used again
+  std::vector<Row*> spare_;   // rows of memory_ to be used again
   size_t surplus_bytes_ = 0;  // of keys, counted since the last cut
   size_t first_bytes_ = 0;    // of the keys of the first rows, at the last cut
   size_t next_ = 0;

@@ -20,7 +20,8 @@ namespace {
 class Nodes {
  public:
   enum class Repeats { kKept, kLeftOut };
-  Nodes(Repeats repeats, EvaluationContext* context) : distinct_(repeats == Repeats::kLeftOut), context_(context) {}
+  Nodes(Repeats repeats, EvaluationContext* context)
+      : distinct_(repeats == Repeats::kLeftOut), context_(context) {}
   Nodes(Nodes&& other) noexcept { *this = std::move(other); }
   Nodes& operator=(Nodes&& other) noexcept {
     std::swap(list_, other.list_);
@@ -284,7 +285,8 @@ class PathOperator final : public Operator {
     Nodes out = Distinct();
     switch (path.kind) {
       case Kind::kIri:
-        ForTriples(TermId(), Constant(first), TermId(), [&](TermId s, TermId, TermId o) { out.Add(forward ? s : o); });
+        ForTriples(TermId(), Constant(first), TermId(),
+                   [&](TermId s, TermId, TermId o) { out.Add(forward ? s : o); });
         return out;
       case Kind::kInverse:
         return Beginnings(path.children[0], !forward, first);

@@ -19,7 +19,8 @@ void PrepareExpression(PlanExpression& e, const BuildContext& build) {
   if (!e.exists) return;
   e.exists_base.assign(build.slots, TermId());
   e.exists_row.assign(build.slots, TermId());
-  e.exists_operator = BuildOperator(*e.exists, {build.context, build.slots, e.exists_base.data(), build.measure});
+  e.exists_operator =
+      BuildOperator(*e.exists, {build.context, build.slots, e.exists_base.data(), build.measure});
 }
 
 void ForgetExpression(PlanExpression& e) {

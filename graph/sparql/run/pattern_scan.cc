@@ -59,7 +59,8 @@ void PatternScan::Open(const PlanPattern& pattern, const TermId* row, Evaluation
     known &= id.tag() != TermId::Tag::kLocal;
     return id;
   };
-  QuadPattern quad = {value(pattern.terms[0], 1), value(pattern.terms[1], 2), value(pattern.terms[2], 4), TermId()};
+  QuadPattern quad = {value(pattern.terms[0], 1), value(pattern.terms[1], 2), value(pattern.terms[2], 4),
+                      TermId()};
   const bool named = pattern.graph.kind == GraphRef::Kind::kNamed;
   if (named) quad.graph = value(pattern.graph.name, 8);
   if (bound != bound_) Prepare(pattern, bound);
@@ -110,7 +111,8 @@ bool PatternScan::Passes() {
   const Quad quad = cursor_.quad();
   if (!GraphAllowed(quad.graph)) return false;
   if (merge_) {  // copies of a triple are adjacent
-    if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object) return false;
+    if (quad.subject == last_.subject && quad.predicate == last_.predicate && quad.object == last_.object)
+      return false;
     last_ = quad;
   }
   const auto terms = std::bit_cast<std::array<TermId, 4>>(quad);

@@ -63,7 +63,7 @@ class PatternScan {
   TermId except_;                              // graph not allowed
   std::optional<AccessPath> path_;             // none: it depends on the terms
   std::array<Assign, 4> assigns_;
-  int assigned_ = 0;  // how many of them
+  int assigned_ = 0;                          // how many of them
   std::array<std::pair<int, int>, 4> equal_;  // positions that must hold the same term
   int equals_ = 0;
 };

@@ -26,8 +26,7 @@ bool PatternTable::Fits(const TermId* row) const {
   return fits;
 }
 
-bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots,
-                         EvaluationContext& context) {
+bool PatternTable::Build(PlanPattern& pattern, const TermId* row, size_t slots, EvaluationContext& context) {
   kept_.LetGo(context);
   Forget();
   for (const int slot : SlotsOf(pattern)) (row[slot].IsNone() ? value_slots_ : key_slots_).push_back(slot);

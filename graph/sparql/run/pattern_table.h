@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "graph/sparql/plan/evaluation_context.h"
-#include "graph/sparql/run/pattern_scan.h"
 #include "graph/sparql/plan/plan.h"
+#include "graph/sparql/run/pattern_scan.h"
 #include "graph/sparql/run/row_set.h"
 
 namespace docent::sparql {
@@ -34,8 +34,8 @@ class PatternTable {
 
   RowSet keys_{0};
   std::vector<int> key_slots_, value_slots_;
-  std::vector<TermId> values_;           // value_slots_.size() each
-  std::vector<uint32_t> first_, next_;   // chains of matches with the same key
+  std::vector<TermId> values_;          // value_slots_.size() each
+  std::vector<uint32_t> first_, next_;  // chains of matches with the same key
   std::vector<TermId> key_;
   uint32_t at_ = kEnd;
   KeptMemory kept_;

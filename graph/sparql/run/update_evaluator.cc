@@ -141,9 +141,9 @@ class Evaluation {
 
   static size_t BytesOf(const TermQuad& quad) { return sizeof(QuadOperation) + TextBytes(quad); }
   absl::Status TooMuch() const {
-    return memory_.Refusal(
-        absl::ResourceExhaustedError("the update changes more quads than fit into its limit query_memory_bytes = " +
-                                     std::to_string(options_.prepare.memory_bytes)));
+    return memory_.Refusal(absl::ResourceExhaustedError(
+        "the update changes more quads than fit into its limit query_memory_bytes = " +
+        std::to_string(options_.prepare.memory_bytes)));
   }
 
   absl::Status Emit(QuadOperation::Kind kind, TermQuad quad) {
@@ -345,7 +345,8 @@ class Evaluation {
   }
 
   absl::Status RemoveAll(const Term& graph) {
-    return ForQuadsOf(graph, [this](TermQuad quad) { return Emit(QuadOperation::Kind::kRemove, std::move(quad)); });
+    return ForQuadsOf(graph,
+                      [this](TermQuad quad) { return Emit(QuadOperation::Kind::kRemove, std::move(quad)); });
   }
 
   static absl::Status CheckWritable(const Term& graph) {
@@ -403,7 +404,7 @@ class Evaluation {
   const UpdateOptions& options_;
   uint64_t number_ = 0;  // of the operation
   UpdateEffect effect_;
-  MemoryUse memory_;  // of the quads to be changed
+  MemoryUse memory_;    // of the quads to be changed
   size_t applied_ = 0;  // operations that the private copy has
   std::unique_ptr<Dictionary> private_dictionary_;
   std::unique_ptr<GraphWriter> private_graph_;

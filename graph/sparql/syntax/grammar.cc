@@ -78,9 +78,10 @@ std::string HintFor(const Token& token) {
   if (EqualsIgnoreCase(token.text, "AND")) return "SPARQL writes 'and' as &&";
   if (EqualsIgnoreCase(token.text, "OR")) return "SPARQL writes 'or' as ||";
   static const std::vector<std::string> kKeywords = {
-      "SELECT", "ASK",      "CONSTRUCT", "DESCRIBE", "PREFIX", "BASE",   "FROM",   "NAMED", "WHERE",  "DISTINCT", "REDUCED", "OPTIONAL", "UNION",
-      "MINUS",  "FILTER",   "BIND",      "VALUES",   "GRAPH",  "SERVICE", "SILENT", "GROUP", "HAVING", "ORDER",    "LIMIT",   "OFFSET",   "INSERT",
-      "DELETE", "DATA",     "WITH",      "USING",    "LOAD",   "CLEAR",  "CREATE", "DROP",  "EXISTS", "INTO"};
+      "SELECT",   "ASK",     "CONSTRUCT", "DESCRIBE", "PREFIX", "BASE",   "FROM",   "NAMED",  "WHERE",
+      "DISTINCT", "REDUCED", "OPTIONAL",  "UNION",    "MINUS",  "FILTER", "BIND",   "VALUES", "GRAPH",
+      "SERVICE",  "SILENT",  "GROUP",     "HAVING",   "ORDER",  "LIMIT",  "OFFSET", "INSERT", "DELETE",
+      "DATA",     "WITH",    "USING",     "LOAD",     "CLEAR",  "CREATE", "DROP",   "EXISTS", "INTO"};
   for (const std::string& keyword : kKeywords) {
     if (EqualsIgnoreCase(token.text, keyword)) return "";  // written right, at a wrong place
   }
@@ -122,8 +123,9 @@ bool Grammar::CountTriple() {
   if (++triples_ <= kFewTriples) return !too_deep_;
   const size_t limit = std::max(kFewTriples, options_.limits.update_text_bytes / kBytesOfTriple);
   if (triples_ <= limit) return !too_deep_;
-  Error(Peek().span, Concat({"more than ", std::to_string(limit), " triples: one for each ", std::to_string(kBytesOfTriple),
-                             " bytes of the limit update_text_bytes"}),
+  Error(Peek().span,
+        Concat({"more than ", std::to_string(limit), " triples: one for each ",
+                std::to_string(kBytesOfTriple), " bytes of the limit update_text_bytes"}),
         "send several updates, or load a file");
   too_deep_ = true;
   return false;
@@ -216,7 +218,8 @@ std::optional<std::string> Grammar::String() {
 }
 
 std::optional<Term> Grammar::LiteralTail(const Token& string) {
-  if (Peek().kind == TokenKind::kLanguage) return Term::LangString(std::string(string.text), LowerAscii(Take().text));
+  if (Peek().kind == TokenKind::kLanguage)
+    return Term::LangString(std::string(string.text), LowerAscii(Take().text));
   if (!Accept("^^")) return Term::Literal(std::string(string.text));
   std::optional<Term> datatype = Iri();
   if (!datatype) return std::nullopt;

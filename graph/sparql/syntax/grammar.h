@@ -34,8 +34,8 @@ class Grammar {
   Grammar& operator=(const Grammar&) = delete;
 
   // grammar_query.cc
-  bool QueryUnit(Query* query);      // [1]
-  bool Prologue();                   // [4]
+  bool QueryUnit(Query* query);  // [1]
+  bool Prologue();               // [4]
 
   // grammar_update.cc
   std::optional<Update> UpdateUnit();  // [3]
@@ -129,21 +129,21 @@ class Grammar {
     std::optional<uint64_t> limit;
     AlgebraPtr values;
   };
-  bool BaseDeclaration();                           // [5]
-  bool PrefixDeclaration();                         // [6]
-  bool SelectQuery(Query* query);                   // [7]
-  bool ConstructQuery(Query* query);                // [10]
-  bool DescribeQuery(Query* query);                 // [11]
-  bool AskQuery(Query* query);                      // [12]
-  bool ParseSelectClause(SelectClause* out);        // [9]
-  bool DatasetClauses(Query* query);                // [13]
-  AlgebraPtr WhereClause();                         // [17]
-  bool SolutionModifier(Modifiers* out);            // [18]
-  bool GroupClause(Modifiers* out);                 // [19]
-  bool HavingClause(Modifiers* out);                // [21]
-  bool OrderClause(Modifiers* out);                 // [23]
-  bool LimitOffsetClauses(Modifiers* out);          // [25]
-  bool ValuesClause(Modifiers* out);                // [28]
+  bool BaseDeclaration();                     // [5]
+  bool PrefixDeclaration();                   // [6]
+  bool SelectQuery(Query* query);             // [7]
+  bool ConstructQuery(Query* query);          // [10]
+  bool DescribeQuery(Query* query);           // [11]
+  bool AskQuery(Query* query);                // [12]
+  bool ParseSelectClause(SelectClause* out);  // [9]
+  bool DatasetClauses(Query* query);          // [13]
+  AlgebraPtr WhereClause();                   // [17]
+  bool SolutionModifier(Modifiers* out);      // [18]
+  bool GroupClause(Modifiers* out);           // [19]
+  bool HavingClause(Modifiers* out);          // [21]
+  bool OrderClause(Modifiers* out);           // [23]
+  bool LimitOffsetClauses(Modifiers* out);    // [25]
+  bool ValuesClause(Modifiers* out);          // [28]
   AlgebraPtr ApplyModifiers(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
                             std::vector<Aggregate> aggregates, std::vector<Variable>* projection);
   AlgebraPtr ApplyGroup(AlgebraPtr where, SelectClause* select, Modifiers* modifiers,
@@ -186,7 +186,7 @@ class Grammar {
     std::vector<AlgebraPtr> paths;
     bool template_mode = false;  // blank nodes stay terms, no paths
   };
-  bool TriplesSameSubject(TriplesSink* sink);                                // [75] [81]
+  bool TriplesSameSubject(TriplesSink* sink);  // [75] [81]
   bool AtPlainVerb();
   // The last triple takes *subject; so with *verb below.
   bool PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink);  // [77] [83]
@@ -201,7 +201,7 @@ class Grammar {
   bool VarOrTerm(TriplesSink* sink, PatternTerm* out);              // [106]
   bool OtherTerm(TriplesSink* sink, PatternTerm* out);
   bool LabelledBlank(const Token& token, bool template_mode, PatternTerm* out);
-  std::optional<PatternTerm> VarOrIri();                                // [107]
+  std::optional<PatternTerm> VarOrIri();  // [107]
   PatternTerm NewBlank(const SourceSpan& span, bool template_mode);
   std::optional<Path> ParsePath();         // [88] [89]
   std::optional<Path> PathSequence();      // [90]

@@ -2,8 +2,8 @@
 
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/builtins.h"
-#include "graph/sparql/values/function_registry.h"
 #include "graph/sparql/syntax/grammar.h"
+#include "graph/sparql/values/function_registry.h"
 #include "graph/sparql/values/text.h"
 
 namespace docent::sparql {
@@ -127,8 +127,7 @@ ExpressionPtr Grammar::PrimaryExpression() {
     case TokenKind::kPrefixedName:
       return IriOrFunction();
     case TokenKind::kWord:
-      if (!token.IsWord("true") && !token.IsWord("false"))
-        return BuiltinCall();
+      if (!token.IsWord("true") && !token.IsWord("false")) return BuiltinCall();
       break;
     case TokenKind::kPunctuation:
       if (token.Is("(")) return BracketedExpression();
@@ -169,7 +168,8 @@ ExpressionPtr Grammar::BuiltinCall() {
   if (const auto aggregate = FindAggregate(word.text)) return AggregateCall(*aggregate);
   const BuiltinInfo* info = FindBuiltin(word.text);
   if (info == nullptr && word.IsWord("NOT")) {
-    Error(word.span, Concat({"'", word.text, "' stands before EXISTS and IN alone"}), "the opposite of an expression is written with '!'");
+    Error(word.span, Concat({"'", word.text, "' stands before EXISTS and IN alone"}),
+          "the opposite of an expression is written with '!'");
     return nullptr;
   }
   if (info == nullptr) {
@@ -207,7 +207,8 @@ ExpressionPtr Grammar::AggregateCall(Aggregate::Function function) {
   const Token word = Take();
   if (aggregates_ == nullptr || in_aggregate_) {
     Error(word.span,
-          in_aggregate_ ? "an aggregate cannot stand inside another" : Concat({word.text, " cannot stand here"}),
+          in_aggregate_ ? "an aggregate cannot stand inside another"
+                        : Concat({word.text, " cannot stand here"}),
           "aggregates stand in SELECT, HAVING and ORDER BY");
     return nullptr;
   }

@@ -96,7 +96,8 @@ bool Grammar::AtPlainVerb() {
   const bool iri = verb.kind == TokenKind::kIri || verb.kind == TokenKind::kPrefixedName;
   if (!iri && !verb.IsA()) return false;
   const Token& next = Peek(1);
-  return next.kind != TokenKind::kPunctuation || std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
+  return next.kind != TokenKind::kPunctuation ||
+         std::string_view("/|*+?").find(next.text[0]) == std::string_view::npos;
 }
 
 bool Grammar::PropertyListNotEmpty(PatternTerm* subject, TriplesSink* sink) {
@@ -157,7 +158,8 @@ bool Grammar::Verb(PatternTerm* out) {
 bool Grammar::ObjectList(PatternTerm* subject, const Path* path, PatternTerm* verb, TriplesSink* sink) {
   do {
     if (!CountTriple()) return false;
-    if (path != nullptr || At("(") || At("[")) {  // what stands in brackets gives triples of its own, before this one
+    if (path != nullptr || At("(") ||
+        At("[")) {  // what stands in brackets gives triples of its own, before this one
       PatternTerm object;
       if (!GraphNode(sink, &object)) return false;
       if (path != nullptr) {

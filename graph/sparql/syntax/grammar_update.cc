@@ -56,7 +56,8 @@ bool Grammar::Update1(UpdateOperation* operation) {
   if (AtWord("DELETE") && AtWord("WHERE", 1)) return DeleteWhere(operation);
   if (AtWord("INSERT") || AtWord("DELETE") || AtWord("WITH")) return Modify(operation);
   if (AtWord("LOAD")) return Load(operation);
-  for (const auto& [word, kind] : {std::pair{Keyword("CLEAR"), Kind::kClear}, {Keyword("DROP"), Kind::kDrop}}) {
+  for (const auto& [word, kind] :
+       {std::pair{Keyword("CLEAR"), Kind::kClear}, {Keyword("DROP"), Kind::kDrop}}) {
     if (!AcceptWord(word)) continue;
     operation->kind = kind;
     operation->silent = AcceptWord("SILENT");
@@ -67,8 +68,9 @@ bool Grammar::Update1(UpdateOperation* operation) {
     operation->silent = AcceptWord("SILENT");
     return GraphRef(&operation->target);
   }
-  for (const auto& [word, kind] :
-       {std::pair{Keyword("COPY"), Kind::kCopy}, {Keyword("MOVE"), Kind::kMove}, {Keyword("ADD"), Kind::kAdd}}) {
+  for (const auto& [word, kind] : {std::pair{Keyword("COPY"), Kind::kCopy},
+                                   {Keyword("MOVE"), Kind::kMove},
+                                   {Keyword("ADD"), Kind::kAdd}}) {
     if (!AcceptWord(word)) continue;
     operation->kind = kind;
     operation->silent = AcceptWord("SILENT");

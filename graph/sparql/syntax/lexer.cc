@@ -163,7 +163,8 @@ void Lexer::Put(Token* out, TokenKind kind, size_t length, std::string_view text
   Advance(length);
 }
 
-void Lexer::PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix) {
+void Lexer::PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text,
+                     std::string_view prefix) {
   *out = {kind, 0, SpanOf(length), text, prefix};
   at_ += length;
 }
@@ -244,7 +245,8 @@ void Lexer::Next(Token* out) {
       break;
   }
   if (IsDigit(c)) return LexNumber(out);
-  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first)) return LexWideName(out, at_);
+  if (static_cast<uint8_t>(c) >= 0x80 && IsNameStart(CodePointAt(text_, at_).first))
+    return LexWideName(out, at_);
   return LexPunctuation(out);
 }
 
@@ -261,7 +263,8 @@ void Lexer::LexWideVariable(Token* out) {
   std::string name;
   size_t end = at_ + 1;
   while (const std::optional<CodePoint> c = CodePointOrEscape(text_, end)) {
-    const bool never_first = c->code == 0xB7 || (c->code >= 0x300 && c->code <= 0x36F) || (c->code >= 0x203F && c->code <= 0x2040);
+    const bool never_first =
+        c->code == 0xB7 || (c->code >= 0x300 && c->code <= 0x36F) || (c->code >= 0x203F && c->code <= 0x2040);
     if (!IsNameChar(c->code) || c->code == '-' || (name.empty() && never_first)) break;
     AppendUtf8(c->code, &name);
     end += c->length;
@@ -273,8 +276,10 @@ void Lexer::LexWideVariable(Token* out) {
 void Lexer::LexLanguage(Token* out) {
   size_t end = at_ + 1;
   while (end < text_.size() && IsAlpha(text_[end])) ++end;
-  if (end == at_ + 1) return Error(out, 1, "a language tag needs letters after '@'", "write it like \"text\"@en");
-  while (end + 1 < text_.size() && text_[end] == '-' && (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
+  if (end == at_ + 1)
+    return Error(out, 1, "a language tag needs letters after '@'", "write it like \"text\"@en");
+  while (end + 1 < text_.size() && text_[end] == '-' &&
+         (IsAlpha(text_[end + 1]) || IsDigit(text_[end + 1]))) {
     ++end;
     while (end < text_.size() && (IsAlpha(text_[end]) || IsDigit(text_[end]))) ++end;
   }
@@ -296,7 +301,8 @@ void Lexer::LexWideIriOrPunctuation(Token* out, size_t i) {
     if (Is(c, kInIri) || static_cast<uint8_t>(c) >= 0x80) continue;
     if (c == '>') {
       const size_t length = i + 1 - at_;
-      return escaped ? LexEscapedIri(out, length) : Put(out, TokenKind::kIri, length, text_.substr(at_ + 1, length - 2));
+      return escaped ? LexEscapedIri(out, length)
+                     : Put(out, TokenKind::kIri, length, text_.substr(at_ + 1, length - 2));
     }
     if (c != '\\' || !CodePointEscape(text_, i)) break;
     escaped = true;
@@ -309,8 +315,8 @@ void Lexer::LexString(Token* out) {
   const bool is_long = text_.substr(at_, 3) == std::string(3, quote);
   const size_t begin = at_ + (is_long ? 3 : 1);
   size_t i = begin;
-  std::string value;    // up to the last escape
-  size_t rest = begin;  // after it
+  std::string value;                                         // up to the last escape
+  size_t rest = begin;                                       // after it
   std::optional<std::pair<size_t, std::string>> bad_escape;  // where, what
   while (true) {
     if (i >= text_.size() || (!is_long && (text_[i] == '\n' || text_[i] == '\r'))) {
@@ -339,7 +345,8 @@ void Lexer::LexString(Token* out) {
   }
   const size_t length = i + (is_long ? 3 : 1) - at_;
   if (bad_escape) {
-    return Error(out, length,
+    return Error(
+        out, length,
         "'" + std::string(text_.substr(bad_escape->first, 2)) + "…' in this string " + bad_escape->second,
         "a backslash itself is written \\\\");
   }
@@ -389,7 +396,8 @@ void Lexer::LexBlankLabel(Token* out) {
     end += length;
     if (code != '.') good = end;
   }
-  if (good == at_ + 2) return Error(out, 2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
+  if (good == at_ + 2)
+    return Error(out, 2, "a blank node needs a label after '_:'", "write it like _:b1, or []");
   return Put(out, TokenKind::kBlankLabel, good - at_, text_.substr(at_ + 2, good - at_ - 2));
 }
 
@@ -416,7 +424,8 @@ void Lexer::LexWideName(Token* out, size_t end) {
   }
   std::string word;  // a keyword with escapes
   end = at_;
-  for (std::optional<CodePoint> c; (c = CodePointOrEscape(text_, end)) && c->code < 0x80 && Is(static_cast<char>(c->code), kInWord);) {
+  for (std::optional<CodePoint> c;
+       (c = CodePointOrEscape(text_, end)) && c->code < 0x80 && Is(static_cast<char>(c->code), kInWord);) {
     word.push_back(static_cast<char>(c->code));
     end += c->length;
   }
@@ -466,12 +475,14 @@ void Lexer::LexEscapedLocalName(Token* out, size_t begin, std::string_view prefi
       end += 3;
     } else if (const std::optional<CodePoint> point = CodePointOrEscape(text_, end)) {
       const uint32_t code = point->code;
-      const bool anywhere = IsNameStart(code) || code == ':' || code == '_' || (code < 0x80 && IsDigit(static_cast<char>(code)));
+      const bool anywhere = IsNameStart(code) || code == ':' || code == '_' ||
+                            (code < 0x80 && IsDigit(static_cast<char>(code)));
       if (!anywhere && (local.empty() || !(IsNameChar(code) || code == '.'))) break;
       AppendUtf8(code, &local);
       end += point->length;
       if (code == '.') continue;
-    } else if (end + 1 < text_.size() && std::string_view("_~.-!$&'()*+,;=/?#@%").find(text_[end + 1]) != std::string_view::npos) {
+    } else if (end + 1 < text_.size() &&
+               std::string_view("_~.-!$&'()*+,;=/?#@%").find(text_[end + 1]) != std::string_view::npos) {
       local.push_back(text_[end + 1]);  // [173] PN_LOCAL_ESC
       end += 2;
     } else {

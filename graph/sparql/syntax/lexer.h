@@ -52,7 +52,8 @@ class Keyword {
 // Lives as long as the lexer that made it: its texts lie in the query's text, or, where there were escapes, in the lexer.
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  uint64_t code = 0;  // kPunctuation: MarkOf its text; kWord: Keyword::CodeOf it. No two of them have one code
+  uint64_t code =
+      0;  // kPunctuation: MarkOf its text; kWord: Keyword::CodeOf it. No two of them have one code
   SourceSpan span;
   std::string_view text;
   std::string_view prefix;
@@ -97,7 +98,8 @@ class Lexer {
   // These write the token of that many bytes that begins here, and go on behind it. So do those below.
   void Put(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
   // The same where all of it is ASCII without a line's end.
-  void PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text, std::string_view prefix = {});
+  void PutAscii(Token* out, TokenKind kind, size_t length, std::string_view text,
+                std::string_view prefix = {});
   void PutMark(Token* out, size_t length);  // punctuation
   void PutWord(Token* out, size_t length);  // without escapes
   void Error(Token* out, size_t length, std::string message, std::string_view hint = {});

@@ -52,7 +52,8 @@ class NameNumbers {
     int number;
     // Most differ in size or in the first character.
     bool Is(std::string_view other) const {
-      return size == other.size() && (size == 0 || (*name == other[0] && std::string_view(name, size) == other));
+      return size == other.size() &&
+             (size == 0 || (*name == other[0] && std::string_view(name, size) == other));
     }
   };
   std::array<Entry, kFew> few_;

@@ -85,7 +85,9 @@ ParsedExpression ParseExpression(std::string_view text, const ParseOptions& opti
 
 struct ProductionParser::Impl {
   Impl(std::string_view text, const ParseOptions& given)
-      : options(given), refused(Refuse(text, options)), grammar(refused ? std::string_view() : text, options) {
+      : options(given),
+        refused(Refuse(text, options)),
+        grammar(refused ? std::string_view() : text, options) {
     if (refused) grammar.Error(refused->span, refused->message, refused->hint);
   }
   const ParseOptions options;
@@ -135,7 +137,9 @@ bool ProductionParser::AcceptPunctuation(std::string_view punctuation) {
 bool ProductionParser::AtPunctuation(std::string_view punctuation) const {
   return impl_->grammar.At(punctuation);
 }
-bool ProductionParser::AtWord() const { return impl_->grammar.Peek().kind == TokenKind::kWord; }
+bool ProductionParser::AtWord() const {
+  return impl_->grammar.Peek().kind == TokenKind::kWord;
+}
 bool ProductionParser::AtEnd() const {
   return impl_->grammar.Peek().kind == TokenKind::kEnd;
 }

@@ -13,12 +13,14 @@ std::vector<PrefixPlace> PrefixPlaces(std::string_view text) {
   std::map<std::string, size_t, std::less<>> declared;  // the last of each name, by its number in `places`
   Lexer lexer(text);
   bool declares = false;
-  for (Token token = lexer.Next(); token.kind != TokenKind::kEnd && token.kind != TokenKind::kError; token = lexer.Next()) {
+  for (Token token = lexer.Next(); token.kind != TokenKind::kEnd && token.kind != TokenKind::kError;
+       token = lexer.Next()) {
     if (token.kind == TokenKind::kPrefixedName && declares) {
       declared[std::string(token.prefix)] = places.size();
       places.push_back({std::string(token.prefix), std::string(lexer.Next().text), token.span});
     } else if (token.kind == TokenKind::kPrefixedName) {
-      if (const auto found = declared.find(token.prefix); found != declared.end()) ++places[found->second].uses;
+      if (const auto found = declared.find(token.prefix); found != declared.end())
+        ++places[found->second].uses;
     }
     declares = token.kind == TokenKind::kWord && EqualsIgnoreCase(token.text, "PREFIX");
   }

@@ -59,7 +59,8 @@ size_t RunEnd(std::string_view text, size_t at) {
     const size_t length = FirstOther<Class>(text.data() + at, 0);
     if (length < kTogether) return at + length;
   }
-  if (at < text.size() && text.size() >= kTogether) {  // the last of them, of which some were looked at before
+  if (at < text.size() &&
+      text.size() >= kTogether) {  // the last of them, of which some were looked at before
     const size_t begin = text.size() - kTogether;
     return begin + FirstOther<Class>(text.data() + begin, at - begin);
   }
@@ -79,7 +80,8 @@ size_t IriEnd(std::string_view text, size_t at) {
   return RunEnd<InIri>(text, at);
 }
 size_t AsciiEnd(std::string_view text, size_t at) {
-  for (std::array<SixteenBytes, 4> some; at + sizeof(some) <= text.size(); at += sizeof(some)) {  // a text is read whole
+  for (std::array<SixteenBytes, 4> some; at + sizeof(some) <= text.size();
+       at += sizeof(some)) {  // a text is read whole
     std::memcpy(&some, text.data() + at, sizeof(some));
     const auto others = ~((some[0] > 0) & (some[1] > 0) & (some[2] > 0) & (some[3] > 0));
     const auto [low, high] = std::bit_cast<std::array<uint64_t, 2>>(others);

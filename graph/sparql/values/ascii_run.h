@@ -10,12 +10,12 @@ namespace docent::sparql {
 
 // What an ASCII character may be part of; others are but part of a local name.
 enum CharacterClass : uint8_t {
-  kInWord = 1,          // letters, digits, '_'
-  kInName = 2,          // these and '-'
-  kInIri = 4,           // [139] IRIREF
+  kInWord = 1,  // letters, digits, '_'
+  kInName = 2,  // these and '-'
+  kInIri = 4,   // [139] IRIREF
   kLetter = 8,
   kPunctuationMark = 16,
-  kMarkAlone = 32,     // whatever follows
+  kMarkAlone = 32,      // whatever follows
   kBetweenTokens = 64,  // spaces, line ends, and what begins a comment
   kInLocalName = 128,   // [169] PN_LOCAL may go on with it, or with what is not ASCII
 };
@@ -23,7 +23,9 @@ inline constexpr std::array<uint8_t, 256> kCharacterClasses = [] {
   std::array<uint8_t, 256> classes{};
   for (int c = 1; c < 128; ++c) {
     const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    const auto is_one_of = [c](std::string_view set) { return set.find(static_cast<char>(c)) != std::string_view::npos; };
+    const auto is_one_of = [c](std::string_view set) {
+      return set.find(static_cast<char>(c)) != std::string_view::npos;
+    };
     if (letter) classes[c] |= kLetter;
     if (letter || (c >= '0' && c <= '9') || c == '_') classes[c] |= kInWord | kInName;
     if (c == '-') classes[c] |= kInName;

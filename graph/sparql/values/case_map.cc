@@ -6,8 +6,8 @@
 namespace docent::sparql {
 namespace {
 
-using Map = void (*)(const char* locale, uint32_t options, icu::StringPiece text, icu::ByteSink& sink, icu::Edits* edits,
-                     UErrorCode& error);
+using Map = void (*)(const char* locale, uint32_t options, icu::StringPiece text, icu::ByteSink& sink,
+                     icu::Edits* edits, UErrorCode& error);
 
 std::string Mapped(std::string_view text, Map map) {
   std::string out;

@@ -13,7 +13,8 @@ constexpr int kMaxScale = 36;
 
 // value * 10^digits
 std::optional<Int128> ScaleUp(Int128 value, int digits) {
-  if (value == static_cast<int64_t>(value) && digits < std::ssize(kPowersOfTen)) return value * kPowersOfTen[digits];
+  if (value == static_cast<int64_t>(value) && digits < std::ssize(kPowersOfTen))
+    return value * kPowersOfTen[digits];
   for (int i = 0; i < digits; ++i) {
     if (__builtin_mul_overflow(value, static_cast<Int128>(10), &value)) return std::nullopt;
   }
@@ -83,12 +84,16 @@ std::optional<Decimal> Decimal::ParseInteger(std::string_view text) {
 
 std::string Decimal::ToString() const {
   __extension__ using Unsigned = unsigned __int128;
-  constexpr uint64_t kHalf = 10'000'000'000'000'000'000u;  // 19 digits: what is above them fits into 64 bits, too
+  constexpr uint64_t kHalf =
+      10'000'000'000'000'000'000u;  // 19 digits: what is above them fits into 64 bits, too
   const Decimal d = Normalised(*this);
-  const Unsigned mantissa = d.mantissa < 0 ? 0 - static_cast<Unsigned>(d.mantissa) : static_cast<Unsigned>(d.mantissa);
+  const Unsigned mantissa =
+      d.mantissa < 0 ? 0 - static_cast<Unsigned>(d.mantissa) : static_cast<Unsigned>(d.mantissa);
   std::array<char, 48> digits;
   char* const begin = digits.data();
-  char* end = std::to_chars(begin, begin + 20, static_cast<uint64_t>(mantissa < kHalf ? mantissa : mantissa / kHalf)).ptr;
+  char* end =
+      std::to_chars(begin, begin + 20, static_cast<uint64_t>(mantissa < kHalf ? mantissa : mantissa / kHalf))
+          .ptr;
   if (mantissa >= kHalf) {
     uint64_t low = static_cast<uint64_t>(mantissa % kHalf);
     char* const low_begin = end;

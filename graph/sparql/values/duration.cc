@@ -25,7 +25,9 @@ bool TakePart(std::string_view* text, int64_t* value, int64_t* fraction_us, char
   size_t n = 0;
   *value = *fraction_us = 0;
   for (; n < text->size() && (*text)[n] >= '0' && (*text)[n] <= '9'; ++n) {
-    if (__builtin_mul_overflow(*value, int64_t{10}, value) || __builtin_add_overflow(*value, int64_t{(*text)[n] - '0'}, value)) return false;
+    if (__builtin_mul_overflow(*value, int64_t{10}, value) ||
+        __builtin_add_overflow(*value, int64_t{(*text)[n] - '0'}, value))
+      return false;
   }
   if (n == 0) return false;
   const bool point = n < text->size() && (*text)[n] == '.';
@@ -59,7 +61,8 @@ Int128 RoundedQuotient(Int128 value, Int128 by) {
 }
 
 std::optional<int64_t> Narrow(Int128 value) {
-  if (value < std::numeric_limits<int64_t>::min() || value > std::numeric_limits<int64_t>::max()) return std::nullopt;
+  if (value < std::numeric_limits<int64_t>::min() || value > std::numeric_limits<int64_t>::max())
+    return std::nullopt;
   return static_cast<int64_t>(value);
 }
 
@@ -129,15 +132,17 @@ std::optional<Duration> ParseDuration(std::string_view text, Kind kind) {
                       : letter == 'M' && !clock ? AddTo(&out.months, value, 1)
                       : letter == 'D'           ? AddTo(&out.time_us, value, kDay)
                       : letter == 'H'           ? AddTo(&out.time_us, value, kHour)
-                      : letter == 'M'           ? AddTo(&out.time_us, value, kMinute)
-                                                : AddTo(&out.time_us, value, kSecond) && AddTo(&out.time_us, fraction_us, 1);
+                      : letter == 'M'
+                          ? AddTo(&out.time_us, value, kMinute)
+                          : AddTo(&out.time_us, value, kSecond) && AddTo(&out.time_us, fraction_us, 1);
     if (!fits) return std::nullopt;
   }
   return negative ? Negative(out) : out;
 }
 
 std::string ToString(const Duration& duration) {
-  if (duration.months == 0 && duration.time_us == 0) return duration.kind == Kind::kYearMonth ? "P0M" : "PT0S";
+  if (duration.months == 0 && duration.time_us == 0)
+    return duration.kind == Kind::kYearMonth ? "P0M" : "PT0S";
   std::string out = duration.months < 0 || duration.time_us < 0 ? "-P" : "P";
   const int64_t months = std::abs(duration.months), time_us = std::abs(duration.time_us);
   AppendPart(&out, months / 12, 'Y');
@@ -172,8 +177,9 @@ std::string_view DatatypeOf(Kind kind) {
 std::optional<Duration> Add(const Duration& a, const Duration& b) {
   Duration sum = a;
   if (a.kind != b.kind) sum.kind = Kind::kDuration;
-  if (__builtin_add_overflow(a.months, b.months, &sum.months) || __builtin_add_overflow(a.time_us, b.time_us, &sum.time_us) ||
-      (sum.months < 0 && sum.time_us > 0) || (sum.months > 0 && sum.time_us < 0) || sum.months == std::numeric_limits<int64_t>::min() ||
+  if (__builtin_add_overflow(a.months, b.months, &sum.months) ||
+      __builtin_add_overflow(a.time_us, b.time_us, &sum.time_us) || (sum.months < 0 && sum.time_us > 0) ||
+      (sum.months > 0 && sum.time_us < 0) || sum.months == std::numeric_limits<int64_t>::min() ||
       sum.time_us == std::numeric_limits<int64_t>::min()) {
     return std::nullopt;
   }

@@ -37,22 +37,25 @@ std::vector<std::string> FunctionRegistry::Names() const {
   return names;
 }
 
-std::optional<CallMistake> FindCallMistake(const FunctionRegistry* functions, const std::string& iri, size_t arguments) {
+std::optional<CallMistake> FindCallMistake(const FunctionRegistry* functions, const std::string& iri,
+                                           size_t arguments) {
   const FunctionEntry* entry = functions == nullptr ? nullptr : functions->Find(iri);
   if (entry == nullptr && !IsCast(iri)) {
     std::vector<std::string> names;
     if (functions != nullptr) names = functions->Names();
     const std::string near = Nearest(iri, names);
     return CallMistake{Concat("no function <", iri, "> is known"),
-                       !near.empty()    ? Concat("did you mean <", near, ">?")
+                       !near.empty()   ? Concat("did you mean <", near, ">?")
                        : names.empty() ? ""
-                                       : absl::StrCat("beside the casts of xsd: there are <", absl::StrJoin(names, ">, <"), ">")};
+                                       : absl::StrCat("beside the casts of xsd: there are <",
+                                                      absl::StrJoin(names, ">, <"), ">")};
   }
   const auto least = static_cast<size_t>(entry == nullptr ? 1 : entry->min_arguments);
   const auto most = static_cast<size_t>(entry == nullptr ? 1 : entry->max_arguments);
   if (arguments >= least && arguments <= most) return std::nullopt;
-  return CallMistake{absl::StrCat("<", iri, "> does not take ", arguments, arguments == 1 ? " argument" : " arguments"),
-                     least == most ? absl::StrCat("it takes ", least) : absl::StrCat("it takes ", least, " to ", most)};
+  return CallMistake{
+      absl::StrCat("<", iri, "> does not take ", arguments, arguments == 1 ? " argument" : " arguments"),
+      least == most ? absl::StrCat("it takes ", least) : absl::StrCat("it takes ", least, " to ", most)};
 }
 
 }  // namespace docent::sparql

@@ -50,7 +50,8 @@ class FunctionRegistry {
 struct CallMistake {
   std::string message, hint;
 };
-std::optional<CallMistake> FindCallMistake(const FunctionRegistry* functions, const std::string& iri, size_t arguments);
+std::optional<CallMistake> FindCallMistake(const FunctionRegistry* functions, const std::string& iri,
+                                           size_t arguments);
 
 }  // namespace docent::sparql
 

@@ -76,18 +76,24 @@ class Number {
 inline std::optional<std::strong_ordering> CompareExact(TermId a, TermId b) {
   using Tag = TermId::Tag;
   const Tag of_a = a.tag(), of_b = b.tag();
-  if (of_a == of_b && (of_a == Tag::kInteger || (of_a == Tag::kDecimal && InlineDecimal(a).scale == InlineDecimal(b).scale))) {
+  if (of_a == of_b && (of_a == Tag::kInteger ||
+                       (of_a == Tag::kDecimal && InlineDecimal(a).scale == InlineDecimal(b).scale))) {
     return InlineInteger(a) <=> InlineInteger(b);  // a decimal's scale is in the lowest bits
   }
-  if ((of_a != Tag::kInteger && of_a != Tag::kDecimal) || (of_b != Tag::kInteger && of_b != Tag::kDecimal)) return std::nullopt;
-  const InlineDecimalValue x = of_a == Tag::kInteger ? InlineDecimalValue{InlineInteger(a), 0} : InlineDecimal(a);
-  const InlineDecimalValue y = of_b == Tag::kInteger ? InlineDecimalValue{InlineInteger(b), 0} : InlineDecimal(b);
+  if ((of_a != Tag::kInteger && of_a != Tag::kDecimal) || (of_b != Tag::kInteger && of_b != Tag::kDecimal))
+    return std::nullopt;
+  const InlineDecimalValue x =
+      of_a == Tag::kInteger ? InlineDecimalValue{InlineInteger(a), 0} : InlineDecimal(a);
+  const InlineDecimalValue y =
+      of_b == Tag::kInteger ? InlineDecimalValue{InlineInteger(b), 0} : InlineDecimal(b);
   const int further = x.scale - y.scale;
   if (std::abs(further) >= std::ssize(kPowersOfTen)) return std::nullopt;
   // Of 60 bits each: the products fit.
   const Int128 left = further < 0 ? Int128{x.mantissa} * kPowersOfTen[-further] : x.mantissa;
   const Int128 right = further > 0 ? Int128{y.mantissa} * kPowersOfTen[further] : y.mantissa;
-  return left < right ? std::strong_ordering::less : left > right ? std::strong_ordering::greater : std::strong_ordering::equal;
+  return left < right   ? std::strong_ordering::less
+         : left > right ? std::strong_ordering::greater
+                        : std::strong_ordering::equal;
 }
 
 // CompareForOrder of two ids where they tell without a value of each; else nullopt.

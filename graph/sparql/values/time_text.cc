@@ -116,7 +116,8 @@ std::optional<TimeMicros> ReadClock(Reader* in) {
 
 std::string FormatClock(const CivilTime& c) {
   char buffer[48];
-  std::snprintf(buffer, sizeof buffer, "%02d:%02d:%02d", c.hour, c.minute, static_cast<int>(c.second_us / kSecond));
+  std::snprintf(buffer, sizeof buffer, "%02d:%02d:%02d", c.hour, c.minute,
+                static_cast<int>(c.second_us / kSecond));
   std::string out = buffer;
   if (const int64_t fraction = c.second_us % kSecond; fraction != 0) {
     std::snprintf(buffer, sizeof buffer, ".%06d", static_cast<int>(fraction));

@@ -51,7 +51,8 @@ class Value {
   static Value Iri(std::string iri);
   static Value Blank(std::string label);
   static Value DateTime(TimeMicros time_us);  // with zone Z
-  static Value OfTime(Type type, TimeMicros local_us, std::optional<int> zone_minutes);  // kDateTime, kDate or kTime
+  static Value OfTime(Type type, TimeMicros local_us,
+                      std::optional<int> zone_minutes);  // kDateTime, kDate or kTime
   static Value OfDuration(const Duration& duration);
   // From a term; the texts are copied.
   static Value OfTerm(const Term& term);

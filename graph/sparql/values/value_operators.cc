@@ -163,7 +163,8 @@ std::optional<int> CompareIdsForOrder(TermId a, TermId b, const Dictionary& dict
   const Number y = Number::Of(b);
   if (y.IsNone()) return std::nullopt;
   const std::partial_ordering order = Compare(x, y);
-  if (order == std::partial_ordering::unordered) return static_cast<int>(!x.IsNan()) - static_cast<int>(!y.IsNan());
+  if (order == std::partial_ordering::unordered)
+    return static_cast<int>(!x.IsNan()) - static_cast<int>(!y.IsNan());
   return order < 0 ? -1 : order > 0 ? 1 : 0;
 }
 
@@ -251,8 +252,9 @@ Value Compute(Arithmetic operation, const Value& a, const Value& b) {
 }
 
 bool IsCast(std::string_view datatype) {
-  if (datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat ||
-      datatype == kXsdDateTime || datatype == kXsdDate || datatype == kXsdTime || IsIntegerType(datatype)) {
+  if (datatype == kXsdString || datatype == kXsdBoolean || datatype == kXsdDecimal ||
+      datatype == kXsdDouble || datatype == kXsdFloat || datatype == kXsdDateTime || datatype == kXsdDate ||
+      datatype == kXsdTime || IsIntegerType(datatype)) {
     return true;
   }
   return datatype.starts_with(kXsdNs) && FindDurationKind(datatype.substr(kXsdNs.size()));
@@ -264,9 +266,10 @@ namespace {
 std::string PlainDigits(const Value& v) {
   std::array<char, 400> buffer;
   char* const end = buffer.data() + buffer.size();
-  const auto written = v.type() == Type::kFloat
-                           ? std::to_chars(buffer.data(), end, static_cast<float>(v.number()), std::chars_format::fixed)
-                           : std::to_chars(buffer.data(), end, v.number(), std::chars_format::fixed);
+  const auto written =
+      v.type() == Type::kFloat
+          ? std::to_chars(buffer.data(), end, static_cast<float>(v.number()), std::chars_format::fixed)
+          : std::to_chars(buffer.data(), end, v.number(), std::chars_format::fixed);
   return {buffer.data(), written.ptr};
 }
 
@@ -289,7 +292,8 @@ std::string StringOf(const Value& v) {
 }
 
 bool CastsNumbers(std::string_view datatype) {
-  return datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat || IsIntegerType(datatype);
+  return datatype == kXsdDecimal || datatype == kXsdDouble || datatype == kXsdFloat ||
+         IsIntegerType(datatype);
 }
 
 Value CastNumber(std::string_view datatype, const Value& v) {
@@ -326,7 +330,9 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     if (read.type() == Type::kBoolean) return Value::Boolean(read.boolean());
     if (read.IsNumeric()) return CastNumber(datatype, read);
     if (read.type() == Type::kDuration) return Value::OfDuration(read.duration());
-    return read.type() == Type::kOther ? Value::Error() : read;  // a time stays as written: its fraction may be finer than ours
+    return read.type() == Type::kOther
+               ? Value::Error()
+               : read;  // a time stays as written: its fraction may be finer than ours
   }
   if (datatype == kXsdBoolean) {
     if (v.type() == Type::kBoolean) return Value::Boolean(v.boolean());
@@ -334,7 +340,8 @@ std::optional<Value> Cast(std::string_view datatype, const Value& v) {
     return Value::Boolean(*EffectiveBooleanValue(v));
   }
   if (v.IsTime() || v.type() == Type::kDuration) return CastTime(datatype, v);
-  if (v.type() == Type::kBoolean && CastsNumbers(datatype)) return CastNumber(datatype, Value::Integer(v.boolean() ? 1 : 0));
+  if (v.type() == Type::kBoolean && CastsNumbers(datatype))
+    return CastNumber(datatype, Value::Integer(v.boolean() ? 1 : 0));
   return v.IsNumeric() && CastsNumbers(datatype) ? CastNumber(datatype, v) : Value::Error();
 }
 

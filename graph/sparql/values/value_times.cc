@@ -38,7 +38,8 @@ Value Shifted(const Value& time, const Duration& duration) {
   }
   const std::optional<TimeMicros> later = Plus(time.local_time_us(), duration);
   if (!later) return Value::Error();
-  return Value::OfTime(time.type(), time.type() == Type::kDate ? StartOfDay(*later) : *later, time.zone_minutes());
+  return Value::OfTime(time.type(), time.type() == Type::kDate ? StartOfDay(*later) : *later,
+                       time.zone_minutes());
 }
 
 Value OfResult(const std::optional<Duration>& duration) {
@@ -80,7 +81,8 @@ Value ComputeTimes(Arithmetic operation, const Value& a, const Value& b) {
     const std::optional<Decimal> ratio = Divide(a.duration(), b.duration());
     return ratio ? Value::OfDecimal(*ratio) : Value::Error();
   }
-  if (a.IsNumeric() && b.type() == Type::kDuration && operation == Arithmetic::kMultiply) return ComputeTimes(operation, b, a);
+  if (a.IsNumeric() && b.type() == Type::kDuration && operation == Arithmetic::kMultiply)
+    return ComputeTimes(operation, b, a);
   if (a.type() != Type::kDuration || !b.IsNumeric() || adds || subtracts) return Value::Error();
   if (operation == Arithmetic::kMultiply) {
     return OfResult(b.IsExact() ? Multiply(a.duration(), b.decimal()) : Multiply(a.duration(), b.number()));
@@ -96,11 +98,19 @@ Value CastTime(std::string_view datatype, const Value& v) {
     return Value::OfDuration({*kind, *kind == Duration::Kind::kDayTime ? 0 : from.months,
                               *kind == Duration::Kind::kYearMonth ? 0 : from.time_us});
   }
-  const Type to = datatype == kXsdDateTime ? Type::kDateTime : datatype == kXsdDate ? Type::kDate : datatype == kXsdTime ? Type::kTime : Type::kError;
+  const Type to = datatype == kXsdDateTime ? Type::kDateTime
+                  : datatype == kXsdDate   ? Type::kDate
+                  : datatype == kXsdTime   ? Type::kTime
+                                           : Type::kError;
   if (to == v.type()) return v;
-  if (v.type() == Type::kTime || to == Type::kError || (v.type() == Type::kDate && to == Type::kTime)) return Value::Error();
+  if (v.type() == Type::kTime || to == Type::kError || (v.type() == Type::kDate && to == Type::kTime))
+    return Value::Error();
   const TimeMicros local_us = v.local_time_us(), day = StartOfDay(local_us);
-  return Value::OfTime(to, to == Type::kDate ? day : to == Type::kTime ? local_us - day : local_us, v.zone_minutes());
+  return Value::OfTime(to,
+                       to == Type::kDate   ? day
+                       : to == Type::kTime ? local_us - day
+                                           : local_us,
+                       v.zone_minutes());
 }
 
 }  // namespace docent::sparql

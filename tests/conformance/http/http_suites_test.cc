@@ -7,11 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "kb_server/server.h"
 #include "graph/base/text.h"
 #include "graph/rdf/parser.h"
-#include "kb_server/work/http_message.h"
 #include "graph/sparql/results/results.h"
+#include "kb_server/server.h"
+#include "kb_server/work/http_message.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/result_files.h"
 #include "tests/conformance/sparql/suite_support.h"

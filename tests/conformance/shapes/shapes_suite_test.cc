@@ -53,7 +53,8 @@ void ReadManifest(const std::string& iri, std::vector<ShapesTest>* tests) {
   const std::vector<TermQuad> quads = Document(iri, "");
   const ManifestGraph graph(quads);
   const Term manifest = graph.WithType(std::string(kMf) + "Manifest");
-  for (const Term& include : graph.All(manifest, std::string(kMf) + "include")) ReadManifest(include.lexical, tests);
+  for (const Term& include : graph.All(manifest, std::string(kMf) + "include"))
+    ReadManifest(include.lexical, tests);
   for (const Term& entries : graph.All(manifest, std::string(kMf) + "entries")) {
     for (const Term& entry : graph.List(entries)) {
       const Term action = graph.One(entry, std::string(kMf) + "action");
@@ -70,11 +71,12 @@ void ReadManifest(const std::string& iri, std::vector<ShapesTest>* tests) {
 }
 
 // The triples of a report: its own, those of its results and of their paths.
-std::vector<TermQuad> ReportTriples(const std::vector<TermQuad>& quads, const Term& root, const std::set<Term>& messages) {
+std::vector<TermQuad> ReportTriples(const std::vector<TermQuad>& quads, const Term& root,
+                                    const std::set<Term>& messages) {
   const std::set<std::string> followed = {Shacl("result"), Shacl("resultPath")};
-  const std::set<std::string> parts = {Shacl("inversePath"),    Shacl("alternativePath"), Shacl("zeroOrMorePath"),
-                                       Shacl("oneOrMorePath"),  Shacl("zeroOrOnePath"),   Concat(kRdfNs, "first"),
-                                       Concat(kRdfNs, "rest")};
+  const std::set<std::string> parts = {
+      Shacl("inversePath"),   Shacl("alternativePath"), Shacl("zeroOrMorePath"), Shacl("oneOrMorePath"),
+      Shacl("zeroOrOnePath"), Concat(kRdfNs, "first"),  Concat(kRdfNs, "rest")};
   std::vector<TermQuad> out;
   std::set<Term> seen = {root};
   std::vector<std::pair<Term, bool>> open = {{root, false}};  // node, inside a path
@@ -85,10 +87,13 @@ std::vector<TermQuad> ReportTriples(const std::vector<TermQuad>& quads, const Te
       if (!(quad.subject == node)) continue;
       const std::string& predicate = quad.predicate.lexical;
       if (in_path && !parts.contains(predicate)) continue;
-      if (predicate == Shacl("detail") || (predicate == Shacl("resultMessage") && !messages.contains(quad.object))) continue;
+      if (predicate == Shacl("detail") ||
+          (predicate == Shacl("resultMessage") && !messages.contains(quad.object)))
+        continue;
       out.push_back({quad.subject, quad.predicate, quad.object, Term()});
       const bool path = in_path || predicate == Shacl("resultPath");
-      if ((in_path || followed.contains(predicate)) && quad.object.IsBlank() && seen.insert(quad.object).second) {
+      if ((in_path || followed.contains(predicate)) && quad.object.IsBlank() &&
+          seen.insert(quad.object).second) {
         open.push_back({quad.object, path});
       }
     }
@@ -100,10 +105,12 @@ Term RootOf(const std::vector<TermQuad>& quads) {
   return ManifestGraph(quads).WithType(Shacl("ValidationReport"));
 }
 
-TermId LoadInto(GraphWriter& writer, Dictionary& dictionary, const std::vector<TermQuad>& quads, const std::string& graph) {
+TermId LoadInto(GraphWriter& writer, Dictionary& dictionary, const std::vector<TermQuad>& quads,
+                const std::string& graph) {
   const TermId name = dictionary.InternIri(graph);
   for (const TermQuad& q : quads) {
-    writer.Add({dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), name});
+    writer.Add(
+        {dictionary.Intern(q.subject), dictionary.Intern(q.predicate), dictionary.Intern(q.object), name});
   }
   return name;
 }
@@ -113,8 +120,9 @@ std::string RunOne(const ShapesTest& test) {
   GraphWriter writer(nullptr);
   const TermId data = LoadInto(writer, dictionary, Document(test.data, "d"), "urn:data");
   // One document that is both keeps its blank nodes.
-  const TermId shapes_graph =
-      test.data == test.shapes ? data : LoadInto(writer, dictionary, Document(test.shapes, "s"), "urn:shapes");
+  const TermId shapes_graph = test.data == test.shapes
+                                  ? data
+                                  : LoadInto(writer, dictionary, Document(test.shapes, "s"), "urn:shapes");
   const GraphVersion& version = writer.current();
   const ParsedShapes shapes = ReadShapes(GraphView(version, {shapes_graph}), dictionary);
   if (!shapes.ok()) return "refused: " + Render(shapes.diagnostics, "");
@@ -133,14 +141,16 @@ std::string RunOne(const ShapesTest& test) {
   const auto triples = ReportTriples(got, RootOf(got), messages);
   if (Isomorphism::Holds(wanted_triples, triples)) return "";
   std::string why = "another report than expected:\n";
-  for (const ValidationResult& result : report->results) why += Render(Describe(result, dictionary, nullptr, nullptr));
+  for (const ValidationResult& result : report->results)
+    why += Render(Describe(result, dictionary, nullptr, nullptr));
   return why + std::to_string(triples.size()) + " triples, expected " + std::to_string(wanted_triples.size());
 }
 
 TEST(ShapesSuite, EveryTestPassesOrIsListed) {
   if (!std::filesystem::exists(SuiteFolder() / "tests/core/manifest.ttl")) {
-    GTEST_SKIP() << "the SHACL suite is not at " << SuiteFolder()
-                 << ": clone github.com/w3c/data-shapes and set DOCENT_W3C_SHAPES to its data-shapes-test-suite";
+    GTEST_SKIP()
+        << "the SHACL suite is not at " << SuiteFolder()
+        << ": clone github.com/w3c/data-shapes and set DOCENT_W3C_SHAPES to its data-shapes-test-suite";
   }
   std::vector<ShapesTest> tests;
   ReadManifest(std::string(kBase) + "tests/core/manifest.ttl", &tests);

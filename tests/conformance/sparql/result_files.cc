@@ -140,7 +140,8 @@ class Json {
 Term Canonical(const Term& t) {
   if (!t.IsLiteral()) return t;
   const sparql::Value value = sparql::Value::OfTerm(t);
-  if (value.IsNumeric() && t.datatype == value.CanonicalDatatype()) return Term::Literal(value.CanonicalText(), t.datatype);
+  if (value.IsNumeric() && t.datatype == value.CanonicalDatatype())
+    return Term::Literal(value.CanonicalText(), t.datatype);
   return t;
 }
 

@@ -10,12 +10,12 @@
 
 #include "graph/rdf/parser.h"
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/algebra_printer.h"
+#include "graph/sparql/results/results.h"
 #include "graph/sparql/run/describe.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/run/federation.h"
+#include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"
-#include "graph/sparql/results/results.h"
 #include "graph/store/graph_writer.h"
 #include "tests/conformance/sparql/result_files.h"
 #include "tests/conformance/sparql/suite_support.h"
@@ -81,8 +81,8 @@ class Endpoints final : public sparql::ServiceClient {
     if (store == stores_.end()) return absl::UnavailableError("there is no such endpoint");
     sparql::ParsedQuery parsed = sparql::ParseQuery(query);
     if (!parsed.ok()) return ToStatus(parsed.diagnostics, query);
-    auto answer = Run(std::move(parsed.query), false, store->second.dictionary, *store->second.Freeze(),
-                      this, sparql::DefaultGraph::kStrict);
+    auto answer = Run(std::move(parsed.query), false, store->second.dictionary, *store->second.Freeze(), this,
+                      sparql::DefaultGraph::kStrict);
     if (!answer.ok()) return answer.status();
     sparql::ServiceAnswer out{answer->variables, {}};
     for (const auto& given : answer->rows) {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "graph/rdf/vocabulary.h"
-#include "graph/sparql/syntax/parser.h"
 #include "graph/sparql/run/update_evaluator.h"
+#include "graph/sparql/syntax/parser.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/suite_support.h"
 #include "tests/conformance/sparql/w3c_manifest.h"

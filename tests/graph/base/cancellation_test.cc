@@ -42,7 +42,9 @@ TEST(CancellationTest, StepsAreAllowedUpToTheLimit) {
   limited.Spend(1);
   const absl::Status status = limited.Check();
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_NE(status.message().find("after 10 steps, what the limits steps_per_turn and steps_per_fact allow"), std::string::npos) << status;
+  EXPECT_NE(status.message().find("after 10 steps, what the limits steps_per_turn and steps_per_fact allow"),
+            std::string::npos)
+      << status;
   limited.AllowMoreSteps(1);
   EXPECT_TRUE(limited.Check().ok());
   limited.AllowSteps(10);

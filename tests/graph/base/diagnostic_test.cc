@@ -64,7 +64,8 @@ TEST(DiagnosticTest, WhatIsNoTextIsShownAsReplacementCharacters) {
   diagnostic.span = {1, 3, 2, 1};
   diagnostic.message = "this byte is not UTF-8";
   EXPECT_EQ(Render({diagnostic}, source),
-            "1:3: error: this byte is not UTF-8\n  a \uFFFD b \uFFFD( \u20AC \uFFFD\uFFFD\uFFFD \uFFFD[2J\n    ^\n");
+            "1:3: error: this byte is not UTF-8\n  a \uFFFD b \uFFFD( \u20AC \uFFFD\uFFFD\uFFFD \uFFFD[2J\n  "
+            "  ^\n");
 }
 
 }  // namespace

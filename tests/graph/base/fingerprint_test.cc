@@ -13,9 +13,13 @@ TEST(Fingerprint, HasThePublishedValues) {
   EXPECT_EQ(Fingerprint("foobar"), 0x85944171F73967E8u);
 }
 
-TEST(Fingerprint, OfPartsIsThatOfTheWhole) { EXPECT_EQ(Fingerprint("bar", Fingerprint("foo")), Fingerprint("foobar")); }
+TEST(Fingerprint, OfPartsIsThatOfTheWhole) {
+  EXPECT_EQ(Fingerprint("bar", Fingerprint("foo")), Fingerprint("foobar"));
+}
 
-TEST(Fingerprint, BytesAboveAsciiCountAsUnsigned) { EXPECT_EQ(Fingerprint("\xFF"), 0xAF64724C8602EB6Eu); }
+TEST(Fingerprint, BytesAboveAsciiCountAsUnsigned) {
+  EXPECT_EQ(Fingerprint("\xFF"), 0xAF64724C8602EB6Eu);
+}
 
 }  // namespace
 }  // namespace docent

@@ -24,8 +24,10 @@ TEST(DocumentNameTest, WhatMayNotIsEscaped) {
 }
 
 TEST(DocumentNameTest, AnyNameGivesTermsThatMayBeStored) {
-  for (const char* name : {"a b", "-a", ".a", "a–b", "a+b@c%d", "o/my onto.ttl", "a\\b|c^`{}<>\"", "\x01", "\xff\xfe.ttl", "ü\xfc.ttl"}) {
-    const absl::Status iri = CheckTerm(Term::Iri("https://w3id.org/docent/ontology/" + NameInIri(name)), 1000);
+  for (const char* name : {"a b", "-a", ".a", "a–b", "a+b@c%d", "o/my onto.ttl", "a\\b|c^`{}<>\"", "\x01",
+                           "\xff\xfe.ttl", "ü\xfc.ttl"}) {
+    const absl::Status iri =
+        CheckTerm(Term::Iri("https://w3id.org/docent/ontology/" + NameInIri(name)), 1000);
     EXPECT_TRUE(iri.ok()) << iri;
     const absl::Status label = CheckTerm(Term::Blank(NameInBlankLabel(name) + "_b1"), 1000);
     EXPECT_TRUE(label.ok()) << label;

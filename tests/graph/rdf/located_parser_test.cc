@@ -9,11 +9,14 @@ namespace docent {
 namespace {
 
 using Place = std::pair<int, int>;
-Place At(const SourceSpan& span) { return {span.line, span.column}; }
+Place At(const SourceSpan& span) {
+  return {span.line, span.column};
+}
 
 TEST(LocatedParserTest, TurtleTermsHaveLineAndColumn) {
   const LocatedRdf document = ParseLocatedRdf(
-      "@prefix e: <http://e/> .\n@prefix unused: <http://u/> .\ne:ä e:p 1 ,\n  2 ; a e:C .\n[ e:q ( 3 ) ] e:r e:ä .",
+      "@prefix e: <http://e/> .\n@prefix unused: <http://u/> .\ne:ä e:p 1 ,\n  2 ; a e:C .\n[ e:q ( 3 ) ] "
+      "e:r e:ä .",
       RdfFormat::kTurtle);
   ASSERT_TRUE(document.rdf.ok()) << Render(document.rdf.diagnostics, "");
   ASSERT_EQ(document.places.size(), document.rdf.quads.size());
@@ -41,13 +44,14 @@ TEST(LocatedParserTest, TurtleTermsHaveLineAndColumn) {
 }
 
 TEST(LocatedParserTest, OtherFormatsHaveAPlaceForEachQuad) {
-  const LocatedRdf lines = ParseLocatedRdf("<http://e/s> <http://e/p> \"x\" .\n\n<http://e/s> <http://e/p> \"y\" .\n",
-                                           RdfFormat::kNTriples);
+  const LocatedRdf lines = ParseLocatedRdf(
+      "<http://e/s> <http://e/p> \"x\" .\n\n<http://e/s> <http://e/p> \"y\" .\n", RdfFormat::kNTriples);
   ASSERT_EQ(lines.places.size(), 2u);
   EXPECT_EQ(At(lines.places[1].object), Place(3, 27));
   const LocatedRdf xml = ParseLocatedRdf(
       "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n"
-      "<rdf:Description rdf:about=\"http://e/s\">\n  <e:p>1</e:p>\n  <e:p>2</e:p>\n</rdf:Description></rdf:RDF>",
+      "<rdf:Description rdf:about=\"http://e/s\">\n  <e:p>1</e:p>\n  "
+      "<e:p>2</e:p>\n</rdf:Description></rdf:RDF>",
       RdfFormat::kRdfXml);
   ASSERT_EQ(xml.places.size(), 2u) << Render(xml.rdf.diagnostics, "");
   EXPECT_EQ(xml.places[0].subject.line, 3);

@@ -1,5 +1,5 @@
-#include "graph/base/text.h"
 #include "graph/rdf/parser.h"
+#include "graph/base/text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,18 +55,17 @@ TEST(ParserTest, TurtleTermsAndPrefixes) {
       RdfFormat::kTurtle);
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   EXPECT_THAT(parsed.prefixes, ElementsAre(Pair("e", "http://e/"), Pair("", "http://d/")));
-  EXPECT_THAT(
-      parsed.quads,
-      ElementsAre(TermQuad{E("s"), Term::Iri(std::string(kRdfType)), E("T"), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Integer(1), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Literal("2.5", std::string(kXsdDecimal)), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Literal("1e0", std::string(kXsdDouble)), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Boolean(true), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::LangString("x", "en"), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Literal("y", "http://e/dt"), kNoGraph},
-                  TermQuad{E("s"), E("p"), Term::Literal("long\n"), kNoGraph},
-                  TermQuad{Term::Blank("b1"), E("r"), Term::Iri(Concat(kRdfNs, "nil")), kNoGraph},
-                  TermQuad{E("s"), E("q"), Term::Blank("b1"), kNoGraph}));
+  EXPECT_THAT(parsed.quads,
+              ElementsAre(TermQuad{E("s"), Term::Iri(std::string(kRdfType)), E("T"), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Integer(1), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Literal("2.5", std::string(kXsdDecimal)), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Literal("1e0", std::string(kXsdDouble)), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Boolean(true), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::LangString("x", "en"), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Literal("y", "http://e/dt"), kNoGraph},
+                          TermQuad{E("s"), E("p"), Term::Literal("long\n"), kNoGraph},
+                          TermQuad{Term::Blank("b1"), E("r"), Term::Iri(Concat(kRdfNs, "nil")), kNoGraph},
+                          TermQuad{E("s"), E("q"), Term::Blank("b1"), kNoGraph}));
 }
 
 TEST(ParserTest, BlankNodeLabelsNeverMeet) {
@@ -188,7 +187,8 @@ TEST(ParserTest, TriplesAreBoundedByTheLimitOfTheDocument) {
   const ParsedRdf refused = ParseRdf(turtle(5000), RdfFormat::kTurtle, options);
   EXPECT_TRUE(refused.quads.empty());
   ASSERT_EQ(refused.diagnostics.size(), 1u);
-  EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("more than 1250 triples: one for each 32 bytes of the limit document_bytes"));
+  EXPECT_THAT(refused.diagnostics[0].message,
+              HasSubstr("more than 1250 triples: one for each 32 bytes of the limit document_bytes"));
   const auto lists = [](int count) {
     std::string text = "<urn:a> <urn:b> (";
     for (int i = 0; i < count; ++i) text += "1 ";
@@ -223,12 +223,17 @@ TEST(ParserTest, OtherSyntaxesUnderTheEndingsOfRdfXml) {
   EXPECT_THAT(mistake("<http://e/a> <http://e/b> 1 ."), HasSubstr("ends with .ttl"));
   EXPECT_THAT(mistake("Prefix(:=<urn:e:>)\nOntology(<urn:e>)"), HasSubstr("OWL functional syntax"));
   EXPECT_THAT(mistake("Prefix: : <urn:e:>\nOntology: <urn:e>"), HasSubstr("OWL Manchester syntax"));
-  const std::string owl_xml = "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" ontologyIRI=\"urn:e\"></Ontology>";
-  EXPECT_THAT(mistake("<?xml version=\"1.0\"?>\n<!-- x -->\n" + owl_xml), HasSubstr("3:1: error: this is OWL/XML"));
-  const std::string lone = "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" "
-                           "rdf:about=\"urn:o\"><versionInfo>1</versionInfo></Ontology>";
+  const std::string owl_xml =
+      "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" ontologyIRI=\"urn:e\"></Ontology>";
+  EXPECT_THAT(mistake("<?xml version=\"1.0\"?>\n<!-- x -->\n" + owl_xml),
+              HasSubstr("3:1: error: this is OWL/XML"));
+  const std::string lone =
+      "<Ontology xmlns=\"http://www.w3.org/2002/07/owl#\" "
+      "xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" "
+      "rdf:about=\"urn:o\"><versionInfo>1</versionInfo></Ontology>";
   EXPECT_EQ(ParseRdf(lone, RdfFormat::kRdfXml).quads.size(), 2u) << "rdf:RDF may be left out around one node";
-  EXPECT_TRUE(ParseRdf("<?xml version=\"1.0\"?>\n<!-- " + owl_xml + " -->\n" + RdfXml(""), RdfFormat::kRdfXml).ok());
+  EXPECT_TRUE(
+      ParseRdf("<?xml version=\"1.0\"?>\n<!-- " + owl_xml + " -->\n" + RdfXml(""), RdfFormat::kRdfXml).ok());
 }
 
 TEST(ParserTest, RdfXml) {
@@ -244,8 +249,9 @@ TEST(ParserTest, RdfXml) {
 }
 
 TEST(ParserTest, ANodeIdThatOtherSyntaxesCannotWriteIsStillOneNode) {
-  const ParsedRdf parsed = ParseRdf(RdfXml("<e:T rdf:nodeID=\"n.\"><e:p rdf:nodeID=\"n.\"/><e:q rdf:nodeID=\"m\"/></e:T>"),
-                                    RdfFormat::kRdfXml);
+  const ParsedRdf parsed =
+      ParseRdf(RdfXml("<e:T rdf:nodeID=\"n.\"><e:p rdf:nodeID=\"n.\"/><e:q rdf:nodeID=\"m\"/></e:T>"),
+               RdfFormat::kRdfXml);
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, "");
   ASSERT_THAT(parsed.quads, SizeIs(3));
   EXPECT_EQ(parsed.quads[1].object, parsed.quads[0].subject);
@@ -254,8 +260,9 @@ TEST(ParserTest, ANodeIdThatOtherSyntaxesCannotWriteIsStillOneNode) {
 }
 
 TEST(ParserTest, EntitiesOfTheDocumentTypeGrowToTheLimitAndNoFurther) {
-  const std::string text = "<!DOCTYPE rdf:RDF [<!ENTITY e \"http://e/\">]>" +
-                           RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;&other</e:p></rdf:Description>");
+  const std::string text =
+      "<!DOCTYPE rdf:RDF [<!ENTITY e \"http://e/\">]>" +
+      RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;&other</e:p></rdf:Description>");
   EXPECT_FALSE(ParseRdf(text, RdfFormat::kRdfXml).ok()) << "&other is no entity";
   const std::string good = "<!DOCTYPE rdf:RDF [<!-- c --><!ENTITY e 'http://e/' >\n] >" +
                            RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;</e:p></rdf:Description>");
@@ -270,17 +277,21 @@ TEST(ParserTest, EntitiesOfTheDocumentTypeGrowToTheLimitAndNoFurther) {
   options.limits.document_bytes = 500 * 1000 + 1000;
   EXPECT_TRUE(ParseRdf(many, RdfFormat::kRdfXml, options).ok());
   options.limits.document_bytes = 499 * 1000;
-  EXPECT_THAT(Render(ParseRdf(many, RdfFormat::kRdfXml, options).diagnostics, ""), HasSubstr("document_bytes = 499000"));
+  EXPECT_THAT(Render(ParseRdf(many, RdfFormat::kRdfXml, options).diagnostics, ""),
+              HasSubstr("document_bytes = 499000"));
 }
 
 TEST(ParserTest, RdfXmlMistakes) {
   const auto with_doctype = [](const std::string& rest) {
-    return Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF " + rest + RdfXml(""), RdfFormat::kRdfXml);
+    return Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF " + rest + RdfXml(""),
+                    RdfFormat::kRdfXml);
   };
-  EXPECT_THAT(with_doctype("SYSTEM \"file:///etc/passwd\">"),
-              HasSubstr("2:29: error: a document type definition is refused where it names an external subset"));
+  EXPECT_THAT(
+      with_doctype("SYSTEM \"file:///etc/passwd\">"),
+      HasSubstr("2:29: error: a document type definition is refused where it names an external subset"));
   EXPECT_THAT(with_doctype("[<!ENTITY x SYSTEM \"file:///etc/passwd\">]>"), HasSubstr("an external entity"));
-  EXPECT_THAT(with_doctype("[<!ENTITY a \"aa\"><!ENTITY b \"&a;&a;\">]>"), HasSubstr("an entity that holds & % or <"));
+  EXPECT_THAT(with_doctype("[<!ENTITY a \"aa\"><!ENTITY b \"&a;&a;\">]>"),
+              HasSubstr("an entity that holds & % or <"));
   EXPECT_THAT(with_doctype("[<!ENTITY % a \"aa\">]>"), HasSubstr("a parameter entity"));
   EXPECT_THAT(with_doctype("[<!ELEMENT a (b)>]>"), HasSubstr("holds anything but entities"));
   EXPECT_THAT(with_doctype("[<!ENTITY a \"a\""), HasSubstr("goes on after an entity's text"));
@@ -334,9 +345,10 @@ TEST(RdfXmlTest, NestingEndsAtItsLimit) {
 
 TEST(RdfXmlTest, ADeclarationThatNamesNoPrefixIsNotTakenForOne) {
   const auto with = [](const std::string& attribute) {
-    return ParseRdf("<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n<e:T " +
-                        attribute + "=\"http://f/\" rdf:about=\"http://e/s\"/></rdf:RDF>",
-                    RdfFormat::kRdfXml);
+    return ParseRdf(
+        "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n<e:T " +
+            attribute + "=\"http://f/\" rdf:about=\"http://e/s\"/></rdf:RDF>",
+        RdfFormat::kRdfXml);
   };
   EXPECT_THAT(with("xmlns:\xC3\xA9").prefixes, Contains(Pair("\xC3\xA9", "http://f/")));
   EXPECT_THAT(with("xmlns\xC3\xA9").prefixes, SizeIs(2));

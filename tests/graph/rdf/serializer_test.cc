@@ -38,8 +38,10 @@ TEST(SerializerTest, PrefixesThatTurtleCannotNameAreLeftOut) {
     ASSERT_TRUE(text.ok());
     EXPECT_EQ(*text, "<http://e/s> <http://e/p> <http://e/o> .\n") << prefix;
   }
-  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"e", "relative"}}), "<http://e/s> <http://e/p> <http://e/o> .\n");
-  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"", "http://e/"}}), "@prefix : <http://e/> .\n\n:s :p :o .\n");
+  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"e", "relative"}}),
+            "<http://e/s> <http://e/p> <http://e/o> .\n");
+  EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"", "http://e/"}}),
+            "@prefix : <http://e/> .\n\n:s :p :o .\n");
   EXPECT_EQ(*SerializeRdf(quads, RdfFormat::kTurtle, {{"\xC3\xA9", "http://e/"}}),
             "@prefix \xC3\xA9: <http://e/> .\n\n\xC3\xA9:s \xC3\xA9:p \xC3\xA9:o .\n");
 }

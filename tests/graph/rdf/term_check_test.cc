@@ -35,7 +35,8 @@ TEST(TermCheckTest, BadTermsSayWhatIsWrong) {
   Term both = Term::LangString("x", "en");
   both.datatype = "urn:t";
   EXPECT_THAT(Message(CheckTerm(both, 100)), HasSubstr("not both"));
-  EXPECT_THAT(Message(CheckTerm(Term::Literal("x", std::string(kRdfLangString)), 100)), HasSubstr("has a language instead"));
+  EXPECT_THAT(Message(CheckTerm(Term::Literal("x", std::string(kRdfLangString)), 100)),
+              HasSubstr("has a language instead"));
 }
 
 TEST(TermCheckTest, LengthAtTheLimitAndOnePast) {

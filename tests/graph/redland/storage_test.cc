@@ -105,7 +105,8 @@ TEST(StorageTest, RemovesWhatIsMeantOrSaysWhereItIs) {
   EXPECT_THAT(model.All(), ElementsAre("a p b g1"));
   EXPECT_NE(model.Remove("a", "p", "b"), 0) << "it can still be seen";
   EXPECT_THAT(model.errors(), Contains(HasSubstr("<http://example.org/g1>")));
-  EXPECT_NE(librdf_model_context_remove_statement(model.model(), nullptr, model.Statement("a", "p", "b").get()), 0)
+  EXPECT_NE(
+      librdf_model_context_remove_statement(model.model(), nullptr, model.Statement("a", "p", "b").get()), 0)
       << "no context is the same, whichever function is called";
   EXPECT_EQ(model.Remove("a", "p", "b", "g1"), 0);
   EXPECT_FALSE(model.Contains("a", "p", "b"));

@@ -126,8 +126,8 @@ TEST_F(BatchApplierTest, ALargeLoadIsWhatItsPartsAre) {
   std::string text;
   for (int i = 0; i < 700; ++i) {
     const int n = i * 37 % 300;
-    text += " <http://e/g" + std::to_string(n % 2) + "> { e:s" + std::to_string(n % 20) + " e:p" + std::to_string(n % 3) +
-            " " + std::to_string(n) + " . }";
+    text += " <http://e/g" + std::to_string(n % 2) + "> { e:s" + std::to_string(n % 20) + " e:p" +
+            std::to_string(n % 3) + " " + std::to_string(n) + " . }";
   }
   text += " e:s1 docent:at e:A . e:s1 docent:at e:B .";  // no state is replaced
   const WriteBatch all = [&] {
@@ -148,8 +148,9 @@ TEST_F(BatchApplierTest, ALargeLoadIsWhatItsPartsAre) {
     const absl::StatusOr<Delta> delta = applier.Apply(one, writer);
     ASSERT_TRUE(delta.ok()) << delta.status();
     for (const Quad& quad : delta->added) {
-      expected.push_back(ToDisplay(dictionary.Decode(quad.subject)) + " " + ToDisplay(dictionary.Decode(quad.predicate)) + " " +
-                         ToDisplay(dictionary.Decode(quad.object)) + " " + ToDisplay(dictionary.Decode(quad.graph)));
+      expected.push_back(
+          ToDisplay(dictionary.Decode(quad.subject)) + " " + ToDisplay(dictionary.Decode(quad.predicate)) +
+          " " + ToDisplay(dictionary.Decode(quad.object)) + " " + ToDisplay(dictionary.Decode(quad.graph)));
     }
   }
   EXPECT_EQ(added->first, expected);
@@ -184,7 +185,8 @@ TEST_F(BatchApplierTest, AStreamOfPosesGrowsNeitherDictionaryNorIndex) {
                                   Term::Literal(std::move(value), std::string(type)), Term()}});
     };
     tell("x", std::to_string(n / 1000) + "." + std::to_string(100 + n % 900), kXsdDecimal);
-    tell("t", "2026-11-21T12:" + std::to_string(10 + n / 1000) + ":00." + std::to_string(100 + n % 900) + "Z", kXsdDateTime);
+    tell("t", "2026-11-21T12:" + std::to_string(10 + n / 1000) + ":00." + std::to_string(100 + n % 900) + "Z",
+         kXsdDateTime);
     ASSERT_TRUE(Turn(pose).ok());
     if (n == 1000) {
       terms = dictionary_.size();

@@ -115,7 +115,8 @@ TEST(GraphVersionTest, TheRestIsCountedFromAnyMatch) {
     if (i > 2000) writer.Add(Q(i / 10, i % 10, i, 2));
     if (i > 3000) writer.Add(Q(i / 10, i % 10, i, 3));
   }
-  for (const QuadPattern& pattern : {QuadPattern{}, QuadPattern{{}, Id(3), {}, {}}, QuadPattern{{}, {}, {}, Id(2)}}) {
+  for (const QuadPattern& pattern :
+       {QuadPattern{}, QuadPattern{{}, Id(3), {}, {}}, QuadPattern{{}, {}, {}, Id(2)}}) {
     uint64_t left = writer.current().Count(pattern), triples = 0;
     Quad last;
     const auto copy = [&last](const Quad& q) {
@@ -246,7 +247,8 @@ TEST(GraphVersionTest, OtherWritersBesideTheWriter) {
       for (uint64_t s = 0; s < 40; ++s) own.Add(Q(s * 100, 9, seed));
       own.Rollback();
       for (uint64_t s = 0; s < 1200; ++s) own.RemoveAll({own.current().Scan({Id(s), Id(1), {}, {}}).quad()});
-      if (first->size() != start->size() + added || own.current().size() != first->size() - 1200) wrong = true;
+      if (first->size() != start->size() + added || own.current().size() != first->size() - 1200)
+        wrong = true;
       own.current().CheckInvariants();
       start->CheckInvariants();
       ++branches;

@@ -150,7 +150,8 @@ TEST(GraphWriterTest, AnObserverIsToldBeforeAndDuringEachChange) {
   writer.Add(Q(1, 1, 2));  // as it was
   EXPECT_THAT(log.before, ElementsAre(Pair(Q(1, 1, 1), true), Pair(Q(1, 1, 2), true), Pair(Q(1, 1, 1), false),
                                       Pair(Q(9, 9, 9), false), Pair(Q(1, 1, 2), true)));
-  EXPECT_THAT(log.during, ElementsAre(Pair(Q(1, 1, 1), true), Pair(Q(1, 1, 2), true), Pair(Q(1, 1, 1), false)));
+  EXPECT_THAT(log.during,
+              ElementsAre(Pair(Q(1, 1, 1), true), Pair(Q(1, 1, 2), true), Pair(Q(1, 1, 1), false)));
   writer.SetObserver(nullptr);
   writer.Add(Q(1, 1, 3));
   EXPECT_EQ(log.during.size(), 3u);

@@ -9,8 +9,8 @@ namespace {
 
 TEST(TermProtoTest, EveryKindOfTermComesBackAsItWent) {
   for (const Term& term : {Term::Iri("urn:w:a"), Term::Blank("b1"), Term::Literal(""), Term::Literal("x\ny"),
-                           Term::Literal("1.50", std::string(kXsdDecimal)), Term::LangString("hallo", "de-at"),
-                           Term::Integer(7)}) {
+                           Term::Literal("1.50", std::string(kXsdDecimal)),
+                           Term::LangString("hallo", "de-at"), Term::Integer(7)}) {
     v1::Term message;
     ToProto(term, &message);
     v1::Term sent;

@@ -20,10 +20,11 @@ std::string Lines(int count) {
 }
 
 TEST(CutDocumentTest, LinesAreCutAtTheirEnds) {
-  const std::string text = "<urn:a> <urn:p> \"1\" .\n# a comment\n<urn:a> <urn:p> \"2\" .\n<urn:a> <urn:p> \"3\" .";
+  const std::string text =
+      "<urn:a> <urn:p> \"1\" .\n# a comment\n<urn:a> <urn:p> \"2\" .\n<urn:a> <urn:p> \"3\" .";
   const auto document = CutDocument(text, RdfFormat::kNTriples, "f", 10);
-  EXPECT_THAT(document->parts, ElementsAre("<urn:a> <urn:p> \"1\" .\n", "# a comment\n", "<urn:a> <urn:p> \"2\" .\n",
-                                           "<urn:a> <urn:p> \"3\" ."));
+  EXPECT_THAT(document->parts, ElementsAre("<urn:a> <urn:p> \"1\" .\n", "# a comment\n",
+                                           "<urn:a> <urn:p> \"2\" .\n", "<urn:a> <urn:p> \"3\" ."));
   EXPECT_EQ(document->statements, 3u);
   EXPECT_EQ(document->bytes, text.size());
   EXPECT_EQ(document->media_type, "application/n-triples");

@@ -6,9 +6,9 @@
 #include <atomic>
 #include <thread>
 
+#include "graph/store/graph_writer.h"
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/request_memory.h"
-#include "graph/store/graph_writer.h"
 
 namespace docent {
 namespace {

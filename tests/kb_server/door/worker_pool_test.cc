@@ -59,7 +59,8 @@ TEST(WorkerPoolTest, WhoIsNotServedInTimeIsTold) {
   {
     WorkerPool pool(1, 2, 10);
     ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
-    ASSERT_TRUE(pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }}));
+    ASSERT_TRUE(
+        pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }}));
     ASSERT_TRUE(pool.Submit([&] { served.Notify(); }, {absl::Now() + absl::Seconds(60), [] { FAIL(); }}));
     EXPECT_TRUE(told.WaitForNotificationWithTimeout(absl::Seconds(20)));
     go.Notify();

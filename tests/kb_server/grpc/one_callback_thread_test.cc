@@ -27,12 +27,14 @@ std::set<std::thread::id> CallbackThreads(int count) {
   std::set<std::thread::id> threads;
   int ended = 0;
   for (Call& call : calls) {
-    stub.UnaryCall(&call.context, "/none", grpc::StubOptions(), &call.request, &call.reply, [&](const grpc::Status&) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // so that another thread takes the next one
-      absl::MutexLock lock(&mutex);
-      threads.insert(std::this_thread::get_id());
-      ++ended;
-    });
+    stub.UnaryCall(&call.context, "/none", grpc::StubOptions(), &call.request, &call.reply,
+                   [&](const grpc::Status&) {
+                     std::this_thread::sleep_for(
+                         std::chrono::milliseconds(1));  // so that another thread takes the next one
+                     absl::MutexLock lock(&mutex);
+                     threads.insert(std::this_thread::get_id());
+                     ++ended;
+                   });
   }
   const auto all = [&] { return ended == count; };
   absl::MutexLock lock(&mutex);

@@ -154,7 +154,8 @@ TEST(HttpServerTest, OtherSitesAreRefused) {
     EXPECT_EQ(get.status, 403) << origin;
     EXPECT_THAT(get.body, HasSubstr("requests from web pages of " + origin + " are refused"));
   }
-  const std::string address = "Host: 192.0.2.1" + port + "\r\n";  // reached from elsewhere: its own pages, and no others
+  const std::string address =
+      "Host: 192.0.2.1" + port + "\r\n";  // reached from elsewhere: its own pages, and no others
   EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: http://192.0.2.1" + port + "\r\n").status, 200);
   EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: http://192.0.2.2" + port + "\r\n").status, 403);
   EXPECT_EQ(client.Ask("GET", "/hello", address + "Origin: https://192.0.2.1" + port + "\r\n").status, 403);
@@ -165,10 +166,12 @@ TEST(HttpServerTest, OtherSitesAreRefused) {
 
 TEST(HttpServerTest, EncodedBodiesAreRefused) {
   auto server = StartServer(EchoRoutes());
-  const HttpReply gzip = HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: gzip\r\n", "abc");
+  const HttpReply gzip =
+      HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: gzip\r\n", "abc");
   EXPECT_EQ(gzip.status, 415);
   EXPECT_THAT(gzip.body, HasSubstr("a Content-Encoding of gzip is not read"));
-  EXPECT_EQ(HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: Identity\r\n", "abc").status, 200);
+  EXPECT_EQ(HttpClient(server->port()).Ask("POST", "/length", "Content-Encoding: Identity\r\n", "abc").status,
+            200);
 }
 
 TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
@@ -211,7 +214,8 @@ TEST(HttpServerTest, TargetsWithAHostAreServed) {
   EXPECT_EQ(client.Ask("GET", "http://" + own + "/hello").status, 200);
   EXPECT_EQ(client.Ask("GET", "HTTP://" + own + "/a%20b?x=http://y/").body, "x=http://y/;\n");
   EXPECT_EQ(client.Ask("GET", "http://" + own + "/hello", "Host: evil.example.org\r\n").status, 200);
-  EXPECT_EQ(client.Ask("GET", "http://evil.example.org/hello").status, 403) << "its host counts, not the header's";
+  EXPECT_EQ(client.Ask("GET", "http://evil.example.org/hello").status, 403)
+      << "its host counts, not the header's";
   EXPECT_EQ(client.Ask("GET", "http:///hello").status, 400);
   EXPECT_EQ(client.Ask("GET", "http://" + own).status, 404) << "without a path, that is /";
   EXPECT_EQ(client.Ask("GET", "http://" + own + "?x=1").status, 404);
@@ -243,11 +247,12 @@ TEST(HttpServerTest, AllBodiesTogetherEndAtTheirLimit) {
   HttpServerOptions options;
   options.bodies_bytes = 4u << 20;
   auto server = StartServer(EchoRoutes(), options);
-  const std::string head =
-      absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(), "\r\nContent-Length: 3000000\r\n\r\n");
+  const std::string head = absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
+                                        "\r\nContent-Length: 3000000\r\n\r\n");
   HttpClient first(server->port()), third(server->port());
   ASSERT_TRUE(first.Send(head + std::string(2999999, 'x')));  // all but one
-  for (int i = 0; i < 1000 && server->counts().body_bytes < 2500000; ++i) absl::SleepFor(absl::Milliseconds(10));
+  for (int i = 0; i < 1000 && server->counts().body_bytes < 2500000; ++i)
+    absl::SleepFor(absl::Milliseconds(10));
   HttpClient second(server->port());
   const HttpReply refused = second.Ask("POST", "/length", "", std::string(3000000, 'x'));
   ASSERT_EQ(refused.status, 503);

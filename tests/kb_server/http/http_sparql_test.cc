@@ -115,7 +115,9 @@ TEST_F(HttpSparqlTest, AskAndConstruct) {
 }
 
 TEST_F(HttpSparqlTest, ALargeGraphIsSentInPieces) {
-  const std::string construct = "CONSTRUCT { ?s ?p ?t } WHERE { ?s ?p <urn:o> . ?x <urn:many> <urn:o> BIND(CONCAT(STR(?s), STR(?x)) AS ?t) }";
+  const std::string construct =
+      "CONSTRUCT { ?s ?p ?t } WHERE { ?s ?p <urn:o> . ?x <urn:many> <urn:o> BIND(CONCAT(STR(?s), STR(?x)) AS "
+      "?t) }";
   const HttpReply reply = Get(construct, "application/n-triples");
   EXPECT_EQ(reply.status, 200);
   EXPECT_EQ(reply.headers.at("transfer-encoding"), "chunked");
@@ -140,7 +142,9 @@ TEST_F(HttpSparqlTest, ThreeWaysToSendAQuery) {
   const HttpReply other = client.Ask("POST", "/sparql", "Content-Type: text/plain\r\n", query);
   EXPECT_EQ(other.status, 415);
   EXPECT_THAT(other.body, HasSubstr("not as text/plain"));
-  EXPECT_EQ(client.Ask("POST", "/sparql", "Content-Type: application/sparql-query; charset=UTF-16\r\n", query).status, 415);
+  EXPECT_EQ(client.Ask("POST", "/sparql", "Content-Type: application/sparql-query; charset=UTF-16\r\n", query)
+                .status,
+            415);
   EXPECT_EQ(client.Ask("POST", "/sparql", "", query).status, 415);
   EXPECT_EQ(client.Ask("PUT", "/sparql", "", query).status, 405);
 }
@@ -159,7 +163,9 @@ TEST_F(HttpSparqlTest, BadParameters) {
   const std::string ask = "ASK {}";
   HttpClient client(server_->port());
   EXPECT_EQ(client.Ask("GET", "/sparql?timeout=5").status, 400);
-  EXPECT_EQ(client.Ask("POST", "/sparql", "Content-Type: application/x-www-form-urlencoded\r\n", "x=1").status, 400);
+  EXPECT_EQ(
+      client.Ask("POST", "/sparql", "Content-Type: application/x-www-form-urlencoded\r\n", "x=1").status,
+      400);
   EXPECT_EQ(client.Ask("GET", "/sparql?query=ASK%7B%7D&query=ASK%7B%7D").status, 400);
   EXPECT_EQ(client.Ask("GET", "/sparql?update=CLEAR%20ALL").status, 405);
   EXPECT_EQ(Get(ask, "", "&using-graph-uri=urn:g").status, 400);
@@ -172,7 +178,8 @@ TEST_F(HttpSparqlTest, BadParameters) {
   EXPECT_EQ(Get(ask, "", "&unknown=1").status, 200);
   // counted when it is sent to its end, which its client can see first
   const char* counted = "docent_sparql_requests_total{outcome=\"answered\"} 1\n";
-  for (int i = 0; i < 1000 && !absl::StrContains(metrics_.Render(), counted); ++i) absl::SleepFor(absl::Milliseconds(10));
+  for (int i = 0; i < 1000 && !absl::StrContains(metrics_.Render(), counted); ++i)
+    absl::SleepFor(absl::Milliseconds(10));
   EXPECT_THAT(metrics_.Render(), HasSubstr(counted));
 }
 

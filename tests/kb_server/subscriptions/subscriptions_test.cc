@@ -84,11 +84,12 @@ class SubscriptionsTest : public ::testing::Test {
   std::shared_ptr<Client> Open(const std::string& query, TimeMicros at_least_us = 0) {
     auto client = std::make_shared<Client>();
     absl::Status status;
-    subscriptions_->Open({kPrefix + query, at_least_us}, client, [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
-      status = answer.status();
-      if (answer.ok()) client->answer = *answer;
-      return true;
-    });
+    subscriptions_->Open({kPrefix + query, at_least_us}, client,
+                         [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
+                           status = answer.status();
+                           if (answer.ok()) client->answer = *answer;
+                           return true;
+                         });
     subscriptions_->Drain();
     if (client->answer != nullptr) client->Begin();
     if (!status.ok()) client->failed = status;
@@ -115,7 +116,8 @@ class SubscriptionsTest : public ::testing::Test {
                              [&](absl::Span<const TermId> row) {
                                std::vector<std::optional<Term>> values;
                                for (TermId id : row)
-                                 values.push_back(id.IsNone() ? std::optional<Term>() : (*prepared)->Decode(id));
+                                 values.push_back(id.IsNone() ? std::optional<Term>()
+                                                              : (*prepared)->Decode(id));
                                ++rows[TextOf(values)];
                                return true;
                              })
@@ -159,7 +161,8 @@ TEST_F(SubscriptionsTest, WhoAsksForWhatIsExpensiveOrForTheTimeIsTold) {
   EXPECT_EQ(Open("SELECT ?who { ?who :at :b1 }")->answer->warning(), "");
   EXPECT_THAT(Open("SELECT (COUNT(*) AS ?n) { ?a ?p ?b . ?c ?q ?d }")->answer->warning(),
               ::testing::ContainsRegex("^it is expensive: .* beginning it took .*s on 1 facts"));
-  EXPECT_THAT(Open("ASK { ?who :until ?t FILTER(NOW() > ?t) }")->answer->warning(), ::testing::HasSubstr("passing of time alone"));
+  EXPECT_THAT(Open("ASK { ?who :until ?t FILTER(NOW() > ?t) }")->answer->warning(),
+              ::testing::HasSubstr("passing of time alone"));
   EXPECT_GT(subscriptions_->counters().evaluation_ns, 0u);
 }
 
@@ -290,7 +293,8 @@ TEST_F(SubscriptionsTest, OfQueriesThatNobodyFollowsTheOldestGoBeyondAThousand) 
   for (size_t i = 0; i < 1010; ++i) clients.push_back(Open(query(i)));
   const auto follows_again = Open(query(0));
   for (const auto& client : clients) subscriptions_->Close(client);
-  for (int i = 0; i < 100 && subscriptions_->counters().queries > 1001; ++i) absl::SleepFor(absl::Milliseconds(50));
+  for (int i = 0; i < 100 && subscriptions_->counters().queries > 1001; ++i)
+    absl::SleepFor(absl::Milliseconds(50));
   EXPECT_EQ(subscriptions_->counters().queries, 1001u);  // a thousand, and the one that is followed
   const auto back = Open(query(1009));
   EXPECT_EQ(back->answer, clients[1009]->answer);  // kept: it goes on
@@ -544,7 +548,8 @@ TEST_P(SubscriptionsReplayTest, ReplayedChangesAreTheAnswerAtEachRevision) {
     for (int turn = 0; turn < 40; ++turn) {
       const RandomBatch batch = random.Batch(told);
       clock_.Set(clock_.Now() + random.Pick(4) * TimeMicros{500'000});
-      for (size_t q = 0; q < queries.size(); ++q) truth[q][revision_] = references[q].Lasting(clock_.Now(), GetParam());
+      for (size_t q = 0; q < queries.size(); ++q)
+        truth[q][revision_] = references[q].Lasting(clock_.Now(), GetParam());
       Turn(batch.add, batch.remove);
       for (size_t q = 0; q < queries.size(); ++q) {
         references[q].Set(clock_.Now(), Rerun(queries[q]));

@@ -11,11 +11,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/graph_writer.h"
+#include "gtest/gtest.h"
 
 namespace docent {
 namespace {
@@ -32,10 +32,16 @@ std::vector<ConditionRequest> Shapes() {
       {0, ask("?v :at :B1"), {}, false, {{ask("?v :at :B1"), {"v"}, 5}}},
       {0, ask("?v :at ?booth . ?r :free ?booth"), {"v"}, false, {{ask("?v :at ?booth"), {"v", "booth"}, 5}}},
       {0, ask(unseen), {"v"}, false, {{ask(unseen), {"v"}, 7}}},
-      {0, ask("?v :at ?booth . ?r :free ?booth"), {"r"}, false,
+      {0,
+       ask("?v :at ?booth . ?r :free ?booth"),
+       {"r"},
+       false,
        {{ask("?v :at ?booth"), {"v", "booth"}, 4}, {ask("?r :free ?booth"), {"r", "booth"}, 9}}},
       {0, ask(battery), {"r"}, false, {{ask(battery), {"r"}, 3}}},
-      {0, ask("?v :at :B2 . FILTER NOT EXISTS { ?r :free :B2 }"), {"v"}, false,
+      {0,
+       ask("?v :at :B2 . FILTER NOT EXISTS { ?r :free :B2 }"),
+       {"v"},
+       false,
        {{ask("FILTER NOT EXISTS { ?r :free :B2 }"), {}, 6}}},
   };
 }
@@ -141,7 +147,9 @@ class Timeline {
   };
 
   uint32_t Below(uint32_t bound) { return static_cast<uint32_t>(random_() % bound); }
-  TermId Id(const std::string& name, uint32_t n) { return dictionary_.InternIri(absl::StrCat("urn:w:", name, n)); }
+  TermId Id(const std::string& name, uint32_t n) {
+    return dictionary_.InternIri(absl::StrCat("urn:w:", name, n));
+  }
   TermId Id(const std::string& name) { return dictionary_.InternIri(absl::StrCat("urn:w:", name)); }
 
   Quad AnyQuad() {
@@ -152,8 +160,9 @@ class Timeline {
       case 2:
         return {Id("R", Below(2)), Id("free"), Id("B", 1 + Below(2)), graph_};
       case 3:
-        return Below(2) == 0 ? Quad{Id("C", Below(2)), Id("sees"), Id("V", Below(3)), graph_}
-                             : Quad{Id("V", Below(3)), dictionary_.InternIri(kRdfType), Id("Visitor"), graph_};
+        return Below(2) == 0
+                   ? Quad{Id("C", Below(2)), Id("sees"), Id("V", Below(3)), graph_}
+                   : Quad{Id("V", Below(3)), dictionary_.InternIri(kRdfType), Id("Visitor"), graph_};
       default:
         return {Id("R", Below(2)), Id("battery"),
                 dictionary_.Intern(Term::Literal(absl::StrCat(Below(6)), std::string(kXsdInteger))), graph_};

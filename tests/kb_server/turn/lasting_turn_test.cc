@@ -2,8 +2,8 @@
 // same.
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "kb_server/writer/server_state.h"
 #include "kb_server/turn/turn.h"
+#include "kb_server/writer/server_state.h"
 #include "tests/kb_server/test_world.h"
 
 namespace docent {

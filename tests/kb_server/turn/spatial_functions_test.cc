@@ -11,7 +11,9 @@ namespace {
 using test::Fact;
 using test::Tell;
 
-Term Decimal(const std::string& text) { return Term::Literal(text, std::string(kXsdDecimal)); }
+Term Decimal(const std::string& text) {
+  return Term::Literal(text, std::string(kXsdDecimal));
+}
 
 class SpatialFunctionsTest : public ::testing::Test {
  protected:
@@ -43,7 +45,8 @@ class SpatialFunctionsTest : public ::testing::Test {
 
 TEST_F(SpatialFunctionsTest, DistanceIsMetresToTheMillimetre) {
   EXPECT_EQ(*Call("distance", {Decimal("0"), Decimal("0"), Decimal("3"), Decimal("4.0")}), Decimal("5.000"));
-  EXPECT_EQ(*Call("distance", {Decimal("1.5"), Decimal("-2"), Decimal("1.5"), Decimal("-2")}), Decimal("0.000"));
+  EXPECT_EQ(*Call("distance", {Decimal("1.5"), Decimal("-2"), Decimal("1.5"), Decimal("-2")}),
+            Decimal("0.000"));
   EXPECT_FALSE(Call("distance", {Decimal("0"), Term::Literal("0"), Decimal("3"), Decimal("4")}).ok());
   EXPECT_FALSE(Call("distance", {Decimal("0"), test::Iri("a"), Decimal("3"), Decimal("4")}).ok());
 }
@@ -80,8 +83,10 @@ RULE { ?r docent:isNear ?d } WHERE {
 TEST_F(SpatialFunctionsTest, ConditionsFollowPositions) {
   ConditionRequest request;
   request.handle = 1;
-  request.ask = "PREFIX docent: <https://w3id.org/docent#> ASK { ?r docent:x ?x ; docent:y ?y "
-                "FILTER(docent:inRegion(?x, ?y, \"POLYGON((0 0, 4 0, 4 4, 0 4, 0 0))\") && docent:distance(?x, ?y, 0, 0) > 1) }";
+  request.ask =
+      "PREFIX docent: <https://w3id.org/docent#> ASK { ?r docent:x ?x ; docent:y ?y "
+      "FILTER(docent:inRegion(?x, ?y, \"POLYGON((0 0, 4 0, 4 4, 0 4, 0 0))\") && docent:distance(?x, ?y, 0, "
+      "0) > 1) }";
   Must(Tell({Fact("docent:x", "a", "docent:StateProperty"), Fact("docent:y", "a", "docent:StateProperty")}));
   ASSERT_TRUE(stages_.conditions.Arm({request}, stages_.writer.current(), 0).ok());
   stages_.Commit();

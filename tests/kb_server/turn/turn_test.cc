@@ -155,29 +155,36 @@ TEST(TurnTest, AReadingARuleAConstraintAndAWorkflowActInOneTurn) {
 TEST(TurnTest, EvidenceIsOfTheAlternativeThatHoldsAndOfFactsAlone) {
   World world;
   world.Must(test::WorldFacts());
-  const auto say = [](const std::string& name, const std::string& subject, const std::string& verb, const std::string& object) {
+  const auto say = [](const std::string& name, const std::string& subject, const std::string& verb,
+                      const std::string& object) {
     return "<constraint name=\"" + name + "\"><subject>" + subject + "</subject><verb>&lt;urn:w:" + verb +
            "&gt;</verb><object>" + object + "</object></constraint>";
   };
-  world.Must(test::Put(Document::Kind::kCawl, "search.xml",
-                       "<CAWL name=\"Search\" namespace=\"urn:w:\" version=\"1\"><activator name=\"Act\"><activate flow=\"F\"/>"
-                       "<condition><context name=\"C\"><rule name=\"r\" expression=\"(a and b) or c or d or (e and f)\">" +
-                           say("a", "?who", "likes", "?thing") + say("b", "?thing", "inRoom", "?room") +
-                           say("c", "?who", "status", "&lt;urn:w:Gone&gt;") + say("d", "?who", "lost", "?why") +
-                           say("e", "?who", "knows", "?other") + say("f", "?other", "knows", "?who") +
-                           "</rule></context></condition></activator><flow name=\"F\"><source name=\"s\"/>"
-                           "<node name=\"n\"/><sink name=\"t\"/><link from=\"s\" to=\"n\"/><link from=\"n\" to=\"t\"/></flow></CAWL>"));
+  world.Must(test::Put(
+      Document::Kind::kCawl, "search.xml",
+      "<CAWL name=\"Search\" namespace=\"urn:w:\" version=\"1\"><activator name=\"Act\"><activate "
+      "flow=\"F\"/>"
+      "<condition><context name=\"C\"><rule name=\"r\" expression=\"(a and b) or c or d or (e and f)\">" +
+          say("a", "?who", "likes", "?thing") + say("b", "?thing", "inRoom", "?room") +
+          say("c", "?who", "status", "&lt;urn:w:Gone&gt;") + say("d", "?who", "lost", "?why") +
+          say("e", "?who", "knows", "?other") + say("f", "?other", "knows", "?who") +
+          "</rule></context></condition></activator><flow name=\"F\"><source name=\"s\"/>"
+          "<node name=\"n\"/><sink name=\"t\"/><link from=\"s\" to=\"n\"/><link from=\"n\" "
+          "to=\"t\"/></flow></CAWL>"));
   world.Must(test::Tell({Fact("t1", "inRoom", "r1"), Fact("t2", "inRoom", "r2")}));
   const auto cause = [&](const std::vector<TermQuad>& facts) {
     const TurnResult result = world.Must(test::Tell(facts));
     const std::vector<Transition>& all = result.record.transitions;
-    const auto activated = std::find_if(all.begin(), all.end(), [](const Transition& t) { return t.cause.starts_with("activator"); });
+    const auto activated = std::find_if(all.begin(), all.end(),
+                                        [](const Transition& t) { return t.cause.starts_with("activator"); });
     return activated == all.end() ? "" : activated->cause;
   };
   EXPECT_EQ(cause({Fact("V1", "likes", "t1")}),
             "activator Act: <urn:w:V1> <urn:w:likes> <urn:w:t1> . <urn:w:t1> <urn:w:inRoom> <urn:w:r1> . ");
-  EXPECT_EQ(cause({Fact("V2", "status", "Gone")}), "activator Act: <urn:w:V2> <urn:w:status> <urn:w:Gone> . ");
-  EXPECT_EQ(cause({Fact("V3", "knows", "V3")}), "activator Act: <urn:w:V3> <urn:w:knows> <urn:w:V3> . ");  // two patterns
+  EXPECT_EQ(cause({Fact("V2", "status", "Gone")}),
+            "activator Act: <urn:w:V2> <urn:w:status> <urn:w:Gone> . ");
+  EXPECT_EQ(cause({Fact("V3", "knows", "V3")}),
+            "activator Act: <urn:w:V3> <urn:w:knows> <urn:w:V3> . ");  // two patterns
 }
 
 TEST(TurnTest, AConditionThatHoldsAlreadyFiresInTheTurnThatStartsTheRun) {
@@ -294,7 +301,8 @@ TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
   Cancellation cancellation;
   world_.stages.cancellation = &cancellation;
   WriteBatch batch = Put(Document::Kind::kRules, "cross.rules",
-                         "RULE { ?a <urn:w:r> ?b } WHERE { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z FILTER(?a = ?z) }");
+                         "RULE { ?a <urn:w:r> ?b } WHERE { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c "
+                         "<urn:w:in> ?z FILTER(?a = ?z) }");
   for (int i = 0; i < 100; ++i) {
     batch.operations.push_back({QuadOperation::Kind::kAdd, Fact(absl::StrCat("n", i), "in", "Set")});
   }
@@ -306,12 +314,15 @@ TEST_F(FailingTurnTest, ARuleWithACostlyJoin) {
 // Its place was shown with a line of the other set.
 TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
   for (World* world : {&world_, &twin_}) {
-    world->Must(Put(Document::Kind::kRules, "w.rules",
-                    "# free\nRULE { ?x a <urn:w:Free> } WHERE { ?x a <urn:w:Robot> NOT { ?x a <urn:w:Busy> } }"));
+    world->Must(
+        Put(Document::Kind::kRules, "w.rules",
+            "# free\nRULE { ?x a <urn:w:Free> } WHERE { ?x a <urn:w:Robot> NOT { ?x a <urn:w:Busy> } }"));
   }
-  Fail(Put(Document::Kind::kRules, "b.rules", "# busy\n\nRULE { ?x a <urn:w:Busy> } WHERE { ?x a <urn:w:Free> }"),
+  Fail(Put(Document::Kind::kRules, "b.rules",
+           "# busy\n\nRULE { ?x a <urn:w:Busy> } WHERE { ?x a <urn:w:Free> }"),
        absl::StatusCode::kInvalidArgument,
-       "w.rules:2:1: error: negation through recursion: w.rules rule 1 (line 2) negates what is derived by b.rules rule 1 (line 3), "
+       "w.rules:2:1: error: negation through recursion: w.rules rule 1 (line 2) negates what is derived by "
+       "b.rules rule 1 (line 3), "
        "which needs w.rules rule 1 (line 2)\n  RULE { ?x a <urn:w:Free> }");
   GoOn();
 }
@@ -326,7 +337,8 @@ TEST_F(FailingTurnTest, AStandingConditionWithACostlyJoin) {
     world->Must(Tell(facts));
     ASSERT_TRUE(world->stages.conditions
                     .Arm({{ConditionHandle{1} << 40,
-                           "ASK { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z . ?go <urn:w:go> ?d FILTER(?a = ?z) }"}},
+                           "ASK { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z . ?go <urn:w:go> ?d "
+                           "FILTER(?a = ?z) }"}},
                          world->stages.writer.current(), world->now_us)
                     .ok());
     world->stages.Commit();
@@ -379,10 +391,14 @@ TEST_F(FailingTurnTest, WorkflowsThatStartEachOtherWithoutEnd) {
   // each run is a new binding of the activator that started it
   std::string again =
       "<CAWL name=\"Again\" namespace=\"urn:w:\" version=\"1.0\" xmlns:docent=\"https://w3id.org/docent#\">"
-      "<activator name=\"OnItself\"><activate flow=\"Again\"/><condition><context name=\"c\"><rule name=\"r\">"
-      "<constraint name=\"k\"><subject>?run</subject><verb>docent:workflow</verb><object>\"Again\"</object></constraint>"
-      "</rule></context></condition></activator><flow name=\"Again\"><source name=\"start\"/><node name=\"N\">"
-      "<invoke operation=\"nothing\"/></node><sink name=\"end\"/><link from=\"start\" to=\"N\"/><link from=\"N\" to=\"end\"/>"
+      "<activator name=\"OnItself\"><activate flow=\"Again\"/><condition><context name=\"c\"><rule "
+      "name=\"r\">"
+      "<constraint "
+      "name=\"k\"><subject>?run</subject><verb>docent:workflow</verb><object>\"Again\"</object></constraint>"
+      "</rule></context></condition></activator><flow name=\"Again\"><source name=\"start\"/><node "
+      "name=\"N\">"
+      "<invoke operation=\"nothing\"/></node><sink name=\"end\"/><link from=\"start\" to=\"N\"/><link "
+      "from=\"N\" to=\"end\"/>"
       "</flow></CAWL>";
   for (World* world : {&world_, &twin_}) world->Must(Put(Document::Kind::kCawl, "again.xml", again));
   WriteBatch batch = test::Start("Again");

@@ -8,8 +8,8 @@
 
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "kb_server/work/http_fetch.h"
 #include "kb_server/http/http_server.h"
+#include "kb_server/work/http_fetch.h"
 
 namespace docent {
 namespace {
@@ -113,7 +113,8 @@ TEST_F(RemoteAccessHttpTest, WhatIsNoAnswerIsAnError) {
        {"", "<html>", "[]", "{\"head\":{},\"boolean\":true}",
         "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"?\"}}]}}",
         "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":7}]}}",
-        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"uri\",\"value\":\"not an iri\"}}]}}"}) {
+        "{\"head\":{\"vars\":[\"a\"]},\"results\":{\"bindings\":[{\"a\":{\"type\":\"uri\",\"value\":\"not an "
+        "iri\"}}]}}"}) {
     server_.reset();
     Serve(Json(text));
     EXPECT_EQ(Select().status().code(), absl::StatusCode::kUnknown) << text;
@@ -170,7 +171,8 @@ TEST_F(RemoteAccessHttpTest, WhoWaitsForAnotherServerLetsOthersRun) {
   RemoteAccess slow({base_}, Limits{}, &pool);
   Cancellation cancellation;
   ASSERT_TRUE(pool.Submit([&] {
-    EXPECT_EQ(slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_EQ(slow.Select(base_ + "/sparql", "SELECT * {}", false, &cancellation).status().code(),
+              absl::StatusCode::kCancelled);
     go.Notify();
   }));
   asked.WaitForNotification();

@@ -9,8 +9,8 @@
 
 #include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "graph/log/record_codec.h"
+#include "gtest/gtest.h"
 #include "tests/kb_server/writer_node.h"
 
 namespace docent {
@@ -45,7 +45,8 @@ class Gate {
   // Waits until so many appends have begun.
   void WaitForAppends(size_t count) {
     absl::MutexLock lock(&mutex_);
-    const auto begun = [this, count]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return sizes_.size() >= count; };
+    const auto begun = [this, count]()
+                           ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return sizes_.size() >= count; };
     mutex_.Await(absl::Condition(&begun));
   }
   void Open() {
@@ -122,9 +123,10 @@ TEST(CommitterTest, TheNextTurnsAreDecidedDuringAnAppendAndNothingOfThemIsSeen) 
 }
 
 TEST(CommitterTest, GroupsInFlightAreRefusedTogetherAndNothingOfThemHappened) {
-  const std::vector<WriteBatch> batches = {Named("a", Tell({Fact("John", "docent:isAt", "Hall")})),
-                                           Named("b", Put(Document::Kind::kRules, "near.rules", test::kRules)),
-                                           Named("c", test::Start("Greeting"))};
+  const std::vector<WriteBatch> batches = {
+      Named("a", Tell({Fact("John", "docent:isAt", "Hall")})),
+      Named("b", Put(Document::Kind::kRules, "near.rules", test::kRules)),
+      Named("c", test::Start("Greeting"))};
   InFlight flight(batches);
   Node& node = flight.node;
   const std::vector<std::string> before = node.Quads();
@@ -241,7 +243,8 @@ TEST(CommitterTest, ARefusalThatSupposesTurnsInFlightIsToldAfterThem) {
   flight.log.refusal = absl::UnavailableError("input/output error");
   flight.log.once = true;
   flight.gate->Open();
-  for (Answer& answer : flight.answers) EXPECT_EQ(answer.get().status().code(), absl::StatusCode::kUnavailable);
+  for (Answer& answer : flight.answers)
+    EXPECT_EQ(answer.get().status().code(), absl::StatusCode::kUnavailable);
 }
 
 // Clients tell facts at the same time, while the log refuses some appends and loses the answers of others.
@@ -278,7 +281,8 @@ TEST(CommitterTest, WhatIsAcknowledgedIsInTheLogAndWhatIsRefusedIsNot) {
   std::set<std::string> logged;
   const auto entries = log.Read(1, SIZE_MAX);
   ASSERT_TRUE(entries.ok());
-  for (const LogEntry& entry : *entries) logged.insert(DecodeTurnRecord(entry.offset, entry.data)->batch.request_id);
+  for (const LogEntry& entry : *entries)
+    logged.insert(DecodeTurnRecord(entry.offset, entry.data)->batch.request_id);
   size_t acknowledged = 0;
   for (const auto& client : told) {
     for (const auto& [id, ok] : client) {

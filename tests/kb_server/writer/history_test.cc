@@ -5,12 +5,12 @@
 
 #include "absl/strings/str_format.h"
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
-#include "kb_server/writer/recovery.h"
 #include "graph/log/record_codec.h"
 #include "graph/log/sqlite_log.h"
-#include "tests/kb_server/random_world.h"
+#include "gtest/gtest.h"
+#include "kb_server/writer/recovery.h"
 #include "tests/graph/log/test_records.h"
+#include "tests/kb_server/random_world.h"
 
 namespace docent {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "graph/log/record_codec.h"
 #include "graph/log/sqlite_log.h"
+#include "gtest/gtest.h"
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/writer_node.h"
 
@@ -211,7 +211,8 @@ TEST(WriterTest, ARefusedAppendDoesNotDisturbCommandsThatAreUnderWay) {
   done.Notify();
   ASSERT_TRUE(node.Ask(Tell({Fact("John", "docent:feels", "docent:Glad")})).ok());
   adapter.WaitForCommands(2);
-  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
+  EXPECT_THAT(adapter.commands(),
+              ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
   EXPECT_TRUE(node.End().ok());
 }
 
@@ -389,7 +390,8 @@ TEST(WriterTest, CommandsGoOutAfterTheAppendOnly) {
   adapter.WaitForCommands(1);
   ASSERT_TRUE(node.Ask(Tell({Fact("John", "docent:feels", "docent:Glad")})).ok());
   adapter.WaitForCommands(2);
-  EXPECT_THAT(adapter.commands(), ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
+  EXPECT_THAT(adapter.commands(),
+              ElementsAre(StartsWith("Greet-1/Hello/0/0.1/1/1@"), StartsWith("Greet-1/Goodbye/0/0.1/1/1@")));
   EXPECT_FALSE(early);
   EXPECT_TRUE(node.End().ok());
 }

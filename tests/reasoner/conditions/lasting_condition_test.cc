@@ -1,8 +1,8 @@
 #include "reasoner/conditions/lasting_condition.h"
 
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "graph/rdf/dictionary.h"
+#include "gtest/gtest.h"
 
 namespace docent {
 namespace {

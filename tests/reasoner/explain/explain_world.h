@@ -25,7 +25,8 @@ class ExplainWorld : public testing::Test, public TestWorld {
   }
 
   void Rules(const std::string& name, const std::string& text) {
-    settings_.rules.push_back({name, std::make_shared<const std::string>("PREFIX : <http://example.org/>\n" + text)});
+    settings_.rules.push_back(
+        {name, std::make_shared<const std::string>("PREFIX : <http://example.org/>\n" + text)});
     EXPECT_TRUE(engine_.PutRules(name, *settings_.rules.back().text).empty());
   }
   void BuiltIn(const std::string& name) { Rules(name, BuiltInRuleSet(name)); }

@@ -40,8 +40,9 @@ TEST_F(WhyNotTest, WhatARuleForbidsIsSaidWithoutItsVariablesInAQuestionWithoutAn
 TEST_F(WhyNotTest, WhatARuleForbidsDoesNotTakeTheQuestionsNames) {
   Rules("free.rules", "RULE { ?r a :Free } WHERE { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }");
   Tell({"r1 a Robot", "r1 task j1"});
-  EXPECT_THAT(WhyNotText("ASK { :r1 a :Free ; :goes ?t }"),
-              AllOf(HasSubstr("missing     :r1 :goes ?t"), HasSubstr("(there must be no { :r1 :task ?t2 })")));
+  EXPECT_THAT(
+      WhyNotText("ASK { :r1 a :Free ; :goes ?t }"),
+      AllOf(HasSubstr("missing     :r1 :goes ?t"), HasSubstr("(there must be no { :r1 :task ?t2 })")));
 }
 
 TEST_F(WhyNotTest, WhatMustNotBeOfAnOpenVariableIsAConditionOnIt) {
@@ -51,13 +52,15 @@ TEST_F(WhyNotTest, WhatMustNotBeOfAnOpenVariableIsAConditionOnIt) {
   const explain::WhyNotAnswer answer = WhyNot(ask, 9);
   ASSERT_EQ(answer.repairs.size(), 1u);
   EXPECT_THAT(answer.repairs[0].conditions, ElementsAre("there is no { ?b :edge ?c }"));
-  EXPECT_THAT(WhyNotText(ask), HasSubstr("  missing     :c3 :edge ?b\n  where       there is no { ?b :edge ?c }\n"));
+  EXPECT_THAT(WhyNotText(ask),
+              HasSubstr("  missing     :c3 :edge ?b\n  where       there is no { ?b :edge ?c }\n"));
 }
 
 TEST_F(WhyNotTest, WhatMustNotBeIsAskedForOnceWhateverItsAlternatives) {
   Tell({"p1 a Place"});
-  EXPECT_THAT(WhyNot("ASK { :r1 :at ?p MINUS { { ?p :taken ?by } UNION { ?p a :Closed } } }").repairs[0].conditions,
-              ElementsAre("there is no { { ?p :taken ?by . } UNION { ?p a :Closed . } }"));
+  EXPECT_THAT(
+      WhyNot("ASK { :r1 :at ?p MINUS { { ?p :taken ?by } UNION { ?p a :Closed } } }").repairs[0].conditions,
+      ElementsAre("there is no { { ?p :taken ?by . } UNION { ?p a :Closed . } }"));
 }
 
 TEST_F(WhyNotTest, WhatARuleForbidsOfAnOpenVariableIsSaidInTheQuestionsNames) {
@@ -113,7 +116,8 @@ class WhyNotSets : public ExplainWorld {
 
 TEST_F(WhyNotSets, OfAGroupThatMustNotBeTheFactThatIsNotNeededIsInTheWay) {
   Tell({"Z p K", "Z2 a Bot"});
-  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :Z :p :K . :Z2 a :Bot } }"), ElementsAre("-Z2 a Bot"));
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :Z :p :K . :Z2 a :Bot } }"),
+              ElementsAre("-Z2 a Bot"));
   EXPECT_TRUE(answer_.whole);
   EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { :Z :p :K . :Z2 a :Bot } }"),
               HasSubstr("in the way  :Z2 a :Bot   (there must be no { :Z :p :K . :Z2 a :Bot })"));
@@ -137,13 +141,16 @@ TEST_F(WhyNotSets, WhatMustNotBeInOneGraphIsWithdrawnFromThatOneOnly) {
   Tell({"Z p K", "R fault F1 @g", "R fault F1 @h"});
   const auto graphs = [this] {
     std::vector<std::string> all;
-    for (const TermQuad& quad : answer_.repairs.at(0).in_the_way.at(0).withdraw) all.push_back(Text(dictionary.Intern(quad.graph)));
+    for (const TermQuad& quad : answer_.repairs.at(0).in_the_way.at(0).withdraw)
+      all.push_back(Text(dictionary.Intern(quad.graph)));
     return all;
   };
-  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"), ElementsAre("-R fault F1"));
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"),
+              ElementsAre("-R fault F1"));
   EXPECT_THAT(graphs(), ElementsAre("g"));
   EXPECT_THAT(WhyNotText("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :g { :R :fault ?f } } }"),
-              AllOf(HasSubstr("  in the way  :R :fault :F1   (there must be no { GRAPH :g {"), HasSubstr("; told by :g)\n")));
+              AllOf(HasSubstr("  in the way  :R :fault :F1   (there must be no { GRAPH :g {"),
+                    HasSubstr("; told by :g)\n")));
   EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { :R :fault ?f } }"), ElementsAre("-R fault F1"));
   EXPECT_THAT(graphs(), UnorderedElementsAre("g", "h"));
 }
@@ -154,11 +161,13 @@ TEST_F(WhyNotSets, APathInAGraphIsBrokenAndClosedInThatGraph) {
               UnorderedElementsAre("-R1 in Hall", "-Hall in City"));
   EXPECT_TRUE(answer_.whole);
   for (const char* graph : {":map", "?g"}) {
-    EXPECT_THAT(Sets(absl::StrCat("ASK { :Z :p :K . FILTER NOT EXISTS { ?r :in :Hall . GRAPH ", graph, " { ?r :in+ :City . :Hall :in :City } } }")),
+    EXPECT_THAT(Sets(absl::StrCat("ASK { :Z :p :K . FILTER NOT EXISTS { ?r :in :Hall . GRAPH ", graph,
+                                  " { ?r :in+ :City . :Hall :in :City } } }")),
                 UnorderedElementsAre("-R1 in Hall", "-Hall in City"));
   }
   EXPECT_THAT(Sets("ASK { GRAPH :map { :City :in+ :Fair } }"), Contains("+City in Fair"));
-  EXPECT_THAT(Sets("ASK { GRAPH :other { :R1 :in+ :Fair } }"), UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
+  EXPECT_THAT(Sets("ASK { GRAPH :other { :R1 :in+ :Fair } }"),
+              UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
 }
 
 TEST_F(WhyNotSets, ValuesThatPassFiltersOfTimesAndTextsAreFound) {
@@ -166,8 +175,10 @@ TEST_F(WhyNotSets, ValuesThatPassFiltersOfTimesAndTextsAreFound) {
   const auto missing = [this](const std::string& filter) {
     return Sets("ASK { :R1 :has ?t FILTER(" + filter + ") }");
   };
-  EXPECT_THAT(missing("?t > \"2026-01-01T00:00:00Z\"^^xsd:dateTime"), ElementsAre("+R1 has 2026-01-02T00:00:00+00:00"));
-  EXPECT_THAT(missing("?t < \"2026-01-01T10:00:00.5\"^^xsd:dateTime"), ElementsAre("+R1 has 2025-12-31T10:00:00.5"));
+  EXPECT_THAT(missing("?t > \"2026-01-01T00:00:00Z\"^^xsd:dateTime"),
+              ElementsAre("+R1 has 2026-01-02T00:00:00+00:00"));
+  EXPECT_THAT(missing("?t < \"2026-01-01T10:00:00.5\"^^xsd:dateTime"),
+              ElementsAre("+R1 has 2025-12-31T10:00:00.5"));
   EXPECT_THAT(missing("?t > \"2026-02-28\"^^xsd:date"), ElementsAre("+R1 has 2026-03-01"));
   EXPECT_THAT(missing("LANG(?t) = \"de\""), ElementsAre("+R1 has 'example"));
   EXPECT_THAT(missing("STRSTARTS(STR(?t), \"http://example.org/\")"), ElementsAre("+R1 has example"));
@@ -192,7 +203,8 @@ TEST_F(WhyNotSets, ADerivationGoesAlsoByWhatItsRuleForbids) {
   EXPECT_THAT(Sets(ask), UnorderedElementsAre("-R fault F1, -R fault F2", "+F1 ack true, -R fault F2",
                                               "+F2 ack true, -R fault F1", "+F1 ack true, +F2 ack true"));
   EXPECT_TRUE(answer_.whole);
-  EXPECT_THAT(WhyNotText(ask, 9), HasSubstr("missing     :F1 :ack true   (for there to be no { :R a :Bad })"));
+  EXPECT_THAT(WhyNotText(ask, 9),
+              HasSubstr("missing     :F1 :ack true   (for there to be no { :R a :Bad })"));
 }
 
 TEST_F(WhyNotSets, WhatIsMissingMayItselfClearTheWay) {
@@ -232,14 +244,13 @@ TEST_F(WhyNotSets, OfARecursivePathAStepIsMissing) {
   EXPECT_TRUE(answer_.whole);
   EXPECT_THAT(Sets("ASK { :Hall (:in|:partOf)+ :City }"), ElementsAre("+Hall in City", "+Hall partOf City"));
   EXPECT_THAT(Sets("ASK { :Hall :in? :City }"), ElementsAre("+Hall in City"));
-  EXPECT_THAT(Sets("ASK { :Hall :in*/:name ?n }"),
-              UnorderedElementsAre("+Hall name urn:docent:example:n"));
+  EXPECT_THAT(Sets("ASK { :Hall :in*/:name ?n }"), UnorderedElementsAre("+Hall name urn:docent:example:n"));
 }
 
 TEST_F(WhyNotSets, OfARecursivePathTheStepBetweenTwoChainsIsMissing) {
   Tell({"R1 in Hall", "Hall in Fair", "City in Land", "Other in Place"});
-  EXPECT_THAT(Sets("ASK { :R1 :in+ :Land }"),
-              ElementsAre("+R1 in Land", "+Fair in City", "+Fair in Land", "+Hall in City", "+Hall in Land", "+R1 in City"));
+  EXPECT_THAT(Sets("ASK { :R1 :in+ :Land }"), ElementsAre("+R1 in Land", "+Fair in City", "+Fair in Land",
+                                                          "+Hall in City", "+Hall in Land", "+R1 in City"));
   EXPECT_TRUE(answer_.whole);
 }
 
@@ -253,10 +264,13 @@ TEST_F(WhyNotSets, ALargeSetIsMadeAsSmallAsItCanBe) {
         "RULE { ?x a :Thing } WHERE { ?x :p0 ?y . FILTER EXISTS { ?y :p0 ?w } }\n"
         "RULE { ?x a :Other } WHERE { ?x a :Thing . MINUS { ?x :p3 ?y } }\n"
         "RULE { ?x a :Bad } WHERE { ?x :p0 ?y . FILTER NOT EXISTS { ?y :p1 ?z } }\n");
-  Tell({"n0 p2 n2 @g1", "n1 p0 n3", "n1 p1 0.1", "n1 p2 4", "n1 p3 n1", "n2 p0 n0 @g0", "n2 p2 n0 @g1", "n2 p3 0.1f @g0", "n3 p0 3",
-        "n3 p0 n2", "n3 p0 n2 @g0", "n3 p1 n3", "n3 p2 n2", "n4 p0 n0", "n4 p0 n3", "n4 p1 n0 @g0", "n4 p2 1 @g0", "n4 p3 '2"});
+  Tell({"n0 p2 n2 @g1", "n1 p0 n3", "n1 p1 0.1", "n1 p2 4", "n1 p3 n1", "n2 p0 n0 @g0", "n2 p2 n0 @g1",
+        "n2 p3 0.1f @g0", "n3 p0 3", "n3 p0 n2", "n3 p0 n2 @g0", "n3 p1 n3", "n3 p2 n2", "n4 p0 n0",
+        "n4 p0 n3", "n4 p1 n0 @g0", "n4 p2 1 @g0", "n4 p3 '2"});
   const explain::WhyNotAnswer answer = WhyNot(
-      "ASK { :n3 :p3 :n4 . ?z :p1 ?y . ?y :p3 :n1 . ?y a :Other . FILTER NOT EXISTS { :n1 :p0 ?x . ?z :p1 ?z . } ?z (:p0/:p1)* ?x . }", 4);
+      "ASK { :n3 :p3 :n4 . ?z :p1 ?y . ?y :p3 :n1 . ?y a :Other . FILTER NOT EXISTS { :n1 :p0 ?x . ?z :p1 ?z "
+      ". } ?z (:p0/:p1)* ?x . }",
+      4);
   ASSERT_FALSE(answer.repairs.empty());
   EXPECT_EQ(answer.repairs[0].size(), 4u);
 }
@@ -286,21 +300,25 @@ TEST_F(WhyNotSets, WhatACountLacksIsToldOrWithdrawn) {
 }
 
 TEST_F(WhyNotSets, ARuleThatTellsTheCountIsFollowed) {
-  Rules("r.rules", absl::StrCat("RULE { ?b :visitors ?n } WHERE { ?b :open :Yes . ", kVisitorsOfABooth, " FILTER(?n >= 2) }"));
+  Rules("r.rules", absl::StrCat("RULE { ?b :visitors ?n } WHERE { ?b :open :Yes . ", kVisitorsOfABooth,
+                                " FILTER(?n >= 2) }"));
   Tell({"v1 at B", "v2 at B"});
   EXPECT_THAT(Sets("ASK { :B :visitors 2 }"), Contains("+B open Yes"));
   EXPECT_FALSE(answer_.whole);
 }
 
 TEST_F(WhyNotSets, WhatTheCountOfARuleLacksIsTold) {
-  Rules("crowd.rules", absl::StrCat("RULE { ?b :state :Crowded } WHERE { ", kVisitorsOfABooth, " FILTER(?n >= 3) }\n",
-                                    "RULE { ?b :state :Empty } WHERE { ?b a :Booth FILTER NOT EXISTS { ", kVisitorsOfABooth,
-                                    " FILTER(?n >= 1) } }"));
+  Rules("crowd.rules",
+        absl::StrCat("RULE { ?b :state :Crowded } WHERE { ", kVisitorsOfABooth, " FILTER(?n >= 3) }\n",
+                     "RULE { ?b :state :Empty } WHERE { ?b a :Booth FILTER NOT EXISTS { ", kVisitorsOfABooth,
+                     " FILTER(?n >= 1) } }"));
   Tell({"v1 at B", "B a Booth", "C a Booth"});
-  EXPECT_THAT(Sets("ASK { :B :state :Crowded }"), ElementsAre("+urn:docent:example:v at B, +urn:docent:example:v2 at B"));
+  EXPECT_THAT(Sets("ASK { :B :state :Crowded }"),
+              ElementsAre("+urn:docent:example:v at B, +urn:docent:example:v2 at B"));
   Tell({"v2 at B", "v3 at B"});
   EXPECT_THAT(Why("ASK { :B :state :Crowded }"), HasSubstr("COUNT(?v)"));
-  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { :B :state :Crowded } }"), UnorderedElementsAre("-v1 at B", "-v2 at B", "-v3 at B"));
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { :B :state :Crowded } }"),
+              UnorderedElementsAre("-v1 at B", "-v2 at B", "-v3 at B"));
 }
 
 class WhyNotOwl : public ExplainWorld {

@@ -105,7 +105,8 @@ TEST_F(WhyInconsistency, ChecksOfTheSameNameAreToldApart) {
   Rules("a.rules", "RULE :odd { } WHERE { ?x :name 1 }");
   Tell({"i name 1", "k name 2"});
   EXPECT_THAT(ToldUnderReports(), UnorderedElementsAre("i name 1", "k name 2"));
-  EXPECT_THAT(Why("ASK { ?i docent:evidence/rdf:subject :k }"), HasSubstr("by b.rules odd (line 2), ?x = :k"));
+  EXPECT_THAT(Why("ASK { ?i docent:evidence/rdf:subject :k }"),
+              HasSubstr("by b.rules odd (line 2), ?x = :k"));
 }
 
 TEST_F(WhyInconsistency, OfOwlIsExplainedDownToWhoToldIt) {
@@ -114,7 +115,8 @@ TEST_F(WhyInconsistency, OfOwlIsExplainedDownToWhoToldIt) {
   const std::string text = Why("ASK { ?i a docent:Inconsistency ; docent:rule 'cax-dw' }");
   EXPECT_THAT(text, AllOf(HasSubstr("by owl2rl cax-dw (line "), HasSubstr(":Man owl:disjointWith :Woman"),
                           HasSubstr("  :w1 a :Man\n    by owl2rl cax-sco (line "),
-                          HasSubstr("    :w1 a :Groom\n      told by :crm"), HasSubstr("  :w1 a :Woman\n    told by")));
+                          HasSubstr("    :w1 a :Groom\n      told by :crm"),
+                          HasSubstr("  :w1 a :Woman\n    told by")));
 }
 
 TEST_F(WhyInconsistency, ItsLeavesAreWhatToWithdraw) {
@@ -146,9 +148,10 @@ TEST_F(WhyParts, AnAggregateRestsOnTheFactsOfItsGroup) {
 
 TEST_F(WhyParts, OfManyFactsOfAGroupSomeAreShown) {
   for (int i = 0; i < 30; ++i) Tell({absl::StrCat("R1 task t", i)});
-  EXPECT_THAT(Why("ASK { { SELECT ?r (COUNT(?t) AS ?n) WHERE { ?r :task ?t } GROUP BY ?r HAVING (COUNT(?t) > 3) } }"),
-              AllOf(HasSubstr("?r = :R1, ?n = 30\n"), HasSubstr("GROUP BY ?r HAVING ((COUNT(?t) > 3))"),
-                    HasSubstr("(by 10 facts that are shown, and 20 more)")));
+  EXPECT_THAT(
+      Why("ASK { { SELECT ?r (COUNT(?t) AS ?n) WHERE { ?r :task ?t } GROUP BY ?r HAVING (COUNT(?t) > 3) } }"),
+      AllOf(HasSubstr("?r = :R1, ?n = 30\n"), HasSubstr("GROUP BY ?r HAVING ((COUNT(?t) > 3))"),
+            HasSubstr("(by 10 facts that are shown, and 20 more)")));
 }
 
 TEST_F(WhyParts, APathRestsOnAChainOfFacts) {
@@ -171,10 +174,11 @@ TEST_F(WhyParts, APathInAGraphRestsOnFactsOfThatGraph) {
   EXPECT_THAT(Why("ASK { GRAPH ?g { ?g :is ?x } GRAPH ?g { :R1 :in+ :City } }"),
               AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr("GRAPH :map { :R1 (:in)+ :City . }")));
   EXPECT_THAT(Why("ASK { GRAPH ?g { ?r :in+ :City . ?r :in :Hall } }"),
-              AllOf(HasSubstr("?g = :map"), HasSubstr("?r = :R1"), HasSubstr("and { GRAPH :map { :R1 (:in)+ :City"),
-                    HasSubstr(":Hall :in :City\n")));
-  EXPECT_THAT(Why("ASK { GRAPH :map { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) = 2) } } }"),
-              AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr(":Hall :in :City\n"), Not(HasSubstr(":R1 :in :City\n"))));
+              AllOf(HasSubstr("?g = :map"), HasSubstr("?r = :R1"),
+                    HasSubstr("and { GRAPH :map { :R1 (:in)+ :City"), HasSubstr(":Hall :in :City\n")));
+  EXPECT_THAT(
+      Why("ASK { GRAPH :map { { SELECT (COUNT(?x) AS ?n) WHERE { ?x :in ?y } HAVING (COUNT(?x) = 2) } } }"),
+      AllOf(HasSubstr(":R1 :in :Hall\n"), HasSubstr(":Hall :in :City\n"), Not(HasSubstr(":R1 :in :City\n"))));
 }
 
 TEST_F(WhyParts, PathsOfAllKindsHaveTheirFacts) {
@@ -198,7 +202,8 @@ TEST_F(WhyParts, AChainIsOfToldFactsWhereThereIsOne) {
 
 TEST_F(WhyParts, PathsOneAfterTheOtherMeet) {
   Tell({"x p y", "y q e", "a p b", "b q c"});
-  EXPECT_THAT(Why("ASK { ?v :p+/:q+ :c }"), HasSubstr("?v = :a\nand { :a (:p)+ :b }\nand { :b (:q)+ :c }\n:a :p :b\n"));
+  EXPECT_THAT(Why("ASK { ?v :p+/:q+ :c }"),
+              HasSubstr("?v = :a\nand { :a (:p)+ :b }\nand { :b (:q)+ :c }\n:a :p :b\n"));
 }
 
 TEST_F(WhyParts, WhatIsInTheWayByAPathIsEachFactOfTheChain) {

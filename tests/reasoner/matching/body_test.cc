@@ -40,11 +40,12 @@ class BodyTest : public ::testing::Test {
     std::vector<TermId> seed;
     body.SeedFrom(body.triggers()[trigger], world_.QuadOf(quad), seed);
     std::vector<std::string> rows;
-    const absl::Status status = body.EvaluateFrom(body.triggers()[trigger], {.version = &world_.writer.current()}, seed,
-                                                  [&](absl::Span<const TermId> row) {
-                                                    rows.push_back(TextOf(body, row));
-                                                    return all;
-                                                  });
+    const absl::Status status =
+        body.EvaluateFrom(body.triggers()[trigger], {.version = &world_.writer.current()}, seed,
+                          [&](absl::Span<const TermId> row) {
+                            rows.push_back(TextOf(body, row));
+                            return all;
+                          });
     EXPECT_TRUE(status.ok()) << status;
     std::sort(rows.begin(), rows.end());
     return rows;
@@ -125,7 +126,8 @@ TEST_F(BodyTest, EveryEvaluationReadsTheGraphAsItIs) {
 
 // What is left is nothing, one lookup, one scan, or a join.
 TEST_F(BodyTest, ASolutionFromAQuadHasWhatIsLeftOfTheQuery) {
-  world_.Apply({"r at b1", "r at b1 @other", "s at b2", "b1 in hall", "b1 in yard", "b1 in yard @other", "b2 in b2", "r likes r"});
+  world_.Apply({"r at b1", "r at b1 @other", "s at b2", "b1 in hall", "b1 in yard", "b1 in yard @other",
+                "b2 in b2", "r likes r"});
   EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b }"), 0, "r at b1"), ElementsAre("x=r b=b1"));
   const auto lookup = Compile("ASK { ?x :at ?b . ?b :in :hall }");
   EXPECT_THAT(RowsFrom(*lookup, 0, "r at b1"), ElementsAre("x=r b=b1"));
@@ -135,9 +137,11 @@ TEST_F(BodyTest, ASolutionFromAQuadHasWhatIsLeftOfTheQuery) {
   EXPECT_THAT(RowsFrom(*scan, 0, "r at b1"), ElementsAre("x=r b=b1 where=hall", "x=r b=b1 where=yard"));
   EXPECT_EQ(RowsFrom(*scan, 0, "r at b1", /*all=*/false).size(), 1u);
   EXPECT_THAT(RowsFrom(*scan, 1, "b1 in yard"), ElementsAre("x=r b=b1 where=yard"));
-  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b . ?y :in ?y }"), 0, "s at b2"), ElementsAre("x=s b=b2 y=b2"));
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b . ?y :in ?y }"), 0, "s at b2"),
+              ElementsAre("x=s b=b2 y=b2"));
   EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :at ?b . ?x ?p ?y }"), 0, "s at b2").size(), 1u);
-  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :likes ?x . ?x :at ?b }"), 0, "r likes r"), ElementsAre("x=r b=b1"));
+  EXPECT_THAT(RowsFrom(*Compile("ASK { ?x :likes ?x . ?x :at ?b }"), 0, "r likes r"),
+              ElementsAre("x=r b=b1"));
 }
 
 TEST_F(BodyTest, AScanForWhatIsLeftCountsItsSteps) {
@@ -149,9 +153,9 @@ TEST_F(BodyTest, AScanForWhatIsLeftCountsItsSteps) {
   std::vector<TermId> seed;
   body->SeedFrom(body->triggers()[0], world_.QuadOf("r at b"), seed);
   int rows = 0;
-  const absl::Status status =
-      body->EvaluateFrom(body->triggers()[0], {.version = &world_.writer.current(), .cancellation = &cancellation}, seed,
-                         [&](absl::Span<const TermId>) { return ++rows < 1000; });
+  const absl::Status status = body->EvaluateFrom(
+      body->triggers()[0], {.version = &world_.writer.current(), .cancellation = &cancellation}, seed,
+      [&](absl::Span<const TermId>) { return ++rows < 1000; });
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
   EXPECT_EQ(rows, 50);
 }
@@ -175,20 +179,24 @@ TEST_F(BodyTest, EveryExistsDecidesHoweverManyThereAre) {
 
 TEST_F(BodyTest, OfFiltersThoseAreAskedThatTheRowBinds) {
   world_.Apply({"r a Robot", "r banned yes", "s a Robot", "b in hall"});
-  const auto body = Compile("ASK { ?x a :Robot . ?x :at ?b FILTER NOT EXISTS { ?x :banned :yes } "
-                            "FILTER EXISTS { ?b :in :yard } }");
+  const auto body = Compile(
+      "ASK { ?x a :Robot . ?x :at ?b FILTER NOT EXISTS { ?x :banned :yes } "
+      "FILTER EXISTS { ?b :in :yard } }");
   const size_t x = static_cast<size_t>(body->ColumnOf("x")), b = static_cast<size_t>(body->ColumnOf("b"));
   const auto solutions = [&](const std::string& robot, const std::string& booth, Body::Filters filters) {
     std::vector<TermId> seed(body->columns().size());
     seed[x] = world_.Id(robot);
     if (!booth.empty()) seed[b] = world_.Id(booth);
     int count = 0;
-    EXPECT_TRUE(body->EvaluateRest({.version = &world_.writer.current()}, seed, 0b10, filters, [&](auto) { return ++count; }).ok());
+    EXPECT_TRUE(body->EvaluateRest({.version = &world_.writer.current()}, seed, 0b10, filters,
+                                   [&](auto) { return ++count; })
+                    .ok());
     return count;
   };
   EXPECT_EQ(solutions("r", "", Body::Filters::kNone), 1);
   EXPECT_EQ(solutions("r", "", Body::Filters::kBound), 0);
-  EXPECT_EQ(solutions("s", "", Body::Filters::kBound), 1) << "where the booth is open, nothing is asked of it";
+  EXPECT_EQ(solutions("s", "", Body::Filters::kBound), 1)
+      << "where the booth is open, nothing is asked of it";
   EXPECT_EQ(solutions("s", "b", Body::Filters::kBound), 0) << "it is in the hall";
   world_.Apply({"b in yard"});
   EXPECT_EQ(solutions("s", "b", Body::Filters::kBound), 1);

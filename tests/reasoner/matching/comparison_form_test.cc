@@ -9,12 +9,14 @@ namespace {
 
 // "?x >= 3", or "" for what is no comparison with a number.
 std::string Read(const std::string& filter) {
-  const sparql::ParsedQuery parsed = sparql::ParseQuery("ASK { ?x ?p ?y FILTER(" + filter + ") }", sparql::ParseOptionsWith({}, nullptr));
+  const sparql::ParsedQuery parsed =
+      sparql::ParseQuery("ASK { ?x ?p ?y FILTER(" + filter + ") }", sparql::ParseOptionsWith({}, nullptr));
   EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, filter);
   const auto read = ReadNumberComparison(*parsed.query.algebra->expression);
   if (!read) return "";
   const char* ops[] = {" < ", " <= ", " > ", " >= "};
-  return "?" + read->variable->name + (read->op ? ops[static_cast<int>(*read->op)] : " = ") + read->number->lexical;
+  return "?" + read->variable->name + (read->op ? ops[static_cast<int>(*read->op)] : " = ") +
+         read->number->lexical;
 }
 
 TEST(ComparisonForm, IsReadEitherWayRound) {
@@ -26,8 +28,9 @@ TEST(ComparisonForm, IsReadEitherWayRound) {
 }
 
 TEST(ComparisonForm, OnlyWithANumberThatFitsIntoAnId) {
-  for (const char* filter : {"?x != 1", "?x > ?y", "?x > \"a\"", "STRLEN(?x) > 1", "?x > \"1.5\"^^xsd:float", "?x > \"NaN\"^^xsd:double",
-                             "?x > \"01\"^^xsd:integer", "1 < 2", "BOUND(?x)", "?x IN (1, 2)"}) {
+  for (const char* filter :
+       {"?x != 1", "?x > ?y", "?x > \"a\"", "STRLEN(?x) > 1", "?x > \"1.5\"^^xsd:float",
+        "?x > \"NaN\"^^xsd:double", "?x > \"01\"^^xsd:integer", "1 < 2", "BOUND(?x)", "?x IN (1, 2)"}) {
     EXPECT_EQ(Read(filter), "") << filter;
   }
 }

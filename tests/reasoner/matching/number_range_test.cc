@@ -43,7 +43,8 @@ TEST(NumberRange, LeavesOpenWhatDoublesCannotTell) {
             std::nullopt);
   EXPECT_EQ(CompareNumbers(TermId::Make(TermId::Tag::kLiteral, 1), Comparison::kLess, a), std::nullopt);
   // compared in single precision, where both are the same
-  EXPECT_EQ(CompareNumbers(Number("0.1", kXsdDecimal), Comparison::kLess, Number("0.1", kXsdFloat)), std::nullopt);
+  EXPECT_EQ(CompareNumbers(Number("0.1", kXsdDecimal), Comparison::kLess, Number("0.1", kXsdFloat)),
+            std::nullopt);
 }
 
 TEST(NumberRange, AComparisonOfANumberWithAnIriIsAnErrorAndThusFalse) {

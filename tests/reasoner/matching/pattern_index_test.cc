@@ -88,7 +88,8 @@ TEST(PatternIndex, ThoseOfTheSameConstantsComeInTheOrderInWhichTheyWereAdded) {
   for (uint32_t i = 0; i < 6; ++i) handles.push_back(index.Add(Pattern(0, 2, 3), {i, 0}));
   const auto in_order = [&] {
     std::vector<uint32_t> owners;
-    index.ForEachMatch({Id(1), Id(2), Id(3), Id(4)}, [&](PatternIndex::Reference r) { owners.push_back(r.owner); });
+    index.ForEachMatch({Id(1), Id(2), Id(3), Id(4)},
+                       [&](PatternIndex::Reference r) { owners.push_back(r.owner); });
     return owners;
   };
   EXPECT_THAT(in_order(), ElementsAre(0, 1, 2, 3, 4, 5));
@@ -158,10 +159,12 @@ TEST(PatternIndex, ManyKeysComeAndGo) {
     }
     EXPECT_EQ(index.size(), wanted);
     size_t found = 0;
-    for (uint64_t subject = 1; subject < next; ++subject) found += Owners(index, {Id(subject), Id(2), Id(3), Id(4)}).size();
+    for (uint64_t subject = 1; subject < next; ++subject)
+      found += Owners(index, {Id(subject), Id(2), Id(3), Id(4)}).size();
     EXPECT_EQ(found, wanted);
     for (const auto& [subject, handle] : known) {
-      ASSERT_THAT(Owners(index, {Id(subject), Id(2), Id(3), Id(4)}), ElementsAre(static_cast<uint32_t>(subject)));
+      ASSERT_THAT(Owners(index, {Id(subject), Id(2), Id(3), Id(4)}),
+                  ElementsAre(static_cast<uint32_t>(subject)));
     }
   }
 }

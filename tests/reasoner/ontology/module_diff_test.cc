@@ -10,11 +10,14 @@ namespace {
 
 using ::testing::SizeIs;
 
-std::vector<TermQuad> Parse(const std::string& text, const std::string& scope, RdfFormat format = RdfFormat::kTurtle) {
+std::vector<TermQuad> Parse(const std::string& text, const std::string& scope,
+                            RdfFormat format = RdfFormat::kTurtle) {
   ParseRdfOptions options;
   options.blank_node_scope = scope;
   const std::string prefixes =
-      format == RdfFormat::kTurtle ? "@prefix : <http://e/> . @prefix owl: <http://www.w3.org/2002/07/owl#> .\n" : "";
+      format == RdfFormat::kTurtle
+          ? "@prefix : <http://e/> . @prefix owl: <http://www.w3.org/2002/07/owl#> .\n"
+          : "";
   ParsedRdf parsed = ParseRdf(prefixes + text, format, options);
   EXPECT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
   return parsed.quads;
@@ -23,7 +26,8 @@ std::vector<TermQuad> Parse(const std::string& text, const std::string& scope, R
 TEST(ModuleDiffTest, BlankNodesAreComparedByWhatIsSaidOfThem) {
   const char* text = ":a :p [ :q ( 1 [ :r 2 ] ) ] , [ :q 3 ] . _:x :knows _:y . _:y :knows _:x .";
   EXPECT_TRUE(DiffModules(Parse(text, "s1_"), Parse(text, "other_")).empty());
-  const ModuleDiff diff = DiffModules(Parse(":a :p [ :q 1 ] ; :s 5 .", "s1_"), Parse(":a :p [ :q 2 ] ; :s 5 .", "s2_"));
+  const ModuleDiff diff =
+      DiffModules(Parse(":a :p [ :q 1 ] ; :s 5 .", "s1_"), Parse(":a :p [ :q 2 ] ; :s 5 .", "s2_"));
   EXPECT_THAT(diff.removed, SizeIs(2));  // the node's own triple, and the one that leads to it
   EXPECT_THAT(diff.added, SizeIs(2));
 }
@@ -103,12 +107,15 @@ constexpr char kProtege[] = R"(<?xml version="1.0"?>
 TEST(ModuleDiffTest, AFileOfProtegeIsReadAsItIs) {
   const std::vector<TermQuad> quads = Parse(kProtege, "p_", RdfFormat::kRdfXml);
   const std::vector<TermQuad> expected = Parse(
-      "@prefix h: <http://www.semanticweb.org/hall#> . @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
+      "@prefix h: <http://www.semanticweb.org/hall#> . @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> "
+      ".\n"
       "@prefix xsd: <http://www.w3.org/2001/XMLSchema#> .\n"
-      "<http://www.semanticweb.org/hall> a owl:Ontology ; owl:versionIRI <http://www.semanticweb.org/hall/2.0> ; "
+      "<http://www.semanticweb.org/hall> a owl:Ontology ; owl:versionIRI "
+      "<http://www.semanticweb.org/hall/2.0> ; "
       "owl:versionInfo \"2.0\" .\n"
       "h:hasDoor a owl:ObjectProperty , owl:FunctionalProperty . h:Door a owl:Class .\n"
-      "h:Room a owl:Class ; rdfs:label \"Rooms & halls\"@en ; rdfs:subClassOf [ a owl:Restriction ; owl:onProperty h:hasDoor ; "
+      "h:Room a owl:Class ; rdfs:label \"Rooms & halls\"@en ; rdfs:subClassOf [ a owl:Restriction ; "
+      "owl:onProperty h:hasDoor ; "
       "owl:qualifiedCardinality \"1\"^^xsd:nonNegativeInteger ; owl:onClass h:Door ] .\n"
       "[] a owl:AllDisjointClasses ; owl:members ( h:Door h:Room ) .",
       "t_");

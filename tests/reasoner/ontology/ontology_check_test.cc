@@ -15,14 +15,17 @@ using ::testing::Not;
 
 constexpr char kPrefixes[] =
     "@prefix : <http://e/> . @prefix owl: <http://www.w3.org/2002/07/owl#> . "
-    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .\n";
+    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: "
+    "<http://www.w3.org/2001/XMLSchema#> .\n";
 constexpr char kWords[] =
     ":Robot a owl:Class ; rdfs:label \"robot\" ; rdfs:comment \"moves\" ; owl:disjointWith :Place .\n"
     ":Guide a owl:Class ; rdfs:subClassOf :Robot ; rdfs:label \"guide\" ; rdfs:comment \"shows\" .\n"
     ":Place a owl:Class ; rdfs:label \"place\" ; rdfs:comment \"is somewhere\" .\n"
     ":Thing a owl:Class ; rdfs:label \"thing\" ; rdfs:comment \"is\" .\n"
-    ":isAt a owl:ObjectProperty ; rdfs:domain :Robot ; rdfs:range :Place ; rdfs:label \"at\" ; rdfs:comment \"now\" .\n"
-    ":speed a owl:DatatypeProperty ; rdfs:domain :Robot ; rdfs:range xsd:decimal ; rdfs:label \"v\" ; rdfs:comment \"m/s\" .\n";
+    ":isAt a owl:ObjectProperty ; rdfs:domain :Robot ; rdfs:range :Place ; rdfs:label \"at\" ; rdfs:comment "
+    "\"now\" .\n"
+    ":speed a owl:DatatypeProperty ; rdfs:domain :Robot ; rdfs:range xsd:decimal ; rdfs:label \"v\" ; "
+    "rdfs:comment \"m/s\" .\n";
 
 class OntologyCheckTest : public testing::Test {
  protected:
@@ -72,23 +75,33 @@ TEST_F(OntologyCheckTest, UndefinedWordsHaveTheNearestKnown) {
 }
 
 TEST_F(OntologyCheckTest, IndividualsThatAxiomsNameNeedNoDeclaration) {
-  EXPECT_EQ(Check(":Here owl:equivalentClass [ owl:oneOf ( :Hall :Room ) ] .\n"
-                  ":AtHall owl:equivalentClass [ a owl:Restriction ; owl:onProperty :isAt ; owl:hasValue :Yard ] .\n"
-                  "[ a owl:AllDifferent ; owl:distinctMembers ( :Hall :Cellar ) ] . [ a owl:AllDifferent ; owl:members ( :Attic ) ] .\n"
-                  ":R1 a :Guide ; :isAt :Hall , :Room , :Yard , :Cellar , :Attic , :Garden . :Hall owl:differentFrom :Garden ."),
-            "");
-  EXPECT_THAT(Check("[ a owl:AllDisjointClasses ; owl:members ( :Robot :Plaice ) ] ."), HasSubstr("<http://e/Plaice> is not defined"));
+  EXPECT_EQ(
+      Check(
+          ":Here owl:equivalentClass [ owl:oneOf ( :Hall :Room ) ] .\n"
+          ":AtHall owl:equivalentClass [ a owl:Restriction ; owl:onProperty :isAt ; owl:hasValue :Yard ] .\n"
+          "[ a owl:AllDifferent ; owl:distinctMembers ( :Hall :Cellar ) ] . [ a owl:AllDifferent ; "
+          "owl:members ( :Attic ) ] .\n"
+          ":R1 a :Guide ; :isAt :Hall , :Room , :Yard , :Cellar , :Attic , :Garden . :Hall owl:differentFrom "
+          ":Garden ."),
+      "");
+  EXPECT_THAT(Check("[ a owl:AllDisjointClasses ; owl:members ( :Robot :Plaice ) ] ."),
+              HasSubstr("<http://e/Plaice> is not defined"));
 }
 
 TEST_F(OntologyCheckTest, TheIriOfAnOntologyIsNoWord) {
-  EXPECT_EQ(Check("<http://e> a owl:Ontology ; owl:versionIRI <http://e/1.0> ; owl:priorVersion <http://e/0.9> ;\n"
-                  "  owl:priorVersion <http://e#x> ."),
-            "");
+  EXPECT_EQ(
+      Check("<http://e> a owl:Ontology ; owl:versionIRI <http://e/1.0> ; owl:priorVersion <http://e/0.9> ;\n"
+            "  owl:priorVersion <http://e#x> ."),
+      "");
 }
 
 TEST_F(OntologyCheckTest, ImportsThatNoDocumentHas) {
-  vocabulary_.Add(Parse("<http://one> a owl:Ontology . <http://two> a owl:Ontology ; owl:versionIRI <http://two/1.0> .", "i_").rdf.quads);
-  EXPECT_EQ(Check("<http://e> a owl:Ontology ; owl:imports <http://one> , <http://two> , <http://two/1.0> ."), "");
+  vocabulary_.Add(
+      Parse("<http://one> a owl:Ontology . <http://two> a owl:Ontology ; owl:versionIRI <http://two/1.0> .",
+            "i_")
+          .rdf.quads);
+  EXPECT_EQ(Check("<http://e> a owl:Ontology ; owl:imports <http://one> , <http://two> , <http://two/1.0> ."),
+            "");
   EXPECT_EQ(Check("<http://e> owl:imports <http://two> , <http://three> ."),
             "import f.ttl:2:39: warning: <http://three> is imported, and is no ontology of these files\n"
             "  hint: imports are not fetched; name the file that has it, too\n");
@@ -96,7 +109,9 @@ TEST_F(OntologyCheckTest, ImportsThatNoDocumentHas) {
 
 TEST_F(OntologyCheckTest, AWordOfTheWrongKind) {
   const std::string text = Check(":R1 a :isAt . :R2 :Robot :R1 .");
-  EXPECT_THAT(text, HasSubstr("wrong-kind f.ttl:2:7: error: <http://e/isAt> is a property, and a class is meant here"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("wrong-kind f.ttl:2:7: error: <http://e/isAt> is a property, and a class is meant here"));
   EXPECT_THAT(text, HasSubstr("<http://e/Robot> is a class, and a property is meant here"));
 }
 
@@ -105,14 +120,20 @@ TEST_F(OntologyCheckTest, DomainsAndRanges) {
       ":Hall a :Place ; :isAt :Hall .\n"
       ":R1 a :Guide ; :isAt \"hall\" ; :isAt :R1 ; :speed :Hall ; :speed \"fast\" ; :speed 1.5e0 .\n"
       ":T a :Thing ; :isAt :Hall .");
-  EXPECT_THAT(text, HasSubstr("domain-clash f.ttl:2:1: error: <http://e/Hall> cannot be <http://e/Robot>, the domain of "
-                              "<http://e/isAt>"));
-  EXPECT_THAT(text, HasSubstr("range-clash f.ttl:3:22: error: <http://e/isAt> leads to a resource, and \"hall\" is a literal"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("domain-clash f.ttl:2:1: error: <http://e/Hall> cannot be <http://e/Robot>, the domain of "
+                "<http://e/isAt>"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "range-clash f.ttl:3:22: error: <http://e/isAt> leads to a resource, and \"hall\" is a literal"));
   EXPECT_THAT(text, HasSubstr("<http://e/R1> cannot be <http://e/Place>, the range of <http://e/isAt>"));
   EXPECT_THAT(text, HasSubstr("<http://e/speed> has a literal as value, and <http://e/Hall> is a resource"));
   EXPECT_THAT(text, HasSubstr("\"fast\" is xsd:string; the range of <http://e/speed> is xsd:decimal"));
   EXPECT_THAT(text, HasSubstr("is xsd:double; the range of <http://e/speed> is xsd:decimal"));
-  EXPECT_THAT(text, HasSubstr("domain-mismatch f.ttl:4:1: warning: <http://e/T> is taken for <http://e/Robot>"));
+  EXPECT_THAT(text,
+              HasSubstr("domain-mismatch f.ttl:4:1: warning: <http://e/T> is taken for <http://e/Robot>"));
 }
 
 // That a resource is in two disjoint classes is an inconsistency: kb_server/cli/consistency_check.h.
@@ -122,25 +143,32 @@ TEST_F(OntologyCheckTest, ClassesBelowDisjointOnesAndBadLiterals) {
       ":R2 :speed \"1,5\"^^xsd:decimal .\n[] a owl:AllDisjointClasses ; owl:members ( :Thing :Guide ) .\n"
       ":Odder a owl:Class ; rdfs:subClassOf :Thing , :Guide .");
   EXPECT_THAT(text, HasSubstr("disjoint-types f.ttl:3:1: error: <http://e/Odd> is below "));
-  EXPECT_THAT(text, HasSubstr("bad-literal f.ttl:4:12: error: \"1,5\" is not a text that xsd:decimal allows"));
+  EXPECT_THAT(text,
+              HasSubstr("bad-literal f.ttl:4:12: error: \"1,5\" is not a text that xsd:decimal allows"));
   EXPECT_THAT(text, HasSubstr("<http://e/Odder> is below "));
 }
 
 TEST_F(OntologyCheckTest, CirclesAreToldOnce) {
-  const std::string text = Check(":Robot rdfs:subClassOf :Guide .\n:p a owl:ObjectProperty ; rdfs:subPropertyOf :q ; "
-                                 "rdfs:label \"p\" ; rdfs:comment \"p\" . :q rdfs:subPropertyOf :p ; rdfs:label \"q\" .");
-  EXPECT_THAT(text, HasSubstr("cycle f.ttl:2:24: warning: classes that are below each other: <http://e/Robot> → "
-                              "<http://e/Guide> → <http://e/Robot>"));
-  EXPECT_THAT(text, HasSubstr("properties that are below each other: <http://e/p> → <http://e/q> → <http://e/p>"));
+  const std::string text = Check(
+      ":Robot rdfs:subClassOf :Guide .\n:p a owl:ObjectProperty ; rdfs:subPropertyOf :q ; "
+      "rdfs:label \"p\" ; rdfs:comment \"p\" . :q rdfs:subPropertyOf :p ; rdfs:label \"q\" .");
+  EXPECT_THAT(text,
+              HasSubstr("cycle f.ttl:2:24: warning: classes that are below each other: <http://e/Robot> → "
+                        "<http://e/Guide> → <http://e/Robot>"));
+  EXPECT_THAT(text,
+              HasSubstr("properties that are below each other: <http://e/p> → <http://e/q> → <http://e/p>"));
   EXPECT_EQ(text.find("<http://e/q> → <http://e/p> → <http://e/q>"), std::string::npos);
 }
 
 TEST_F(OntologyCheckTest, ChainsAndKeysThatAreTooLongForTheRuleSetAreTold) {
-  const std::string text = Check(":a owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p ) .\n"
-                                 ":b owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p :p ) .\n"
-                                 ":C owl:hasKey ( :p :p :p :p :p :p ) . :D owl:hasKey ( :p :p :p :p :p :p :p ) .\n"
-                                 ":E owl:hasKey :l . :l <http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> :l .");
-  EXPECT_THAT(text, HasSubstr("long-list f.ttl:3:4: warning: a chain of 9 properties; rule set owl2rl follows up to 8"));
+  const std::string text = Check(
+      ":a owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p ) .\n"
+      ":b owl:propertyChainAxiom ( :p :p :p :p :p :p :p :p :p ) .\n"
+      ":C owl:hasKey ( :p :p :p :p :p :p ) . :D owl:hasKey ( :p :p :p :p :p :p :p ) .\n"
+      ":E owl:hasKey :l . :l <http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> :l .");
+  EXPECT_THAT(
+      text,
+      HasSubstr("long-list f.ttl:3:4: warning: a chain of 9 properties; rule set owl2rl follows up to 8"));
   EXPECT_THAT(text, HasSubstr("a key of 7 properties; rule set owl2rl follows up to 6"));
   EXPECT_THAT(text, Not(HasSubstr("long-list f.ttl:2:")));
   EXPECT_THAT(text, Not(HasSubstr("long-list f.ttl:5:")));  // a circle is no list
@@ -149,14 +177,16 @@ TEST_F(OntologyCheckTest, ChainsAndKeysThatAreTooLongForTheRuleSetAreTold) {
 
 TEST_F(OntologyCheckTest, MissingExplanations) {
   const std::string text = Check(":New a owl:Class . :old a owl:DatatypeProperty ; rdfs:label \"old\" .");
-  EXPECT_THAT(text, HasSubstr("missing-label f.ttl:2:1: warning: <http://e/New> has neither label nor comment"));
+  EXPECT_THAT(text,
+              HasSubstr("missing-label f.ttl:2:1: warning: <http://e/New> has neither label nor comment"));
   EXPECT_EQ(text.find("<http://e/New>"), text.rfind("<http://e/New>"));
   EXPECT_THAT(text, HasSubstr("<http://e/old> has no comment"));
   EXPECT_THAT(text, Not(HasSubstr("<http://e/old> has no label")));
 }
 
 TEST_F(OntologyCheckTest, UnusedPrefixesAndNamespacesThatAreNearlyRight) {
-  LocatedRdf document = Parse("@prefix x: <http://x/> .\n@prefix y: <https://E#> . :R1 a :Robot ; rdfs:seeAlso y:Robot .", "d_");
+  LocatedRdf document = Parse(
+      "@prefix x: <http://x/> .\n@prefix y: <https://E#> . :R1 a :Robot ; rdfs:seeAlso y:Robot .", "d_");
   Findings findings("f.ttl", 100);
   CheckWords(document, vocabulary_, findings);
   const std::string text = Text(findings);
@@ -168,7 +198,9 @@ TEST_F(OntologyCheckTest, UnusedPrefixesAndNamespacesThatAreNearlyRight) {
 
 TEST_F(OntologyCheckTest, RulesAndQueries) {
   const ParsedRules rules = ParseRules(
-      "PREFIX : <http://e/>\nRULE { ?r a :Robott } WHERE {\n  ?r :isat ?p . FILTER NOT EXISTS { ?p :sped 1 } }", "f.rules");
+      "PREFIX : <http://e/>\nRULE { ?r a :Robott } WHERE {\n  ?r :isat ?p . FILTER NOT EXISTS { ?p :sped 1 } "
+      "}",
+      "f.rules");
   ASSERT_TRUE(rules.ok()) << Render(rules.diagnostics, "");
   Findings in_rules("f.rules", 100);
   CheckWords(rules, vocabulary_, in_rules);
@@ -177,7 +209,8 @@ TEST_F(OntologyCheckTest, RulesAndQueries) {
   EXPECT_THAT(text, HasSubstr("f.rules:3:6: error: the property <http://e/isat>"));
   EXPECT_THAT(text, HasSubstr("did you mean <http://e/speed>?"));
 
-  const sparql::ParsedQuery query = sparql::ParseQuery("PREFIX : <http://e/> SELECT * { ?r :isat/:speed ?s }", {});
+  const sparql::ParsedQuery query =
+      sparql::ParseQuery("PREFIX : <http://e/> SELECT * { ?r :isat/:speed ?s }", {});
   ASSERT_TRUE(query.ok());
   Findings in_query("q.rq", 100);
   CheckWords(query.query, vocabulary_, in_query);
@@ -186,9 +219,11 @@ TEST_F(OntologyCheckTest, RulesAndQueries) {
 
 TEST_F(OntologyCheckTest, UnusedPrefixesOfRulesAndQueries) {
   Findings findings("f.rules", 100);
-  CheckPrefixes(sparql::PrefixPlaces("PREFIX : <http://e/>\nprefix x: <http://x/>  # x:y\nPREFIX y: <http://y/>\n"
-                                     "PREFIX z: <http://z/>\nRULE :r { ?a y: \"x:y\" } WHERE { ?a :b z:c\\-d }\nPREFIX z: <http://zz/>"),
-                findings);
+  CheckPrefixes(
+      sparql::PrefixPlaces(
+          "PREFIX : <http://e/>\nprefix x: <http://x/>  # x:y\nPREFIX y: <http://y/>\n"
+          "PREFIX z: <http://z/>\nRULE :r { ?a y: \"x:y\" } WHERE { ?a :b z:c\\-d }\nPREFIX z: <http://zz/>"),
+      findings);
   const std::string text = Text(findings);
   EXPECT_THAT(text, HasSubstr("unused-prefix f.rules:2:8: warning: the prefix x: is not used"));
   EXPECT_THAT(text, HasSubstr("unused-prefix f.rules:6:8: warning: the prefix z: is not used"));

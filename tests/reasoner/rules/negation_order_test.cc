@@ -110,14 +110,16 @@ TEST_F(NegationBesideRdfsTest, FollowsChangesOfTheRules) {
 }
 
 TEST_F(NegationBesideRdfsTest, TheOrderIsThatOfTheAxioms) {
-  Put("RULE { ?x :late ?y } WHERE { ?x :k ?y NOT { ?x :early ?y } }\nRULE { ?x :sooner ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
+  Put("RULE { ?x :late ?y } WHERE { ?x :k ?y NOT { ?x :early ?y } }\nRULE { ?x :sooner ?y } WHERE { ?x :k ?y "
+      "NOT { ?x :m ?y } }");
   Turn({"a k b", "sooner rdfs:subPropertyOf early"});
   EXPECT_THAT(With(" late "), IsEmpty());
   Turn({"a m b"});
   EXPECT_THAT(With("a late"), ElementsAre("a late b"));
   Turn({"late rdfs:subPropertyOf m"}, {"sooner rdfs:subPropertyOf early", "a m b"});
   EXPECT_THAT(With("a sooner"), IsEmpty());
-  EXPECT_THAT(Refusal({"sooner rdfs:subPropertyOf early"}), HasSubstr("negation through recursion, by the axioms that are there"));
+  EXPECT_THAT(Refusal({"sooner rdfs:subPropertyOf early"}),
+              HasSubstr("negation through recursion, by the axioms that are there"));
 }
 
 TEST_F(NegationBesideRdfsTest, ACircleIsRefused) {
@@ -140,11 +142,15 @@ TEST_F(NegationBesideRdfsTest, NegatingThatSomethingIsAPartOfItselfComesAfterWha
 }
 
 TEST_F(NegationBesideRdfsTest, RealAxiomsAreRefused) {
-  for (const char* head : {"?x rdfs:subClassOf :Odd", "?x rdfs:subPropertyOf :odd", "?x rdfs:domain ?y", "?x rdfs:range :Odd", "?x a ?y",
-                           "?x a rdfs:ContainerMembershipProperty", "?x a rdfs:Datatype", "?x rdf:_1 ?y"}) {
+  for (const char* head :
+       {"?x rdfs:subClassOf :Odd", "?x rdfs:subPropertyOf :odd", "?x rdfs:domain ?y", "?x rdfs:range :Odd",
+        "?x a ?y", "?x a rdfs:ContainerMembershipProperty", "?x a rdfs:Datatype", "?x rdf:_1 ?y"}) {
     Put(absl::StrCat("RULE :r { ", head, " } WHERE { ?x :k ?y NOT { ?x :m ?y } }"));
     const std::string message = Refusal({"a k b"});
-    EXPECT_THAT(message, HasSubstr("test.rules r (line 2) negates or aggregates, and what it makes may be an axiom for rdfs ")) << head;
+    EXPECT_THAT(
+        message,
+        HasSubstr("test.rules r (line 2) negates or aggregates, and what it makes may be an axiom for rdfs "))
+        << head;
   }
   Put("RULE { ?x rdfs:subClassOf ?x } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
   EXPECT_EQ(Refusal({"a k b"}), "");
@@ -155,22 +161,26 @@ TEST_F(NegationBesideRdfsTest, WhatUsersAxiomsMakeAxiomsIsRefused) {
   Put("RULE :r { ?x :k2 ?y . ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }");
   Turn({"a k b"});
   const std::string axiom = "what it makes may be an axiom for rdfs ";
-  for (const char* fact : {"k2 rdfs:subPropertyOf rdfs:subClassOf", "k2 rdfs:subPropertyOf rdfs:domain", "C rdfs:subClassOf rdfs:Datatype",
-                           "C rdfs:subClassOf rdfs:ContainerMembershipProperty", "rdfs:Resource rdfs:subClassOf Odd",
-                           "rdfs:Class rdfs:subClassOf rdfs:Datatype", "rdf:type rdfs:subPropertyOf rdfs:subClassOf",
-                           "rdfs:subClassOf rdfs:subPropertyOf rdfs:domain", "rdfs:subClassOf rdfs:subPropertyOf rdfs:subPropertyOf"}) {
+  for (const char* fact :
+       {"k2 rdfs:subPropertyOf rdfs:subClassOf", "k2 rdfs:subPropertyOf rdfs:domain",
+        "C rdfs:subClassOf rdfs:Datatype", "C rdfs:subClassOf rdfs:ContainerMembershipProperty",
+        "rdfs:Resource rdfs:subClassOf Odd", "rdfs:Class rdfs:subClassOf rdfs:Datatype",
+        "rdf:type rdfs:subPropertyOf rdfs:subClassOf", "rdfs:subClassOf rdfs:subPropertyOf rdfs:domain",
+        "rdfs:subClassOf rdfs:subPropertyOf rdfs:subPropertyOf"}) {
     EXPECT_THAT(Refusal({fact}), HasSubstr(axiom)) << fact;
   }
-  for (const char* fact : {"rdfs:subClassOf rdfs:subPropertyOf broader", "rdf:type rdfs:subPropertyOf isA", "C rdfs:subClassOf rdfs:Resource",
-                           "k2 rdfs:range rdfs:Class", "C rdfs:subClassOf rdfs:Class",
-                           "rdfs:Class rdfs:subClassOf Odd", "rdfs:member rdfs:domain Odd", "Odd rdfs:subClassOf rdfs:Datatype"}) {
+  for (const char* fact : {"rdfs:subClassOf rdfs:subPropertyOf broader", "rdf:type rdfs:subPropertyOf isA",
+                           "C rdfs:subClassOf rdfs:Resource", "k2 rdfs:range rdfs:Class",
+                           "C rdfs:subClassOf rdfs:Class", "rdfs:Class rdfs:subClassOf Odd",
+                           "rdfs:member rdfs:domain Odd", "Odd rdfs:subClassOf rdfs:Datatype"}) {
     EXPECT_EQ(Refusal({fact}), "") << fact;
   }
 }
 
 // rdfs:Resource stands above all that is a class: what it is a part of decides whether being a class matters.
 TEST_F(NegationBesideRdfsTest, AnAxiomAboutResourceIsSeenThatMakesNoOther) {
-  Put("RULE :r { ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }\nRULE { rdfs:Resource rdfs:subClassOf ?c } WHERE { ?c :above :all }");
+  Put("RULE :r { ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }\nRULE { rdfs:Resource rdfs:subClassOf ?c } "
+      "WHERE { ?c :above :all }");
   Turn({"a k b"});
   EXPECT_THAT(Refusal({"Odd above all"}), HasSubstr("may be an axiom for rdfs rdfs9"));
   Turn({"b k c"});
@@ -178,8 +188,10 @@ TEST_F(NegationBesideRdfsTest, AnAxiomAboutResourceIsSeenThatMakesNoOther) {
 }
 
 TEST_F(NegationBesideRdfsTest, ClassesMayBeNegatedThatNothingNegatingMakes) {
-  Put("RULE { ?c :kind :other } WHERE { ?c a rdfs:Class . ?c :listed :yes NOT { ?c rdfs:subClassOf :Machine } }");
-  Turn({"Robot rdfs:subClassOf Machine", "Plant rdfs:subClassOf Thing", "Robot listed yes", "Plant listed yes"});
+  Put("RULE { ?c :kind :other } WHERE { ?c a rdfs:Class . ?c :listed :yes NOT { ?c rdfs:subClassOf :Machine "
+      "} }");
+  Turn({"Robot rdfs:subClassOf Machine", "Plant rdfs:subClassOf Thing", "Robot listed yes",
+        "Plant listed yes"});
   EXPECT_THAT(With(" kind "), ElementsAre("Plant kind other"));
   Turn({"Thing rdfs:subClassOf Machine"});
   EXPECT_THAT(With(" kind "), IsEmpty());
@@ -197,16 +209,19 @@ TEST_F(NegationBesideRdfsTest, BesideOwl2RlAsWellItIsRefused) {
 constexpr char kPartsOfTop[] =
     "RULE { ?c rdfs:subClassOf :Top } WHERE { ?x a ?c . ?x :k ?y }\n"
     "RULE { ?a rdfs:subClassOf ?c } WHERE { ?a rdfs:subClassOf ?b . ?b rdfs:subClassOf ?c }\n"
-    "RULE :odd { ?x ?c :odd } WHERE { ?b rdfs:subClassOf ?c . ?x a ?b FILTER(?c = :Odd) FILTER(?b != :Top) }\n"
+    "RULE :odd { ?x ?c :odd } WHERE { ?b rdfs:subClassOf ?c . ?x a ?b FILTER(?c = :Odd) FILTER(?b != :Top) "
+    "}\n"
     "RULE { ?x a :C } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n";
 
 TEST_F(NegationOrderTest, AnAxiomThatMattersToAxiomsAloneIsSeenWhenItComes) {
   Put(kPartsOfTop);
   Turn({"a k b"});
-  EXPECT_THAT(world_.Inferred(), ElementsAre("C http://www.w3.org/2000/01/rdf-schema#subClassOf Top", "a a C"));
+  EXPECT_THAT(world_.Inferred(),
+              ElementsAre("C http://www.w3.org/2000/01/rdf-schema#subClassOf Top", "a a C"));
   Turn({"a m b"});
   EXPECT_THAT(world_.Inferred(), IsEmpty());
-  const absl::Status status = engine_.Update(world_.writer, world_.Apply({"Top rdfs:subClassOf Odd"})).status();
+  const absl::Status status =
+      engine_.Update(world_.writer, world_.Apply({"Top rdfs:subClassOf Odd"})).status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("what it makes may be an axiom for test.rules odd"));
 }
 

@@ -212,8 +212,8 @@ class World {
     return true;
   }
   size_t Reports(const std::string& rule) {
-    return writer_.current().Count(
-        {TermId(), dictionary_.InternIri(DocentIri("rule")), dictionary_.Intern(Term::Literal(rule)), TermId()});
+    return writer_.current().Count({TermId(), dictionary_.InternIri(DocentIri("rule")),
+                                    dictionary_.Intern(Term::Literal(rule)), TermId()});
   }
   bool Reported(const std::string& rule) { return Reports(rule) > 0; }
   uint64_t size() const { return writer_.current().size(); }
@@ -408,7 +408,8 @@ TEST(Owl2Rl, TwoLiteralsWhereThereMayBeOneValue) {
       "\"a\"^^:t , 5",
   };
   World world;
-  for (const char* axiom : {":p a owl:FunctionalProperty", ":R owl:maxCardinality 1 ; owl:onProperty :p . :x a :R"}) {
+  for (const char* axiom :
+       {":p a owl:FunctionalProperty", ":R owl:maxCardinality 1 ; owl:onProperty :p . :x a :R"}) {
     const auto reports = [&](const char* values) {
       const std::vector<Quad> told = world.Read(absl::StrCat(axiom, " . :x :p ", values, " .").c_str());
       world.Change(told, {});

@@ -64,7 +64,8 @@ TEST_F(RuleEngineTest, WhatBranchesOfAUnionAssignComesAndGoesWithThem) {
   Turn({"x p m", "x p n", "x q k", "z q k"});
   EXPECT_THAT(world_.Inferred(), ElementsAre("x y m", "x y n", "z y n"));
   Turn({"w q k"}, {"x q k"});
-  EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "x y m", "x y n", "z y n")) << "x y n by the other branch";
+  EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "x y m", "x y n", "z y n"))
+      << "x y n by the other branch";
   Turn({}, {"x p n", "x p m"});
   EXPECT_THAT(world_.Inferred(), ElementsAre("w y n", "z y n"));
 }
@@ -160,7 +161,8 @@ TEST_F(RuleEngineTest, ACheckWithAUnionSaysWhatIsWrong) {
 }
 
 TEST_F(RuleEngineTest, ACheckThatCountsSaysWhatAndHowMany) {
-  Put("RULE :many { } WHERE { ?x a :Parent { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :kid ?y } GROUP BY ?x } FILTER(?n > 1) }");
+  Put("RULE :many { } WHERE { ?x a :Parent { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :kid ?y } GROUP BY ?x } "
+      "FILTER(?n > 1) }");
   Turn({"p a Parent", "p kid k1", "p kid k2"});
   EXPECT_THAT(Told(world_.Inferred(), "bindingName"), ElementsAre("'n", "'x"));
   EXPECT_THAT(Told(world_.Inferred(), "bindingValue"), ElementsAre("2", "p"));
@@ -189,7 +191,8 @@ TEST_F(RuleEngineTest, ReportsAreThoseOfAFreshStartWhateverComesAndGoes) {
   const std::string rules =
       "RULE { ?x :p ?z } WHERE { ?x :q ?y . ?y :q ?z }\n"
       "RULE :union { } WHERE { { ?x :p ?y . ?x :r ?y } UNION { ?z :q ?z } }\n"
-      "RULE :count { } WHERE { { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :p ?y } GROUP BY ?x } FILTER(?n > 1) }\n"
+      "RULE :count { } WHERE { { SELECT ?x (COUNT(?y) AS ?n) WHERE { ?x :p ?y } GROUP BY ?x } FILTER(?n > 1) "
+      "}\n"
       "RULE :not { } WHERE { ?x :r ?y NOT { ?y :p ?z } }\n"
       "RULE :not { } WHERE { ?x :r ?y NOT { ?y :q ?z } }\n"
       "RULE :minus { } WHERE { { ?x :p ?y } UNION { ?y :p ?x } MINUS { ?x :r ?y } }";
@@ -215,12 +218,15 @@ TEST_F(RuleEngineTest, ReportsAreThoseOfAFreshStartWhateverComesAndGoes) {
 }
 
 TEST_F(RuleEngineTest, ReportsThatAnotherEngineMadeAreFoundAnew) {
-  const std::string rules = "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }\nRULE { ?i :seen :it } WHERE { ?i a docent:Inconsistency }";
+  const std::string rules =
+      "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }\nRULE { ?i :seen :it } WHERE { ?i a "
+      "docent:Inconsistency }";
   Put(rules);
   Turn({"r a Robot", "r a Person"});
   const std::vector<std::string> reported = world_.Inferred();
   // as from a snapshot, where that engine called the same one otherwise, too
-  const TermId old = world_.dictionary.InternIri("urn:docent:inconsistency:odd:0"), graph = world_.dictionary.InternIri(kInferredGraph);
+  const TermId old = world_.dictionary.InternIri("urn:docent:inconsistency:odd:0"),
+               graph = world_.dictionary.InternIri(kInferredGraph);
   const auto word = [&](const char* name) { return world_.dictionary.InternIri(DocentIri(name)); };
   world_.writer.Add({old, world_.dictionary.InternIri(kRdfType), word("Inconsistency"), graph});
   world_.writer.Add({old, word("rule"), world_.dictionary.Intern(Term::Literal("odd")), graph});
@@ -236,7 +242,8 @@ TEST_F(RuleEngineTest, ReportsThatAnotherEngineMadeAreFoundAnew) {
 // They were taken for reports of checks after a start or a change of the rules, and stayed for ever.
 TEST_F(RuleEngineTest, WhatAUsersRuleCallsAnInconsistencyComesAndGoesAsAllElse) {
   const std::string rules =
-      "RULE :low { ?r a docent:Inconsistency ; docent:rule \"low\" ; docent:evidence ?b } WHERE { ?r :battery ?b FILTER(?b < 10) }\n"
+      "RULE :low { ?r a docent:Inconsistency ; docent:rule \"low\" ; docent:evidence ?b } WHERE { ?r "
+      ":battery ?b FILTER(?b < 10) }\n"
       "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }";
   Put(rules);
   Turn({"r battery 5", "s battery 4", "x a Robot", "x a Person"});
@@ -246,7 +253,10 @@ TEST_F(RuleEngineTest, WhatAUsersRuleCallsAnInconsistencyComesAndGoesAsAllElse) 
   for (const std::string& fact : world_.Inferred()) EXPECT_FALSE(fact.starts_with("r ")) << fact;
   RuleEngine engine(world_.dictionary);
   ASSERT_THAT(engine.PutRules("test.rules", "PREFIX : <http://example.org/>\n" + rules), IsEmpty());
-  ASSERT_THAT(engine.PutRules("more.rules", "PREFIX : <http://example.org/> RULE { ?x :seen true } WHERE { ?x :battery ?b }"), IsEmpty());
+  ASSERT_THAT(
+      engine.PutRules("more.rules",
+                      "PREFIX : <http://example.org/> RULE { ?x :seen true } WHERE { ?x :battery ?b }"),
+      IsEmpty());
   engine.Adopt();
   ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({}, {"s battery 4", "x a Robot"})).ok());
   EXPECT_THAT(world_.Inferred(), IsEmpty());
@@ -374,8 +384,10 @@ TEST_F(RuleEngineTest, NegationThroughRecursionIsRefusedWithItsCycle) {
 }
 
 TEST_F(RuleEngineTest, CountingWhatTheCountMakesIsRefusedAsSuch) {
-  const Diagnostics diagnostics = engine_.PutRules(
-      "bad.rules", "PREFIX : <http://example.org/>\nRULE { ?x :n ?c } WHERE { { SELECT ?x (COUNT(?y) AS ?c) { ?x :n ?y } GROUP BY ?x } }");
+  const Diagnostics diagnostics =
+      engine_.PutRules("bad.rules",
+                       "PREFIX : <http://example.org/>\nRULE { ?x :n ?c } WHERE { { SELECT ?x (COUNT(?y) AS "
+                       "?c) { ?x :n ?y } GROUP BY ?x } }");
   ASSERT_EQ(diagnostics.size(), 1u);
   EXPECT_THAT(diagnostics[0].message, ::testing::HasSubstr("aggregates what is derived by itself"));
   EXPECT_THAT(diagnostics[0].hint, ::testing::HasSubstr("take the aggregate out of the cycle"));
@@ -423,12 +435,14 @@ TEST_F(RuleEngineTest, ACycleByAxiomsNamesTheAxioms) {
   ASSERT_THAT(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")), IsEmpty());
   Put("RULE :avail { ?r a :Available } WHERE { ?r a :Rob NOT { ?r a :Broken } }");
   Turn({"r a Rob"});
-  const absl::StatusOr<Delta> delta =
-      engine_.Update(world_.writer, world_.Apply({"Available rdfs:subClassOf Odd", "Odd rdfs:subClassOf Broken"}));
+  const absl::StatusOr<Delta> delta = engine_.Update(
+      world_.writer, world_.Apply({"Available rdfs:subClassOf Odd", "Odd rdfs:subClassOf Broken"}));
   EXPECT_EQ(delta.status().code(), absl::StatusCode::kFailedPrecondition);
   const std::string message(delta.status().message());
   EXPECT_THAT(message, HasSubstr("avail (line 2) negates what follows from itself by owl2rl cax-sco"));
-  EXPECT_THAT(message, ::testing::ContainsRegex("\\(<http://example.org/Available> rdfs:subClassOf <http://example.org/(Odd|Broken)>\\)"));
+  EXPECT_THAT(message,
+              ::testing::ContainsRegex(
+                  "\\(<http://example.org/Available> rdfs:subClassOf <http://example.org/(Odd|Broken)>\\)"));
   EXPECT_THAT(message, HasSubstr("<http://example.org/Broken>)"));
   EXPECT_THAT(message, HasSubstr("Take one of these axioms away"));
 }
@@ -480,14 +494,16 @@ TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
   std::vector<std::string> facts;
   for (int i = 0; i < 200; ++i) facts.push_back(absl::StrCat("k", i, " p ", i));
   Turn(facts);
-  for (const char* body : {
-           "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",                      // leaves
-           "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?f < ?b && ?f < ?d && ?b < ?f)",          // on ids
-           "?a :p ?b . ?c :p ?d . ?e :p ?f . ?a :q ?f",                                      // a pattern without a match
-           "{ ?a :p ?b } UNION { ?b :p ?a } ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",  // the SPARQL evaluator
-           "?a :p ?b . ?c :p ?d . ?e :p ?f BIND(?b + ?d + ?f AS ?g) FILTER(?g = -1)",
-       }) {
-    const std::string document = absl::StrCat("PREFIX : <http://example.org/>\nRULE :cross { ?a :r ?d } WHERE { ", body, " }");
+  for (
+      const char* body : {
+          "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",              // leaves
+          "?a :p ?b . ?c :p ?d . ?e :p ?f FILTER(?f < ?b && ?f < ?d && ?b < ?f)",  // on ids
+          "?a :p ?b . ?c :p ?d . ?e :p ?f . ?a :q ?f",  // a pattern without a match
+          "{ ?a :p ?b } UNION { ?b :p ?a } ?c :p ?d . ?e :p ?f FILTER(?b + ?d + ?f = -1)",  // the SPARQL evaluator
+          "?a :p ?b . ?c :p ?d . ?e :p ?f BIND(?b + ?d + ?f AS ?g) FILTER(?g = -1)",
+      }) {
+    const std::string document =
+        absl::StrCat("PREFIX : <http://example.org/>\nRULE :cross { ?a :r ?d } WHERE { ", body, " }");
     ASSERT_THAT(engine_.PutRules("cross.rules", document), IsEmpty()) << body;
     Cancellation cancellation;
     cancellation.AllowSteps(100000);
@@ -496,7 +512,8 @@ TEST_F(RuleEngineTest, AJoinWithoutResultsIsStoppedAndNamed) {
       EXPECT_TRUE(delta.ok()) << "the pattern without a match is asked first";
     } else {
       EXPECT_EQ(delta.status().code(), absl::StatusCode::kResourceExhausted) << body;
-      EXPECT_THAT(std::string(delta.status().message()), HasSubstr("cross.rules cross (line 2): evaluation stopped after 100000"));
+      EXPECT_THAT(std::string(delta.status().message()),
+                  HasSubstr("cross.rules cross (line 2): evaluation stopped after 100000"));
       EXPECT_THAT(std::string(delta.status().message()), HasSubstr("steps_per_turn"));
     }
     engine_.Rollback();
@@ -513,7 +530,8 @@ TEST_F(RuleEngineTest, StepsAreAllowedUpToTheLimitAndMoreForWhatIsInferred) {
   Turn(facts);
   Cancellation cancellation;
   cancellation.AllowSteps(1000);
-  const absl::StatusOr<Delta> delta = engine_.Update(world_.writer, world_.Apply({"a0 a Hot"}), &cancellation);
+  const absl::StatusOr<Delta> delta =
+      engine_.Update(world_.writer, world_.Apply({"a0 a Hot"}), &cancellation);
   EXPECT_TRUE(delta.ok()) << delta.status();
 }
 
@@ -549,7 +567,8 @@ TEST_F(RuleEngineTest, FewerRulesAreNeverRefused) {
       "RULE { ?x :kind ?d } WHERE { ?c rdfs:subClassOf ?d . ?x :kind ?c }\n"
       "RULE { ?x :kind :Small } WHERE { ?x :kind :On NOT { ?x :kind :Large } }\n";
   RuleEngine engine(world_.dictionary);
-  ASSERT_FALSE(HasErrors(engine.PutRules("sub", "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }")));
+  ASSERT_FALSE(
+      HasErrors(engine.PutRules("sub", "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }")));
   ASSERT_FALSE(HasErrors(engine.PutRules("knots", knots)));
   ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({"a status On", "a kind On"})).ok());
   const std::vector<std::string> inferred = {"a kind Small", "a status Free"};
@@ -563,15 +582,16 @@ TEST_F(RuleEngineTest, FewerRulesAreNeverRefused) {
 // A rule about reports sees them beside rules with negation, too.
 TEST_F(RuleEngineTest, ReportsAreSeenBesideNegation) {
   RuleEngine engine(world_.dictionary);
-  ASSERT_FALSE(HasErrors(engine.PutRules(
-      "r", "PREFIX : <http://example.org/>\n"
-           "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }\n"
-           "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }\n"
-           "RULE { ?i :seen :it } WHERE { ?i a docent:Inconsistency }\n"
-           "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n")));
+  ASSERT_FALSE(HasErrors(engine.PutRules("r",
+                                         "PREFIX : <http://example.org/>\n"
+                                         "RULE { ?x ?q ?y } WHERE { ?p rdfs:subPropertyOf ?q . ?x ?p ?y }\n"
+                                         "RULE :odd { } WHERE { ?x a :Robot . ?x a :Person }\n"
+                                         "RULE { ?i :seen :it } WHERE { ?i a docent:Inconsistency }\n"
+                                         "RULE { ?x :h ?y } WHERE { ?x :k ?y NOT { ?x :m ?y } }\n")));
   const auto seen = [&] {
     const std::vector<std::string> all = world_.Inferred();
-    return std::count_if(all.begin(), all.end(), [](const std::string& t) { return t.find(" seen it") != t.npos; });
+    return std::count_if(all.begin(), all.end(),
+                         [](const std::string& t) { return t.find(" seen it") != t.npos; });
   };
   ASSERT_TRUE(engine.Update(world_.writer, world_.Apply({"r a Robot", "r a Person"})).ok());
   EXPECT_EQ(seen(), 1);

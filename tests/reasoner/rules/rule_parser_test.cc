@@ -121,7 +121,8 @@ TEST(RuleParser, DataHoldsNoVariables) {
 
 TEST(RuleParser, ARulesNameIsAnIri) {
   EXPECT_EQ(Errors("RULE :near { ?a :p ?b } WHERE { ?a :q ?b }"), "");
-  const ParsedRules parsed = ParseRules(std::string(kPrefix) + "RULE near { ?a :p ?b } WHERE { ?a :q ?b }", "t.rules");
+  const ParsedRules parsed =
+      ParseRules(std::string(kPrefix) + "RULE near { ?a :p ?b } WHERE { ?a :q ?b }", "t.rules");
   ASSERT_EQ(parsed.diagnostics.size(), 1u);
   EXPECT_EQ(parsed.diagnostics[0].message, "the name of a rule is an IRI");
   EXPECT_EQ(parsed.diagnostics[0].span.column, 6);

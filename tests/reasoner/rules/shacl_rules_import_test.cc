@@ -80,22 +80,32 @@ TEST(ShaclRulesImport, WhatIsWrongIsToldWhereTheDocumentHasIt) {
       ":S sh:targetClass :T ; sh:targetNode :n ; sh:rule [ sh:construct \"\"\"PREFIX ex: <http://ex/>\n"
       "CONSTRUCT { $this ex:hasW ?q }\n"
       "WHERE { $this ex:w ?v }\"\"\" ] , [ sh:prefixes :decl ;\n"
-      "  sh:construct \"CONSTRUCT { $this ex:opt ?v } WHERE { $this ex:k ?k OPTIONAL { $this ex:w ?v } }\" ] ;\n"
+      "  sh:construct \"CONSTRUCT { $this ex:opt ?v } WHERE { $this ex:k ?k OPTIONAL { $this ex:w ?v } }\" ] "
+      ";\n"
       "  sh:rule [ sh:construct \"CONSTRUCT { $this nope:p 1 } WHERE { }\" ] ,\n"
-      "    [ a sh:TripleRule ] , [ sh:construct \"CONSTRUCT { $this a \\\"q\\\" } WHERE { OPTIONAL { } }\" ] .");
+      "    [ a sh:TripleRule ] , [ sh:construct \"CONSTRUCT { $this a \\\"q\\\" } WHERE { OPTIONAL { } }\" ] "
+      ".");
   EXPECT_THAT(errors, HasSubstr("shapes.ttl:5:27: error: "));
-  EXPECT_EQ(errors.find("shapes.ttl:5:27"), errors.rfind("shapes.ttl:5:27")) << "a rule of two targets has its mistake once: " << errors;
+  EXPECT_EQ(errors.find("shapes.ttl:5:27"), errors.rfind("shapes.ttl:5:27"))
+      << "a rule of two targets has its mistake once: " << errors;
   EXPECT_THAT(errors, HasSubstr("shapes.ttl:7:69: error: "));
   EXPECT_THAT(errors, HasSubstr("OPTIONAL"));
-  EXPECT_THAT(errors, HasSubstr("shapes.ttl:8:45: error: rule of the shape http://example.org/S: its sh:construct is not SPARQL"));
-  EXPECT_THAT(errors, HasSubstr("shapes.ttl:9:5: error: rule of the shape http://example.org/S: it has no sh:construct"));
+  EXPECT_THAT(
+      errors,
+      HasSubstr(
+          "shapes.ttl:8:45: error: rule of the shape http://example.org/S: its sh:construct is not SPARQL"));
+  EXPECT_THAT(
+      errors,
+      HasSubstr("shapes.ttl:9:5: error: rule of the shape http://example.org/S: it has no sh:construct"));
   EXPECT_THAT(errors, HasSubstr("shapes.ttl:9:42: error: ")) << "of a literal with escapes its beginning";
 }
 
 TEST(ShaclRulesImport, ARuleIsCalledByItsLineInTheDocument) {
   const ImportedRules imported = Import(
-      ":S sh:targetClass :C ; sh:rule [ sh:prefixes :decl ;\n  sh:construct \"CONSTRUCT { $this ex:b 1 } WHERE { $this ex:a 1 }\" ] .\n"
-      ":A sh:targetClass :C , :D ;\n\n sh:rule [ sh:prefixes :decl ; sh:construct \"\"\"CONSTRUCT { $this ex:c 1 }\nWHERE { $this ex:a \"x\\\\ny\" }\"\"\" ] .");
+      ":S sh:targetClass :C ; sh:rule [ sh:prefixes :decl ;\n  sh:construct \"CONSTRUCT { $this ex:b 1 } "
+      "WHERE { $this ex:a 1 }\" ] .\n"
+      ":A sh:targetClass :C , :D ;\n\n sh:rule [ sh:prefixes :decl ; sh:construct \"\"\"CONSTRUCT { $this "
+      "ex:c 1 }\nWHERE { $this ex:a \"x\\\\ny\" }\"\"\" ] .");
   ASSERT_TRUE(imported.ok()) << Render(imported.diagnostics, "");
   const ParsedRules rules = ParseRules(imported.text, "af.ttl");
   ASSERT_TRUE(rules.ok()) << imported.text;

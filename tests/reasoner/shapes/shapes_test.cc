@@ -15,8 +15,10 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr char kPrefixes[] =
-    "@prefix sh: <http://www.w3.org/ns/shacl#> . @prefix : <http://e/> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .\n"
-    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix owl: <http://www.w3.org/2002/07/owl#> .\n";
+    "@prefix sh: <http://www.w3.org/ns/shacl#> . @prefix : <http://e/> . @prefix xsd: "
+    "<http://www.w3.org/2001/XMLSchema#> .\n"
+    "@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix owl: <http://www.w3.org/2002/07/owl#> "
+    ".\n";
 
 class ShapesTest : public testing::Test {
  protected:
@@ -29,7 +31,8 @@ class ShapesTest : public testing::Test {
     graph_.Add(file, document, "urn:" + file);
   }
   ParsedShapes Read(const CheckLimits& limits = {}) {
-    return ReadShapes(graph_.View("urn:shapes.ttl"), graph_.dictionary(), limits, &graph_.Places("urn:shapes.ttl"));
+    return ReadShapes(graph_.View("urn:shapes.ttl"), graph_.dictionary(), limits,
+                      &graph_.Places("urn:shapes.ttl"));
   }
   std::string Mistakes(const std::string& turtle, const CheckLimits& limits = {}) {
     Add("shapes.ttl", turtle);
@@ -43,7 +46,8 @@ class ShapesTest : public testing::Test {
   std::string Text(const ValidationReport& report) {
     std::string text;
     for (const ValidationResult& result : report.results) {
-      text += Render(Describe(result, graph_.dictionary(), &graph_.Places("urn:data.ttl"), &graph_.Places("urn:shapes.ttl")));
+      text += Render(Describe(result, graph_.dictionary(), &graph_.Places("urn:data.ttl"),
+                              &graph_.Places("urn:shapes.ttl")));
     }
     return text;
   }
@@ -52,7 +56,9 @@ class ShapesTest : public testing::Test {
 };
 
 TEST_F(ShapesTest, AReportSaysFileAndLineOfDataAndShape) {
-  Add("shapes.ttl", ":S a sh:NodeShape ; sh:targetClass :Robot ;\n  sh:property :Speed .\n:Speed sh:path :speed ; sh:maxInclusive 2 .");
+  Add("shapes.ttl",
+      ":S a sh:NodeShape ; sh:targetClass :Robot ;\n  sh:property :Speed .\n:Speed sh:path :speed ; "
+      "sh:maxInclusive 2 .");
   Add("data.ttl", ":R1 a :Robot ;\n  :speed 1 ,\n    5 .");
   auto report = Run();
   ASSERT_TRUE(report.ok());
@@ -65,7 +71,8 @@ TEST_F(ShapesTest, AReportSaysFileAndLineOfDataAndShape) {
 
 TEST_F(ShapesTest, AShapeThatRefersToItselfIsRefusedWithTheCircle) {
   const std::string text = Mistakes(
-      ":A a sh:NodeShape ; sh:targetClass :C ; sh:property :P .\n:P sh:path :knows ; sh:node :B .\n:B sh:not :A .");
+      ":A a sh:NodeShape ; sh:targetClass :C ; sh:property :P .\n:P sh:path :knows ; sh:node :B .\n:B sh:not "
+      ":A .");
   EXPECT_THAT(text, HasSubstr("refers to itself: "));
   EXPECT_THAT(text, HasSubstr("<http://e/A> → <http://e/P> → <http://e/B>"));
   EXPECT_THAT(text, HasSubstr("shapes.ttl:"));
@@ -74,7 +81,8 @@ TEST_F(ShapesTest, AShapeThatRefersToItselfIsRefusedWithTheCircle) {
 
 TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
   const std::string text = Mistakes(
-      ":A a sh:NodeShape ; sh:targetClass \"Robot\" ; sh:minCount 1 ; sh:nodeKind :Iri ; sh:pattern \"[a\" .\n"
+      ":A a sh:NodeShape ; sh:targetClass \"Robot\" ; sh:minCount 1 ; sh:nodeKind :Iri ; sh:pattern \"[a\" "
+      ".\n"
       ":B a sh:PropertyShape .\n"
       ":C a sh:NodeShape ; sh:property [ sh:path ( :p ) ; sh:maxCount \"many\" ] ; sh:in ( 1 2 ) , ( 3 ) .\n"
       ":D a sh:NodeShape ; sh:or \"x\" ; sh:datatype xsd:int , xsd:byte ; sh:mincount 4 ; sh:sparql [ ] .");
@@ -89,10 +97,11 @@ TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
 }
 
 TEST_F(ShapesTest, APathAndAListThatGoInCirclesAreRefused) {
-  EXPECT_THAT(Mistakes(":A sh:targetNode :x ; sh:path _:p ; sh:minCount 1 . _:p sh:inversePath _:p .\n"
-                       ":B sh:targetNode :x ; sh:in _:l . _:l <http://www.w3.org/1999/02/22-rdf-syntax-ns#first> 1 ; "
-                       "<http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> _:l ."),
-              testing::AllOf(HasSubstr("the path refers to itself"), HasSubstr("the list goes in a circle")));
+  EXPECT_THAT(
+      Mistakes(":A sh:targetNode :x ; sh:path _:p ; sh:minCount 1 . _:p sh:inversePath _:p .\n"
+               ":B sh:targetNode :x ; sh:in _:l . _:l <http://www.w3.org/1999/02/22-rdf-syntax-ns#first> 1 ; "
+               "<http://www.w3.org/1999/02/22-rdf-syntax-ns#rest> _:l ."),
+      testing::AllOf(HasSubstr("the path refers to itself"), HasSubstr("the list goes in a circle")));
 }
 
 TEST_F(ShapesTest, ShapesNestToTheLimitAndNoFurther) {
@@ -101,7 +110,8 @@ TEST_F(ShapesTest, ShapesNestToTheLimitAndNoFurther) {
   Add("shapes.ttl", ":A sh:targetNode :x ; sh:node :B . :B sh:node :C . :C sh:nodeKind sh:IRI .");
   EXPECT_TRUE(Read(limits).ok());
   limits.shape_nesting = 2;
-  EXPECT_THAT(docent::Render(Read(limits).diagnostics, ""), HasSubstr("3 deep; the limit shape_nesting is 2"));
+  EXPECT_THAT(docent::Render(Read(limits).diagnostics, ""),
+              HasSubstr("3 deep; the limit shape_nesting is 2"));
 }
 
 TEST_F(ShapesTest, ResultsBeyondTheLimitAreCounted) {
@@ -119,9 +129,11 @@ TEST_F(ShapesTest, ResultsBeyondTheLimitAreCounted) {
 }
 
 TEST_F(ShapesTest, ItEndsWhenItIsCancelledOrNeedsTooMuchMemory) {
-  Add("shapes.ttl", ":S sh:targetSubjectsOf :p ; sh:property [ sh:path [ sh:oneOrMorePath :p ] ; sh:maxCount 0 ] .");
+  Add("shapes.ttl",
+      ":S sh:targetSubjectsOf :p ; sh:property [ sh:path [ sh:oneOrMorePath :p ] ; sh:maxCount 0 ] .");
   std::string ring;
-  for (int i = 0; i < 300; ++i) ring += ":n" + std::to_string(i) + " :p :n" + std::to_string((i + 1) % 300) + " .\n";
+  for (int i = 0; i < 300; ++i)
+    ring += ":n" + std::to_string(i) + " :p :n" + std::to_string((i + 1) % 300) + " .\n";
   Add("data.ttl", ring);
   Cancellation cancellation;
   cancellation.Cancel();
@@ -138,13 +150,16 @@ TEST_F(ShapesTest, ItEndsWhenItIsCancelledOrNeedsTooMuchMemory) {
 }
 
 TEST_F(ShapesTest, ANestedShapeTellsWhy) {
-  Add("shapes.ttl", ":S sh:targetNode :a ; sh:node :Named .\n:Named sh:property [ sh:path :name ; sh:minCount 1 ] .");
+  Add("shapes.ttl",
+      ":S sh:targetNode :a ; sh:node :Named .\n:Named sh:property [ sh:path :name ; sh:minCount 1 ] .");
   Add("data.ttl", ":a :age 3 .");
   auto report = Run();
   ASSERT_TRUE(report.ok());
-  EXPECT_THAT(Text(*report), HasSubstr("does not conform to the shape <http://e/Named>\n"
-                                       "    <http://e/a> <http://e/name>: has 0 values; at least 1 needed\n"));
-  auto turtle = SerializeRdf(ToRdf(*report, graph_.dictionary()), RdfFormat::kTurtle, {{"sh", std::string(kShaclNs)}});
+  EXPECT_THAT(Text(*report),
+              HasSubstr("does not conform to the shape <http://e/Named>\n"
+                        "    <http://e/a> <http://e/name>: has 0 values; at least 1 needed\n"));
+  auto turtle =
+      SerializeRdf(ToRdf(*report, graph_.dictionary()), RdfFormat::kTurtle, {{"sh", std::string(kShaclNs)}});
   ASSERT_TRUE(turtle.ok());
   EXPECT_THAT(*turtle, testing::AllOf(HasSubstr("sh:detail"), HasSubstr("sh:MinCountConstraintComponent")));
 }
@@ -163,20 +178,54 @@ TEST(DatatypeCheckTest, LexicalFormsOfXmlSchema) {
   const auto valid = [](const char* type, const char* text) {
     return IsValidLexicalForm(text, std::string("http://www.w3.org/2001/XMLSchema#") + type);
   };
-  for (const auto& [type, text] : std::vector<std::pair<const char*, const char*>>{
-           {"integer", "-007"}, {"byte", "-128"}, {"unsignedLong", "18446744073709551615"}, {"decimal", "+.5"},
-           {"double", "-1.5e-3"}, {"double", "INF"}, {"dateTime", "2026-11-22T00:00:00.5Z"}, {"date", "2024-02-29"},
-           {"time", "23:59:59+01:00"}, {"gYear", "2026"}, {"gMonthDay", "--02-29"}, {"gDay", "---31Z"},
-           {"duration", "P1Y2M3DT4H5M6.7S"}, {"duration", "-PT0S"}, {"dayTimeDuration", "P2DT1S"}, {"hexBinary", "0aF1"},
-           {"base64Binary", "QUI="}, {"language", "de-CH-1901"}, {"anyURI", "a/b#c"}, {"nonPositiveInteger", "-0"}}) {
+  for (const auto& [type, text] :
+       std::vector<std::pair<const char*, const char*>>{{"integer", "-007"},
+                                                        {"byte", "-128"},
+                                                        {"unsignedLong", "18446744073709551615"},
+                                                        {"decimal", "+.5"},
+                                                        {"double", "-1.5e-3"},
+                                                        {"double", "INF"},
+                                                        {"dateTime", "2026-11-22T00:00:00.5Z"},
+                                                        {"date", "2024-02-29"},
+                                                        {"time", "23:59:59+01:00"},
+                                                        {"gYear", "2026"},
+                                                        {"gMonthDay", "--02-29"},
+                                                        {"gDay", "---31Z"},
+                                                        {"duration", "P1Y2M3DT4H5M6.7S"},
+                                                        {"duration", "-PT0S"},
+                                                        {"dayTimeDuration", "P2DT1S"},
+                                                        {"hexBinary", "0aF1"},
+                                                        {"base64Binary", "QUI="},
+                                                        {"language", "de-CH-1901"},
+                                                        {"anyURI", "a/b#c"},
+                                                        {"nonPositiveInteger", "-0"}}) {
     EXPECT_EQ(valid(type, text), true) << type << " " << text;
   }
-  for (const auto& [type, text] : std::vector<std::pair<const char*, const char*>>{
-           {"integer", "1.0"}, {"integer", ""}, {"byte", "128"}, {"byte", "c"}, {"unsignedInt", "-1"}, {"decimal", "."},
-           {"decimal", "1e3"}, {"double", "e3"}, {"dateTime", "2026-11-22"}, {"date", "2023-02-29"}, {"time", "25:00:00"},
-           {"gMonth", "--13"}, {"duration", "P"}, {"duration", "P1YT"}, {"duration", "P1D2Y"},
-           {"yearMonthDuration", "P1D"}, {"hexBinary", "abc"}, {"base64Binary", "QU=="  "I"}, {"boolean", "yes"},
-           {"language", "de_CH"}, {"positiveInteger", "0"}, {"negativeInteger", "0"}}) {
+  for (const auto& [type, text] :
+       std::vector<std::pair<const char*, const char*>>{{"integer", "1.0"},
+                                                        {"integer", ""},
+                                                        {"byte", "128"},
+                                                        {"byte", "c"},
+                                                        {"unsignedInt", "-1"},
+                                                        {"decimal", "."},
+                                                        {"decimal", "1e3"},
+                                                        {"double", "e3"},
+                                                        {"dateTime", "2026-11-22"},
+                                                        {"date", "2023-02-29"},
+                                                        {"time", "25:00:00"},
+                                                        {"gMonth", "--13"},
+                                                        {"duration", "P"},
+                                                        {"duration", "P1YT"},
+                                                        {"duration", "P1D2Y"},
+                                                        {"yearMonthDuration", "P1D"},
+                                                        {"hexBinary", "abc"},
+                                                        {"base64Binary",
+                                                         "QU=="
+                                                         "I"},
+                                                        {"boolean", "yes"},
+                                                        {"language", "de_CH"},
+                                                        {"positiveInteger", "0"},
+                                                        {"negativeInteger", "0"}}) {
     EXPECT_EQ(valid(type, text), false) << type << " " << text;
   }
   EXPECT_EQ(IsValidLexicalForm("x", "http://e/own"), std::nullopt);

@@ -25,7 +25,8 @@ TEST(DistanceMap, AScanGoesToMrptAndBack) {
 
 TEST(DistanceMap, WeighsAsTheSensorModelDoesPreparedOrNot) {
   const auto model = std::make_shared<SensorModel>(SmallHall()->laser_field(), SensorModelSettings());
-  std::mt19937_64 random(6);  // noise: the ends of exact beams lie on borders of cells, where rounding decides
+  std::mt19937_64 random(
+      6);  // noise: the ends of exact beams lie on borders of cells, where rounding decides
   const maps::LaserScan scan = maps::AnalyticScanner(SmallLayout(), {}).Scan({2.003, 4.007, 0.2}, {}, random);
   const auto observation = ToMrpt(scan);
   DistanceMap map(model, 180);

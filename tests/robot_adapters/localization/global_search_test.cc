@@ -18,10 +18,12 @@ class GlobalSearchTest : public ::testing::Test {
 
 TEST_F(GlobalSearchTest, FindsTheRobotWhereverItStands) {
   std::mt19937_64 random(11);
-  for (const maps::Pose2 truth : {maps::Pose2{1.5, 1.5, 1.57}, {2, 5, -2.5}, {8, 4.6, 0.1}, {10, 2.2, -1.57}, {5, 7, 3.1}}) {
+  for (const maps::Pose2 truth :
+       {maps::Pose2{1.5, 1.5, 1.57}, {2, 5, -2.5}, {8, 4.6, 0.1}, {10, 2.2, -1.57}, {5, 7, 3.1}}) {
     const auto found = SearchGlobally(*SmallHall(), model_, scanner_.Scan(truth, {}, random), settings_, 3);
     ASSERT_FALSE(found.empty());
-    EXPECT_LT(maps::Distance(found[0].robot_in_hall.position(), truth.position()), 0.05) << truth.x_m << " " << truth.y_m;
+    EXPECT_LT(maps::Distance(found[0].robot_in_hall.position(), truth.position()), 0.05)
+        << truth.x_m << " " << truth.y_m;
     EXPECT_LT(std::abs(maps::WrapAngle(found[0].robot_in_hall.heading_rad - truth.heading_rad)), 0.02);
   }
 }
@@ -32,8 +34,10 @@ TEST_F(GlobalSearchTest, CandidatesAreBestFirstAndApart) {
   ASSERT_LE(found.size(), 8u);
   for (size_t i = 1; i < found.size(); ++i) {
     EXPECT_GE(found[i - 1].log_likelihood, found[i].log_likelihood);
-    const double apart_m = maps::Distance(found[0].robot_in_hall.position(), found[i].robot_in_hall.position());
-    const double turned = std::abs(maps::WrapAngle(found[0].robot_in_hall.heading_rad - found[i].robot_in_hall.heading_rad));
+    const double apart_m =
+        maps::Distance(found[0].robot_in_hall.position(), found[i].robot_in_hall.position());
+    const double turned =
+        std::abs(maps::WrapAngle(found[0].robot_in_hall.heading_rad - found[i].robot_in_hall.heading_rad));
     EXPECT_TRUE(apart_m >= settings_.search_step_m || turned >= 2 * settings_.search_step_rad);
   }
 }

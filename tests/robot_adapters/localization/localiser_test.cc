@@ -83,7 +83,8 @@ std::vector<maps::Pose2> PosesOf(uint64_t seed, const SmallDrive& drive) {
   Localiser localiser(SmallHall(), {}, seed);
   EXPECT_TRUE(localiser.InitialiseGlobally(drive.first_scan).ok());
   std::vector<maps::Pose2> poses;
-  for (const DriveStep& step : drive.steps) poses.push_back(localiser.Update(step.odometry, step.scan)->pose());
+  for (const DriveStep& step : drive.steps)
+    poses.push_back(localiser.Update(step.odometry, step.scan)->pose());
   return poses;
 }
 
@@ -103,7 +104,8 @@ TEST(Localiser, BadInputIsRefusedAndChangesNothing) {
   const SmallDrive drive(8);
   Localiser localiser(SmallHall(), {}, 8);
   const DriveStep& step = drive.steps[0];
-  EXPECT_EQ(localiser.Update(step.odometry, step.scan).status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(localiser.Update(step.odometry, step.scan).status().code(),
+            absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(localiser.InitialiseAt(drive.start, 0, 0.1).code(), absl::StatusCode::kInvalidArgument);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(localiser.InitialiseAt({nan, 0, 0}, 0.1, 0.1).code(), absl::StatusCode::kInvalidArgument);

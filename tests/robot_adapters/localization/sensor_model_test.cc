@@ -48,7 +48,9 @@ TEST_F(SensorModelTest, APoseOutsideTheMapIsTheWorstThereIs) {
   EXPECT_LT(worst, At(7.2, 4.9, 0.4) - 10);
 }
 
-TEST_F(SensorModelTest, NoBeamsSayNothing) { EXPECT_EQ(model_.LogLikelihood(BeamEnds(), kTruth), 0); }
+TEST_F(SensorModelTest, NoBeamsSayNothing) {
+  EXPECT_EQ(model_.LogLikelihood(BeamEnds(), kTruth), 0);
+}
 
 TEST_F(SensorModelTest, BeamsAreThinnedEvenlyAndLostOnesLeftOut) {
   maps::LaserScan scan;
@@ -74,7 +76,8 @@ TEST_F(SensorModelTest, OnlyAWrongPoseLooksThroughWalls) {
   EXPECT_GT(ShareThroughWalls(field, ends_, {2, 1, -2}, 0.3), 0.2);
   const std::vector<maps::Disc> crowd = {{{8, 5.2}, 0.25}, {{7, 4}, 0.25}, {{6, 5.5}, 0.25}};
   const BeamEnds crowded = EndsOf(scanner_.ExactScan(kTruth, crowd), 180);
-  EXPECT_LT(ShareThroughWalls(field, crowded, kTruth, 0.3), 0.02) << "people shorten beams, they lengthen none";
+  EXPECT_LT(ShareThroughWalls(field, crowded, kTruth, 0.3), 0.02)
+      << "people shorten beams, they lengthen none";
   EXPECT_EQ(ShareThroughWalls(field, BeamEnds(), kTruth, 0.3), 0);
 }
 

@@ -41,7 +41,8 @@ struct SmallDrive {
     const maps::AnalyticScanner scanner(SmallLayout(), {});
     first_scan = scanner.Scan(start, {}, random);
     maps::Pose2 pose = start;
-    for (const maps::Point2 target : {maps::Point2{2, 4.5}, {5, 5.5}, {8, 4.6}, {8, 2.5}, {10, 4.5}, {7.5, 5}}) {
+    for (const maps::Point2 target :
+         {maps::Point2{2, 4.5}, {5, 5.5}, {8, 4.6}, {8, 2.5}, {10, 4.5}, {7.5, 5}}) {
       while (maps::Distance(pose.position(), target) > 0.2) {
         const double bearing = std::atan2(target.y_m - pose.y_m, target.x_m - pose.x_m);
         const double turn = std::clamp(maps::WrapAngle(bearing - pose.heading_rad), -0.2, 0.2);

@@ -15,7 +15,8 @@ namespace {
 
 constexpr char kEastDoors[] = "https://w3id.org/docent/s02#EastDoors";
 
-std::optional<size_t> EntryInReplay(const maps::RegionIndex& regions, const std::string& region, uint64_t seed) {
+std::optional<size_t> EntryInReplay(const maps::RegionIndex& regions, const std::string& region,
+                                    uint64_t seed) {
   LogReplay replay(Building(), *ReadRawlog(*FindMrptDataset(kLog)), &regions, {}, seed);
   const auto steps = ReplayAll(replay);
   EXPECT_TRUE(steps.ok()) << steps.status();
@@ -40,7 +41,8 @@ TEST_F(LogReplayTest, TheRecordingHolds37StepsOfALaserAheadOfTheAxle) {
   EXPECT_EQ(drive->steps[0].scan.range_m.size(), 361u);
   EXPECT_NEAR(drive->steps[0].scan.sensor_in_robot.x_m, 0.78, 1e-6);
   EXPECT_NEAR(drive->steps[1].odometry.x_m, 0.181072, 1e-6);
-  for (size_t i = 1; i < drive->steps.size(); ++i) EXPECT_GT(drive->steps[i].time_us, drive->steps[i - 1].time_us);
+  for (size_t i = 1; i < drive->steps.size(); ++i)
+    EXPECT_GT(drive->steps[i].time_us, drive->steps[i - 1].time_us);
   EXPECT_EQ(ReadSimplemap(*FindMrptDataset(kMap))->size(), 72u);
 }
 
@@ -55,7 +57,9 @@ TEST_F(LogReplayTest, TheEstimateStaysNearTheRecordedReference) {
     double squares = 0;
     for (size_t k = 0; k < steps->size(); ++k) {
       EXPECT_EQ((*steps)[k].time_us, (*reference)[k].time_us);
-      squares += std::pow(maps::Distance((*steps)[k].estimate.pose().position(), (*reference)[k].robot_in_hall.position()), 2);
+      squares += std::pow(
+          maps::Distance((*steps)[k].estimate.pose().position(), (*reference)[k].robot_in_hall.position()),
+          2);
     }
     // Both rest on a recorded map that is itself good to a few centimetres.
     EXPECT_LT(std::sqrt(squares / static_cast<double>(steps->size())), 0.06) << "seed " << seed;

@@ -25,11 +25,14 @@ inline std::string Missing() {
 }
 
 inline std::shared_ptr<const maps::HallModel> Building() {
-  static const std::shared_ptr<const maps::HallModel> building = *BuildingFromSimplemap(*FindMrptDataset(kMap));
+  static const std::shared_ptr<const maps::HallModel> building =
+      *BuildingFromSimplemap(*FindMrptDataset(kMap));
   return building;
 }
 
-inline maps::HallLayout Layout() { return *maps::HallLayout::FromFile(kScenario + "/layout.ttl"); }
+inline maps::HallLayout Layout() {
+  return *maps::HallLayout::FromFile(kScenario + "/layout.ttl");
+}
 
 }  // namespace docent::robot
 

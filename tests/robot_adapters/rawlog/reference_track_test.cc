@@ -28,7 +28,8 @@ class ReferenceTrackTest : public ::testing::Test {
 };
 
 TEST_F(ReferenceTrackTest, ReadsWhatItWrites) {
-  const std::vector<ReferencePose> poses = {{0, 1137772793094853, {1.25, -2.5, 0.125}, 0.01}, {1, 1137772793295141, {2, 3, -3}, 0}};
+  const std::vector<ReferencePose> poses = {{0, 1137772793094853, {1.25, -2.5, 0.125}, 0.01},
+                                            {1, 1137772793295141, {2, 3, -3}, 0}};
   ASSERT_TRUE(WriteReference(path_, {"how it was made"}, poses).ok());
   const auto read = ReadReference(path_);
   ASSERT_TRUE(read.ok()) << read.status();
@@ -41,7 +42,8 @@ TEST_F(ReferenceTrackTest, ReadsWhatItWrites) {
 TEST_F(ReferenceTrackTest, ErrorsNameTheLine) {
   EXPECT_THAT(ErrorFor("# only a comment\n"), HasSubstr("no pose"));
   EXPECT_THAT(ErrorFor("a,b\n"), HasSubstr("reference.csv:1: expected step,time_us"));
-  EXPECT_THAT(ErrorFor("step,time_us,x_m,y_m,heading_rad,spread_m\n1,2,3,4,5\n"), HasSubstr(":2: expected six numbers"));
+  EXPECT_THAT(ErrorFor("step,time_us,x_m,y_m,heading_rad,spread_m\n1,2,3,4,5\n"),
+              HasSubstr(":2: expected six numbers"));
   EXPECT_THAT(ErrorFor("step,time_us,x_m,y_m,heading_rad,spread_m\n1,2,3,x,5,6\n"), HasSubstr(":2:"));
   EXPECT_EQ(ReadReference("/nonexistent.csv").status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(WriteReference("/nonexistent/x.csv", {}, {}).code(), absl::StatusCode::kUnavailable);
@@ -50,7 +52,8 @@ TEST_F(ReferenceTrackTest, ErrorsNameTheLine) {
 TEST_F(ReferenceTrackTest, TheFirstStepInsideIsTheEntry) {
   maps::Region region;
   region.outline = {{1, -1}, {2, -1}, {2, 1}, {1, 1}};
-  const std::vector<ReferencePose> poses = {{0, 0, {0, 0, 0}, 0}, {1, 0, {1.5, 0, 0}, 0}, {2, 0, {1.7, 0, 0}, 0}};
+  const std::vector<ReferencePose> poses = {
+      {0, 0, {0, 0, 0}, 0}, {1, 0, {1.5, 0, 0}, 0}, {2, 0, {1.7, 0, 0}, 0}};
   EXPECT_EQ(StepOfEntry(poses, region), 1u);
   region.outline = {{11, -1}, {12, -1}, {12, 1}, {11, 1}};
   EXPECT_EQ(StepOfEntry(poses, region), std::nullopt);

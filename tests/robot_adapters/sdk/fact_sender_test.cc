@@ -1,7 +1,7 @@
 #include "robot_adapters/sdk/fact_sender.h"
 
-#include "gtest/gtest.h"
 #include "graph/rdf/vocabulary.h"
+#include "gtest/gtest.h"
 #include "robot_adapters/sdk/decimal.h"
 
 namespace docent::robot {

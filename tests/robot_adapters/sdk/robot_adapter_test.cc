@@ -10,8 +10,8 @@
 
 #include "absl/synchronization/notification.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
-#include "gtest/gtest.h"
 #include "graph/rdf/vocabulary.h"
+#include "gtest/gtest.h"
 #include "robot_adapters/sdk/command_journal.h"
 #include "tests/robot_adapters/sdk/fake_server.h"
 

@@ -9,8 +9,8 @@
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
 #include "gmock/gmock.h"
-#include "gtest/gtest.h"
 #include "graph/rdf/vocabulary.h"
+#include "gtest/gtest.h"
 #include "tests/robot_adapters/sdk/fake_server.h"
 
 namespace docent::robot {

@@ -56,7 +56,8 @@ TEST(AskCompiler, PutsValuesInPlaceOfVariables) {
 
 TEST(AskCompiler, LiteralValuesAreEscaped) {
   DocumentPtr document = Parse(WithNode(ConditionOf(ConstraintText("c", "?x", "schema:name", "$user"))));
-  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({{"user", Term::Literal("a\"} ?s ?p ?o #\n")}}));
+  auto asks = CompileCondition(*document, ConditionOfNode(*document),
+                               Values({{"user", Term::Literal("a\"} ?s ?p ?o #\n")}}));
   ASSERT_TRUE(asks.ok());
   EXPECT_THAT(asks->front().ask, HasSubstr("?x schema:name \"a\\\"} ?s ?p ?o #\\n\" ."));
   EXPECT_TRUE(sparql::ParseQuery(asks->front().ask).ok());
@@ -67,14 +68,16 @@ TEST(AskCompiler, WhatCannotBeSaidIsAnError) {
   auto blank = CompileCondition(*document, ConditionOfNode(*document), Values({{"user", Term::Blank("b")}}));
   EXPECT_EQ(blank.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(blank.status().message()), HasSubstr("$user is a blank node"));
-  auto literal = CompileCondition(*document, ConditionOfNode(*document), Values({{"robot", Term::Literal("l")}}));
+  auto literal =
+      CompileCondition(*document, ConditionOfNode(*document), Values({{"robot", Term::Literal("l")}}));
   EXPECT_THAT(std::string(literal.status().message()), HasSubstr("cannot be a verb"));
 }
 
 TEST(AskCompiler, NegatedVariablesAreNotBound) {
-  DocumentPtr document = Parse(WithNode(ConditionOf(ConstraintText("a", "?r", "docent:isAt", "?p") +
-                                                        ConstraintText("b", "?r", "docent:currentCommand", "?c"),
-                                                    "a and not b")));
+  DocumentPtr document =
+      Parse(WithNode(ConditionOf(ConstraintText("a", "?r", "docent:isAt", "?p") +
+                                     ConstraintText("b", "?r", "docent:currentCommand", "?c"),
+                                 "a and not b")));
   auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}));
   ASSERT_TRUE(asks.ok());
   EXPECT_THAT(asks->front().free_variables, ElementsAre("r", "p"));
@@ -85,8 +88,9 @@ TEST(AskCompiler, ContextsAreTriedByPriorityThenOrderAndCasesLast) {
     return "<context name=\"" + name + "\" priority=\"" + priority + "\"><rule>" +
            ConstraintText("c", "?r", "docent:isAt", "?p") + "</rule></context>";
   };
-  DocumentPtr document = Parse(WithNode("<condition><case name=\"E\"><event operation=\"bell\"/></case>" +
-                                        context("B", "2") + context("A", "1") + context("B2", "2") + "</condition>"));
+  DocumentPtr document =
+      Parse(WithNode("<condition><case name=\"E\"><event operation=\"bell\"/></case>" + context("B", "2") +
+                     context("A", "1") + context("B2", "2") + "</condition>"));
   auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}));
   ASSERT_TRUE(asks.ok());
   ASSERT_THAT(*asks, SizeIs(4));
@@ -110,7 +114,9 @@ TEST(AskCompiler, AlternativesAreLimited) {
     std::string constraints, expression;
     for (int i = 0; i < 2 * pairs; ++i) {
       constraints += ConstraintText("c" + std::to_string(i), "?r", "docent:x", std::to_string(i));
-      expression += i == 0 ? "(c0" : i % 2 == 1 ? " or c" + std::to_string(i) + ")" : " and (c" + std::to_string(i);
+      expression += i == 0       ? "(c0"
+                    : i % 2 == 1 ? " or c" + std::to_string(i) + ")"
+                                 : " and (c" + std::to_string(i);
     }
     return Parse(WithNode(ConditionOf(constraints, expression)));
   };
@@ -124,7 +130,8 @@ TEST(AskCompiler, KeyVariablesAreTheActivatorsOwn) {
   auto with = [](const std::string& variables) {
     return Parse("<CAWL name=\"T\"><activator>" + variables + "<activate flow=\"F\"/>" +
                  ConditionOf(ConstraintText("c", "?user", "docent:isAt", "?place")) +
-                 "</activator><flow name=\"F\"><source name=\"s\"/><sink name=\"e\"/><link from=\"s\" to=\"e\"/></flow></CAWL>");
+                 "</activator><flow name=\"F\"><source name=\"s\"/><sink name=\"e\"/><link from=\"s\" "
+                 "to=\"e\"/></flow></CAWL>");
   };
   for (const auto& [variables, keys] : std::map<std::string, std::vector<std::string>>{
            {"", {"user", "place"}}, {"<variable name=\"user\"/>", {"user"}}}) {

@@ -12,14 +12,18 @@ namespace docent::cawl {
 
 // A document of one flow F (variables user, robot) with one node N whose content is `node`.
 inline std::string WithNode(const std::string& node) {
-  return "<CAWL name=\"T\" xmlns:expo=\"https://w3id.org/docent/expo#\" xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"
+  return "<CAWL name=\"T\" xmlns:expo=\"https://w3id.org/docent/expo#\" "
+         "xmlns:ext=\"https://w3id.org/docent/cawl-ext#\">"
          "<flow name=\"F\"><variable name=\"user\"/><variable name=\"robot\"/><source name=\"s\"/>"
-         "<node name=\"N\">" + node + "</node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" to=\"e\"/>"
+         "<node name=\"N\">" +
+         node +
+         "</node><sink name=\"e\"/><link from=\"s\" to=\"N\"/><link from=\"N\" to=\"e\"/>"
          "</flow></CAWL>";
 }
 
 // <constraint> with these words.
-inline std::string ConstraintText(const std::string& name, const std::string& s, const std::string& v, const std::string& o) {
+inline std::string ConstraintText(const std::string& name, const std::string& s, const std::string& v,
+                                  const std::string& o) {
   return "<constraint name=\"" + name + "\"><subject>" + s + "</subject><verb>" + v + "</verb><object>" + o +
          "</object></constraint>";
 }

@@ -17,7 +17,9 @@ namespace docent {
 // Step until quiet, then Commit.
 class EngineTest : public ::testing::Test {
  protected:
-  EngineTest() : engine_(&dictionary_, Limits{}) { robots_.offers = {{RobotId("urn:r1"), "i1", false, false}}; }
+  EngineTest() : engine_(&dictionary_, Limits{}) {
+    robots_.offers = {{RobotId("urn:r1"), "i1", false, false}};
+  }
 
   void Deploy(const std::string& body) {
     std::string text =

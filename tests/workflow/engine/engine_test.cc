@@ -299,8 +299,9 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
     return after;
   };
   auto has = [this](const std::vector<Quad>& all, const std::string& run) {
-    return std::any_of(all.begin(), all.end(),
-                       [&](const Quad& quad) { return quad.subject == dictionary_.FindIri("urn:docent:run:" + run); });
+    return std::any_of(all.begin(), all.end(), [&](const Quad& quad) {
+      return quad.subject == dictionary_.FindIri("urn:docent:run:" + run);
+    });
   };
   for (int i = 0; i < 3; ++i) {
     facts = step();

@@ -105,15 +105,17 @@ TEST_F(EngineWaitingTest, ANodeWhoseRobotsAreBusyOpensWhenOneIsFreedOrAnotherOne
 TEST_F(EngineWaitingTest, AnEventWaitsForABusyRobotAsLongAsItStands) {
   std::string near = Condition("near");
   near.replace(near.find("?s"), 2, "?robot");
-  near.replace(near.find("<condition>"), 11,
-               "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
+  near.replace(
+      near.find("<condition>"), 11,
+      "<condition expression=\"rang and near\"><case name=\"rang\"><event operation=\"bell\"/></case>");
   Deploy(Flow("<node name=\"A\">" + near + "<invoke operation=\"a\"/></node><sink name=\"t\"/>" +
               Link("s", "A") + Link("A", "t")) +
          "<flow name=\"H\"><source name=\"s\"/>" + Node("B", "", "<invoke operation=\"b\"/>") +
          "<sink name=\"t\"/>" + Link("s", "B") + Link("B", "t") + "</flow>");
   robots_.news = false;
   auto ring = [](const std::string& event) {
-    return TermBinding{{"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:y")}, {"_event_1", Term::Iri(event)}};
+    return TermBinding{
+        {"robot", Term::Iri("urn:r1")}, {"o", Term::Iri("urn:y")}, {"_event_1", Term::Iri(event)}};
   };
   Turn({}, {{RunRequest::Kind::kStart, "W/H", {}}});
   CommandId busy = commands_[0].id;
@@ -129,7 +131,8 @@ TEST_F(EngineWaitingTest, AnEventWaitsForABusyRobotAsLongAsItStands) {
   Start();
   conditions_.Set("urn:near", {ring("urn:e1"), ring("urn:e2")});
   Turn();
-  conditions_.Set("urn:near", {ring("urn:e1")});  // e2 is gone before the robot is free; e1 came before the run
+  conditions_.Set("urn:near",
+                  {ring("urn:e1")});  // e2 is gone before the robot is free; e1 came before the run
   Turn();
   Turn({Done(busy)});
   EXPECT_THAT(commands_, IsEmpty());

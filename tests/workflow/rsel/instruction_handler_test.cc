@@ -36,8 +36,10 @@ std::string File(const std::string& path) {
 
 // <process name="P"> with these invokes.
 InstructionHandler Started(const std::string& invokes, const Arguments& arguments = {}) {
-  PlanPtr plan = PlanOf("<rsel name=\"T\" xmlns:ext=\"https://w3id.org/docent/rsel-ext#\"><process name=\"P\">" + invokes +
-                            "</process></rsel>", "P");
+  PlanPtr plan =
+      PlanOf("<rsel name=\"T\" xmlns:ext=\"https://w3id.org/docent/rsel-ext#\"><process name=\"P\">" +
+                 invokes + "</process></rsel>",
+             "P");
   return *InstructionHandler::Start(plan, arguments);
 }
 
@@ -55,8 +57,9 @@ TEST(InstructionHandler, RunsTheBoothGuideInOrder) {
     EXPECT_TRUE(handler->Succeeded(ready[0].step, ready[0].attempt, {}));
   }
   EXPECT_EQ(handler->state(), State::kDone);
-  EXPECT_THAT(labels, ElementsAre("1/4 moveToUser", "2/4 moveToBooth", "3/4 displayInformation/displayBoothInfo",
-                                  "4/4 briefInformation/briefBoothInfo"));
+  EXPECT_THAT(labels,
+              ElementsAre("1/4 moveToUser", "2/4 moveToBooth", "3/4 displayInformation/displayBoothInfo",
+                          "4/4 briefInformation/briefBoothInfo"));
 }
 
 TEST(InstructionHandler, MissingArgumentsAreNamed) {
@@ -67,8 +70,9 @@ TEST(InstructionHandler, MissingArgumentsAreNamed) {
 }
 
 TEST(InstructionHandler, ResultsFlowOn) {
-  InstructionHandler h = Started("<invoke operation=\"locate\"><output part=\"pose\" to=\"where\"/></invoke>"
-                                 "<invoke operation=\"go\"><input part=\"to\" from=\"where\"/></invoke>");
+  InstructionHandler h = Started(
+      "<invoke operation=\"locate\"><output part=\"pose\" to=\"where\"/></invoke>"
+      "<invoke operation=\"go\"><input part=\"to\" from=\"where\"/></invoke>");
   h.TakeReady();
   EXPECT_TRUE(h.Succeeded(1, 1, {{"pose", kBooth}}));
   std::vector<Instruction> next = h.TakeReady();
@@ -79,8 +83,9 @@ TEST(InstructionHandler, ResultsFlowOn) {
 }
 
 TEST(InstructionHandler, AResultThatWasNotGivenFailsTheStepThatNeedsIt) {
-  InstructionHandler h = Started("<invoke operation=\"locate\"><output part=\"pose\" to=\"where\"/></invoke>"
-                                 "<invoke operation=\"go\"><input part=\"to\" from=\"where\"/></invoke>");
+  InstructionHandler h = Started(
+      "<invoke operation=\"locate\"><output part=\"pose\" to=\"where\"/></invoke>"
+      "<invoke operation=\"go\"><input part=\"to\" from=\"where\"/></invoke>");
   h.TakeReady();
   h.Succeeded(1, 1, {{"other", kBooth}});
   EXPECT_THAT(h.TakeReady(), IsEmpty());
@@ -89,7 +94,8 @@ TEST(InstructionHandler, AResultThatWasNotGivenFailsTheStepThatNeedsIt) {
 }
 
 TEST(InstructionHandler, RetriesThenFails) {
-  InstructionHandler h = Started("<invoke operation=\"go\" ext:retry=\"1\" ext:timeout=\"2s\"/><invoke operation=\"never\"/>");
+  InstructionHandler h =
+      Started("<invoke operation=\"go\" ext:retry=\"1\" ext:timeout=\"2s\"/><invoke operation=\"never\"/>");
   std::vector<Instruction> first = h.TakeReady();
   ASSERT_THAT(first, SizeIs(1));
   EXPECT_EQ(first[0].timeout_ms, 2000);
@@ -114,7 +120,8 @@ TEST(InstructionHandler, AnUnknownOutcomeIsNotTriedAgain) {
 }
 
 TEST(InstructionHandler, OnFailureContinueGoesOn) {
-  InstructionHandler h = Started("<invoke operation=\"wave\" ext:onFailure=\"continue\"/><invoke operation=\"go\"/>");
+  InstructionHandler h =
+      Started("<invoke operation=\"wave\" ext:onFailure=\"continue\"/><invoke operation=\"go\"/>");
   h.TakeReady();
   h.Failed(1, 1, "no arm");
   std::vector<Instruction> next = h.TakeReady();
@@ -125,8 +132,9 @@ TEST(InstructionHandler, OnFailureContinueGoesOn) {
 }
 
 TEST(InstructionHandler, ParallelStepsRunTogetherAndAreCancelledTogether) {
-  InstructionHandler h = Started("<invoke operation=\"a\"/><invoke operation=\"b\"/>"
-                                 "<invoke operation=\"c\" ext:parallel=\"true\"/><invoke operation=\"d\"/>");
+  InstructionHandler h = Started(
+      "<invoke operation=\"a\"/><invoke operation=\"b\"/>"
+      "<invoke operation=\"c\" ext:parallel=\"true\"/><invoke operation=\"d\"/>");
   h.TakeReady();
   h.Succeeded(1, 1, {});
   EXPECT_THAT(h.TakeReady(), SizeIs(2));

@@ -22,10 +22,12 @@ DocumentPtr Parse(const std::string& text) {
   return parsed.document;
 }
 
-const char kLead[] = "<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
-                     "<input part=\"booth\" from=\"booth\"/></invoke></process></rsel>";
-const char kTour[] = "<rsel name=\"tour\" version=\"2\"><process name=\"Tour\"><invoke operation=\"Lead\"/>"
-                     "<invoke operation=\"wave\"/></process></rsel>";
+const char kLead[] =
+    "<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
+    "<input part=\"booth\" from=\"booth\"/></invoke></process></rsel>";
+const char kTour[] =
+    "<rsel name=\"tour\" version=\"2\"><process name=\"Tour\"><invoke operation=\"Lead\"/>"
+    "<invoke operation=\"wave\"/></process></rsel>";
 
 TEST(ServiceRegistry, ReusesProcessesOfOtherDocuments) {
   ServiceRegistry registry;
@@ -45,7 +47,8 @@ TEST(ServiceRegistry, ARunningPlanSurvivesReplacement) {
   ServiceRegistry registry;
   registry.Put(Parse(kLead));
   PlanPtr before = registry.Find("Lead");
-  registry.Put(Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"fly\"/></process></rsel>"));
+  registry.Put(
+      Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"fly\"/></process></rsel>"));
   EXPECT_EQ(before->steps[0].operation, "move");
   EXPECT_EQ(registry.Find("Lead")->steps[0].operation, "fly");
 }
@@ -55,9 +58,10 @@ TEST(ServiceRegistry, AFailedPutChangesNothing) {
   registry.Put(Parse(kLead));
   registry.Put(Parse(kTour));
   // Tour gives Lead a booth; a Lead that wants a place as well breaks it.
-  Diagnostics broken = registry.Put(Parse("<rsel name=\"lead\"><message name=\"M\"><part name=\"booth\"/><part name=\"place\"/>"
-                                          "</message><process name=\"Lead\" input=\"M\"><invoke operation=\"m\"/></process>"
-                                          "<process name=\"Tour\"><invoke operation=\"m\"/></process></rsel>"));
+  Diagnostics broken = registry.Put(
+      Parse("<rsel name=\"lead\"><message name=\"M\"><part name=\"booth\"/><part name=\"place\"/>"
+            "</message><process name=\"Lead\" input=\"M\"><invoke operation=\"m\"/></process>"
+            "<process name=\"Tour\"><invoke operation=\"m\"/></process></rsel>"));
   ASSERT_TRUE(HasErrors(broken));
   EXPECT_THAT(broken[0].message, HasSubstr("already registered by document tour"));
   EXPECT_EQ(registry.version(), 2u);
@@ -67,10 +71,12 @@ TEST(ServiceRegistry, AFailedPutChangesNothing) {
 TEST(ServiceRegistry, AChangeThatBreaksAnotherDocumentIsRefused) {
   ServiceRegistry registry;
   registry.Put(Parse(kLead));
-  registry.Put(Parse("<rsel name=\"tour\"><process name=\"Tour\"><invoke operation=\"Lead\">"
-                     "<input part=\"booth\" from=\"first\"/></invoke></process></rsel>"));
-  Diagnostics broken = registry.Put(Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
-                                          "<input part=\"place\" from=\"place\"/></invoke></process></rsel>"));
+  registry.Put(
+      Parse("<rsel name=\"tour\"><process name=\"Tour\"><invoke operation=\"Lead\">"
+            "<input part=\"booth\" from=\"first\"/></invoke></process></rsel>"));
+  Diagnostics broken =
+      registry.Put(Parse("<rsel name=\"lead\"><process name=\"Lead\"><invoke operation=\"move\">"
+                         "<input part=\"place\" from=\"place\"/></invoke></process></rsel>"));
   ASSERT_TRUE(HasErrors(broken));
   EXPECT_THAT(broken[0].message, HasSubstr("the registered document tour would no longer work"));
 }
@@ -144,7 +150,8 @@ TEST(ServiceRegistry, StepsAltogetherAreLimited) {
     std::string out = "<rsel name=\"many\"><process name=\"Thousand\">";
     for (int i = 0; i < 1000; ++i) out += "<invoke operation=\"x\"/>";
     out += "</process>";
-    for (int i = 0; i < processes; ++i) absl::StrAppend(&out, "<process name=\"p", i, "\"><invoke operation=\"Thousand\"/></process>");
+    for (int i = 0; i < processes; ++i)
+      absl::StrAppend(&out, "<process name=\"p", i, "\"><invoke operation=\"Thousand\"/></process>");
     return out + "</rsel>";
   };
   ServiceRegistry registry;
@@ -162,7 +169,8 @@ TEST(Feasibility, OneRobotMustOfferAll) {
                                            {RobotId("urn:r1"), "move", {"booth"}, {}, true, ""},
                                            {RobotId("urn:r1"), "wave", {}, {}, true, ""}};
   EXPECT_THAT(CapableRobots(*registry.Find("Tour"), offered), ElementsAre(RobotId("urn:r1")));
-  EXPECT_THAT(CapableRobots(*registry.Find("Lead"), offered), ElementsAre(RobotId("urn:r1"), RobotId("urn:r2")));
+  EXPECT_THAT(CapableRobots(*registry.Find("Lead"), offered),
+              ElementsAre(RobotId("urn:r1"), RobotId("urn:r2")));
 }
 
 TEST(Generator, WhatItWritesParsesAndIsFeasible) {

@@ -14,7 +14,9 @@
 namespace docent::xml {
 namespace {
 
-std::string Text(const xmlChar* text) { return text == nullptr ? "" : reinterpret_cast<const char*>(text); }
+std::string Text(const xmlChar* text) {
+  return text == nullptr ? "" : reinterpret_cast<const char*>(text);
+}
 
 std::string Trim(const std::string& text) {
   size_t first = text.find_first_not_of(" \t\n\r");
@@ -22,9 +24,13 @@ std::string Trim(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\n\r") - first + 1);
 }
 
-std::string NameOf(const std::string& prefix, const std::string& name) { return prefix.empty() ? name : prefix + ":" + name; }
+std::string NameOf(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + ":" + name;
+}
 // libxml2 keeps a prefix that is not declared in the name.
-std::string NameOf(const xmlNs* ns, const xmlChar* name) { return NameOf(ns == nullptr ? "" : Text(ns->prefix), Text(name)); }
+std::string NameOf(const xmlNs* ns, const xmlChar* name) {
+  return NameOf(ns == nullptr ? "" : Text(ns->prefix), Text(name));
+}
 
 std::string Dump(const Element& element) {
   std::string out = "<" + NameOf(element.prefix, element.name) + "|" + element.namespace_iri;
@@ -37,11 +43,13 @@ std::string Dump(const Element& element) {
 }
 
 std::string Dump(const xmlNode* node) {
-  std::string out = "<" + NameOf(node->ns, node->name) + "|" + (node->ns == nullptr ? "" : Text(node->ns->href));
+  std::string out =
+      "<" + NameOf(node->ns, node->name) + "|" + (node->ns == nullptr ? "" : Text(node->ns->href));
   for (const xmlAttr* a = node->properties; a != nullptr; a = a->next) {
     std::string value;
     for (const xmlNode* part = a->children; part != nullptr; part = part->next) value += Text(part->content);
-    out += " " + NameOf(a->ns, a->name) + "|" + (a->ns == nullptr ? "" : Text(a->ns->href)) + "=[" + value + "]";
+    out +=
+        " " + NameOf(a->ns, a->name) + "|" + (a->ns == nullptr ? "" : Text(a->ns->href)) + "=[" + value + "]";
   }
   std::string text, children;
   for (const xmlNode* child = node->children; child != nullptr; child = child->next) {
@@ -70,15 +78,18 @@ void CheckSpans(const Element& element, const std::string& source) {
 TEST(Scanner, AgreesWithLibxml2OnMutatedDocuments) {
   namespace fs = std::filesystem;
   std::vector<std::string> corpus = {
-      "<a xmlns='u' xmlns:b=\"v\" b:c='&lt;&#65;' d=\"\n'\">t<b:e/> &amp;<![CDATA[<x>&]]><!-- c --><?p i?>u</a>"};
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(DOCENT_SOURCE_DIR) / "tests/golden/cawl")) {
+      "<a xmlns='u' xmlns:b=\"v\" b:c='&lt;&#65;' d=\"\n'\">t<b:e/> &amp;<![CDATA[<x>&]]><!-- c --><?p "
+      "i?>u</a>"};
+  for (const auto& entry :
+       fs::recursive_directory_iterator(fs::path(DOCENT_SOURCE_DIR) / "tests/golden/cawl")) {
     if (entry.path().filename() != "input.xml") continue;
     std::ifstream in(entry.path(), std::ios::binary);
     corpus.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   }
-  fuzz::Mutator mutator(7, corpus,
-                        {" x='1'", "<e>", "</e>", "<e/>", "&lt;", "&#x1F600;", "&#13;", "\r\n", "\r", "<![CDATA[", "]]>", "<!--", "-->",
-                         "<?x y?>", " xmlns=''", " xmlns:p='urn:p'", "p:", "é", "\t"});
+  fuzz::Mutator mutator(
+      7, corpus,
+      {" x='1'", "<e>", "</e>", "<e/>", "&lt;", "&#x1F600;", "&#13;", "\r\n", "\r", "<![CDATA[", "]]>",
+       "<!--", "-->", "<?x y?>", " xmlns=''", " xmlns:p='urn:p'", "p:", "é", "\t"});
   int accepted = 0;
   for (int i = 0; i < 20000; ++i) {
     std::string text = i < static_cast<int>(corpus.size()) ? corpus[i] : mutator.Next();
@@ -90,7 +101,8 @@ TEST(Scanner, AgreesWithLibxml2OnMutatedDocuments) {
     }
     ++accepted;
     std::unique_ptr<xmlDoc, void (*)(xmlDocPtr)> theirs(
-        xmlReadMemory(text.data(), static_cast<int>(text.size()), nullptr, "UTF-8", XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING),
+        xmlReadMemory(text.data(), static_cast<int>(text.size()), nullptr, "UTF-8",
+                      XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING),
         xmlFreeDoc);
     ASSERT_NE(theirs, nullptr) << text;
     ASSERT_EQ(Dump(*ours.root), Dump(xmlDocGetRootElement(theirs.get()))) << text;

@@ -18,12 +18,14 @@ TEST(LineIndex, AgreesWithSpanAt) {
 }
 
 TEST(Scanner, EndsQuietlyOnWhatIsNotXml) {
-  const std::string whole = "<?p q?><!-- c --><a b='1&#x41;' xmlns:n=\"u\"><n:c/>t&lt;<![CDATA[d]]></a ><!--e-->";
+  const std::string whole =
+      "<?p q?><!-- c --><a b='1&#x41;' xmlns:n=\"u\"><n:c/>t&lt;<![CDATA[d]]></a ><!--e-->";
   ASSERT_NE(ScanXml(whole), nullptr);
   for (size_t length = 0; length < whole.size() - 9; ++length) {
     EXPECT_EQ(ScanXml(std::string_view(whole).substr(0, length)), nullptr) << length;
   }
-  for (const char* bad : {"<a>&unknown;</a>", "<a>&#x110000;</a>", "<a>&#;</a>", "<a></b>", "<a b></a>", "<a/>x"}) {
+  for (const char* bad :
+       {"<a>&unknown;</a>", "<a>&#x110000;</a>", "<a>&#;</a>", "<a></b>", "<a b></a>", "<a/>x"}) {
     EXPECT_EQ(ScanXml(bad), nullptr) << bad;
   }
 }

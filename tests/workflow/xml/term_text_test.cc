@@ -7,8 +7,10 @@
 namespace docent::xml {
 namespace {
 
-const Prefixes kPrefixes = {{"expo", "https://w3id.org/docent/expo#"}, {"docent", "urn:own:"},
-                            {"rel", "httpsorg/x#"}, {"odd", "urn:a b:"}};
+const Prefixes kPrefixes = {{"expo", "https://w3id.org/docent/expo#"},
+                            {"docent", "urn:own:"},
+                            {"rel", "httpsorg/x#"},
+                            {"odd", "urn:a b:"}};
 
 std::optional<Term> Parse(std::string_view text, TermError* error = nullptr) {
   TermError unused;
@@ -37,9 +39,9 @@ TEST(TermText, TellsWhereAndWhat) {
   EXPECT_EQ(error.offset, 5u);
   EXPECT_EQ(error.message, "unknown prefix exp:");
   EXPECT_EQ(error.hint, "did you mean expo:? Or declare it on the root element: xmlns:exp=\"…\"");
-  for (const char* bad : {"", "x", "<x>", "<urn:a b>", "<urn:a", "\"a", "\"a\"b", "\"a\"@", "\"a\"^^5", "1.", "1e", "+", "--1",
-                          "expo:a b", "_:b", ":x", "ex po:a", "expo:a<",
-                          "rel:a", "odd:a"}) {
+  for (const char* bad :
+       {"",   "x", "<x>", "<urn:a b>", "<urn:a", "\"a", "\"a\"b",  "\"a\"@",  "\"a\"^^5", "1.",
+        "1e", "+", "--1", "expo:a b",  "_:b",    ":x",  "ex po:a", "expo:a<", "rel:a",    "odd:a"}) {
     EXPECT_FALSE(Parse(bad)) << bad;
   }
 }

@@ -44,7 +44,8 @@ TEST(XmlDocument, KnowsTheBytesOfEverything) {
 }
 
 TEST(XmlDocument, NamespacesFollowTheScope) {
-  ParsedXml parsed = ParseXml("<r xmlns='urn:d' xmlns:p='urn:1'><c xmlns:p='urn:2' p:x='1'/><d p:x='2' q:y='3'/></r>", "");
+  ParsedXml parsed =
+      ParseXml("<r xmlns='urn:d' xmlns:p='urn:1'><c xmlns:p='urn:2' p:x='1'/><d p:x='2' q:y='3'/></r>", "");
   ASSERT_TRUE(parsed.root != nullptr);
   EXPECT_EQ(parsed.root->children[0]->namespace_iri, "urn:d");
   EXPECT_EQ(parsed.root->children[0]->attributes[0].namespace_iri, "urn:2");
@@ -55,7 +56,8 @@ TEST(XmlDocument, NamespacesFollowTheScope) {
 }
 
 TEST(XmlDocument, RefusesADocumentTypeDefinitionWithItsLine) {
-  ParsedXml parsed = ParseXml("<?xml version='1.0'?>\n<!DOCTYPE a [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>\n<a>&x;</a>", "f");
+  ParsedXml parsed = ParseXml(
+      "<?xml version='1.0'?>\n<!DOCTYPE a [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>\n<a>&x;</a>", "f");
   EXPECT_EQ(parsed.root, nullptr);
   ASSERT_THAT(parsed.diagnostics, SizeIs(1));
   EXPECT_EQ(parsed.diagnostics[0].span.line, 2);
@@ -77,8 +79,8 @@ TEST(XmlDocument, TellsMalformedTextWithItsPlace) {
   ASSERT_FALSE(parsed.diagnostics.empty());
   EXPECT_EQ(parsed.diagnostics[0].span.line, 3);
   EXPECT_THAT(parsed.diagnostics[0].message, HasSubstr("mismatch"));
-  for (std::string bad : {"", " ", "<", "<a", "<a/><b/>", "<a b=1/>", "<a b='1' b='2'/>", "<a>&#0;</a>", "<a>\xff</a>",
-                          "text", "<a>]]></a>", "<a b='<'/>"}) {
+  for (std::string bad : {"", " ", "<", "<a", "<a/><b/>", "<a b=1/>", "<a b='1' b='2'/>", "<a>&#0;</a>",
+                          "<a>\xff</a>", "text", "<a>]]></a>", "<a b='<'/>"}) {
     ParsedXml p = ParseXml(bad, "f");
     EXPECT_EQ(p.root, nullptr) << bad;
     EXPECT_FALSE(p.diagnostics.empty()) << bad;
@@ -109,7 +111,8 @@ TEST(XmlDocument, LimitsOnSizeAndNesting) {
   EXPECT_EQ(deep.diagnostics[0].span.offset, 24u);
   limits.xml_elements = 3;
   EXPECT_NE(ParseXml("<a><b/><b/></a>", "f", limits).root, nullptr);
-  EXPECT_THAT(ParseXml("<a><b/><b/><b/></a>", "f", limits).diagnostics[0].message, HasSubstr("xml_elements = 3"));
+  EXPECT_THAT(ParseXml("<a><b/><b/><b/></a>", "f", limits).diagnostics[0].message,
+              HasSubstr("xml_elements = 3"));
   std::string text = "<a/>";
   limits.document_bytes = text.size();
   EXPECT_NE(ParseXml(text, "f", limits).root, nullptr);
@@ -124,14 +127,16 @@ TEST(XmlDocument, LimitsOnAttributesAndNamespaces) {
   };
   EXPECT_NE(ParseXml(with(256), "f").root, nullptr);
   EXPECT_THAT(ParseXml(with(257), "f").diagnostics[0].message, HasSubstr("more than 256 attributes"));
-  EXPECT_THAT(ParseXml(with(257, "it's <![CDATA[<a b=\"]]>"), "f").diagnostics[0].message, HasSubstr("256 attributes"));
+  EXPECT_THAT(ParseXml(with(257, "it's <![CDATA[<a b=\"]]>"), "f").diagnostics[0].message,
+              HasSubstr("256 attributes"));
   auto declarations = [](int count) {
     std::string text = "<r>";
     for (int i = 0; i < count; ++i) absl::StrAppend(&text, "<a xmlns:p", i, "='urn:x'/>");
     return text + "</r>";
   };
   EXPECT_NE(ParseXml(declarations(1000), "f").root, nullptr);
-  EXPECT_THAT(ParseXml(declarations(1001), "f").diagnostics[0].message, HasSubstr("namespace declarations than 1000"));
+  EXPECT_THAT(ParseXml(declarations(1001), "f").diagnostics[0].message,
+              HasSubstr("namespace declarations than 1000"));
 }
 
 TEST(XmlDocument, Durations) {

@@ -77,8 +77,10 @@ TEST_F(SparqlEvaluator, GroupsAndAggregates) {
   EXPECT_THAT(g_.Rows("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { ?r ex:x ?x }"),
               ElementsAre("11.5 5.75 10"));
   EXPECT_THAT(g_.Rows("SELECT (COUNT(*) AS ?n) (SUM(?x) AS ?s) { ?r ex:none ?x }"), ElementsAre("0 0"));
-  for (const char* values : {"1 1.0 0.1e0 0.2e0 0.3e0", "0.3e0 1.0 0.2e0 0.1e0 1", "0.2e0 0.3e0 1 0.1e0 1.0"}) {
-    EXPECT_THAT(g_.Rows(std::string("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { VALUES ?x { ") + values + " } }"),
+  for (const char* values :
+       {"1 1.0 0.1e0 0.2e0 0.3e0", "0.3e0 1.0 0.2e0 0.1e0 1", "0.2e0 0.3e0 1 0.1e0 1.0"}) {
+    EXPECT_THAT(g_.Rows(std::string("SELECT (SUM(?x) AS ?s) (AVG(?x) AS ?a) (MAX(?x) AS ?m) { VALUES ?x { ") +
+                        values + " } }"),
                 ElementsAre("2.6E0 5.2E-1 1"))
         << values << ": the order of rows changes nothing";
   }
@@ -125,7 +127,9 @@ TEST_F(SparqlEvaluator, RegexTakesXPathFlagsAndLinearTime) {
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"a\", \"(\") AS ?y) }"), ElementsAre("-"));
   // RE2 has no class subtraction, and would read this as the class of a to z, '-', '[' and 'b', and a ']'.
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"acd\", \"[a-z-[b]]{3}\") AS ?y) }"), ElementsAre("-"));
-  EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"é٣\", \"^\\\\w\\\\d$\") && REGEX(\"é-٣\", \"^[\\\\w-]+$\") && !REGEX(\"é٣\", \"[\\\\W\\\\D-]{2}\")) }"));
+  EXPECT_TRUE(
+      g_.Ask("ASK { FILTER(REGEX(\"é٣\", \"^\\\\w\\\\d$\") && REGEX(\"é-٣\", \"^[\\\\w-]+$\") && "
+             "!REGEX(\"é٣\", \"[\\\\W\\\\D-]{2}\")) }"));
   EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"a[-\", \"[\\\\[-]\") && REGEX(\"\\\\d\", \"\\\\d\", \"q\")) }"));
   const std::string many(50000, 'a');
   EXPECT_FALSE(g_.Ask("ASK { FILTER REGEX(\"" + many + "b\", \"^(a+)+$\") }"));
@@ -220,9 +224,11 @@ TEST(SparqlDataset, GraphOverMoreThanPatterns) {
               ElementsAre("g2"));
   // what is kept of a side that reads nothing but the graph is of that graph
   const PrepareOptions as_written{.default_graph = DefaultGraph::kStrict, .reorder_joins = false};
-  EXPECT_THAT(g.Rows("SELECT ?g { GRAPH ?g { ex:a ex:p ?x . { FILTER EXISTS { ex:b ex:p ?x } } } }", as_written),
-              ElementsAre("g1"));
-  EXPECT_THAT(g.Rows("SELECT ?g ?b { GRAPH ?g { ex:a ex:p ?x . { BIND(EXISTS { ex:b ex:p ?y } AS ?b) } } }", as_written),
+  EXPECT_THAT(
+      g.Rows("SELECT ?g { GRAPH ?g { ex:a ex:p ?x . { FILTER EXISTS { ex:b ex:p ?x } } } }", as_written),
+      ElementsAre("g1"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?b { GRAPH ?g { ex:a ex:p ?x . { BIND(EXISTS { ex:b ex:p ?y } AS ?b) } } }",
+                     as_written),
               ElementsAre("g1 true", "g2 false"));
 }
 
@@ -285,18 +291,19 @@ TEST(SparqlLimits, MemoryOfARowEndsWithIt) {
   const TestGraph g(text);
   PrepareOptions small;
   small.memory_bytes = 20000;
-  for (const char* inner : {"{ SELECT DISTINCT ?s ?y { ?s ex:q ?y } }", "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY ?y LIMIT 2 }",
-                            "{ SELECT ?s (COUNT(DISTINCT ?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
-                            "{ SELECT ?s (GROUP_CONCAT(?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
-                            "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY DESC(?y) LIMIT 2 }",
-                            "?s ex:p ?y MINUS { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }",
-                            "?s ex:q ?y { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }",
-                            "?s ex:p ?y . ?u ex:r+ ?v"}) {
+  for (const char* inner :
+       {"{ SELECT DISTINCT ?s ?y { ?s ex:q ?y } }", "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY ?y LIMIT 2 }",
+        "{ SELECT ?s (COUNT(DISTINCT ?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
+        "{ SELECT ?s (GROUP_CONCAT(?y) AS ?n) { ?s ex:q ?y } GROUP BY ?s }",
+        "{ SELECT ?s ?y { ?s ex:q ?y } ORDER BY DESC(?y) LIMIT 2 }",
+        "?s ex:p ?y MINUS { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }",
+        "?s ex:q ?y { SELECT DISTINCT ?s ?y { ?s ex:q ?y } }", "?s ex:p ?y . ?u ex:r+ ?v"}) {
     const std::string query = std::string("SELECT ?s { ?s ex:p ?x FILTER EXISTS { ") + inner + " } }";
     const auto prepared = g.Prepare(query, small);
     for (int run = 0; run < 2; ++run) {
       int rows = 0;
-      const absl::Status status = prepared->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; });
+      const absl::Status status =
+          prepared->Select(g.Run(), {}, [&](absl::Span<const TermId>) { return ++rows > 0; });
       EXPECT_TRUE(status.ok()) << query << "\n" << status;
       EXPECT_EQ(rows, 1000) << query;
     }
@@ -314,15 +321,22 @@ TEST_F(SparqlEvaluator, WhatIsNotSupportedSaysSoWithItsPlace) {
 
 // Whether the graph has such a term or not.
 TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
-  EXPECT_THAT(g_.Rows("SELECT (STR(1E3) AS ?a) (STR(\"007\"^^xsd:integer) AS ?b) (DATATYPE(\"5\"^^xsd:byte) AS ?c) {}"),
-              ElementsAre("1E3 007 <http://www.w3.org/2001/XMLSchema#byte>"));
-  EXPECT_THAT(g_.Rows("SELECT * { BIND(\"2026-01-01T00:00:00.123456789Z\"^^xsd:dateTime AS ?t) BIND(+1.50 AS ?d) BIND(\"1\"^^xsd:boolean AS ?b) }"),
+  EXPECT_THAT(
+      g_.Rows(
+          "SELECT (STR(1E3) AS ?a) (STR(\"007\"^^xsd:integer) AS ?b) (DATATYPE(\"5\"^^xsd:byte) AS ?c) {}"),
+      ElementsAre("1E3 007 <http://www.w3.org/2001/XMLSchema#byte>"));
+  EXPECT_THAT(g_.Rows("SELECT * { BIND(\"2026-01-01T00:00:00.123456789Z\"^^xsd:dateTime AS ?t) BIND(+1.50 AS "
+                      "?d) BIND(\"1\"^^xsd:boolean AS ?b) }"),
               ElementsAre("2026-01-01T00:00:00.123456789Z +1.50 1"));
   EXPECT_TRUE(g_.Ask("ASK { FILTER(\"007\"^^xsd:integer = 7 && !sameTerm(\"007\"^^xsd:integer, 7)) }"));
-  EXPECT_TRUE(g_.Ask("ASK { BIND(\"007\"^^xsd:integer AS ?x) VALUES ?y { \"007\"^^xsd:integer } FILTER sameTerm(?x, ?y) }"));
-  EXPECT_THAT(g_.Rows("SELECT (COUNT(DISTINCT ?x) AS ?n) { { BIND(1.0 AS ?x) } UNION { BIND(1.00 AS ?x) } }"), ElementsAre("2"));
-  EXPECT_THAT(g_.Rows("SELECT (1.50 + 1.50 AS ?computed) (xsd:string(1E3) AS ?cast) {}"), ElementsAre("3 1000"));
-  EXPECT_THAT(g_.Rows("SELECT (STR(xsd:integer(\"+007\")) AS ?i) (STR(xsd:boolean(\"1\")) AS ?b) (STR(xsd:double(\"1e3\")) AS ?d) "
+  EXPECT_TRUE(g_.Ask(
+      "ASK { BIND(\"007\"^^xsd:integer AS ?x) VALUES ?y { \"007\"^^xsd:integer } FILTER sameTerm(?x, ?y) }"));
+  EXPECT_THAT(g_.Rows("SELECT (COUNT(DISTINCT ?x) AS ?n) { { BIND(1.0 AS ?x) } UNION { BIND(1.00 AS ?x) } }"),
+              ElementsAre("2"));
+  EXPECT_THAT(g_.Rows("SELECT (1.50 + 1.50 AS ?computed) (xsd:string(1E3) AS ?cast) {}"),
+              ElementsAre("3 1000"));
+  EXPECT_THAT(g_.Rows("SELECT (STR(xsd:integer(\"+007\")) AS ?i) (STR(xsd:boolean(\"1\")) AS ?b) "
+                      "(STR(xsd:double(\"1e3\")) AS ?d) "
                       "(STR(xsd:dateTime(\"2026-01-01T00:00:00.123456789Z\")) AS ?t) {}"),
               ElementsAre("7 true 1.0E3 2026-01-01T00:00:00.123456789Z"));
 }
@@ -330,7 +344,8 @@ TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
 TEST_F(SparqlEvaluator, LanguageTagsThatAreNoneAreErrors) {
   EXPECT_THAT(g_.Rows("SELECT (STRLANG(\"a\", \"en-GB\") AS ?x) {}"), ElementsAre("\"a\"@en-gb"));
   for (const char* tag : {"bad lang", "en_US", "", "-", "en-", "1a"}) {
-    EXPECT_THAT(g_.Rows(std::string("SELECT (STRLANG(\"a\", \"") + tag + "\") AS ?x) {}"), ElementsAre("-")) << tag;
+    EXPECT_THAT(g_.Rows(std::string("SELECT (STRLANG(\"a\", \"") + tag + "\") AS ?x) {}"), ElementsAre("-"))
+        << tag;
   }
 }
 
@@ -392,20 +407,24 @@ TEST_F(SparqlEvaluator, ExpressionsAlone) {
 
 TEST_F(SparqlEvaluator, ReplacementsNameGroupsOfTwoDigits) {
   const std::string twelve = "REPLACE(\"abcdefghijklm\",\"(a)(b)(c)(d)(e)(f)(g)(h)(i)(j)(k)(l)\",\"";
-  EXPECT_THAT(g_.Rows("SELECT (" + twelve + "$12-$10\") AS ?a) (" + twelve + "$13$1$99$0\") AS ?b) (REPLACE(\"ab\",\"(a)b\",\"$12$2\\\\$\") AS ?c) "
+  EXPECT_THAT(g_.Rows("SELECT (" + twelve + "$12-$10\") AS ?a) (" + twelve +
+                      "$13$1$99$0\") AS ?b) (REPLACE(\"ab\",\"(a)b\",\"$12$2\\\\$\") AS ?c) "
                       "(REPLACE(\"ab\",\"(x)?b\",\"<$1>\") AS ?d) {}"),
               ElementsAre("l-jm a3ai9abcdefghijklm a2$ a<>"));
 }
 
 TEST_F(SparqlEvaluator, ReplaceGoesOnBehindEachMatch) {
-  EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"ab cd\",\"\\\\b\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|\\\\b\",\"-\") AS ?b) "
-                      "(REPLACE(\"abcab\",\"(a)(b)\",\"$2$1\") AS ?c) (REPLACE(\"abc\",\"x\",\"y\") AS ?d) {}"),
-              ElementsAre("|ab| |cd| ä-ö-c- bacba abc"));
+  EXPECT_THAT(
+      g_.Rows("SELECT (REPLACE(\"ab cd\",\"\\\\b\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|\\\\b\",\"-\") AS ?b) "
+              "(REPLACE(\"abcab\",\"(a)(b)\",\"$2$1\") AS ?c) (REPLACE(\"abc\",\"x\",\"y\") AS ?d) {}"),
+      ElementsAre("|ab| |cd| ä-ö-c- bacba abc"));
 }
 
 TEST_F(SparqlEvaluator, RoundedDoublesKeepTheSignOfZero) {
-  EXPECT_THAT(g_.Rows("SELECT (xsd:string(ROUND(-0.4e0)) AS ?a) (xsd:string(ROUND(-0.5e0)) AS ?b) (xsd:string(ROUND(0.49999999999999994e0)) AS ?c) "
-                      "(ROUND(-2.5e0) AS ?d) (ROUND(2.5e0) AS ?e) (ROUND(-0.6e0) AS ?f) (ROUND(4503599627370497e0) AS ?g) {}"),
+  EXPECT_THAT(g_.Rows("SELECT (xsd:string(ROUND(-0.4e0)) AS ?a) (xsd:string(ROUND(-0.5e0)) AS ?b) "
+                      "(xsd:string(ROUND(0.49999999999999994e0)) AS ?c) "
+                      "(ROUND(-2.5e0) AS ?d) (ROUND(2.5e0) AS ?e) (ROUND(-0.6e0) AS ?f) "
+                      "(ROUND(4503599627370497e0) AS ?g) {}"),
               ElementsAre("-0 -0 0 -2.0E0 3.0E0 -1.0E0 4.503599627370497E15"));
 }
 

@@ -27,7 +27,8 @@ std::string Explained(TestGraph& g, const std::string& query) {
 // Each of n people likes another, far from one to the next.
 std::string Likes(int n) {
   std::string text;
-  for (int i = 0; i < n; ++i) text += "ex:p" + std::to_string(i) + " ex:likes ex:p" + std::to_string(i * 7919 % n) + " .\n";
+  for (int i = 0; i < n; ++i)
+    text += "ex:p" + std::to_string(i) + " ex:likes ex:p" + std::to_string(i * 7919 % n) + " .\n";
   return text;
 }
 
@@ -98,27 +99,42 @@ TEST(SparqlOperators, FirstRowsAreThoseOfAWholeSort) {
 // A computed number is the same term as one that was told, if it is written as the computed one is; one that fits into no id
 // is a term, too.
 TEST(SparqlOperators, ComputedNumbersAreTerms) {
-  TestGraph g("ex:a ex:n 3 . ex:b ex:n 3.0 . ex:c ex:n 1.50 . ex:d ex:n 1.5 . ex:e ex:n 0 . ex:f ex:n \"003\"^^xsd:integer .");
+  TestGraph g(
+      "ex:a ex:n 3 . ex:b ex:n 3.0 . ex:c ex:n 1.50 . ex:d ex:n 1.5 . ex:e ex:n 0 . ex:f ex:n "
+      "\"003\"^^xsd:integer .");
   using Rows = std::vector<std::string>;
-  const auto same = [&g](const std::string& e) { return g.Rows("SELECT ?s { BIND(" + e + " AS ?n) ?s ex:n ?n } ORDER BY ?s", {}, true); };
+  const auto same = [&g](const std::string& e) {
+    return g.Rows("SELECT ?s { BIND(" + e + " AS ?n) ?s ex:n ?n } ORDER BY ?s", {}, true);
+  };
   EXPECT_EQ(same("1 + 2"), (Rows{"a"}));
   EXPECT_EQ(same("1.0 + 2"), (Rows{}));  // "3"^^xsd:decimal
   EXPECT_EQ(same("3.0 / 2"), (Rows{"d"}));
   EXPECT_EQ(same("-(-1.50)"), (Rows{"d"}));
   EXPECT_EQ(same("2 - 2"), (Rows{"e"}));
   EXPECT_EQ(same("xsd:integer(\"3\")"), (Rows{"a"}));
-  EXPECT_EQ(g.Rows("SELECT ?x { VALUES (?a ?b) { (1 3) (-2 3) (576460752303423487 1) (576460752303423488 1) } BIND(?a / ?b AS ?x) }", {}, true),
-            (Rows{"0.333333333333333333", "-0.666666666666666666", "576460752303423487", "576460752303423488"}));
-  EXPECT_EQ(g.Rows("SELECT ?x { VALUES ?a { 576460752303423487 -576460752303423489 9223372036854775807 } BIND(?a + 1 AS ?x) }", {}, true),
+  EXPECT_EQ(
+      g.Rows("SELECT ?x { VALUES (?a ?b) { (1 3) (-2 3) (576460752303423487 1) (576460752303423488 1) } "
+             "BIND(?a / ?b AS ?x) }",
+             {}, true),
+      (Rows{"0.333333333333333333", "-0.666666666666666666", "576460752303423487", "576460752303423488"}));
+  EXPECT_EQ(g.Rows("SELECT ?x { VALUES ?a { 576460752303423487 -576460752303423489 9223372036854775807 } "
+                   "BIND(?a + 1 AS ?x) }",
+                   {}, true),
             (Rows{"576460752303423488", "-576460752303423488", "9223372036854775808"}));
-  EXPECT_EQ(g.Rows("SELECT (AVG(?n) AS ?m) (SUM(?n) AS ?t) (COUNT(?n) AS ?c) (COUNT(*) AS ?r) { ?s ex:n ?n }", {}, true), (Rows{"2 12 6 6"}));
+  EXPECT_EQ(g.Rows("SELECT (AVG(?n) AS ?m) (SUM(?n) AS ?t) (COUNT(?n) AS ?c) (COUNT(*) AS ?r) { ?s ex:n ?n }",
+                   {}, true),
+            (Rows{"2 12 6 6"}));
 }
 
 // Texts of the dictionary, of the query and computed ones, with and without language.
 TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
-  TestGraph g("ex:a ex:n \"abc\" . ex:b ex:n \"abc\"@en . ex:c ex:n \"\" . ex:d ex:n 12 . ex:e ex:n ex:abc . ex:f ex:n \"abc\"^^ex:t . "
-              "ex:g ex:n \"bc\" . ex:a ex:part \"b\" . ex:b ex:part \"b\"@en . ex:c ex:part \"b\"@fr .");
-  const auto rows = [&g](const std::string& filter) { return g.Rows("SELECT ?s { ?s ex:n ?n FILTER(" + filter + ") } ORDER BY ?s", {}, true); };
+  TestGraph g(
+      "ex:a ex:n \"abc\" . ex:b ex:n \"abc\"@en . ex:c ex:n \"\" . ex:d ex:n 12 . ex:e ex:n ex:abc . ex:f "
+      "ex:n \"abc\"^^ex:t . "
+      "ex:g ex:n \"bc\" . ex:a ex:part \"b\" . ex:b ex:part \"b\"@en . ex:c ex:part \"b\"@fr .");
+  const auto rows = [&g](const std::string& filter) {
+    return g.Rows("SELECT ?s { ?s ex:n ?n FILTER(" + filter + ") } ORDER BY ?s", {}, true);
+  };
   using Rows = std::vector<std::string>;
   EXPECT_EQ(rows("CONTAINS(?n, \"b\")"), (Rows{"a", "b", "g"}));
   EXPECT_EQ(rows("!CONTAINS(?n, \"b\")"), (Rows{"c"}));
@@ -130,26 +146,34 @@ TEST(SparqlOperators, TextsAreTestedWhereverTheyStand) {
   EXPECT_EQ(rows("CONTAINS(?n, \"abcd\")"), (Rows{}));
   EXPECT_EQ(rows("CONTAINS(?n, ?none)"), (Rows{}));
   EXPECT_EQ(rows("CONTAINS(STR(?n), \"1\") || CONTAINS(?n, \"g\")"), (Rows{"d"}));
-  EXPECT_EQ(g.Rows("SELECT ?s { ?s ex:n ?n ; ex:part ?p FILTER(CONTAINS(?n, ?p)) } ORDER BY ?s", {}, true), (Rows{"a", "b"}));
-  EXPECT_EQ(g.Rows("SELECT ?s { ?s ex:n ?n BIND(CONCAT(?n, \"x\") AS ?x) FILTER(STRENDS(?x, \"cx\")) } ORDER BY ?s", {}, true),
-            (Rows{"a", "b", "g"}));
+  EXPECT_EQ(g.Rows("SELECT ?s { ?s ex:n ?n ; ex:part ?p FILTER(CONTAINS(?n, ?p)) } ORDER BY ?s", {}, true),
+            (Rows{"a", "b"}));
+  EXPECT_EQ(
+      g.Rows("SELECT ?s { ?s ex:n ?n BIND(CONCAT(?n, \"x\") AS ?x) FILTER(STRENDS(?x, \"cx\")) } ORDER BY ?s",
+             {}, true),
+      (Rows{"a", "b", "g"}));
 }
 
 // Keys of all kinds, in both directions: what ids tell, and what needs values.
 TEST(SparqlOperators, FirstRowsOfMixedKeysAreThoseOfAWholeSort) {
   std::string data;
-  const char* const values[] = {"%", "%.0", "\"0%\"^^xsd:integer", "\"%.5E0\"^^xsd:double", "\"%\"", "\"%\"@en", "ex:v%", "_:b%",
-                                "\"NaN\"^^xsd:double", "\"20%%-01-01\"^^xsd:date", "true", "\"%.25\"^^xsd:float"};
+  const char* const values[] = {
+      "%",     "%.0",  "\"0%\"^^xsd:integer", "\"%.5E0\"^^xsd:double",    "\"%\"", "\"%\"@en",
+      "ex:v%", "_:b%", "\"NaN\"^^xsd:double", "\"20%%-01-01\"^^xsd:date", "true",  "\"%.25\"^^xsd:float"};
   for (int i = 0; i < 600; ++i) {
     std::string value = values[i * 7 % 12];
-    for (size_t at; (at = value.find('%')) != std::string::npos;) value.replace(at, 1, std::to_string(10 + i * 31 % 80));
-    data += "ex:s" + std::to_string(i) + " ex:v " + value + " . ex:s" + std::to_string(i) + " ex:w " + std::to_string(i % 5) + " .\n";
+    for (size_t at; (at = value.find('%')) != std::string::npos;)
+      value.replace(at, 1, std::to_string(10 + i * 31 % 80));
+    data += "ex:s" + std::to_string(i) + " ex:v " + value + " . ex:s" + std::to_string(i) + " ex:w " +
+            std::to_string(i % 5) + " .\n";
   }
   TestGraph g(data);
-  for (const char* order : {"?v", "DESC(?v)", "?w DESC(?v)", "DESC(?w) ?v", "?none ?v", "STR(?v) ?w", "DESC(?w + 1) STRLEN(STR(?v)) ?v",
-                            "DESC(?copy) ?w"}) {
+  for (const char* order : {"?v", "DESC(?v)", "?w DESC(?v)", "DESC(?w) ?v", "?none ?v", "STR(?v) ?w",
+                            "DESC(?w + 1) STRLEN(STR(?v)) ?v", "DESC(?copy) ?w"}) {
     const std::string query =
-        std::string("SELECT ?s ?v { ?s ex:v ?v ; ex:w ?w BIND(CONCAT(STR(?v), STR(?w)) AS ?copy) } ORDER BY ") + order;
+        std::string(
+            "SELECT ?s ?v { ?s ex:v ?v ; ex:w ?w BIND(CONCAT(STR(?v), STR(?w)) AS ?copy) } ORDER BY ") +
+        order;
     const std::vector<std::string> all = g.Rows(query, {}, true);
     ASSERT_EQ(all.size(), 600u);
     for (const size_t limit : {1, 3, 70, 200, 599}) {
@@ -234,7 +258,8 @@ TEST(SparqlOperators, CountsSumsAndDistinctOfIds) {
 
 // Where only the number of rows matters, they are not made: of a pattern, of a join, of a union; in one graph and in several.
 TEST(SparqlOperators, RowsAreCountedWithoutMakingThem) {
-  TestGraph g(People(2000) + Likes(2000) + "ex:p1 ex:twin ex:p1 . ex:p2 ex:twin ex:p1 . ex:g { ex:p1 ex:at ex:B1 . ex:p7 ex:at ex:B1 }");
+  TestGraph g(People(2000) + Likes(2000) +
+              "ex:p1 ex:twin ex:p1 . ex:p2 ex:twin ex:p1 . ex:g { ex:p1 ex:at ex:B1 . ex:p7 ex:at ex:B1 }");
   using Rows = std::vector<std::string>;
   const std::string count = "SELECT (COUNT(*) AS ?n) ";
   EXPECT_EQ(g.Rows(count + "{ ?p ex:at ?b }"), Rows{"2001"});  // the same triple in two graphs is one
@@ -243,18 +268,24 @@ TEST(SparqlOperators, RowsAreCountedWithoutMakingThem) {
   EXPECT_EQ(g.Rows(count + "{ ?p ex:at ?b }", {.default_graph = DefaultGraph::kStrict}), Rows{"2000"});
   EXPECT_EQ(g.Rows(count + "{ ?p ex:twin ?p }"), Rows{"1"});
   EXPECT_EQ(g.Rows(count + "{ ?p ex:unknown ?b }"), Rows{"0"});
-  EXPECT_EQ(g.Rows("SELECT (COUNT(?a) AS ?n) (COUNT(*) AS ?m) { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ?d }"), Rows{"2001 2001"});
-  EXPECT_EQ(g.Rows("SELECT (COUNT(?p) AS ?n) (COUNT(?q) AS ?m) (COUNT(*) AS ?k) { { ?p ex:at ex:B3 } UNION { ?q ex:at ex:B4 . ?q ex:age ?a } }"),
+  EXPECT_EQ(
+      g.Rows("SELECT (COUNT(?a) AS ?n) (COUNT(*) AS ?m) { ?a ex:likes ?b . ?b ex:likes ?c . ?c ex:at ?d }"),
+      Rows{"2001 2001"});
+  EXPECT_EQ(g.Rows("SELECT (COUNT(?p) AS ?n) (COUNT(?q) AS ?m) (COUNT(*) AS ?k) { { ?p ex:at ex:B3 } UNION { "
+                   "?q ex:at ex:B4 . ?q ex:age ?a } }"),
             Rows{"200 200 400"});
   EXPECT_EQ(g.Rows(count + "{ ?p ex:at ex:B3 FILTER(?p != ex:p3) }"), Rows{"199"});
-  EXPECT_EQ(g.Rows("SELECT ?b ?n { VALUES ?b { ex:B3 ex:B77 } { SELECT (COUNT(*) AS ?n) { ?p ex:at ?c } } }"), (Rows{"B3 2001", "B77 2001"}));
+  EXPECT_EQ(g.Rows("SELECT ?b ?n { VALUES ?b { ex:B3 ex:B77 } { SELECT (COUNT(*) AS ?n) { ?p ex:at ?c } } }"),
+            (Rows{"B3 2001", "B77 2001"}));
   EXPECT_EQ(g.Rows(count + "FROM ex:g FROM <https://w3id.org/docent#default> { ?p ex:at ?b }"), Rows{"2001"});
   EXPECT_EQ(g.Rows(count + "FROM NAMED ex:g { GRAPH ?g { ?p ex:at ?b } }"), Rows{"2"});
 }
 
 TEST(SparqlOperators, ExplainSaysWhichPathsConditionsAndValues) {
   TestGraph g;
-  const std::string plan = g.Prepare("SELECT ?c { ?a ex:knows/ex:likes* ?b . ?b ex:age ?n FILTER(?n > 1 && EXISTS { ?b ex:at ?x }) BIND(?n + 1 AS ?c) }")
+  const std::string plan = g.Prepare(
+                                "SELECT ?c { ?a ex:knows/ex:likes* ?b . ?b ex:age ?n FILTER(?n > 1 && EXISTS "
+                                "{ ?b ex:at ?x }) BIND(?n + 1 AS ?c) }")
                                ->Explain(*g.version);
   EXPECT_THAT(plan, ::testing::HasSubstr("path ?_p0 (<http://example.org/likes>)* ?b"));
   EXPECT_THAT(plan, ::testing::HasSubstr("if (?n > 1)"));

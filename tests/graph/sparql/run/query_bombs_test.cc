@@ -94,12 +94,18 @@ TEST_F(QueryBombs, LongTextsEndAtTheMemoryLimit) {
   ExpectMemory("SELECT (STRLEN(REPLACE(?c, \"a\", ?c)) AS ?n) { " + text + " } LIMIT 1", limit);
   std::string references;
   for (int i = 0; i < 100; ++i) references += "$1";
-  ExpectMemory("SELECT (STRLEN(REPLACE(?c, \"(a+)\", \"" + references + "\")) AS ?n) { " + text + " } LIMIT 1", limit);
-  ExpectMemory("SELECT ?a (MAX(" + times("?x", 100) + ") AS ?m) { ?a ex:name ?x } GROUP BY ?a LIMIT 1", limit);
-  ExpectMemory("SELECT (STRLANG(\"a\", CONCAT(\"x-\", " + times("?x", 100) + ")) AS ?y) { ?a ex:name ?x }", limit);
+  ExpectMemory(
+      "SELECT (STRLEN(REPLACE(?c, \"(a+)\", \"" + references + "\")) AS ?n) { " + text + " } LIMIT 1", limit);
+  ExpectMemory("SELECT ?a (MAX(" + times("?x", 100) + ") AS ?m) { ?a ex:name ?x } GROUP BY ?a LIMIT 1",
+               limit);
+  ExpectMemory("SELECT (STRLANG(\"a\", CONCAT(\"x-\", " + times("?x", 100) + ")) AS ?y) { ?a ex:name ?x }",
+               limit);
   // What fits is answered.
-  for (const char* call : {"REPLACE(?c, \"b\", ?c)", "REPLACE(?c, \"0\", \"and so on\")", "UCASE(?c)", "CONCAT(?c, ?c)"}) {
-    EXPECT_TRUE(Run("SELECT (STRLEN(" + std::string(call) + ") AS ?n) { " + text + " } LIMIT 5", 30000, limit).ok()) << call;
+  for (const char* call :
+       {"REPLACE(?c, \"b\", ?c)", "REPLACE(?c, \"0\", \"and so on\")", "UCASE(?c)", "CONCAT(?c, ?c)"}) {
+    EXPECT_TRUE(
+        Run("SELECT (STRLEN(" + std::string(call) + ") AS ?n) { " + text + " } LIMIT 5", 30000, limit).ok())
+        << call;
   }
 }
 
@@ -155,7 +161,9 @@ TEST_F(QueryBombs, AllQueriesTogetherEndAtTheirLimit) {
   const auto first = g_.Prepare(sorted, options), second = g_.Prepare(sorted, options);
   ASSERT_TRUE(first->Start(g_.Run()).ok());
   ASSERT_TRUE(first->Next()) << first->status();
-  const auto run = [&] { return second->Select(g_.Run(), {}, [](absl::Span<const TermId>) { return true; }); };
+  const auto run = [&] {
+    return second->Select(g_.Run(), {}, [](absl::Span<const TermId>) { return true; });
+  };
   const absl::Status refused = run();
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_NE(refused.message().find("all_bytes"), std::string::npos) << refused;
@@ -170,7 +178,8 @@ TEST_F(QueryBombs, AnExpressionKeepsNothing) {
   PrepareOptions options;
   options.all_memory = &all;
   const Query query = g_.Parse(
-      "SELECT * { FILTER EXISTS { { SELECT DISTINCT ?a ?b ?c { ?a ex:p ?b . ?c ex:p ?d } } FILTER(?a = 7) } }");
+      "SELECT * { FILTER EXISTS { { SELECT DISTINCT ?a ?b ?c { ?a ex:p ?b . ?c ex:p ?d } } FILTER(?a = 7) } "
+      "}");
   const Expression* filter = nullptr;
   AnyNode(*query.algebra, [&](const Algebra& node) {
     ForEachExpression(node, [&](const Expression& e) { filter = filter == nullptr ? &e : filter; });
@@ -184,7 +193,8 @@ TEST_F(QueryBombs, AnExpressionKeepsNothing) {
   MemoryBudget none("all_bytes", 0);
   options.all_memory = &none;
   expression = PreparedExpression::Prepare(*filter, {}, g_.dictionary, options);
-  EXPECT_EQ((*expression)->Test(g_.Run(), {}).status().code(), absl::StatusCode::kResourceExhausted) << "it needs some";
+  EXPECT_EQ((*expression)->Test(g_.Run(), {}).status().code(), absl::StatusCode::kResourceExhausted)
+      << "it needs some";
 }
 
 TEST_F(QueryBombs, AHugeValuesBlockStreams) {
@@ -229,20 +239,47 @@ class TextBombs : public QueryBombs {
 TEST_F(TextBombs, ASearchForATextIsLinear) {
   const std::string half = "CONCAT(SUBSTR(?a20,1,4000000),\"b\")";
   for (const std::string name : {"CONTAINS", "STRBEFORE", "STRAFTER"}) {
-    ExpectSoon("SELECT (STRLEN(STR(" + name + "(?a20," + half + "))) AS ?x) {" + Doubled("aaaaaaaa", 20) + "}", false);
+    ExpectSoon(
+        "SELECT (STRLEN(STR(" + name + "(?a20," + half + "))) AS ?x) {" + Doubled("aaaaaaaa", 20) + "}",
+        false);
   }
 }
 
 TEST_F(TextBombs, ManyCallsOnALongTextEndAtTheTimeLimit) {
-  const std::vector<std::string> calls = {
-      "CONTAINS(?a20,CONCAT(SUBSTR(?a20,1,4000000),\"b\"))", "STRLEN(?a20)", "UCASE(?a20)", "LCASE(?a20)", "SUBSTR(?a20,4000000)",
-      "ENCODE_FOR_URI(?a20)", "CONCAT(?a20,?a19)", "MD5(?a20)", "SHA1(?a20)", "SHA256(?a20)", "SHA384(?a20)", "SHA512(?a20)",
-      "REGEX(?a20,\"c|b$\")", "REPLACE(?a20,\"c\",\"b\")", "STRSTARTS(?a20,?a19)", "STRENDS(?a20,?a19)", "STRDT(?a20,xsd:decimal)",
-      "STRLANG(?a20,\"en\")", "xsd:integer(?a20)", "xsd:double(?a20)", "xsd:string(?a20)", "IRI(?a20)", "BNODE(?a20)",
-      "LANGMATCHES(?a20,?a19)", "(?a20 < CONCAT(?a20,\"\"))", "(?a20 = CONCAT(?a20,\"\"))", "(?a20 IN (?a19, ?a18, ?a20))",
-      "sameTerm(?a20,CONCAT(?a20,\"\"))", "STR(?a20)", "DATATYPE(?a20)"};
+  const std::vector<std::string> calls = {"CONTAINS(?a20,CONCAT(SUBSTR(?a20,1,4000000),\"b\"))",
+                                          "STRLEN(?a20)",
+                                          "UCASE(?a20)",
+                                          "LCASE(?a20)",
+                                          "SUBSTR(?a20,4000000)",
+                                          "ENCODE_FOR_URI(?a20)",
+                                          "CONCAT(?a20,?a19)",
+                                          "MD5(?a20)",
+                                          "SHA1(?a20)",
+                                          "SHA256(?a20)",
+                                          "SHA384(?a20)",
+                                          "SHA512(?a20)",
+                                          "REGEX(?a20,\"c|b$\")",
+                                          "REPLACE(?a20,\"c\",\"b\")",
+                                          "STRSTARTS(?a20,?a19)",
+                                          "STRENDS(?a20,?a19)",
+                                          "STRDT(?a20,xsd:decimal)",
+                                          "STRLANG(?a20,\"en\")",
+                                          "xsd:integer(?a20)",
+                                          "xsd:double(?a20)",
+                                          "xsd:string(?a20)",
+                                          "IRI(?a20)",
+                                          "BNODE(?a20)",
+                                          "LANGMATCHES(?a20,?a19)",
+                                          "(?a20 < CONCAT(?a20,\"\"))",
+                                          "(?a20 = CONCAT(?a20,\"\"))",
+                                          "(?a20 IN (?a19, ?a18, ?a20))",
+                                          "sameTerm(?a20,CONCAT(?a20,\"\"))",
+                                          "STR(?a20)",
+                                          "DATATYPE(?a20)"};
   for (const std::string& call : calls) {
-    ExpectSoon("SELECT * {" + Doubled("aaaaaaaa", 20) + " ?a ex:p ?b . ?c ex:p ?d FILTER(STRLEN(STR(" + call + ")) < 0) }", true);
+    ExpectSoon("SELECT * {" + Doubled("aaaaaaaa", 20) + " ?a ex:p ?b . ?c ex:p ?d FILTER(STRLEN(STR(" + call +
+                   ")) < 0) }",
+               true);
   }
 }
 
@@ -264,8 +301,9 @@ TEST_F(TextBombs, ReplaceEndsAtTheTimeLimit) {
 
 TEST_F(TextBombs, SortedAndAggregatedLongTextsEndAtTheTimeLimit) {
   const std::string rows = "{" + Doubled("aaaaaaaa", 16) + " ?a ex:p ?b BIND(CONCAT(?a16,STR(?b)) AS ?t) }";
-  for (const std::string& query : {"SELECT ?a " + rows + " ORDER BY ?t", "SELECT (MAX(?t) AS ?m) " + rows, "SELECT DISTINCT ?t " + rows,
-                                  "SELECT (GROUP_CONCAT(?a16) AS ?m) " + rows}) {
+  for (const std::string& query :
+       {"SELECT ?a " + rows + " ORDER BY ?t", "SELECT (MAX(?t) AS ?m) " + rows, "SELECT DISTINCT ?t " + rows,
+        "SELECT (GROUP_CONCAT(?a16) AS ?m) " + rows}) {
     ExpectSoon(query, false);
   }
 }
@@ -273,15 +311,18 @@ TEST_F(TextBombs, SortedAndAggregatedLongTextsEndAtTheTimeLimit) {
 // RE2 can't be stopped, and simulates what has too many states: thousands of steps for each byte.
 TEST_F(TextBombs, LargeRegularExpressionsOnLongTextsAreRefused) {
   const std::string text = "SELECT (1 AS ?x) {" + Doubled("abaabbab", 18);
-  for (const std::string call : {"REGEX(?a18,\"(a|b)*a(a|b){1000}c\")", "REGEX(?a18,\"((a|b){1000}(b|a){1000}c?)+d\")",
-                                 "(REPLACE(?a18,\"((a|b){1000})+\",\"$1\") = \"\")"}) {
-    const absl::Status status = Run(text + " FILTER" + (call[0] == '(' ? call : "(" + call + ")") + "}", 30000);
+  for (const std::string call :
+       {"REGEX(?a18,\"(a|b)*a(a|b){1000}c\")", "REGEX(?a18,\"((a|b){1000}(b|a){1000}c?)+d\")",
+        "(REPLACE(?a18,\"((a|b){1000})+\",\"$1\") = \"\")"}) {
+    const absl::Status status =
+        Run(text + " FILTER" + (call[0] == '(' ? call : "(" + call + ")") + "}", 30000);
     EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << call << status;
     EXPECT_NE(status.message().find("regex_steps = "), std::string::npos) << status;
     EXPECT_LT(took_, std::chrono::seconds(10)) << call;
   }
   EXPECT_TRUE(Run(text + " FILTER(REGEX(?a18,\"(a|b)*a(a|b){5}c\"))}", 30000).ok());
-  EXPECT_TRUE(g_.Ask("ASK { FILTER(REGEX(\"abaab\",\"(a|b)*a(a|b){2}$\") && REGEX(\"abc\", \"(a|b){1000}|c\")) }"));
+  EXPECT_TRUE(
+      g_.Ask("ASK { FILTER(REGEX(\"abaab\",\"(a|b)*a(a|b){2}$\") && REGEX(\"abc\", \"(a|b){1000}|c\")) }"));
 }
 
 }  // namespace

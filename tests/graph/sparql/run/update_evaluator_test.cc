@@ -239,7 +239,8 @@ TEST(Update, IsRefusedAsSoonAsItIsTooMuch) {
   store.options.prepare.memory_bytes = 100000;
   for (const char* change : {"INSERT { ?a ex:q ?b }", "DELETE { ?a ex:q ?b }"}) {
     solutions = 0;
-    const std::string text = std::string(change) + " WHERE { ?a ex:p ?x . ?c ex:p ?y BIND(ex:counted(?c) AS ?b) }";
+    const std::string text =
+        std::string(change) + " WHERE { ?a ex:p ?x . ?c ex:p ?y BIND(ex:counted(?c) AS ?b) }";
     EXPECT_EQ(store.Update(text).code(), absl::StatusCode::kResourceExhausted) << change;
     EXPECT_GT(solutions, 100) << change;
     EXPECT_LT(solutions, 1000) << change;

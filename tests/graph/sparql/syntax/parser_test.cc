@@ -101,13 +101,15 @@ TEST(SparqlParser, MissingBraceNamesTheOneThatIsOpen) {
 }
 
 TEST(SparqlParser, AWordThatBeginsAsAKeywordIsNone) {
-  for (const std::string word : {"SELECTS", "SELECT_", "DESCRIBEs", "CONSTRUCTS", "CONSTRUCS", "AS", "ASKS"}) {
+  for (const std::string word :
+       {"SELECTS", "SELECT_", "DESCRIBEs", "CONSTRUCTS", "CONSTRUCS", "AS", "ASKS"}) {
     EXPECT_THAT(ErrorsOf(word + " ?s { ?s ex:p 1 }")[0].message, HasSubstr("expected SELECT")) << word;
   }
   for (const std::string word : {"OPTIONALS", "OPTIONA", "OPTIONA_", "FILTERS", "A", "A_"}) {
     EXPECT_EQ(ErrorsOf("ASK { ?s ex:p 1 . " + word + " { ?s ex:q 1 } }")[0].span.column, 19) << word;
   }
-  EXPECT_EQ(AlgebraOf("aSk { ?s ex:p 1 optIonAL { ?s ex:q 1 } }"), AlgebraOf("ASK { ?s ex:p 1 OPTIONAL { ?s ex:q 1 } }"));
+  EXPECT_EQ(AlgebraOf("aSk { ?s ex:p 1 optIonAL { ?s ex:q 1 } }"),
+            AlgebraOf("ASK { ?s ex:p 1 OPTIONAL { ?s ex:q 1 } }"));
   EXPECT_EQ(ErrorsOf("ASK { ?s A 1 }")[0].span.column, 10);  // but for "a"
 }
 
@@ -144,14 +146,19 @@ std::string NestedGroups(int depth) {
 
 // Section 19.2: in names and IRIs, too, and only for what may stand there.
 TEST(SparqlParser, EscapedCodePoints) {
-  const std::string plain = AlgebraOf("PREFIX α: <http://g/> SELECT ?xy { ?xy ex:p α:é, ex:q, <http://h/é> }");
-  EXPECT_EQ(AlgebraOf(R"(PREFIX \u03B1: <http://g/> S\u0045LECT ?x\u0079 { $\u0078y ex\u003Ap \u03b1:\U000000E9, e\u0078:q, <http://h/\u00e9> })"),
-            plain);
-  for (const char* wrong : {R"(ASK { ?x\u0020y ex:p 1 })", R"(ASK { ?s ex:p <http://a/\u003e> })", R"(ASK { ?s ex:p ex:a\u0020b })",
-                            R"(ASK { ?s ex:p <http://a/\u0020> })", R"(ASK { ?\uD800 ex:p 1 })", R"(ASK { ?s ex:p ex:\u })"}) {
+  const std::string plain =
+      AlgebraOf("PREFIX α: <http://g/> SELECT ?xy { ?xy ex:p α:é, ex:q, <http://h/é> }");
+  EXPECT_EQ(
+      AlgebraOf(
+          R"(PREFIX \u03B1: <http://g/> S\u0045LECT ?x\u0079 { $\u0078y ex\u003Ap \u03b1:\U000000E9, e\u0078:q, <http://h/\u00e9> })"),
+      plain);
+  for (const char* wrong : {R"(ASK { ?x\u0020y ex:p 1 })", R"(ASK { ?s ex:p <http://a/\u003e> })",
+                            R"(ASK { ?s ex:p ex:a\u0020b })", R"(ASK { ?s ex:p <http://a/\u0020> })",
+                            R"(ASK { ?\uD800 ex:p 1 })", R"(ASK { ?s ex:p ex:\u })"}) {
     EXPECT_FALSE(Parse(wrong).ok()) << wrong;
   }
-  EXPECT_EQ(AlgebraOf(R"(ASK { ?s ex:p "\u0041\\u0041" })"), R"((bgp (?s <http://example.org/p> "A\\u0041")))");
+  EXPECT_EQ(AlgebraOf(R"(ASK { ?s ex:p "\u0041\\u0041" })"),
+            R"((bgp (?s <http://example.org/p> "A\\u0041")))");
 }
 
 TEST(SparqlParser, NestingLimitHoldsAtItAndOnePastIt) {
@@ -193,8 +200,12 @@ TEST(SparqlParser, TextLimitHolds) {
 }
 
 TEST(SparqlParser, AByteOrderMarkIsNotPartOfTheText) {
-  EXPECT_TRUE(Parse("\xEF\xBB\xBF" "ASK { ?s ?p ?o }").ok());
-  const std::string text = "\xEF\xBB\xBF" "ASK { ?s ?p }";
+  EXPECT_TRUE(Parse("\xEF\xBB\xBF"
+                    "ASK { ?s ?p ?o }")
+                  .ok());
+  const std::string text =
+      "\xEF\xBB\xBF"
+      "ASK { ?s ?p }";
   const Diagnostics errors = ErrorsOf(text);
   ASSERT_EQ(errors.size(), 1u);
   EXPECT_EQ(errors[0].span.column, 13);

@@ -75,8 +75,9 @@ TEST(UpdateParser, MistakesAreNamedWithTheirPlaceAndRemedy) {
   EXPECT_THAT(Complaint("INSERT DATA { _:a :b 1 } ; INSERT DATA { _:a :b 2 }"),
               HasSubstr("another INSERT DATA"));
   EXPECT_THAT(Complaint("INSERT DATA { :a :b/:c 1 }"), HasSubstr("1:20"));
-  EXPECT_THAT(Complaint("INSERT DATA { ?s :b . }"),
-              testing::AllOf(HasSubstr("expected a variable, IRI"), testing::Not(HasSubstr("?s is a variable"))));
+  EXPECT_THAT(
+      Complaint("INSERT DATA { ?s :b . }"),
+      testing::AllOf(HasSubstr("expected a variable, IRI"), testing::Not(HasSubstr("?s is a variable"))));
   EXPECT_THAT(Complaint("CLEAR ALL CLEAR ALL"), HasSubstr("';' before the next operation"));
 }
 
@@ -99,7 +100,8 @@ TEST(UpdateParser, TriplesAreBoundedByTheLimitOfTheText) {
   EXPECT_EQ(most.update.operations[0].insert.size(), 1500u);
   const ParsedUpdate refused = Parse(data(1501), limits);
   ASSERT_EQ(refused.diagnostics.size(), 1u);
-  EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("more than 1500 triples: one for each 16 bytes of the limit update_text_bytes"));
+  EXPECT_THAT(refused.diagnostics[0].message,
+              HasSubstr("more than 1500 triples: one for each 16 bytes of the limit update_text_bytes"));
   EXPECT_FALSE(Parse(data(800) + "; " + data(800), limits).ok()) << "of all operations";
 }
 

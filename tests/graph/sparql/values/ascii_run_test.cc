@@ -15,10 +15,14 @@ TEST(AsciiRun, EndsAtEachByteThatIsOfAnotherClass) {
         const char byte = static_cast<char>(c);
         text[place] = byte;
         for (size_t at = 0; at <= place; at += 3) {
-          ASSERT_EQ(WordEnd(text, at), Is(byte, kInWord) ? size : place) << size << ' ' << place << ' ' << c << ' ' << at;
-          ASSERT_EQ(NameEnd(text, at), Is(byte, kInName) ? size : place) << size << ' ' << place << ' ' << c << ' ' << at;
-          ASSERT_EQ(IriEnd(text, at), Is(byte, kInIri) ? size : place) << size << ' ' << place << ' ' << c << ' ' << at;
-          ASSERT_EQ(AsciiEnd(text, at), c > 0 && c < 128 ? size : place) << size << ' ' << place << ' ' << c << ' ' << at;
+          ASSERT_EQ(WordEnd(text, at), Is(byte, kInWord) ? size : place)
+              << size << ' ' << place << ' ' << c << ' ' << at;
+          ASSERT_EQ(NameEnd(text, at), Is(byte, kInName) ? size : place)
+              << size << ' ' << place << ' ' << c << ' ' << at;
+          ASSERT_EQ(IriEnd(text, at), Is(byte, kInIri) ? size : place)
+              << size << ' ' << place << ' ' << c << ' ' << at;
+          ASSERT_EQ(AsciiEnd(text, at), c > 0 && c < 128 ? size : place)
+              << size << ' ' << place << ' ' << c << ' ' << at;
         }
         ASSERT_EQ(WordEnd(text, place + 1), size);  // what stands before does not count
       }

@@ -21,9 +21,10 @@ TEST(Decimal, ReadsAndWritesExactly) {
   EXPECT_EQ(Decimal::Parse("-00012.500")->ToString(), "-12.5");
   EXPECT_EQ(Decimal::Parse("+.5")->ToString(), "0.5");
   EXPECT_EQ(Decimal::Parse("5.")->ToString(), "5");
-  for (const char* text : {"0", "-1", "0.5", "-0.05", "9999999999999999999", "10000000000000000000", "-10000000000000000001.5",
-                           "12345678901234567890123456789", "170141183460469231731687303715884105727", "0.000000000000000000000000000000000001",
-                           "-1.70141183460469231731687303715884105"}) {
+  for (const char* text :
+       {"0", "-1", "0.5", "-0.05", "9999999999999999999", "10000000000000000000", "-10000000000000000001.5",
+        "12345678901234567890123456789", "170141183460469231731687303715884105727",
+        "0.000000000000000000000000000000000001", "-1.70141183460469231731687303715884105"}) {
     EXPECT_EQ(Decimal::Parse(text)->ToString(), text);
   }
   EXPECT_EQ(Decimal::Parse("100000000000000000000.500")->ToString(), "100000000000000000000.5");
@@ -78,19 +79,22 @@ TEST(Number, ComparesAsItsValueDoes) {
                              Term::Literal("007", std::string(kXsdInteger)),
                              Term::Literal("+7.0", std::string(kXsdDecimal)),
                              Term::Literal("x", std::string(kXsdInteger))};
-  for (const char* text : {"0", "-1", "7", "100", "576460752303423487", "-576460752303423488", "9223372036854775807"}) {
+  for (const char* text :
+       {"0", "-1", "7", "100", "576460752303423487", "-576460752303423488", "9223372036854775807"}) {
     terms.push_back(Term::Literal(text, std::string(kXsdInteger)));
     terms.push_back(Term::Literal(text, std::string(kXsdDecimal)));
     terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
     terms.push_back(Term::Literal(text, std::string(kXsdFloat)));
   }
-  for (const char* text : {"7.0", "7.00", "-0.0", "0.10", "0.1", "6.9999", "0.0000000000000000000000000000001", "-18014398509481984",
-                           "0.0000000000018014398509481984", "100.5"}) {
+  for (const char* text :
+       {"7.0", "7.00", "-0.0", "0.10", "0.1", "6.9999", "0.0000000000000000000000000000001",
+        "-18014398509481984", "0.0000000000018014398509481984", "100.5"}) {
     terms.push_back(Term::Literal(text, std::string(kXsdDecimal)));
     terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
     terms.push_back(Term::Literal(text, std::string(kXsdFloat)));
   }
-  for (const char* text : {"NaN", "INF", "-INF", "-0.0E0", "1.0E-1", "7.0E0", "1.0E300", "0.12345678901234567"}) {
+  for (const char* text :
+       {"NaN", "INF", "-INF", "-0.0E0", "1.0E-1", "7.0E0", "1.0E300", "0.12345678901234567"}) {
     terms.push_back(Term::Literal(text, std::string(kXsdDouble)));
   }
   int compared = 0;
@@ -186,11 +190,21 @@ TEST(Value, Casts) {
 }
 
 TEST(Value, CastsOfDoublesWriteNoDigitsThatNobodyWrote) {
-  const auto text = [](const std::string& number, std::string_view type, std::string_view to) { return Text(*Cast(to, Of(number, type))); };
+  const auto text = [](const std::string& number, std::string_view type, std::string_view to) {
+    return Text(*Cast(to, Of(number, type)));
+  };
   for (const auto& [number, string, decimal] :
-       {std::tuple{"91584.696e0", "91584.696", "91584.696"}, {"0.1e0", "0.1", "0.1"}, {"-0e0", "-0", "0"}, {"0e0", "0", "0"},
-        {"1e-6", "0.000001", "0.000001"}, {"9.99e-7", "9.99E-7", "0.000000999"}, {"999999.5e0", "999999.5", "999999.5"},
-        {"-1e6", "-1.0E6", "-1000000"}, {"1.5e300", "1.5E300", "error"}, {"NaN", "NaN", "error"}, {"-INF", "-INF", "error"},
+       {std::tuple{"91584.696e0", "91584.696", "91584.696"},
+        {"0.1e0", "0.1", "0.1"},
+        {"-0e0", "-0", "0"},
+        {"0e0", "0", "0"},
+        {"1e-6", "0.000001", "0.000001"},
+        {"9.99e-7", "9.99E-7", "0.000000999"},
+        {"999999.5e0", "999999.5", "999999.5"},
+        {"-1e6", "-1.0E6", "-1000000"},
+        {"1.5e300", "1.5E300", "error"},
+        {"NaN", "NaN", "error"},
+        {"-INF", "-INF", "error"},
         {"1.2345678901234567e-20", "1.2345678901234567E-20", "0.000000000000000000012345678901234567"}}) {
     EXPECT_EQ(text(number, kXsdDouble, kXsdString), string);
     EXPECT_EQ(text(number, kXsdDouble, kXsdDecimal), decimal) << number;

@@ -11,12 +11,16 @@ using testing::ElementsAre;
 
 // Of "PT1H/dayTime" a literal of xsd:dayTimeDuration and so on.
 std::string Expand(const std::string& expression) {
-  static constexpr std::pair<const char*, const char*> kTypes[] = {{"/DT", "^^xsd:dateTime"},         {"/D", "^^xsd:date"},
-                                                                    {"/T", "^^xsd:time"},              {"/d", "^^xsd:dayTimeDuration"},
-                                                                    {"/m", "^^xsd:yearMonthDuration"}, {"/x", "^^xsd:duration"}};
+  static constexpr std::pair<const char*, const char*> kTypes[] = {{"/DT", "^^xsd:dateTime"},
+                                                                   {"/D", "^^xsd:date"},
+                                                                   {"/T", "^^xsd:time"},
+                                                                   {"/d", "^^xsd:dayTimeDuration"},
+                                                                   {"/m", "^^xsd:yearMonthDuration"},
+                                                                   {"/x", "^^xsd:duration"}};
   std::string out = expression;
   for (const auto& [tag, type] : kTypes) {
-    for (size_t at; (at = out.find(std::string("'") + tag)) != std::string::npos;) out.replace(at + 1, std::strlen(tag), type);
+    for (size_t at; (at = out.find(std::string("'") + tag)) != std::string::npos;)
+      out.replace(at + 1, std::strlen(tag), type);
   }
   return out;
 }
@@ -25,7 +29,8 @@ std::string Expand(const std::string& expression) {
 std::string Of(const std::string& expression) {
   static const TestGraph* const graph = new TestGraph;
   const std::string text = Expand(expression);
-  const auto rows = graph->Rows("SELECT (STR(" + text + ") AS ?v) (STRAFTER(STR(DATATYPE(" + text + ")), '#') AS ?t) {}");
+  const auto rows =
+      graph->Rows("SELECT (STR(" + text + ") AS ?v) (STRAFTER(STR(DATATYPE(" + text + ")), '#') AS ?t) {}");
   return rows.empty() ? "no row" : rows[0];
 }
 
@@ -90,15 +95,43 @@ TEST(SparqlTimes, Arithmetic) {
 }
 
 TEST(SparqlTimes, WhatHasNoMeaningHasNoValue) {
-  for (const char* none : {"'2026-05-01'/D - '2026-05-01T00:00:00'/DT", "'2026-05-01'/D + 1", "'PT1H'/d * 'PT1H'/d", "'PT1H'/d / 0",
-                           "'PT1H'/d / 0e0", "'PT1H'/d * 'NaN'^^xsd:double", "'PT1H'/d * 1e300", "'P1MT1S'/x * 2", "'P1M'/m / 'PT1S'/d",
-                           "'P1M'/m - 'PT1S'/d", "'11:00:00'/T + 'P1M'/m", "'PT1H'/d - '11:00:00'/T", "'PT1H'/d + 1", "1 / 'PT1H'/d",
-                           "'200000-01-01T00:00:00'/DT + 'P1Y'/m", "'P9000000000000000000M'/m + 'P9000000000000000000M'/m",
-                           "'2026-01-01'/D + 'P900000000000M'/m", "'PT1H'/m + 'P1M'/m", "'PT1H'/d < 'P1M'/m", "'P30D'/x < 'P1M'/x",
-                           "xsd:date('10:00:00'/T)", "xsd:time('2026-01-01'/D)", "xsd:byte('128')", "xsd:unsignedInt(-1)",
-                           "xsd:nonNegativeInteger('-1')", "xsd:int('x')", "xsd:dayTimeDuration('P1M')", "xsd:dayTimeDuration('1')",
-                           "xsd:yearMonthDuration('PT1S')", "xsd:duration('P')", "xsd:duration('PT')", "xsd:duration('P1H')",
-                           "xsd:duration('P1M1Y')", "xsd:duration('P1.5D')", "xsd:duration('PT1.S')", "xsd:date(5)", "xsd:duration(5)",
+  for (const char* none : {"'2026-05-01'/D - '2026-05-01T00:00:00'/DT",
+                           "'2026-05-01'/D + 1",
+                           "'PT1H'/d * 'PT1H'/d",
+                           "'PT1H'/d / 0",
+                           "'PT1H'/d / 0e0",
+                           "'PT1H'/d * 'NaN'^^xsd:double",
+                           "'PT1H'/d * 1e300",
+                           "'P1MT1S'/x * 2",
+                           "'P1M'/m / 'PT1S'/d",
+                           "'P1M'/m - 'PT1S'/d",
+                           "'11:00:00'/T + 'P1M'/m",
+                           "'PT1H'/d - '11:00:00'/T",
+                           "'PT1H'/d + 1",
+                           "1 / 'PT1H'/d",
+                           "'200000-01-01T00:00:00'/DT + 'P1Y'/m",
+                           "'P9000000000000000000M'/m + 'P9000000000000000000M'/m",
+                           "'2026-01-01'/D + 'P900000000000M'/m",
+                           "'PT1H'/m + 'P1M'/m",
+                           "'PT1H'/d < 'P1M'/m",
+                           "'P30D'/x < 'P1M'/x",
+                           "xsd:date('10:00:00'/T)",
+                           "xsd:time('2026-01-01'/D)",
+                           "xsd:byte('128')",
+                           "xsd:unsignedInt(-1)",
+                           "xsd:nonNegativeInteger('-1')",
+                           "xsd:int('x')",
+                           "xsd:dayTimeDuration('P1M')",
+                           "xsd:dayTimeDuration('1')",
+                           "xsd:yearMonthDuration('PT1S')",
+                           "xsd:duration('P')",
+                           "xsd:duration('PT')",
+                           "xsd:duration('P1H')",
+                           "xsd:duration('P1M1Y')",
+                           "xsd:duration('P1.5D')",
+                           "xsd:duration('PT1.S')",
+                           "xsd:date(5)",
+                           "xsd:duration(5)",
                            "xsd:dayTimeDuration('P99999999999999999999D')"}) {
     EXPECT_EQ(Of(none), "- -") << none;
   }
@@ -145,13 +178,17 @@ TEST(SparqlTimes, Casts) {
 
 TEST(SparqlTimes, OrderAndAggregates) {
   const TestGraph graph(
-      "ex:a ex:d 'PT2H'^^xsd:dayTimeDuration . ex:b ex:d 'PT90M'^^xsd:dayTimeDuration . ex:c ex:d 'P1D'^^xsd:dayTimeDuration ; "
-      "ex:t '09:00:00Z'^^xsd:time . ex:d ex:d 'P1M'^^xsd:yearMonthDuration ; ex:t '10:00:00+03:00'^^xsd:time .");
+      "ex:a ex:d 'PT2H'^^xsd:dayTimeDuration . ex:b ex:d 'PT90M'^^xsd:dayTimeDuration . ex:c ex:d "
+      "'P1D'^^xsd:dayTimeDuration ; "
+      "ex:t '09:00:00Z'^^xsd:time . ex:d ex:d 'P1M'^^xsd:yearMonthDuration ; ex:t '10:00:00+03:00'^^xsd:time "
+      ".");
   EXPECT_THAT(graph.Rows("SELECT ?x { ?x ex:d ?d } ORDER BY ?d", {}, true), ElementsAre("b", "a", "c", "d"));
   EXPECT_THAT(graph.Rows("SELECT (MIN(?d) AS ?a) (MAX(?d) AS ?b) { ?x ex:d ?d }"), ElementsAre("PT90M P1M"));
   EXPECT_THAT(graph.Rows("SELECT (MIN(?t) AS ?a) { ?x ex:t ?t }"), ElementsAre("10:00:00+03:00"));
-  EXPECT_THAT(graph.Rows("SELECT ?x { ?x ex:d ?d FILTER(?d <= 'PT120M'^^xsd:dayTimeDuration) }"), ElementsAre("a", "b"));
-  EXPECT_THAT(graph.Rows("SELECT ?x { ?x ex:d ?d FILTER(?d = 'PT120M'^^xsd:dayTimeDuration) }"), ElementsAre("a"));
+  EXPECT_THAT(graph.Rows("SELECT ?x { ?x ex:d ?d FILTER(?d <= 'PT120M'^^xsd:dayTimeDuration) }"),
+              ElementsAre("a", "b"));
+  EXPECT_THAT(graph.Rows("SELECT ?x { ?x ex:d ?d FILTER(?d = 'PT120M'^^xsd:dayTimeDuration) }"),
+              ElementsAre("a"));
 }
 
 TEST(SparqlTimes, FractionsBeyondTheMicrosecondAreCompared) {
