@@ -83,10 +83,6 @@ void FillVersion(const GraphVersion& version, const Dictionary& dictionary,
 
 }  // namespace
 
-std::string OntologyGraph(const std::string& name) {
-  return absl::StrCat("https://w3id.org/docent/ontology/", NameInIri(name));
-}
-
 grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
   return OnWorker(
