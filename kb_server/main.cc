@@ -94,6 +94,7 @@ int main(int argc, char** argv) {
   docent::AddVerifyCommand(&app, &exit_code);
   docent::AddBackupCommand(&app, &exit_code);
   docent::AddRestoreCommand(&app, &exit_code);
+  docent::AddReferenceCommand(&app, &exit_code);
   std::vector<std::string> arguments = docent::WithSignedFacts({argv + 1, argv + argc});
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {

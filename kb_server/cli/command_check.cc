@@ -1,5 +1,6 @@
 // docent check FILES: everything that can be said about files before a server has them. No server is needed.
 #include <CLI/CLI.hpp>
+#include <cassert>
 #include <deque>
 #include <iostream>
 
@@ -13,6 +14,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "nlohmann/json.hpp"
+#include "reasoner/ontology/finding_kinds.h"
 #include "workflow/cawl/check.h"
 #include "workflow/engine/engine.h"
 #include "workflow/rsel/parser.h"
@@ -151,7 +153,10 @@ class Checker {
 
   void Print(const std::string& file, const std::vector<ontology::Finding>& findings) {
     Diagnostics diagnostics;
-    for (const ontology::Finding& finding : findings) diagnostics.push_back(finding.diagnostic);
+    for (const ontology::Finding& finding : findings) {
+      assert(ontology::IsFindingKind(finding.rule));  // so that the documentation lists it
+      diagnostics.push_back(finding.diagnostic);
+    }
     const bool bad = HasErrors(diagnostics) || (arguments_.strict && !diagnostics.empty());
     failed_ = failed_ || bad;
     if (arguments_.json) {

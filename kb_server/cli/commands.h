@@ -30,6 +30,7 @@ void AddServicesCommand(CLI::App* app, int* exit_code);
 void AddVerifyCommand(CLI::App* app, int* exit_code);
 void AddBackupCommand(CLI::App* app, int* exit_code);
 void AddRestoreCommand(CLI::App* app, int* exit_code);
+void AddReferenceCommand(CLI::App* app, int* exit_code);
 
 // $XDG_STATE_HOME/docent, else ~/.local/state/docent.
 std::string DefaultDataFolder();
