@@ -78,8 +78,10 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")
       ->capture_default_str();
   command->add_option("--grpc", settings->grpc_address, "HOST:PORT of the gRPC API; port 0 takes a free one")
+      ->envname("DOCENT_GRPC")
       ->capture_default_str();
   command->add_option("--http", settings->http_address, "HOST:PORT of SPARQL, metrics and health over HTTP")
+      ->envname("DOCENT_HTTP")
       ->capture_default_str();
   command
       ->add_option("--default-graph", *default_graph,
