@@ -1,0 +1,312 @@
+"""The pages of docs/reference that are made from the program: one function a page, which gives its Markdown.
+
+Standard library only. What they read: the help texts, a running server's /metrics, the limits in graph/base, the kinds of
+findings (`docent reference`), and the ontologies as the server holds them.
+"""
+import json
+import os
+import re
+import subprocess
+
+from docent_stage import ROOT
+
+SHARE = "/usr/share/docent"
+NOTE = "<!-- Made by scripts/reference from the program. Edit the program's own texts, then run scripts/reference. -->\n"
+MEMORY_UNITS = ((30, "GiB"), (20, "MiB"), (10, "KiB"))
+TIME_UNITS = ((3600000, "h"), (60000, "min"), (1000, "s"))
+
+
+def cell(text):
+    """A text within a table."""
+    return re.sub(r"\s+", " ", text).strip().replace("|", "\\|").replace("<", "&lt;")
+
+
+def table(head, rows):
+    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
+    lines += [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def sentence(text):
+    """With a full stop, and with a capital letter unless it begins with a name: of a value, a program, a property."""
+    text = text.strip()
+    if not text:
+        return text
+    if re.match(r"[a-z]+( |$|; )", text):
+        text = text[0].upper() + text[1:]
+    return text if text.endswith((".", "?", "!", "…")) else text + "."
+
+
+# ---- command line --------------------------------------------------------------------------------------------------------
+
+
+def help_of(program, arguments):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("DOCENT_", "XDG_"))}
+    environment.update(HOME="~", NO_COLOR="1", COLUMNS="100000", TERM="dumb")
+    done = subprocess.run([program, *arguments, "--help"], env=environment, capture_output=True, text=True, timeout=60, check=True)
+    return done.stdout.replace(str(ROOT), SHARE)
+
+
+def read_help(text):
+    """The description, and for each section of a help text its (name, description) pairs."""
+    description, sections, section = [], {}, None
+    for line in text.splitlines():
+        heading = re.fullmatch(r"([A-Z][\w ]*):", line)
+        if line.startswith("Usage:"):
+            section = "Usage"
+            sections[section] = line[len("Usage:"):].strip()
+        elif heading:
+            section = heading[1]
+            sections[section] = []
+        elif section is None:
+            description.append(line)
+        elif line.startswith("   ") and sections[section]:
+            name, told = sections[section][-1]
+            sections[section][-1] = (name, f"{told} {line.strip()}".strip())
+        elif line.startswith("  "):
+            name, _, told = line.strip().partition("  ")
+            if not told and len(name) > 28:  # CLI11 leaves one space where a name is long
+                name, told = line.strip(), ""
+            sections[section].append((name, told.strip()))
+    return " ".join(description).strip(), sections
+
+
+def option_row(name, told):
+    """`--data TEXT=/x (Env:Y)`: its name, what it takes, and what it is for."""
+    environment = re.search(r" \(Env:(\w+)\)", name)
+    name = name.replace(environment[0], "") if environment else name
+    flags, _, kind = name.partition(" ")
+    required = "REQUIRED" in kind
+    many = "..." in kind
+    kind = kind.replace("REQUIRED", "").replace("...", "").strip()
+    kind = re.sub(r"\(1x\)", "", kind)
+    kind, has_default, default = kind.partition("=")
+    kind, _, values = kind.partition(":")
+    kind = {"TEXT": "text", "UINT": "number", "INT": "number", "FLOAT": "number"}.get(kind, kind)
+    if values.startswith("{"):
+        kind = ", ".join(f"`{value}`" for value in values.strip("{}").split(","))
+    elif " in [" in values:
+        kind = f"number from {values[values.index('[') + 1:-1].replace(' - ', ' to ')}"
+    told = sentence(cell(told))
+    notes = [f"Default: `{default}`." if has_default and default else "", f"Or the environment variable `{environment[1]}`."
+             if environment else "", "May be given several times." if many and flags.startswith("-") and "may be given" not in told else "",
+             "Required." if required else ""]
+    return [f"`{flags.replace(',', '`, `')}`", kind, " ".join([told, *filter(None, notes)])]
+
+
+def command_section(program, path, level, common):
+    name = " ".join([program.name, *path])
+    description, sections = read_help(help_of(program, path))
+    parts = [f"{'#' * level} {name}\n"]
+    if path:
+        parts.append(sentence(cell(description)) + "\n")
+        parts.append(f"```text\n{sections.get('Usage', name)}\n```\n")
+    if any(pair[0].startswith("--server") for pair in sections.get("Options", [])):
+        parts.append("Speaks to a running server: takes the [common options](#common-options), too.\n")
+    for title, head in (("Positionals", "argument"), ("Options", "option")):
+        rows = [option_row(*pair) for pair in sections.get(title, []) if not pair[0].startswith(("-h,", "--version"))]
+        rows = [row for row in rows if row not in common]
+        if rows:
+            parts.append(table([head, "takes", "meaning"], rows))
+    for sub, _ in sections.get("Subcommands", []):
+        parts.append(command_section(program, [*path, sub], min(level + 1, 3), common))
+    return "\n".join(parts)
+
+
+def cli_page(programs):
+    intro = """# Command line
+
+Every command tells its options with `--help`. The exit code is 0 when all went well, 1 when the answer is no (an ASK is
+false, a check found errors, a run failed), and 2 when the command could not be carried out.
+"""
+    # those of the simplest command that speaks to a server
+    common = [option_row(*pair) for pair in read_help(help_of(programs[0], ["robots"]))[1]["Options"] if not pair[0].startswith("-h,")]
+    parts = ["## Common options\n\n" + table(["option", "takes", "meaning"], common)]
+    for program in programs:
+        description, sections = read_help(help_of(program, []))
+        rows = [[f"[`{name}`](#{program.name}-{name})", sentence(cell(told))] for name, told in sections.get("Subcommands", [])]
+        section = command_section(program, [], 2, common if program.name == "docent" else [])
+        head, _, rest = section.partition("\n")
+        parts.append(f"{head}\n\n{sentence(cell(description))}\n\n{table(['command', 'purpose'], rows)}{rest}")
+    return NOTE + intro + "\n" + "\n".join(parts)
+
+
+# ---- metrics ----------------------------------------------------------------------------------------------------------------
+
+
+def metrics_page(text):
+    """`text`: what /metrics answers."""
+    families = {}
+    for line in text.splitlines():
+        told = re.match(r"# (HELP|TYPE) (\S+) (.*)", line)
+        if told:
+            families.setdefault(told[2], {"labels": set()})[told[1]] = told[3].replace("\\n", " ").replace("\\\\", "\\")
+            continue
+        series = re.match(r"(\w+)(?:\{(.*)\})? ", line)
+        name = series and next((n for n in (series[1], re.sub(r"_(bucket|sum|count)$", "", series[1])) if n in families), None)
+        if name and series[2]:
+            families[name]["labels"] |= set(re.findall(r'(\w+)="', series[2])) - {"le"}
+    rows = [[f"`{name}`", family["TYPE"], ", ".join(f"`{label}`" for label in sorted(family["labels"])),
+             sentence(cell(family["HELP"]))] for name, family in sorted(families.items())]
+    return NOTE + """# Metrics
+
+`http://HOST:PORT/metrics` of a server answers in the text format of Prometheus. A counter only grows until the server
+ends. A histogram has the series `_bucket` (with the label `le`), `_sum` and `_count`. Times are in seconds.
+
+""" + table(["metric", "type", "labels", "meaning"], rows)
+
+
+# ---- limits ------------------------------------------------------------------------------------------------------------------
+
+
+def number_of(expression):
+    plain = re.sub(r"(?<=\d)'(?=\d)", "", expression)
+    plain = re.sub(r"\b\w+\{(\d+)\}", r"\1", plain)
+    plain = re.sub(r"(?<=\d)[uUlL]+\b", "", plain)
+    if not re.fullmatch(r"[\d\s<+*()-]+", plain):
+        raise ValueError(f"the limit's value `{expression}` is not a number")
+    return eval(plain, {"__builtins__": {}})  # digits and operators alone
+
+
+def quantity(name, value):
+    """A number for people, with the unit that its name ends in."""
+    if "bytes" in name.split("_"):
+        for bits, unit in MEMORY_UNITS:
+            if value >= 1 << bits and value % (1 << bits) == 0:
+                return f"{value >> bits} {unit}"
+        return f"{value:,} bytes"
+    if "ms" in name.split("_"):
+        for size, unit in TIME_UNITS:
+            if value >= size and value % size == 0:
+                return f"{value // size} {unit}"
+        return f"{value} ms"
+    return f"{value:,}"
+
+
+def read_limits(text):
+    """Of a header: (section, name, number, meaning) of each field of its structs."""
+    rows, section, pending = [], "", []
+    body = "\n".join(re.findall(r"^struct \w+ \{\n(.*?)^\};", text, re.S | re.M))
+    statement = ""
+    for line in body.splitlines():
+        code, _, comment = line.strip().partition("//")
+        comment = comment.strip()
+        if not code and not statement:
+            if comment:
+                pending.append(comment)
+            elif pending:
+                section, pending = " ".join(pending), []
+            continue
+        if pending and not pending[-1].endswith("."):
+            section, pending = " ".join(pending), []
+        statement += " " + code.strip()
+        field = re.fullmatch(r"\s*[\w:]+ (\w+)\s*=\s*([^;]+);\s*", statement)
+        if field:
+            meaning = " ".join([comment, *([" ".join(pending)] if pending else [])])
+            rows.append((section, field[1], number_of(field[2]), meaning.strip()))
+        if statement.rstrip().endswith((";", "}")):
+            statement, pending = "", []
+    return rows
+
+
+def limits_page():
+    parts = []
+    for path in sorted((ROOT / "graph/base").glob("*limits.h"), key=lambda p: (p.name != "limits.h", p.name)):
+        of_file = {"limits.h": ""}.get(path.name, path.name.removesuffix("_limits.h"))
+        sections = {}
+        for section, name, value, meaning in read_limits(path.read_text()):
+            sections.setdefault(section or of_file, []).append([f"`{name}`", quantity(name, value), sentence(cell(meaning))])
+        for section, rows in sections.items():
+            parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "what it limits"], rows))
+    return NOTE + """# Limits
+
+Every queue, loop, query, message and document of Docent has a limit with a name. An error at a limit says the name and the
+value. Those that the [command line](cli.md#docent-serve) of `docent serve` sets have an option of the same name; the others are
+fixed when the program is built.
+
+""" + "\n".join(parts)
+
+
+# ---- findings ---------------------------------------------------------------------------------------------------------------
+
+
+def findings_page(docent):
+    told = json.loads(subprocess.run([docent, "reference"], capture_output=True, text=True, timeout=60, check=True).stdout)
+    findings = "\n".join(
+        f"### {kind['rule']}\n\n{cell(kind['meaning'])}\n\n*{kind['severity'].capitalize()}, in files of {kind['files']}.* "
+        f"{cell(kind['remedy'])}\n".replace("in files of all", "in all files") for kind in told["findings"])
+    components = table(["parameter", "component in the report"],
+                       [[f"`sh:{c['parameter']}`", f"`sh:{c['component']}ConstraintComponent`"] for c in told["components"]])
+    return NOTE + f"""# Findings
+
+## docent check
+
+`docent check` reports findings with file, line, column, what is wrong and a remedy. `--json` gives one object a line; its
+field `rule` is one of the names below, which do not change between versions. An error makes the exit code 1; with
+`--strict` a warning does, too.
+
+{findings}
+## docent validate
+
+`docent validate` reports each violation of a SHACL shape with the constraint component that found it
+(`sh:sourceConstraintComponent` in the report as RDF). These components are supported.
+
+{components}"""
+
+
+# ---- ontology -----------------------------------------------------------------------------------------------------------------
+
+MODULES = """PREFIX owl: <http://www.w3.org/2002/07/owl#> SELECT ?graph ?module ?label ?comment ?version { GRAPH ?graph {
+    ?module a owl:Ontology ; rdfs:label ?label ; rdfs:comment ?comment OPTIONAL { ?module owl:versionInfo ?version } } } ORDER BY ?module"""
+WORDS = """SELECT ?graph ?word ?label ?comment ?kind ?of ?above ?domain ?range { GRAPH ?graph {
+    ?word rdfs:label ?label ; rdf:type ?kind . FILTER(STRSTARTS(STR(?word), STR(docent:)))
+    OPTIONAL { ?word rdfs:comment ?comment } OPTIONAL { ?word rdfs:subClassOf|rdfs:subPropertyOf ?above }
+    OPTIONAL { ?word rdfs:domain ?domain } OPTIONAL { ?word rdfs:range ?range } } }"""
+PROPERTY_KINDS = {"owl:ObjectProperty", "owl:DatatypeProperty", "rdf:Property", "owl:AnnotationProperty"}
+
+
+def ontology_page(server, prefixes):
+    """`server`: a stage's server with the modules of ontology/ loaded."""
+    def short(iri):
+        return next((f"{name}:{iri[len(start):]}" for name, start in prefixes.items() if iri.startswith(start)), f"<{iri}>")
+
+    def rows_of(query):
+        return [{name: value["value"] for name, value in row.items() if value["type"] != "bnode"}
+                for row in server.sparql(query)["results"]["bindings"]]
+
+    words = {}
+    for row in rows_of(WORDS):
+        word = words.setdefault(short(row["word"]), {"module": row["graph"], "label": row["label"], "comment": row.get("comment", ""),
+                                                     "kind": set(), "above": set(), "domain": set(), "range": set()})
+        for field in ("kind", "above", "domain", "range"):
+            if field in row:
+                word[field].add(short(row[field]))
+    parts = []
+    for module in rows_of(MODULES):
+        own = {name: word for name, word in sorted(words.items()) if word["module"] == module["graph"]}
+        classes = [[anchor(name), list_of(word["above"]), cell(word["comment"])] for name, word in own.items()
+                   if "owl:Class" in word["kind"]]
+        properties = [[anchor(name) + (" *state*" if "docent:StateProperty" in word["kind"] else ""), list_of(word["domain"]),
+                       list_of(word["range"]), cell(word["comment"])] for name, word in own.items() if word["kind"] & PROPERTY_KINDS]
+        others = [[anchor(name), list_of(word["kind"]), cell(word["comment"])] for name, word in own.items()
+                  if "owl:Class" not in word["kind"] and not word["kind"] & PROPERTY_KINDS]
+        parts.append(f"## {module['label']}\n\n{cell(module['comment'])}\n\n`{module['module']}`, version {module.get('version', '?')}\n")
+        for title, head, rows in (("Classes", ["class", "is a", "meaning"], classes),
+                                  ("Properties", ["property", "of", "value", "meaning"], properties),
+                                  ("Individuals", ["word", "is a", "meaning"], others)):
+            if rows:
+                parts.append(f"**{title}**\n\n{table(head, rows)}")
+    return NOTE + """# Ontology
+
+The words of `https://w3id.org/docent#` (prefix `docent:`), as `/usr/share/docent/ontology/*.ttl` defines them. A property
+marked *state* is a state property: a new value replaces the old one that the same source told.
+
+""" + "\n".join(parts)
+
+
+def anchor(name):
+    return f'<a id="{name.partition(":")[2]}"></a>`{name}`'
+
+
+def list_of(names):
+    return ", ".join(f"`{name}`" for name in sorted(names))
