@@ -12,15 +12,17 @@ What is shown as wrong stands in blocks of `text`.
 import os
 import pathlib
 import re
-import signal
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 DOCENT = pathlib.Path(os.environ["DOCENT_BINARIES"]) / "docent"
+PYTHON = "/usr/bin/python3"  # the one that Debian's packages are for
 BLOCK = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -36,6 +38,25 @@ def ending(language, text):
     if language == "sparql" and re.match(r"(#[^\n]*\n)*(PREFIX|SELECT|ASK|CONSTRUCT|DESCRIBE)\b", text):
         return ".rq"
     return None
+
+
+def begin_server(data):
+    """The process and its gRPC address."""
+    server = subprocess.Popen([DOCENT, "serve", "--data", data, "--grpc", "127.0.0.1:0", "--http", "127.0.0.1:0"],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    return server, re.search(r"grpc=(\S+)", server.stdout.readline()).group(1)
+
+
+def end(program):
+    program.terminate()
+    program.wait(timeout=60)
+    program.stdout.close()
+
+
+def serve(test_class, data):
+    server, address = begin_server(data)
+    test_class.addClassCleanup(end, server)
+    return address
 
 
 class Examples(unittest.TestCase):
@@ -71,21 +92,67 @@ class Examples(unittest.TestCase):
         checker = next(b.group(2) for b in BLOCK.finditer(page) if b.group(1) == "python")
         with tempfile.TemporaryDirectory() as folder:
             data = pathlib.Path(folder) / "data"
-            server = subprocess.Popen([DOCENT, "serve", "--data", data, "--grpc", "127.0.0.1:0", "--http", "127.0.0.1:0"],
-                                      stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            server, address = begin_server(data)
             try:
-                address = re.search(r"grpc=(\S+)", server.stdout.readline()).group(1)
                 for n in range(3):
                     subprocess.run([DOCENT, "tell", "--server", address, f"<urn:a> <urn:n> {n}"], check=True,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=60)
             finally:
-                server.send_signal(signal.SIGTERM)
-                server.wait(timeout=60)
-                server.stdout.close()
+                end(server)
             self.assertEqual(len(list(data.glob("snapshot-*"))), 1)
             run = subprocess.run([sys.executable, "-c", checker, data], capture_output=True, text=True, timeout=60)
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual(run.stdout, "3 records, all right\n")
+
+
+class Grpc(unittest.TestCase):
+    """The Python of the page on gRPC, one program a block, against a server that has the workflow of the page on CAWL."""
+
+    @classmethod
+    def setUpClass(cls):
+        has_grpc = subprocess.run([PYTHON, "-c", "import grpc, google.protobuf"], stderr=subprocess.DEVNULL).returncode == 0
+        if not has_grpc or not shutil.which("protoc") or not shutil.which("grpc_python_plugin"):
+            raise unittest.SkipTest("needs python3-grpcio, protobuf-compiler and protobuf-compiler-grpc")
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.root = pathlib.Path(cls.folder.name)
+        protos = sorted((ROOT / "proto").rglob("*.proto"))
+        subprocess.run(["protoc", "-I", ROOT / "proto", f"--python_out={cls.root}", f"--grpc_python_out={cls.root}",
+                        f"--plugin=protoc-gen-grpc_python={shutil.which('grpc_python_plugin')}", *protos], check=True)
+        blocks = [b.group(2) for b in BLOCK.finditer((ROOT / "docs/reference/grpc.md").read_text(encoding="utf-8"))
+                  if b.group(1) == "python"]
+        for name, block in zip(["tell", "follow", "start", "adapter"], blocks, strict=True):
+            (cls.root / f"{name}.py").write_text(block, encoding="utf-8")
+        cls.address = serve(cls, cls.root / "data")
+        hello = next(b.group(2) for b in BLOCK.finditer((ROOT / "docs/reference/cawl.md").read_text(encoding="utf-8"))
+                     if 'name="Hello"' in b.group(2))
+        (cls.root / "hello.cawl.xml").write_text(hello, encoding="utf-8")
+
+    def start(self, name):
+        program = subprocess.Popen([PYTHON, "-u", self.root / f"{name}.py", self.address], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(end, program)
+        return program
+
+    def test_telling_is_read_back(self):
+        out, _ = self.start("tell").communicate(timeout=60)
+        self.assertRegex(out, r"revision \d+ added \d+ inferred 0\nrevision \d+ who booth\n.*#John .*#B03\n")
+
+    def test_followers_get_the_answer_first(self):
+        self.assertEqual(self.start("follow").stdout.readline(), "the answer is now:\n")
+
+    def test_a_workflow_runs_on_the_adapter(self):
+        adapter = self.start("adapter")
+        client = [DOCENT, "query", "--server", self.address]
+        until = time.monotonic() + 60
+        while subprocess.run([*client, "ASK { ?r docent:offers ?o ; docent:status docent:Standby }"], capture_output=True).returncode:
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.1)
+        loaded = subprocess.run([DOCENT, "load", "--server", self.address, self.root / "hello.cawl.xml"], capture_output=True, text=True)
+        self.assertEqual(loaded.returncode, 0, loaded.stderr)
+        out, _ = self.start("start").communicate(timeout=60)
+        self.assertRegex(out, r"^Welcome-\d+\n")
+        self.assertRegex(out, r"- run done\n$")
+        self.assertEqual(adapter.stdout.readline(), "says: Welcome!\n")
 
 
 if __name__ == "__main__":
