@@ -39,9 +39,9 @@ ConstraintQueries ParseConstraints(size_t count) {
   return queries;
 }
 
-std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
-                                      ConstraintSet& set) {
-  std::vector<ConstraintId> ids;
+std::vector<ConditionId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
+                                     StandingConditions& set) {
+  std::vector<ConditionId> ids;
   for (const auto& [query, options] : queries) {
     const auto id = set.Register(query, graph.version(), options);
     if (!id.ok()) {

@@ -13,7 +13,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/store/graph_writer.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 namespace docent::bench {
 
@@ -27,7 +27,7 @@ class ConstraintGraph {
     return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad});
   }
   // The constraints follow what Apply does, as in a turn of the server.
-  void Observe(ConstraintSet* set) { writer_.SetObserver(set); }
+  void Observe(StandingConditions* set) { writer_.SetObserver(set); }
   // The next immutable version.
   void Freeze() { writer_.Freeze(Revision(++revision_)); }
   const GraphVersion& version() const { return writer_.current(); }
@@ -45,8 +45,8 @@ sparql::Query ParseConstraint(const std::string& text);
 using ConstraintQueries = std::vector<std::pair<sparql::Query, RegisterOptions>>;
 ConstraintQueries ParseConstraints(size_t count);
 // By number. Ends the program where one is refused.
-std::vector<ConstraintId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
-                                      ConstraintSet& set);
+std::vector<ConditionId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
+                                     StandingConditions& set);
 
 }  // namespace docent::bench
 

@@ -17,7 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Microseconds an update. `flips`: constraints that each changes.
-double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& graph, ConstraintSet& set) {
+double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& graph,
+               StandingConditions& set) {
   const Clock::time_point start = Clock::now();
   for (const Quad& fact : facts) {
     for (const bool add : {true, false}) {
@@ -40,7 +41,7 @@ double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& gr
 
 std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t seed) {
   ConstraintGraph graph(constraints);
-  ConstraintSet set(graph.dictionary());
+  StandingConditions set(graph.dictionary());
   RegisterAll(ParseConstraints(constraints), graph, set);
   graph.Observe(&set);
   std::mt19937_64 random(seed);

@@ -13,7 +13,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/batch_applier.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 namespace docent::bench {
 namespace {
@@ -93,7 +93,7 @@ bool MeasureConstraintStage(size_t triples, size_t constraints, std::vector<Meas
   applier.Commit();
   GraphVersionPtr start = writer.Freeze(Revision(1));
 
-  ConstraintSet set(dictionary);
+  StandingConditions set(dictionary);
   for (size_t i = 0; i < constraints; ++i) {
     if (!set.Register(AskOf(i), *start).ok()) return false;
   }

@@ -132,19 +132,19 @@ size_t ConstraintsOfShape(ConstraintShape shape, size_t count) {
   return shape == ConstraintShape::kThreshold || shape == ConstraintShape::kJoin ? rounds * 2 : rounds;
 }
 
-ConstraintUpdates::ConstraintUpdates(size_t count, uint32_t seed)
+ConditionUpdates::ConditionUpdates(size_t count, uint32_t seed)
     : count_(count), random_(seed), level_(FirstLevel(count)), told_(kConstraintShapes) {}
 
-void ConstraintUpdates::NewBatch() {
+void ConditionUpdates::NewBatch() {
   batches_ = true;
   used_.clear();
 }
 
-bool ConstraintUpdates::IsUsed(ConstraintShape shape, size_t n) const {
+bool ConditionUpdates::IsUsed(ConstraintShape shape, size_t n) const {
   return std::find(used_.begin(), used_.end(), NumberOf(shape, n)) != used_.end();
 }
 
-ConstraintUpdates::Update ConstraintUpdates::Next() {
+ConditionUpdates::Update ConditionUpdates::Next() {
   while (true) {
     const ConstraintShape shape = PlaceOf(random_() % 6).shape;
     const std::vector<Told>& told = told_[static_cast<size_t>(shape)];
@@ -157,7 +157,7 @@ ConstraintUpdates::Update ConstraintUpdates::Next() {
   }
 }
 
-std::optional<ConstraintUpdates::Update> ConstraintUpdates::Tell(ConstraintShape shape) {
+std::optional<ConditionUpdates::Update> ConditionUpdates::Tell(ConstraintShape shape) {
   std::vector<Told>& told = told_[static_cast<size_t>(shape)];
   ++serial_;
   size_t n = 0;
@@ -177,7 +177,7 @@ std::optional<ConstraintUpdates::Update> ConstraintUpdates::Tell(ConstraintShape
   return Update{shape, true, std::move(fact), NumberOf(shape, n)};
 }
 
-std::optional<ConstraintUpdates::Update> ConstraintUpdates::Retract(ConstraintShape shape) {
+std::optional<ConditionUpdates::Update> ConditionUpdates::Retract(ConstraintShape shape) {
   std::vector<Told>& told = told_[static_cast<size_t>(shape)];
   // of readings the highest one: a lower one flips nothing
   const size_t at = shape == ConstraintShape::kThreshold ? told.size() - 1 : random_() % told.size();

@@ -45,9 +45,9 @@ TermQuad FactThatFlips(ConstraintShape shape, size_t n, uint64_t draw, uint64_t 
 size_t ConstraintsOfShape(ConstraintShape shape, size_t count);
 
 // Says one update after the other.
-class ConstraintUpdates {
+class ConditionUpdates {
  public:
-  ConstraintUpdates(size_t count, uint32_t seed);
+  ConditionUpdates(size_t count, uint32_t seed);
 
   struct Update {
     ConstraintShape shape;

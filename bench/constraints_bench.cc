@@ -18,7 +18,7 @@
 #include "bench/constraints_peers.h"
 #include "bench/measurement.h"
 #include "graph/sparql/run/evaluator.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 namespace docent::bench {
 namespace {
@@ -51,10 +51,10 @@ struct Update {
 };
 
 std::vector<Update> EncodedUpdates(size_t count, uint32_t seed, int updates, ConstraintGraph& graph) {
-  ConstraintUpdates source(count, seed);
+  ConditionUpdates source(count, seed);
   std::vector<Update> encoded;
   for (int i = 0; i < updates; ++i) {
-    const ConstraintUpdates::Update next = source.Next();
+    const ConditionUpdates::Update next = source.Next();
     encoded.push_back({next.shape, next.add, graph.Encode(next.fact), next.constraint});
   }
   return encoded;
@@ -104,10 +104,10 @@ class ConstraintsBench {
   void Measure(size_t count, uint32_t seed, Figures& figures) {
     ConstraintGraph graph(count);
     const std::vector<Update> updates = EncodedUpdates(count, seed, kWarmUp + kUpdates, graph);
-    ConstraintSet set(graph.dictionary());
+    StandingConditions set(graph.dictionary());
     const ConstraintQueries queries = ParseConstraints(count);
     const Clock::time_point begin = Clock::now();
-    const std::vector<ConstraintId> ids = RegisterAll(queries, graph, set);
+    const std::vector<ConditionId> ids = RegisterAll(queries, graph, set);
     figures.registered_s.push_back(Micros(Clock::now() - begin) / 1e6);
     const double clock_us = ClockCost();
     std::vector<double> times;
@@ -150,7 +150,7 @@ class ConstraintsBench {
   }
 
   // A turn from the fact to the immutable version, with the constraints or without; microseconds each.
-  static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph, ConstraintSet* set) {
+  static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph, StandingConditions* set) {
     graph.Observe(set);
     Clock::time_point start;
     for (size_t i = 0; i < updates.size(); ++i) {

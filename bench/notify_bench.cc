@@ -119,7 +119,7 @@ class Teller {
     updates_.NewBatch();
     std::vector<Subscribers::Flip> flips;
     for (size_t i = 0; i < batch; ++i) {
-      const ConstraintUpdates::Update update = updates_.Next();
+      const ConditionUpdates::Update update = updates_.Next();
       v1::Quad* quad = update.add ? request.add_add() : request.add_remove();
       ToProto(update.fact.subject, quad->mutable_subject());
       ToProto(update.fact.predicate, quad->mutable_predicate());
@@ -133,7 +133,7 @@ class Teller {
 
   const std::shared_ptr<grpc::Channel> channel_;
   const Arguments& arguments_;
-  ConstraintUpdates updates_;
+  ConditionUpdates updates_;
 };
 
 // False: not all subscriptions have an answer. `met`: the targets, over SubscribeStream.

@@ -280,19 +280,25 @@ void Server::RegisterMetrics() {
   add("docent_batches_refused_total", "Batches refused: bad input, limits, the log", &counters->refused);
   add("docent_commands_total", "Commands sent to robots", &counters->commands);
   add("docent_inferred_total", "Facts that rules added or withdrew", &counters->inferred);
-  add("docent_constraint_candidates_total",
-      "Pairs of a standing constraint and a changed quad that can match it",
-      &counters->constraint_candidates);
-  add("docent_constraint_evaluations_total",
-      "Standing constraints evaluated because a change could match them", &counters->constraint_evaluations);
-  add("docent_constraint_whole_evaluations_total",
+  add("docent_condition_candidates_total", "Pairs of a condition and a changed quad that can match it",
+      &counters->condition_candidates);
+  add("docent_condition_evaluations_total", "Conditions evaluated because a change could match them",
+      &counters->condition_evaluations);
+  add("docent_condition_whole_evaluations_total",
       "Of those, the ones that the change does not narrow: what they cost grows with the graph",
-      &counters->constraint_whole_evaluations);
-  metrics_.AddCounterFunction("docent_constraint_whole_seconds_total", "Time that these took", [counters] {
-    return static_cast<double>(counters->constraint_whole_ns.load()) / 1e9;
+      &counters->condition_whole_evaluations);
+  metrics_.AddCounterFunction("docent_condition_whole_seconds_total", "Time that these took", [counters] {
+    return static_cast<double>(counters->condition_whole_ns.load()) / 1e9;
   });
-  metrics_.AddGaugeFunction("docent_constraints", "Standing constraints",
-                            [counters] { return static_cast<double>(counters->constraints.load()); });
+  metrics_.AddGaugeFunction("docent_conditions", "Conditions of workflows that are kept true or false",
+                            [counters] { return static_cast<double>(counters->conditions.load()); });
+  // The names of version 0.1.
+  metrics_.AddDeprecatedName("docent_constraint_candidates_total", "docent_condition_candidates_total");
+  metrics_.AddDeprecatedName("docent_constraint_evaluations_total", "docent_condition_evaluations_total");
+  metrics_.AddDeprecatedName("docent_constraint_whole_evaluations_total",
+                             "docent_condition_whole_evaluations_total");
+  metrics_.AddDeprecatedName("docent_constraint_whole_seconds_total", "docent_condition_whole_seconds_total");
+  metrics_.AddDeprecatedName("docent_constraints", "docent_conditions");
   metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
                             [counters] { return static_cast<double>(counters->live_runs.load()); });
   metrics_.AddGaugeFunction("docent_inbox_batches", "Batches that wait at the door",

@@ -19,7 +19,7 @@ struct Limits {
   size_t request_ids_remembered = 100000;  // newest request ids, for dropping repeats
 
   // turn
-  int engine_rounds_per_turn = 64;     // store → rules → constraints → engine until quiet
+  int engine_rounds_per_turn = 64;     // store → rules → conditions → engine until quiet
   int rule_rounds = 10000;             // fixpoint rounds of a rule set
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
   // What the joins of rules and standing conditions may cost in one turn, in rows looked at. A turn that the log has is not

@@ -1,7 +1,7 @@
 // The one way to make the next graph version. Writer thread only.
 //
 // A writer starts from a version and changes a private copy (nodes made by this writer are changed in place).
-// `current()` is readable at any time by the writer thread: rules and constraints read the unpublished state
+// `current()` is readable at any time by the writer thread: rules and conditions read the unpublished state
 // through it. `Freeze` makes it immutable; `Commit` keeps what was done and is cheaper: later changes are made in
 // place. `Rollback` goes back to the last of either. Before a Freeze nothing is visible to others. Any change makes cursors over `current()` invalid: collect what you will change, then change it.
 // Several writers may start from one version; they do not see each other.

@@ -129,15 +129,30 @@ void Metrics::RenderSeries(const std::string& name, const Series& series, std::s
   absl::StrAppend(out, name, series.labels, " ", value, "\n");
 }
 
+void Metrics::AddDeprecatedName(const std::string& old_name, const std::string& name) {
+  absl::MutexLock lock(&mutex_);
+  deprecated_[old_name] = name;
+}
+
+void Metrics::RenderFamily(const std::string& name, const std::string& help, const Family& family,
+                           std::string* out) {
+  absl::StrAppend(out, "# HELP ", name, " ", absl::StrReplaceAll(help, {{"\\", "\\\\"}, {"\n", "\\n"}}),
+                  "\n");
+  absl::StrAppend(out, "# TYPE ", name, " ", family.type, "\n");
+  for (const auto& series : family.series) RenderSeries(name, *series, out);
+}
+
 std::string Metrics::Render() const {
   absl::MutexLock lock(&mutex_);
-  std::string out;
-  for (const auto& [name, family] : families_) {
-    absl::StrAppend(&out, "# HELP ", name, " ",
-                    absl::StrReplaceAll(family.help, {{"\\", "\\\\"}, {"\n", "\\n"}}), "\n");
-    absl::StrAppend(&out, "# TYPE ", name, " ", family.type, "\n");
-    for (const auto& series : family.series) RenderSeries(name, *series, &out);
+  std::map<std::string, std::string> pages;
+  for (const auto& [name, family] : families_) RenderFamily(name, family.help, family, &pages[name]);
+  for (const auto& [old_name, name] : deprecated_) {
+    const auto family = families_.find(name);
+    if (family == families_.end()) continue;
+    RenderFamily(old_name, absl::StrCat("Deprecated: use ", name), family->second, &pages[old_name]);
   }
+  std::string out;
+  for (const auto& [name, page] : pages) absl::StrAppend(&out, page);
   return out;
 }
 

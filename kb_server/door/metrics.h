@@ -74,6 +74,9 @@ class Metrics {
   void AddGaugeFunction(const std::string& name, const std::string& help, std::function<double()> read,
                         const Labels& labels = {});
 
+  // `old_name` is also shown, with the values of `name` (which is there) and "Deprecated: use NAME" as its help.
+  void AddDeprecatedName(const std::string& old_name, const std::string& name);
+
   // The whole page, names in order.
   std::string Render() const;
 
@@ -98,8 +101,12 @@ class Metrics {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   static void RenderSeries(const std::string& name, const Series& series, std::string* out);
 
+  static void RenderFamily(const std::string& name, const std::string& help, const Family& family,
+                           std::string* out);
+
   mutable absl::Mutex mutex_;
   std::map<std::string, Family> families_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::string> deprecated_ ABSL_GUARDED_BY(mutex_);  // old name → name
 };
 
 }  // namespace docent

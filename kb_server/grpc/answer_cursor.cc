@@ -27,11 +27,11 @@ void ToProto(const CountedRow& row, v1::CountedRow* out) {
 
 }  // namespace
 
-FollowedQuery ToFollowed(const v1::SubscribeRequest& request) {
+SubscribedQuery ToFollowed(const v1::SubscribeRequest& request) {
   return {request.query(), TimeMicros{request.at_least_ms()} * 1000};
 }
 
-void AnswerCursor::Begin(StandingAnswerPtr answer) {
+void AnswerCursor::Begin(SubscriptionAnswerPtr answer) {
   answer_ = std::move(answer);
   reset_ = !Resume(std::exchange(resume_, {}));
 }

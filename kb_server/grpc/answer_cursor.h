@@ -10,12 +10,12 @@
 
 #include "absl/time/time.h"
 #include "docent/v1/context.pb.h"
-#include "kb_server/subscriptions/standing_answer.h"
+#include "kb_server/subscriptions/subscription_answer.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
 namespace docent {
 
-FollowedQuery ToFollowed(const v1::SubscribeRequest& request);
+SubscribedQuery ToFollowed(const v1::SubscribeRequest& request);
 
 class AnswerCursor {
  public:
@@ -26,7 +26,7 @@ class AnswerCursor {
         resume_(request.resume()) {}
 
   // Before it there is nothing to send.
-  void Begin(StandingAnswerPtr answer);
+  void Begin(SubscriptionAnswerPtr answer);
   // The next message into `reply`, which is empty. False: there is none now; `due` is infinite, or once for each pause
   // the end of it, when this is to be called again.
   bool Next(v1::SubscribeReply* reply, absl::Time* due);
@@ -41,7 +41,7 @@ class AnswerCursor {
   Subscriptions& subscriptions_;
   const absl::Duration interval_;
   std::string resume_;
-  StandingAnswerPtr answer_;
+  SubscriptionAnswerPtr answer_;
   uint64_t position_ = 0;    // number of the newest change that the client has
   AnswerChangePtr current_;  // being sent; null: none
   size_t offset_ = 0;        // of its rows, those that are sent

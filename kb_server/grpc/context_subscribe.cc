@@ -18,9 +18,9 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
     StartSendInitialMetadata();
   }
 
-  void Start(const FollowedQuery& query) {
+  void Start(const SubscribedQuery& query) {
     const std::shared_ptr<Link> link = link_;  // this may be gone before Open returns
-    subscriptions_.Open(query, link, [link](const absl::StatusOr<StandingAnswerPtr>& answer) {
+    subscriptions_.Open(query, link, [link](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
       absl::MutexLock lock(&link->mutex);
       if (link->reactor == nullptr) return false;
       link->reactor->Begin(answer);
@@ -50,7 +50,7 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
 
  private:
   // What the subscriptions hold of this client; outlives it.
-  struct Link final : Follower {
+  struct Link final : Subscriber {
     void Wake() override {
       absl::MutexLock lock(&mutex);
       if (reactor != nullptr) reactor->Advance();
@@ -66,7 +66,7 @@ class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeRepl
   static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
 
   // Everything below: with link_->mutex held.
-  void Begin(const absl::StatusOr<StandingAnswerPtr>& answer) {
+  void Begin(const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
     if (ended_) return;
     if (!answer.ok()) return End(ToGrpc(answer.status()));
     cursor_.Begin(*answer);

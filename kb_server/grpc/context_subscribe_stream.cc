@@ -94,7 +94,7 @@ class SubscribeStreamReactor final
     SubscribeStreamReactor* reactor = nullptr;
   };
   // One of its queries. What is not const: with link->mutex held.
-  struct Followed final : Follower, std::enable_shared_from_this<Followed> {
+  struct Followed final : Subscriber, std::enable_shared_from_this<Followed> {
     Followed(std::shared_ptr<Link> stream, Subscriptions* subscriptions, uint64_t tag_of_client,
              const v1::SubscribeRequest& request)
         : link(std::move(stream)), tag(tag_of_client), cursor(std::in_place, subscriptions, request) {}
@@ -126,8 +126,8 @@ class SubscribeStreamReactor final
   }
 
   // Its callback may outlive the stream.
-  void Open(const std::shared_ptr<Followed>& followed, const FollowedQuery& query) {
-    subscriptions_.Open(query, followed, [followed](const absl::StatusOr<StandingAnswerPtr>& answer) {
+  void Open(const std::shared_ptr<Followed>& followed, const SubscribedQuery& query) {
+    subscriptions_.Open(query, followed, [followed](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
       absl::MutexLock lock(&followed->link->mutex);
       SubscribeStreamReactor* const stream = followed->link->reactor;
       if (stream != nullptr) stream->Begin(*followed, answer);
@@ -136,7 +136,7 @@ class SubscribeStreamReactor final
   }
 
   // Everything below: with link_->mutex held.
-  void Begin(Followed& followed, const absl::StatusOr<StandingAnswerPtr>& answer) {
+  void Begin(Followed& followed, const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
     if (ended_) return;
     if (!followed.ended && answer.ok()) {
       followed.cursor->Begin(*answer);

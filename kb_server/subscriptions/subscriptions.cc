@@ -10,7 +10,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "graph/sparql/syntax/parser.h"
-#include "kb_server/subscriptions/standing_query.h"
+#include "kb_server/subscriptions/subscribed_query.h"
 #include "kb_server/work/condition_cost.h"
 
 namespace docent {
@@ -20,7 +20,7 @@ using sparql::Algebra;
 using sparql::Expression;
 using sparql::PatternTerm;
 
-// Turns that wait are looked at before followers are woken, up to so many and so long after the first change.
+// Turns that wait are looked at before subscribers are woken, up to so many and so long after the first change.
 constexpr size_t kTurnsTogether = 16;
 constexpr absl::Duration kUnheard = absl::Milliseconds(5);
 
@@ -103,7 +103,7 @@ void Subscriptions::PublishWhole(GraphVersionPtr version) {
   turn.whole = true;
 }
 
-void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done) {
+void Subscriptions::Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done) {
   sparql::ParseOptions options = sparql::ParseOptionsWith(settings_.limits, settings_.functions);
   sparql::ParsedQuery parsed = sparql::ParseQuery(query.text, options);
   if (!parsed.ok()) {
@@ -116,13 +116,13 @@ void Subscriptions::Open(const FollowedQuery& query, std::shared_ptr<Follower> f
   }
   size_t open = 0;
   {
-    absl::MutexLock lock(&followers_mutex_);
-    open = followers_.size();
+    absl::MutexLock lock(&subscribers_mutex_);
+    open = subscribers_.size();
   }
   {
     absl::MutexLock lock(&mutex_);
     if (open + openings_.size() < settings_.subscription_limits.subscriptions_open) {
-      openings_.push_back({query, std::move(parsed.query), std::move(follower), std::move(done)});
+      openings_.push_back({query, std::move(parsed.query), std::move(subscriber), std::move(done)});
       return;
     }
   }
@@ -139,12 +139,12 @@ void Subscriptions::Drain() {
 }
 
 void Subscriptions::Run() {
-  pthread_setname_np(pthread_self(), "followers");
+  pthread_setname_np(pthread_self(), "subscribers");
   size_t turns_together = 0;
   while (true) {
     std::optional<Turn> turn;
     std::deque<Opening> openings;
-    std::vector<std::weak_ptr<Follower>> due;
+    std::vector<std::weak_ptr<Subscriber>> due;
     bool more_turns = false;
     {
       absl::MutexLock lock(&mutex_);
@@ -181,7 +181,7 @@ void Subscriptions::Run() {
     if (!more_turns) Ripen(now_us_);
     const bool unheard = !changed_.empty() && absl::Now() - changed_since_ > kUnheard;
     if (!more_turns || unheard || ++turns_together == kTurnsTogether) {
-      WakeFollowers();
+      WakeSubscribers();
       turns_together = 0;
     }
     for (Opening& opening : openings) OpenNow(std::move(opening));
@@ -202,16 +202,16 @@ void Subscriptions::Process(Turn turn) {
       ForgetKept();
     }
     for (const uint32_t number : Touched(delta))
-      Evaluate(*standing_[number]).IgnoreError();  // its followers know
+      Evaluate(*by_number_[number]).IgnoreError();  // its subscribers know
   } else {
     anew.clear();
-    for (const auto& standing : standing_) {
-      if (standing != nullptr) anew.push_back(standing->number);
+    for (const auto& subscription : by_number_) {
+      if (subscription != nullptr) anew.push_back(subscription->number);
     }
     ForgetKept();
   }
   for (const uint32_t number : anew) {
-    if (standing_[number] != nullptr) BeginAnew(*standing_[number]);
+    if (by_number_[number] != nullptr) BeginAnew(*by_number_[number]);
   }
   counters_.revision = version_->revision().value();
 }
@@ -224,7 +224,7 @@ std::vector<uint32_t> Subscriptions::LearnConstants() {
     const auto found = awaited_.find(settings_.dictionary->Decode(id));
     if (found == awaited_.end()) continue;
     for (const uint32_t number : std::vector<uint32_t>(found->second)) {
-      Forget(*standing_[number]);  // which forgets that it waits
+      Forget(*by_number_[number]);  // which forgets that it waits
       learnt.push_back(number);
     }
   }
@@ -232,65 +232,66 @@ std::vector<uint32_t> Subscriptions::LearnConstants() {
   return learnt;
 }
 
-absl::Status Subscriptions::Prepare(Standing& standing) {
+absl::Status Subscriptions::Prepare(Subscription& subscription) {
   if (awaited_.empty()) dictionary_size_ = settings_.dictionary->size();  // what is in it now, Find finds
-  for (Term& term : ConstantsOf(*standing.query.algebra)) {
+  for (Term& term : ConstantsOf(*subscription.query.algebra)) {
     if (settings_.dictionary->Find(term)) continue;
     std::vector<uint32_t>& waiting = awaited_[term];
-    if (std::find(waiting.begin(), waiting.end(), standing.number) != waiting.end()) continue;
-    waiting.push_back(standing.number);
-    standing.unknown.push_back(std::move(term));
+    if (std::find(waiting.begin(), waiting.end(), subscription.number) != waiting.end()) continue;
+    waiting.push_back(subscription.number);
+    subscription.unknown.push_back(std::move(term));
   }
   sparql::PrepareOptions options;
   options.default_graph = settings_.default_graph;
   options.functions = settings_.functions;
   options.memory_bytes = settings_.limits.query_memory_bytes;
-  auto prepared = sparql::PreparedQuery::Prepare(standing.query, *settings_.dictionary, options);
+  auto prepared = sparql::PreparedQuery::Prepare(subscription.query, *settings_.dictionary, options);
   if (!prepared.ok()) return prepared.status();
-  standing.prepared = *std::move(prepared);
+  subscription.prepared = *std::move(prepared);
   return absl::OkStatus();
 }
 
-absl::Status Subscriptions::Begin(Standing& standing) {
-  if (absl::Status status = Evaluate(standing); !status.ok()) return status;
-  if (Keep(standing)) {
-    standing.prepared.reset();
+absl::Status Subscriptions::Begin(Subscription& subscription) {
+  if (absl::Status status = Evaluate(subscription); !status.ok()) return status;
+  if (Keep(subscription)) {
+    subscription.prepared.reset();
   } else {
-    Watch(standing);
+    Watch(subscription);
   }
   return absl::OkStatus();
 }
 
-void Subscriptions::BeginAnew(Standing& standing) {
-  Forget(standing);
-  if (absl::Status status = Prepare(standing); !status.ok()) return FailAll(standing, status);
-  Begin(standing).IgnoreError();
+void Subscriptions::BeginAnew(Subscription& subscription) {
+  Forget(subscription);
+  if (absl::Status status = Prepare(subscription); !status.ok()) return FailAll(subscription, status);
+  Begin(subscription).IgnoreError();
 }
 
 // Evaluates once more, for the set keeps other things than rows; what it will keep, Evaluate has bounded.
-bool Subscriptions::Keep(Standing& standing) {
-  if (!standing.form || !standing.unknown.empty()) return false;
+bool Subscriptions::Keep(Subscription& subscription) {
+  if (!subscription.form || !subscription.unknown.empty()) return false;
   names_.FollowBase();
   Cancellation cancellation{
       std::chrono::milliseconds(settings_.subscription_limits.subscription_evaluation_ms)};
-  const auto id = kept_->Register(standing.query, *version_, {standing.form->keys, time_us_, &cancellation});
+  const auto id =
+      kept_->Register(subscription.query, *version_, {subscription.form->keys, time_us_, &cancellation});
   if (!id.ok()) {
     kept_->Rollback();
     return false;
   }
   kept_->Commit();
-  standing.kept = *id;
-  by_constraint_.emplace(*id, standing.number);
+  subscription.kept = *id;
+  by_constraint_.emplace(*id, subscription.number);
   return true;
 }
 
-std::string Subscriptions::WarningOf(const Standing& standing, absl::Duration took) const {
-  if (standing.analysis.is_volatile) {
+std::string Subscriptions::WarningOf(const Subscription& subscription, absl::Duration took) const {
+  if (subscription.analysis.is_volatile) {
     return "it asks for the time or for chance: both are those of the newest change, and the passing of time "
            "alone tells nothing; to "
            "wait for what lasts use at_least_ms";
   }
-  const std::string why = WhyWhole(standing.analysis);
+  const std::string why = WhyWhole(subscription.analysis);
   if (why.empty()) return "";
   return absl::StrCat("it is expensive: ", why, "; beginning it took ",
                       absl::FormatDuration(absl::Trunc(took, absl::Microseconds(1))), " on ",
@@ -298,9 +299,9 @@ std::string Subscriptions::WarningOf(const Standing& standing, absl::Duration to
 }
 
 void Subscriptions::ForgetKept() {
-  for (const auto& [id, number] : by_constraint_) standing_[number]->kept.reset();
+  for (const auto& [id, number] : by_constraint_) by_number_[number]->kept.reset();
   by_constraint_.clear();
-  kept_ = std::make_unique<ConstraintSet>(names_, settings_.functions);
+  kept_ = std::make_unique<StandingConditions>(names_, settings_.functions);
 }
 
 // What a changed quad must look like to matter to a trigger; nullopt: none can yet.
@@ -320,38 +321,38 @@ std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) 
   return match;
 }
 
-void Subscriptions::Watch(Standing& standing) {
-  const std::vector<TriggerSource>& triggers = standing.analysis.triggers;
+void Subscriptions::Watch(Subscription& subscription) {
+  const std::vector<TriggerSource>& triggers = subscription.analysis.triggers;
   for (uint32_t i = 0; i < triggers.size(); ++i) {
     if (const auto match = MatchOf(triggers[i])) {
-      standing.watches.push_back(watches_.Add(*match, {standing.number, i}));
+      subscription.watches.push_back(watches_.Add(*match, {subscription.number, i}));
     } else if (triggers[i].required) {
-      return Unwatch(standing);  // without that term there is no solution
+      return Unwatch(subscription);  // without that term there is no solution
     }
   }
-  if (standing.analysis.is_volatile) volatile_.insert(standing.number);
+  if (subscription.analysis.is_volatile) volatile_.insert(subscription.number);
 }
 
-void Subscriptions::Unwatch(Standing& standing) {
-  for (const PatternIndex::Handle handle : standing.watches) watches_.Remove(handle);
-  standing.watches.clear();
-  volatile_.erase(standing.number);
+void Subscriptions::Unwatch(Subscription& subscription) {
+  for (const PatternIndex::Handle handle : subscription.watches) watches_.Remove(handle);
+  subscription.watches.clear();
+  volatile_.erase(subscription.number);
 }
 
-void Subscriptions::Forget(Standing& standing) {
-  Unwatch(standing);
-  if (standing.kept) {
-    kept_->Remove(*standing.kept);
+void Subscriptions::Forget(Subscription& subscription) {
+  Unwatch(subscription);
+  if (subscription.kept) {
+    kept_->Remove(*subscription.kept);
     kept_->Commit();
-    by_constraint_.erase(*standing.kept);
-    standing.kept.reset();
+    by_constraint_.erase(*subscription.kept);
+    subscription.kept.reset();
   }
-  for (const Term& term : standing.unknown) {
+  for (const Term& term : subscription.unknown) {
     const auto found = awaited_.find(term);
-    std::erase(found->second, standing.number);
+    std::erase(found->second, subscription.number);
     if (found->second.empty()) awaited_.erase(found);
   }
-  standing.unknown.clear();
+  subscription.unknown.clear();
 }
 
 bool Subscriptions::UpdateKept(const Delta& delta) {
@@ -364,32 +365,33 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
   counters_.evaluations += kept_->evaluations() - before;
   if (!changes.ok()) return false;
   kept_->Commit();
-  for (const ConstraintChange& change : *changes) {
-    Standing& standing = *standing_[by_constraint_.at(change.id)];
+  for (const ConditionChange& change : *changes) {
+    Subscription& subscription = *by_number_[by_constraint_.at(change.id)];
     bool changed = false;
-    if (standing.answer->is_boolean()) {
-      changed = standing.answer->SetBoolean(version_->revision(),
-                                            change.edge == ConstraintChange::Edge::kRose, time_us_);
+    if (subscription.answer->is_boolean()) {
+      changed = subscription.answer->SetBoolean(version_->revision(),
+                                                change.edge == ConditionChange::Edge::kRose, time_us_);
     } else {
-      changed = standing.answer->ChangeRows(version_->revision(), standing.form->RowsOf(change.appeared),
-                                            standing.form->RowsOf(change.disappeared), time_us_);
-      if (standing.answer->size() > settings_.subscription_limits.subscription_rows) {
-        FailAll(standing, TooManyRows());
+      changed =
+          subscription.answer->ChangeRows(version_->revision(), subscription.form->RowsOf(change.appeared),
+                                          subscription.form->RowsOf(change.disappeared), time_us_);
+      if (subscription.answer->size() > settings_.subscription_limits.subscription_rows) {
+        FailAll(subscription, TooManyRows());
         continue;
       }
     }
-    NoteRipening(standing);
-    if (changed) Changed(standing);
+    NoteRipening(subscription);
+    if (changed) Changed(subscription);
   }
   return true;
 }
 
 bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {
-  const Standing& standing = *standing_[reference.owner];
-  const Polarity polarity = standing.analysis.triggers[reference.pattern].polarity;
-  if (!standing.answer->is_boolean() || polarity == Polarity::kBoth) return true;
+  const Subscription& subscription = *by_number_[reference.owner];
+  const Polarity polarity = subscription.analysis.triggers[reference.pattern].polarity;
+  if (!subscription.answer->is_boolean() || polarity == Polarity::kBoth) return true;
   const bool helps = added == (polarity == Polarity::kPositive);
-  return helps != standing.answer->boolean();
+  return helps != subscription.answer->boolean();
 }
 
 absl::btree_set<uint32_t> Subscriptions::Touched(const Delta& delta) const {
@@ -410,7 +412,7 @@ absl::Status Subscriptions::TooManyRows() const {
                    settings_.subscription_limits.subscription_rows));
 }
 
-absl::Status Subscriptions::Evaluate(Standing& standing) {
+absl::Status Subscriptions::Evaluate(Subscription& subscription) {
   ++counters_.evaluations;
   const absl::Time start = absl::Now();
   Cancellation cancellation{
@@ -422,25 +424,26 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
   run.seed = version_->revision().value();
   bool changed = false;
   absl::Status status;
-  if (standing.answer->is_boolean()) {
-    const auto holds = standing.prepared->Ask(run);
+  if (subscription.answer->is_boolean()) {
+    const auto holds = subscription.prepared->Ask(run);
     status = holds.status();
-    if (holds.ok()) changed = standing.answer->SetBoolean(version_->revision(), *holds, time_us_);
+    if (holds.ok()) changed = subscription.answer->SetBoolean(version_->revision(), *holds, time_us_);
   } else {
-    StandingAnswer::Rows rows;
+    SubscriptionAnswer::Rows rows;
     size_t count = 0;
-    status = standing.prepared->Select(run, {}, [&](absl::Span<const TermId> row) {
-      StandingAnswer::Row ids(row.begin(), row.end());
+    status = subscription.prepared->Select(run, {}, [&](absl::Span<const TermId> row) {
+      SubscriptionAnswer::Row ids(row.begin(), row.end());
       for (TermId& id : ids) {
-        if (id.tag() == TermId::Tag::kLocal) id = standing.answer->Local(standing.prepared->Decode(id));
+        if (id.tag() == TermId::Tag::kLocal)
+          id = subscription.answer->Local(subscription.prepared->Decode(id));
       }
       ++rows[ids];
       return ++count <= settings_.subscription_limits.subscription_rows;
     });
     if (status.ok() && count > settings_.subscription_limits.subscription_rows) status = TooManyRows();
-    if (status.ok()) changed = standing.answer->SetRows(version_->revision(), std::move(rows), time_us_);
+    if (status.ok()) changed = subscription.answer->SetRows(version_->revision(), std::move(rows), time_us_);
   }
-  standing.prepared->Stop();
+  subscription.prepared->Stop();
   counters_.evaluation_ns +=
       static_cast<uint64_t>(std::max<int64_t>(0, absl::ToInt64Nanoseconds(absl::Now() - start)));
   if (absl::IsDeadlineExceeded(status)) {
@@ -449,97 +452,97 @@ absl::Status Subscriptions::Evaluate(Standing& standing) {
         settings_.subscription_limits.subscription_evaluation_ms, "; ask for less, or query now and then"));
   }
   if (!status.ok()) {
-    FailAll(standing, status);
+    FailAll(subscription, status);
     return status;
   }
-  NoteRipening(standing);
-  if (changed) Changed(standing);
+  NoteRipening(subscription);
+  if (changed) Changed(subscription);
   return status;
 }
 
-void Subscriptions::NoteRipening(Standing& standing) {
-  const std::optional<TimeMicros> next = standing.answer->ripens_at_us();
-  if (next == standing.ripens_at_us) return;
-  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, standing.number});
-  if (next) ripening_.emplace(*next, standing.number);
-  standing.ripens_at_us = next;
+void Subscriptions::NoteRipening(Subscription& subscription) {
+  const std::optional<TimeMicros> next = subscription.answer->ripens_at_us();
+  if (next == subscription.ripens_at_us) return;
+  if (subscription.ripens_at_us) ripening_.erase({*subscription.ripens_at_us, subscription.number});
+  if (next) ripening_.emplace(*next, subscription.number);
+  subscription.ripens_at_us = next;
 }
 
 void Subscriptions::Ripen(TimeMicros now_us) {
   while (!ripening_.empty() && ripening_.begin()->first <= now_us) {
-    Standing& standing = *standing_[ripening_.begin()->second];
-    if (standing.answer->Ripen(version_->revision(), now_us)) Changed(standing);
-    NoteRipening(standing);
+    Subscription& subscription = *by_number_[ripening_.begin()->second];
+    if (subscription.answer->Ripen(version_->revision(), now_us)) Changed(subscription);
+    NoteRipening(subscription);
   }
 }
 
-absl::StatusOr<Subscriptions::Standing*> Subscriptions::FindOrMake(const FollowedQuery& followed,
-                                                                   sparql::Query query) {
+absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const SubscribedQuery& followed,
+                                                                       sparql::Query query) {
   if (const auto known = by_query_.find(followed); known != by_query_.end())
-    return standing_[known->second].get();
-  auto standing = std::make_unique<Standing>();
-  standing->followed = followed;
-  standing->query = std::move(query);
-  standing->analysis = AnalyseTriggers(WithoutModifiers(*standing->query.algebra));
+    return by_number_[known->second].get();
+  auto subscription = std::make_unique<Subscription>();
+  subscription->followed = followed;
+  subscription->query = std::move(query);
+  subscription->analysis = AnalyseTriggers(WithoutModifiers(*subscription->query.algebra));
   if (settings_.default_graph == sparql::DefaultGraph::kUnion)
-    standing->form = FollowedFormOf(standing->query, standing->analysis);
+    subscription->form = SubscribedFormOf(subscription->query, subscription->analysis);
   if (free_.empty()) {
-    standing->number = static_cast<uint32_t>(standing_.size());
-    standing_.emplace_back();
+    subscription->number = static_cast<uint32_t>(by_number_.size());
+    by_number_.emplace_back();
   } else {
-    standing->number = free_.back();
+    subscription->number = free_.back();
     free_.pop_back();
   }
-  const uint32_t number = standing->number;
-  Standing* made = standing.get();
-  standing_[number] = std::move(standing);
+  const uint32_t number = subscription->number;
+  Subscription* made = subscription.get();
+  by_number_[number] = std::move(subscription);
   by_query_[followed] = number;
   counters_.queries = by_query_.size();
   if (absl::Status status = Prepare(*made); !status.ok()) {
     Drop(number);
     return status;
   }
-  made->answer = std::make_shared<StandingAnswer>(
+  made->answer = std::make_shared<SubscriptionAnswer>(
       next_answer_++, made->query.form == sparql::Query::Form::kAsk, made->prepared->variables(),
       settings_.dictionary, settings_.subscription_limits, followed.at_least_us);
   return made;
 }
 
 void Subscriptions::OpenNow(Opening opening) {
-  auto standing = FindOrMake(opening.followed, std::move(opening.query));
-  if (!standing.ok()) {
-    opening.done(standing.status());
+  auto subscription = FindOrMake(opening.followed, std::move(opening.query));
+  if (!subscription.ok()) {
+    opening.done(subscription.status());
     return;
   }
-  const uint32_t number = (*standing)->number;
-  const StandingAnswerPtr answer = (*standing)->answer;
+  const uint32_t number = (*subscription)->number;
+  const SubscriptionAnswerPtr answer = (*subscription)->answer;
   {
-    absl::MutexLock lock(&followers_mutex_);
-    followed_by_.resize(standing_.size());
-    followers_[opening.follower] = {number, static_cast<uint32_t>(followed_by_[number].size())};
-    followed_by_[number].push_back(opening.follower);
-    counters_.open = followers_.size();
+    absl::MutexLock lock(&subscribers_mutex_);
+    subscribers_of_.resize(by_number_.size());
+    subscribers_[opening.subscriber] = {number, static_cast<uint32_t>(subscribers_of_[number].size())};
+    subscribers_of_[number].push_back(opening.subscriber);
+    counters_.open = subscribers_.size();
   }
-  NoteIdle(**standing, absl::InfiniteFuture());
+  NoteIdle(**subscription, absl::InfiniteFuture());
   absl::Status status;
   if (!answer->evaluated()) {
     const absl::Time start = absl::Now();
-    status = Begin(**standing);
-    if (status.ok()) answer->SetWarning(WarningOf(**standing, absl::Now() - start));
+    status = Begin(**subscription);
+    if (status.ok()) answer->SetWarning(WarningOf(**subscription, absl::Now() - start));
   }
   Ripen(now_us_);  // what has been so since before the last turn
-  const bool there = opening.done(status.ok() ? absl::StatusOr<StandingAnswerPtr>(answer) : status);
-  if (!there) Close(opening.follower);
+  const bool there = opening.done(status.ok() ? absl::StatusOr<SubscriptionAnswerPtr>(answer) : status);
+  if (!there) Close(opening.subscriber);
 }
 
 void Subscriptions::Drop(uint32_t number) {
-  Standing& standing = *standing_[number];
-  Forget(standing);
-  if (standing.ripens_at_us) ripening_.erase({*standing.ripens_at_us, number});
-  NoteIdle(standing, absl::InfiniteFuture());
-  by_query_.erase(standing.followed);
+  Subscription& subscription = *by_number_[number];
+  Forget(subscription);
+  if (subscription.ripens_at_us) ripening_.erase({*subscription.ripens_at_us, number});
+  NoteIdle(subscription, absl::InfiniteFuture());
+  by_query_.erase(subscription.followed);
   counters_.queries = by_query_.size();
-  standing_[number].reset();
+  by_number_[number].reset();
   free_.push_back(number);
 }
 

@@ -1,8 +1,8 @@
-// Standing queries of clients: the answer of an ASK or SELECT, and what changes of it after each turn.
+// Subscriptions of clients: the answer of an ASK or SELECT, and what changes in it after each turn.
 //
 // Off the writer: the committer hands over each durable version with what changed in it. A thread of its own brings the
 // answers to that very version and keeps what changed of them in a ring under growing numbers. Answers that a
-// ConstraintSet can keep (followed_form.h says which) cost what the change touches, however many there are; the others
+// StandingConditions can keep (subscribed_form.h says which) cost what the change touches, however many there are; the others
 // are asked whole when a change can match them. Queries of the same text share all of it. What must have been the answer
 // for a while is told when it has: time is that of the turns, and between them the clock's. A client holds a place in the
 // ring and no memory; one that falls behind it is given the whole answer anew. A query that nobody follows any more is
@@ -38,8 +38,8 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/delta_sum.h"
 #include "graph/store/graph_version.h"
-#include "kb_server/subscriptions/standing_answer.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "kb_server/subscriptions/subscription_answer.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
@@ -47,7 +47,7 @@ namespace docent {
 
 // Read by any thread for /metrics.
 struct SubscriptionCounters {
-  std::atomic<uint64_t> open{0};     // followers
+  std::atomic<uint64_t> open{0};     // subscribers
   std::atomic<uint64_t> queries{0};  // different ones that are followed
   std::atomic<uint64_t> evaluations{0};
   std::atomic<uint64_t> evaluation_ns{0};
@@ -60,22 +60,22 @@ struct SubscriptionCounters {
 };
 
 // What is followed.
-struct FollowedQuery {
+struct SubscribedQuery {
   std::string text;
   TimeMicros at_least_us =
       0;  // a row, or yes, is told when it has been the answer for so long without a break
 
-  friend bool operator==(const FollowedQuery&, const FollowedQuery&) = default;
+  friend bool operator==(const SubscribedQuery&, const SubscribedQuery&) = default;
   template <typename H>
-  friend H AbslHashValue(H h, const FollowedQuery& q) {
+  friend H AbslHashValue(H h, const SubscribedQuery& q) {
     return H::combine(std::move(h), q.text, q.at_least_us);
   }
 };
 
 // One who follows an answer.
-class Follower {
+class Subscriber {
  public:
-  virtual ~Follower() = default;
+  virtual ~Subscriber() = default;
   // There may be something new, or `WakeAt` has come. Quick; from any thread.
   virtual void Wake() = 0;
   // Everyone who is woken at this time has been: who sends for several may do it now.
@@ -109,13 +109,13 @@ class Subscriptions {
   // Begins to follow; `done` gets the answer (from the thread that evaluates it), with an answer on some version that
   // is as new as those that were visible when this was called. INVALID_ARGUMENT, UNIMPLEMENTED (another form of
   // query, SERVICE); RESOURCE_EXHAUSTED: subscriptions_open, subscription_rows; DEADLINE_EXCEEDED:
-  // subscription_evaluation_ms. It says whether the follower is still there; one that is not is closed.
-  using Opened = std::function<bool(const absl::StatusOr<StandingAnswerPtr>&)>;
-  void Open(const FollowedQuery& query, std::shared_ptr<Follower> follower, Opened done);
+  // subscription_evaluation_ms. It says whether the subscriber is still there; one that is not is closed.
+  using Opened = std::function<bool(const absl::StatusOr<SubscriptionAnswerPtr>&)>;
+  void Open(const SubscribedQuery& query, std::shared_ptr<Subscriber> subscriber, Opened done);
   // Ends following; after it neither Wake nor Fail is called. Not from within these.
-  void Close(const std::shared_ptr<Follower>& follower);
+  void Close(const std::shared_ptr<Subscriber>& subscriber);
   // Calls Wake at about this time.
-  void WakeAt(absl::Time time, std::weak_ptr<Follower> follower);
+  void WakeAt(absl::Time time, std::weak_ptr<Subscriber> subscriber);
 
   const std::string& epoch() const { return settings_.epoch; }
   SubscriptionCounters& counters() { return counters_; }
@@ -131,51 +131,51 @@ class Subscriptions {
     bool whole = false;
   };
   struct Opening {
-    FollowedQuery followed;
+    SubscribedQuery followed;
     sparql::Query query;
-    std::shared_ptr<Follower> follower;
+    std::shared_ptr<Subscriber> subscriber;
     Opened done;
   };
-  struct Standing;  // a query that is followed
+  struct Subscription;  // a query that is followed
 
   void Run();
   void Process(Turn turn);
   void OpenNow(Opening opening);
-  absl::StatusOr<Standing*> FindOrMake(const FollowedQuery& followed, sparql::Query query);
+  absl::StatusOr<Subscription*> FindOrMake(const SubscribedQuery& followed, sparql::Query query);
   // From the whole answer on `version_` on, its changes will be noticed.
-  absl::Status Begin(Standing& standing);
+  absl::Status Begin(Subscription& subscription);
   // The same for one that has begun before.
-  void BeginAnew(Standing& standing);
-  absl::Status Prepare(Standing& standing);
-  // Asks the whole query. Not OK: `standing` is gone, its followers know.
-  absl::Status Evaluate(Standing& standing);
-  // Gives it to the constraint set. False: that cannot keep it.
-  bool Keep(Standing& standing);
+  void BeginAnew(Subscription& subscription);
+  absl::Status Prepare(Subscription& subscription);
+  // Asks the whole query. Not OK: `subscription` is gone, its subscribers know.
+  absl::Status Evaluate(Subscription& subscription);
+  // Gives it to a StandingConditions. False: that cannot keep it.
+  bool Keep(Subscription& subscription);
   void ForgetKept();
   // What is to be said of a query that took so long; empty: nothing.
-  std::string WarningOf(const Standing& standing, absl::Duration took) const;
-  void Watch(Standing& standing);
-  void Unwatch(Standing& standing);
-  void Forget(Standing& standing);  // neither kept nor watched
+  std::string WarningOf(const Subscription& subscription, absl::Duration took) const;
+  void Watch(Subscription& subscription);
+  void Unwatch(Subscription& subscription);
+  void Forget(Subscription& subscription);  // neither kept nor watched
   std::optional<MatchPattern> MatchOf(const TriggerSource& source) const;
   // Those that named a term which the dictionary has learnt since; they are no longer watched.
   std::vector<uint32_t> LearnConstants();
-  // False: too much for the constraint set at once.
+  // False: too much for a StandingConditions at once.
   bool UpdateKept(const Delta& delta);
   // The watched queries whose answer the change may change.
   absl::btree_set<uint32_t> Touched(const Delta& delta) const;
   absl::Status TooManyRows() const;
   bool MayTurn(PatternIndex::Reference reference, bool added) const;
-  void Changed(const Standing& standing);
+  void Changed(const Subscription& subscription);
   // What has lasted long enough by then is told.
   void Ripen(TimeMicros now_us);
   // After its answer may have changed: notes when it ripens next.
-  void NoteRipening(Standing& standing);
-  void WakeFollowers();
-  void WakeDue(const std::vector<std::weak_ptr<Follower>>& due);
-  void FailAll(Standing& standing, const absl::Status& status);
+  void NoteRipening(Subscription& subscription);
+  void WakeSubscribers();
+  void WakeDue(const std::vector<std::weak_ptr<Subscriber>>& due);
+  void FailAll(Subscription& subscription, const absl::Status& status);
   // Since when nobody follows it; InfiniteFuture: somebody does, or it goes.
-  void NoteIdle(Standing& standing, absl::Time since);
+  void NoteIdle(Subscription& subscription, absl::Time since);
   void DropIdle();
   void Drop(uint32_t number);
   bool HasWork() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -188,7 +188,7 @@ class Subscriptions {
   absl::Mutex mutex_;
   std::deque<Turn> turns_ ABSL_GUARDED_BY(mutex_);
   std::deque<Opening> openings_ ABSL_GUARDED_BY(mutex_);
-  std::multimap<absl::Time, std::weak_ptr<Follower>> alarms_ ABSL_GUARDED_BY(mutex_);
+  std::multimap<absl::Time, std::weak_ptr<Subscriber>> alarms_ ABSL_GUARDED_BY(mutex_);
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   bool followed_ ABSL_GUARDED_BY(mutex_) =
@@ -196,33 +196,33 @@ class Subscriptions {
   GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_);
   TimeMicros newest_time_us_ ABSL_GUARDED_BY(mutex_) = 0;
 
-  // Who is open, and what it follows. Held while followers are woken, so that Close can promise.
-  absl::Mutex followers_mutex_;
+  // Who is open, and what it follows. Held while subscribers are woken, so that Close can promise.
+  absl::Mutex subscribers_mutex_;
   struct Place {
-    uint32_t standing = 0;  // number of the query
-    uint32_t index = 0;     // in followed_by_ of it
+    uint32_t subscription = 0;  // number of the query
+    uint32_t index = 0;         // in subscribers_of_ of it
   };
-  absl::flat_hash_map<std::shared_ptr<Follower>, Place> followers_ ABSL_GUARDED_BY(followers_mutex_);
-  std::vector<std::vector<std::shared_ptr<Follower>>> followed_by_
-      ABSL_GUARDED_BY(followers_mutex_);  // by number
+  absl::flat_hash_map<std::shared_ptr<Subscriber>, Place> subscribers_ ABSL_GUARDED_BY(subscribers_mutex_);
+  std::vector<std::vector<std::shared_ptr<Subscriber>>> subscribers_of_
+      ABSL_GUARDED_BY(subscribers_mutex_);  // by number
   std::vector<uint32_t> left_
-      ABSL_GUARDED_BY(followers_mutex_);  // by their last follower, since it was looked at
+      ABSL_GUARDED_BY(subscribers_mutex_);  // by their last subscriber, since it was looked at
 
   // Of the thread.
   GraphVersionPtr version_;
-  TimeMicros time_us_ = 0;                           // of its turn
-  TimeMicros now_us_ = 0;                            // until when what is published has been looked at
-  std::vector<std::unique_ptr<Standing>> standing_;  // by number; null: free
+  TimeMicros time_us_ = 0;                                // of its turn
+  TimeMicros now_us_ = 0;                                 // until when what is published has been looked at
+  std::vector<std::unique_ptr<Subscription>> by_number_;  // by number; null: free
   std::vector<uint32_t> free_;
-  absl::flat_hash_map<FollowedQuery, uint32_t> by_query_;
+  absl::flat_hash_map<SubscribedQuery, uint32_t> by_query_;
   absl::btree_set<std::pair<TimeMicros, uint32_t>> ripening_;  // when, and which
   absl::btree_set<std::pair<absl::Time, uint32_t>> idle_;      // nobody follows them: since when, and which
-  Dictionary names_;  // the constraint set's: the dictionary, read only
-  std::unique_ptr<ConstraintSet> kept_;
-  absl::flat_hash_map<ConstraintId, uint32_t> by_constraint_;
+  Dictionary names_;  // the condition set's: the dictionary, read only
+  std::unique_ptr<StandingConditions> kept_;
+  absl::flat_hash_map<ConditionId, uint32_t> by_constraint_;
   PatternIndex watches_;  // of the others
   absl::flat_hash_set<uint32_t> volatile_;
-  std::vector<uint32_t> changed_;  // of which the followers have not heard
+  std::vector<uint32_t> changed_;  // of which the subscribers have not heard
   absl::Time changed_since_;
   absl::flat_hash_map<Term, std::vector<uint32_t>> awaited_;  // named by these, unknown to the dictionary
   size_t dictionary_size_ = 0;                                // that has been looked at for them

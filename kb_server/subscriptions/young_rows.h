@@ -1,4 +1,4 @@
-// Rows of a standing answer that have not lasted long enough to be told. Not thread-safe.
+// Rows of a subscribed answer that have not lasted long enough to be told. Not thread-safe.
 #ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_YOUNG_ROWS_H_
 #define DOCENT_KB_SERVER_SUBSCRIPTIONS_YOUNG_ROWS_H_
 

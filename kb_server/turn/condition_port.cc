@@ -9,8 +9,8 @@
 
 namespace docent {
 
-ConditionPort::ConditionPort(Dictionary* dictionary, ConstraintSet* constraints)
-    : dictionary_(dictionary), constraints_(constraints) {}
+ConditionPort::ConditionPort(Dictionary* dictionary, StandingConditions* standing)
+    : dictionary_(dictionary), standing_(standing) {}
 
 TermBinding ConditionPort::Decode(const Binding& binding) const {
   TermBinding terms;
@@ -26,15 +26,15 @@ std::vector<TermBinding> ConditionPort::Decode(const std::vector<Binding>& bindi
   return terms;
 }
 
-absl::StatusOr<ConstraintId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
-                                                     const std::vector<std::string>& key_variables,
-                                                     const GraphVersion& version, TimeMicros now_us,
-                                                     Cancellation* cancellation) {
+absl::StatusOr<ConditionId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
+                                                    const std::vector<std::string>& key_variables,
+                                                    const GraphVersion& version, TimeMicros now_us,
+                                                    Cancellation* cancellation) {
   RegisterOptions options;
   options.cancellation = cancellation;
   options.key_variables = key_variables;
   options.now_us = now_us;
-  auto id = constraints_->Register(query, version, options);
+  auto id = standing_->Register(query, version, options);
   if (id.ok()) return id;
   return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", text));
 }
@@ -63,11 +63,11 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
         return s;
       continue;
     }
-    if (request.only_new || !constraints_->Holds(*id)) continue;
+    if (request.only_new || !standing_->Holds(*id)) continue;
     ConditionEdge edge;
     edge.handle = request.handle;
     edge.rose = true;
-    if (!request.key_variables.empty()) edge.appeared = Decode(constraints_->Keys(*id));
+    if (!request.key_variables.empty()) edge.appeared = Decode(standing_->Keys(*id));
     Gather(std::move(edge));
   }
   return absl::OkStatus();
@@ -87,7 +87,7 @@ void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
   for (ConditionHandle handle : handles) {
     auto it = conditions_.find(handle);
     if (it == conditions_.end()) continue;
-    constraints_->Remove(it->second.id);
+    standing_->Remove(it->second.id);
     handles_.erase(it->second.id);
     if (it->second.lasting) DisarmParts(*it->second.lasting);
     disarmed_.emplace_back(handle, std::move(it->second));
@@ -103,15 +103,15 @@ std::vector<ConditionRequest> ConditionPort::Requests() const {
   return requests;
 }
 
-void ConditionPort::Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us) {
-  for (const ConstraintChange& change : changes) {
+void ConditionPort::Take(absl::Span<const ConditionChange> changes, TimeMicros now_us) {
+  for (const ConditionChange& change : changes) {
     if (TakeLasting(change, now_us)) continue;
     auto it = handles_.find(change.id);
     if (it == handles_.end()) continue;
     ConditionEdge edge;
     edge.handle = it->second;
-    edge.rose = change.edge == ConstraintChange::Edge::kRose;
-    edge.fell = change.edge == ConstraintChange::Edge::kFell;
+    edge.rose = change.edge == ConditionChange::Edge::kRose;
+    edge.fell = change.edge == ConditionChange::Edge::kFell;
     edge.appeared = Decode(change.appeared);
     edge.disappeared = Decode(change.disappeared);
     Gather(std::move(edge));
@@ -159,7 +159,7 @@ bool ConditionPort::Holds(ConditionHandle handle) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return false;
   if (it->second.lasting) return it->second.lasting->condition.holds();
-  return constraints_->Holds(it->second.id);
+  return standing_->Holds(it->second.id);
 }
 
 absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle,
@@ -175,8 +175,8 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
     if (!id) return bindings;
     wanted.emplace_back(name, *id);
   }
-  auto solutions = constraints_->Solutions(it->second.id, *version_, wanted,
-                                           lasting != nullptr ? SIZE_MAX : limit, now_us_, cancellation_);
+  auto solutions = standing_->Solutions(it->second.id, *version_, wanted,
+                                        lasting != nullptr ? SIZE_MAX : limit, now_us_, cancellation_);
   if (!solutions.ok()) return solutions.status();
   for (const Binding& solution : *solutions) {
     if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;

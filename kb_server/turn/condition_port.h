@@ -1,7 +1,7 @@
-// The engine's conditions, kept by the constraint set: handles ↔ constraints, text ↔ queries, ids ↔ terms,
+// The engine's conditions, kept by the standing conditions: handles ↔ conditions, text ↔ queries, ids ↔ terms,
 // and the facts that made a condition hold.
 //
-// Conditions with parts that must have held for some time are several constraints and a LastingCondition; when the
+// Conditions with parts that must have held for some time are several conditions and a LastingCondition; when the
 // next of those times is full, a clock tick is needed.
 //
 // Journaled like the stages it stands between: Commit or Rollback at the end of a turn. Writer thread only.
@@ -21,8 +21,8 @@
 #include "absl/types/span.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "kb_server/turn/condition_evidence.h"
-#include "reasoner/conditions/constraint_set.h"
 #include "reasoner/conditions/lasting_condition.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "workflow/engine/ports.h"
 
 namespace docent {
@@ -39,7 +39,7 @@ struct LastingSince {
 class ConditionPort final : public ConditionView {
  public:
   // All must outlive the port.
-  ConditionPort(Dictionary* dictionary, ConstraintSet* constraints);
+  ConditionPort(Dictionary* dictionary, StandingConditions* standing);
 
   // Registers and removes as the engine asked, on `version`, the state of the last Update. What holds at once
   // and the key bindings that are there already count as edges of the next round.
@@ -57,7 +57,7 @@ class ConditionPort final : public ConditionView {
   // What is armed now, in order of the handles.
   std::vector<ConditionRequest> Requests() const;
   // Adds the edges of these changes to the next round's.
-  void Take(absl::Span<const ConstraintChange> changes, TimeMicros now_us);
+  void Take(absl::Span<const ConditionChange> changes, TimeMicros now_us);
   // Begins a round on `version`: the edges gathered so far are edges() until the next BeginRound.
   // `cancellation` (null: none) ends Solutions of this round early; the turn is then to be refused, since the engine goes on.
   void BeginRound(const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation = nullptr);
@@ -76,11 +76,11 @@ class ConditionPort final : public ConditionView {
     Lasting(ConditionHandle handle_in, const ConditionRequest& request);
     const ConditionHandle handle;
     LastingCondition condition;
-    std::vector<ConstraintId> parts;
+    std::vector<ConditionId> parts;
     std::optional<TimeMicros> listed_us;  // its place in deadlines_
   };
   struct Condition {
-    ConstraintId id;
+    ConditionId id;
     std::shared_ptr<const ConditionEvidence> evidence;
     std::shared_ptr<const ConditionRequest> request;
     std::shared_ptr<Lasting> lasting;  // null: it has no such parts
@@ -88,20 +88,20 @@ class ConditionPort final : public ConditionView {
 
   TermBinding Decode(const Binding& binding) const;
   std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
-  absl::StatusOr<ConstraintId> Register(const sparql::Query& query, const std::string& text,
-                                        const std::vector<std::string>& key_variables,
-                                        const GraphVersion& version, TimeMicros now_us,
-                                        Cancellation* cancellation);
+  absl::StatusOr<ConditionId> Register(const sparql::Query& query, const std::string& text,
+                                       const std::vector<std::string>& key_variables,
+                                       const GraphVersion& version, TimeMicros now_us,
+                                       Cancellation* cancellation);
   // Registers the parts and tells the condition what holds now.
   absl::Status ArmParts(const ConditionRequest& request, const Condition& condition,
                         const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation);
   // What a condition with parts is like at once. False: the change is not about one.
-  bool TakeLasting(const ConstraintChange& change, TimeMicros now_us);
+  bool TakeLasting(const ConditionChange& change, TimeMicros now_us);
   // Something changed about it in this round.
   void Touch(const std::shared_ptr<Lasting>& lasting);
   void SettleLasting(TimeMicros now_us);
   void RestoreTimes(const std::vector<LastingSince>& times);
-  // Which constraint is which part.
+  // Which condition is which part.
   void RememberParts(Lasting& lasting);
   void ForgetParts(Lasting& lasting);
   void DisarmParts(Lasting& lasting);
@@ -111,10 +111,10 @@ class ConditionPort final : public ConditionView {
   void Gather(ConditionEdge edge);
 
   Dictionary* dictionary_;
-  ConstraintSet* constraints_;
+  StandingConditions* standing_;
   absl::flat_hash_map<ConditionHandle, Condition> conditions_;
-  absl::flat_hash_map<ConstraintId, ConditionHandle> handles_;
-  absl::flat_hash_map<ConstraintId, std::pair<ConditionHandle, size_t>>
+  absl::flat_hash_map<ConditionId, ConditionHandle> handles_;
+  absl::flat_hash_map<ConditionId, std::pair<ConditionHandle, size_t>>
       parts_;  // → condition and which part of it
   absl::btree_set<std::pair<TimeMicros, ConditionHandle>> deadlines_;
   absl::btree_set<ConditionHandle> unsettled_;  // of which something changed in this round

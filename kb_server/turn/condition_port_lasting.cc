@@ -15,12 +15,12 @@ std::vector<LastingCondition::Part> PartsOf(const ConditionRequest& request) {
   return parts;
 }
 
-// The bindings that a change tells of; of a constraint without key variables there is one, the empty one.
+// The bindings that a change tells of; of a condition without key variables there is one, the empty one.
 template <typename Set>
-void Apply(const ConstraintChange& change, Set set) {
+void Apply(const ConditionChange& change, Set set) {
   if (change.appeared.empty() && change.disappeared.empty()) {
-    if (change.edge == ConstraintChange::Edge::kRose) set(Binding(), true);
-    if (change.edge == ConstraintChange::Edge::kFell) set(Binding(), false);
+    if (change.edge == ConditionChange::Edge::kRose) set(Binding(), true);
+    if (change.edge == ConditionChange::Edge::kFell) set(Binding(), false);
   }
   for (const Binding& binding : change.disappeared) set(binding, false);
   for (const Binding& binding : change.appeared) set(binding, true);
@@ -43,10 +43,10 @@ absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Cond
     auto id = Register(parsed.query, part.ask, part.variables, version, now_us, cancellation);
     if (!id.ok()) return id.status();
     lasting.parts.push_back(*id);
-    for (const Binding& key : constraints_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);
+    for (const Binding& key : standing_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);
   }
   RememberParts(lasting);
-  for (const Binding& key : constraints_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
+  for (const Binding& key : standing_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
   lasting.condition.Settle(now_us);
   List(lasting, lasting.condition.NextDeadline());
   return absl::OkStatus();
@@ -58,12 +58,12 @@ void ConditionPort::RememberParts(Lasting& lasting) {
 }
 
 void ConditionPort::ForgetParts(Lasting& lasting) {
-  for (const ConstraintId id : lasting.parts) parts_.erase(id);
+  for (const ConditionId id : lasting.parts) parts_.erase(id);
   List(lasting, std::nullopt);
 }
 
 void ConditionPort::DisarmParts(Lasting& lasting) {
-  for (const ConstraintId id : lasting.parts) constraints_->Remove(id);
+  for (const ConditionId id : lasting.parts) standing_->Remove(id);
   ForgetParts(lasting);
 }
 
@@ -79,7 +79,7 @@ std::optional<TimeMicros> ConditionPort::NextDeadline() const {
   return deadlines_.begin()->first;
 }
 
-bool ConditionPort::TakeLasting(const ConstraintChange& change, TimeMicros now_us) {
+bool ConditionPort::TakeLasting(const ConditionChange& change, TimeMicros now_us) {
   if (const auto part = parts_.find(change.id); part != parts_.end()) {
     const auto [handle, number] = part->second;
     const std::shared_ptr<Lasting>& lasting = conditions_[handle].lasting;

@@ -61,8 +61,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     sum.Add(*delta);
 
     const GraphVersion& graph = stages->writer.current();
-    auto changes = stages->constraints.Update(graph, *delta, batch.time_us,
-                                              stages->cancellation);  // standing constraints
+    auto changes = stages->standing_conditions.Update(graph, *delta, batch.time_us,
+                                                      stages->cancellation);  // standing conditions
     if (!changes.ok()) return changes.status();
     stages->conditions.Take(*changes, batch.time_us);
     stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
@@ -87,7 +87,7 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     }
     if (output.quiet()) break;
     delta =
-        stages->writer.Apply(output.add, output.remove);  // seen by rules and constraints in this same turn
+        stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
   }
   result->delta = sum.Net();
   return absl::OkStatus();
@@ -111,7 +111,7 @@ void Stages::Commit() {
   writer.Commit();
   applier.Commit();
   rules.Commit();
-  constraints.Commit();
+  standing_conditions.Commit();
   conditions.Commit();
   engine.Commit();
   documents.Commit();
@@ -123,7 +123,7 @@ void Stages::Rollback() {
   rules.Rollback();
   conditions.Rollback();
   robots.Rollback();
-  constraints.Rollback();
+  standing_conditions.Rollback();
   engine.Rollback();
   documents.Rollback();
 }

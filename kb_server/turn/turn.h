@@ -1,6 +1,6 @@
 // One batch in, one new graph version out: the whole product in one function.
 //
-//   store → rules → constraints → engine, again until the engine is quiet
+//   store → rules → conditions → engine, again until the engine is quiet
 //
 // A turn decides; it makes nothing durable, visible or heard. The caller (kb_server/writer/writer.h) appends the
 // record to the log, and only then publishes the version, answers the client and sends the commands. Replay
@@ -22,7 +22,7 @@
 #include "kb_server/turn/condition_port.h"
 #include "kb_server/turn/documents.h"
 #include "kb_server/turn/robot_directory.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
 
@@ -41,11 +41,11 @@ struct Stages {
         writer(std::move(start)),
         applier(*dictionary_in, limits_in),
         rules(*dictionary_in, limits_in, functions),
-        constraints(*dictionary_in, functions),
-        conditions(dictionary_in, &constraints),
+        standing_conditions(*dictionary_in, functions),
+        conditions(dictionary_in, &standing_conditions),
         robots(dictionary_in),
         engine(dictionary_in, limits_in) {
-    writer.SetObserver(&constraints);
+    writer.SetObserver(&standing_conditions);
   }
 
   const Limits limits;
@@ -53,7 +53,7 @@ struct Stages {
   GraphWriter writer;
   BatchApplier applier;
   RuleEngine rules;
-  ConstraintSet constraints;
+  StandingConditions standing_conditions;
   ConditionPort conditions;
   GraphRobotDirectory robots;
   Engine engine;

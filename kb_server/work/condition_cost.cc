@@ -69,7 +69,7 @@ Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& fil
     warnings.push_back(
         {file, condition.span, absl::StrCat("the condition of ", condition.place, " is expensive: ", why),
          absl::StrCat("one evaluation takes ", Cost(parsed.query, ports, until),
-                      "; see docent_constraint_whole_seconds_total in /metrics; name a predicate, "
+                      "; see docent_condition_whole_seconds_total in /metrics; name a predicate, "
                       "a subject or an object"),
          Diagnostic::Severity::kWarning});
   }

@@ -46,11 +46,11 @@ struct WriterCounters {
   std::atomic<uint64_t> commits{0};
   std::atomic<uint64_t> refused{0};
   std::atomic<uint64_t> commands{0};
-  std::atomic<uint64_t> constraint_candidates{0};
-  std::atomic<uint64_t> constraint_evaluations{0};
-  std::atomic<uint64_t> constraint_whole_evaluations{0};
-  std::atomic<uint64_t> constraint_whole_ns{0};
-  std::atomic<uint64_t> constraints{0};
+  std::atomic<uint64_t> condition_candidates{0};
+  std::atomic<uint64_t> condition_evaluations{0};
+  std::atomic<uint64_t> condition_whole_evaluations{0};
+  std::atomic<uint64_t> condition_whole_ns{0};
+  std::atomic<uint64_t> conditions{0};
   std::atomic<uint64_t> inferred{0};
   std::atomic<uint64_t> live_runs{0};
 };

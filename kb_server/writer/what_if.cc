@@ -33,11 +33,11 @@ class FlipWatch {
       }
       sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
       if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
-      auto id = stages_.constraints.Register(parsed.query, stages_.writer.current(),
-                                             {request.key_variables, now_us, stages_.cancellation});
+      auto id = stages_.standing_conditions.Register(parsed.query, stages_.writer.current(),
+                                                     {request.key_variables, now_us, stages_.cancellation});
       if (!id.ok()) return id.status();
-      before_.push_back({*id, stages_.engine.PlaceOf(request.handle), stages_.constraints.Holds(*id),
-                         stages_.constraints.Keys(*id)});
+      before_.push_back({*id, stages_.engine.PlaceOf(request.handle), stages_.standing_conditions.Holds(*id),
+                         stages_.standing_conditions.Keys(*id)});
     }
     return absl::OkStatus();
   }
@@ -47,10 +47,10 @@ class FlipWatch {
     for (size_t i = 0; i < before_.size(); ++i) {
       const Level& level = before_[i];
       ConditionFlip flip{
-          level.place, requests_[i].ask, level.holds, stages_.constraints.Holds(level.id), {}, {}, 0};
+          level.place, requests_[i].ask, level.holds, stages_.standing_conditions.Holds(level.id), {}, {}, 0};
       for (const LastingPart& part : requests_[i].lasting)
         flip.lasting_us = std::max(flip.lasting_us, part.at_least_us);
-      const std::vector<Binding> now = stages_.constraints.Keys(level.id);
+      const std::vector<Binding> now = stages_.standing_conditions.Keys(level.id);
       const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in,
                                   auto* out) {
         if (requests_[i].key_variables.empty()) return;
@@ -69,7 +69,7 @@ class FlipWatch {
 
  private:
   struct Level {
-    ConstraintId id;
+    ConditionId id;
     std::string place;  // whose condition it is, before the turn
     bool holds;
     std::vector<Binding> keys;

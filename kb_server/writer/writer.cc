@@ -87,7 +87,7 @@ absl::Status Writer::Replay(const std::function<void(uint64_t, uint64_t)>& progr
   auto start = FindStart(ports_.log, head->offset, ports_.dictionary, ports_.functions, ports_.limits);
   if (!start.ok()) return start.status();
   stages_ = std::move(start->stages);
-  stages_->constraints.SetStopWatch(MonotonicNanos);
+  stages_->standing_conditions.SetStopWatch(MonotonicNanos);
   newest_ = start->offset;
   newest_time_us_ = start->time_us;
   for (const RememberedRequestPtr& request : start->requests)
@@ -306,11 +306,11 @@ absl::Status Writer::Reconcile() {
 }
 
 void Writer::PublishCounters() {
-  counters_.constraint_candidates = stages_->constraints.counters().candidates;
-  counters_.constraint_evaluations = stages_->constraints.counters().evaluations;
-  counters_.constraint_whole_evaluations = stages_->constraints.counters().whole_evaluations;
-  counters_.constraint_whole_ns = stages_->constraints.counters().whole_ns;
-  counters_.constraints = stages_->constraints.size();
+  counters_.condition_candidates = stages_->standing_conditions.counters().candidates;
+  counters_.condition_evaluations = stages_->standing_conditions.counters().evaluations;
+  counters_.condition_whole_evaluations = stages_->standing_conditions.counters().whole_evaluations;
+  counters_.condition_whole_ns = stages_->standing_conditions.counters().whole_ns;
+  counters_.conditions = stages_->standing_conditions.size();
   counters_.live_runs = stages_->engine.live_runs();
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "graph/rdf/dictionary.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 namespace docent {
 

@@ -21,12 +21,13 @@ Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, Wat
       kind_(own_kind_.get()),
       number_(number) {}
 
-Condition::Condition(uint32_t number, Shape* shape, Shape::Constants constants, const Keys& keys)
-    : kind_(&shape->KindWith(keys)), number_(number), constants_(std::move(constants)) {}
+Condition::Condition(uint32_t number, ConditionTemplate* condition_template,
+                     ConditionTemplate::Constants constants, const Keys& keys)
+    : kind_(&condition_template->KindWith(keys)), number_(number), constants_(std::move(constants)) {}
 
-void Condition::SetShape(Shape* shape, Shape::Constants constants) {
+void Condition::SetTemplate(ConditionTemplate* condition_template, ConditionTemplate::Constants constants) {
   Disarm();
-  kind_->shape = shape;
+  kind_->condition_template = condition_template;
   constants_ = std::move(constants);
 }
 
@@ -175,7 +176,7 @@ void Condition::Offer(absl::Span<const TermId> row, Edits& edits) {
     return;
   }
   Row own;
-  for (const int16_t column : kind_->shape->columns()) own.push_back(row[column]);
+  for (const int16_t column : kind_->condition_template->columns()) own.push_back(row[column]);
   Take(own, edits);
 }
 
@@ -340,7 +341,7 @@ void Condition::WatchTrigger(uint32_t trigger) {
 
 void Condition::Disarm() {
   kind_->indexes.RemoveAll(armed_watches_);
-  if (joined_) kind_->shape->Leave(number_, constants_);
+  if (joined_) kind_->condition_template->Leave(number_, constants_);
   joined_ = false;
   armed_ = Armed::kNothing;
 }
@@ -360,7 +361,8 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
     return false;
   } else if (!holds() && version != nullptr && kind_->body.triggers().size() > 1 &&
              (one = BlockingTrigger(*version)) >= 0 &&
-             (kind_->shape == nullptr || !kind_->shape->Shares(static_cast<size_t>(one)))) {
+             (kind_->condition_template == nullptr ||
+              !kind_->condition_template->Shares(static_cast<size_t>(one)))) {
     wanted = Armed::kOne;
   }
   in_vain_ = false;
@@ -372,10 +374,10 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
   if (wanted == Armed::kOne) WatchTrigger(static_cast<uint32_t>(one));
   if (wanted == Armed::kAll) {
     for (uint32_t i = 0; i < kind_->body.triggers().size(); ++i) {
-      if (kind_->shape == nullptr || !kind_->shape->Shares(i)) WatchTrigger(i);
+      if (kind_->condition_template == nullptr || !kind_->condition_template->Shares(i)) WatchTrigger(i);
     }
-    joined_ = kind_->shape != nullptr && kind_->shape->SharesAny();
-    if (joined_) kind_->shape->Join(number_, constants_);
+    joined_ = kind_->condition_template != nullptr && kind_->condition_template->SharesAny();
+    if (joined_) kind_->condition_template->Join(number_, constants_);
   }
   return true;
 }

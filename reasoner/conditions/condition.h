@@ -21,7 +21,7 @@
 #include "absl/types/span.h"
 #include "graph/store/graph_version.h"
 #include "reasoner/conditions/condition_kind.h"
-#include "reasoner/conditions/shape.h"
+#include "reasoner/conditions/condition_template.h"
 #include "reasoner/conditions/watch_indexes.h"
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
@@ -38,12 +38,13 @@ class Condition {
   static constexpr size_t kLooksFrom = 64, kLooksTo = 192;
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
   Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes);
-  // A member of `shape`, with the shape's body and these constants in it. `shape` must outlive the condition.
-  Condition(uint32_t number, Shape* shape, Shape::Constants constants, const Keys& keys);
+  // A member of `condition_template`, with the template's body and these constants in it. `template` must outlive the condition.
+  Condition(uint32_t number, ConditionTemplate* condition_template, ConditionTemplate::Constants constants,
+            const Keys& keys);
   ~Condition();
-  // For a condition with a body of its own: what is watched alike by all conditions of `shape` is watched there. To be
-  // armed afterwards. `shape` must outlive the condition.
-  void SetShape(Shape* shape, Shape::Constants constants);
+  // For a condition with a body of its own: what is watched alike by all conditions of `template` is watched there. To be
+  // armed afterwards. `template` must outlive the condition.
+  void SetTemplate(ConditionTemplate* condition_template, ConditionTemplate::Constants constants);
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
@@ -82,7 +83,7 @@ class Condition {
   // when nothing could be bound and one is made here.
   absl::Status Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                      bool& full_done, Edits& edits);
-  // Takes a solution that its shape found, if its key is new. `row`: as the shape's columns are.
+  // Takes a solution that its template found, if its key is new. `row`: as the template's columns are.
   void Offer(absl::Span<const TermId> row, Edits& edits);
   // Whether what could make it rise does not matter now. It is remembered that such a thing came.
   bool IgnoresRise() {
@@ -139,7 +140,7 @@ class Condition {
   // Takes the witness that was kept, if it is one again. It still matches all patterns, or it would have been forgotten:
   // only filters are asked.
   absl::Status TakeKept(const sparql::RunOptions& run, Edits& edits);
-  // Of its pattern, with the constants of the shape in it.
+  // Of its pattern, with the constants of the template in it.
   QuadPattern ConstantsOf(const Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
   // Whether the trigger has no match with the seed, so that there is no solution.
@@ -154,7 +155,7 @@ class Condition {
   // One that is looked at where it is armed or there are many witnesses:
   Watches armed_watches_;
   std::unique_ptr<Slots> slots_;
-  std::unique_ptr<Body> own_body_;  // null: the body is the shape's
+  std::unique_ptr<Body> own_body_;  // null: the body is the template's
   std::unique_ptr<ConditionKind> own_kind_;
   // and two, with what a derived class begins with, that always are (kLooksFrom to kLooksTo).
   // Without keys: the first, while present_; or kept after it was broken, if it has watches.
@@ -165,13 +166,13 @@ class Condition {
   uint32_t present_ = 0;        // witnesses
   int16_t armed_trigger_ = -1;  // kOne: which
   Armed armed_ : 2 = Armed::kNothing;
-  bool joined_ : 1 = false;  // it waits at the shape
+  bool joined_ : 1 = false;  // it waits at the template
   bool in_vain_ : 1 = false;
   bool blocked_ : 1 = false;    // kOne: nothing matches the trigger now, as a Recheck of this update saw
   bool unlooked_ : 1 = false;   // kAll: whether one would do was not looked at since it fell
   bool has_slots_ : 1 = false;  // slots_ are there, told without a look at their line
   bool grouped_ : 1 = false;
-  Shape::Constants constants_;  // what tells this condition from others of the shape
+  ConditionTemplate::Constants constants_;  // what tells this condition from others of the template
 };
 
 }  // namespace docent

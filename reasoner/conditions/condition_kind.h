@@ -14,7 +14,7 @@
 
 namespace docent {
 
-class Shape;
+class ConditionTemplate;
 
 struct ConditionKind {
   using Keys = absl::InlinedVector<int16_t, 2>;
@@ -49,9 +49,9 @@ struct ConditionKind {
 
   Body& body;
   WatchIndexes& indexes;
-  Shape* shape = nullptr;  // null: none
+  ConditionTemplate* condition_template = nullptr;  // null: none
   const bool has_keys;
-  bool borrows = false;  // the body is the shape's
+  bool borrows = false;  // the body is the template's
   uint32_t whole = 0;    // triggers, as bits, that do not narrow; the last bit stands for all beyond
   const Keys keys;       // columns of the body
   const Columns parameters;

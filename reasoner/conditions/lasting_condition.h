@@ -21,7 +21,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "graph/base/clock.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 namespace docent {
 

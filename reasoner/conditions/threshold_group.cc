@@ -135,7 +135,7 @@ absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& m
   return false;
 }
 
-absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId constant,
+absl::Status ThresholdGroup::AddMember(ConditionId id, Comparison op, TermId constant,
                                        const sparql::RunOptions& run) {
   const Place place = PlaceOf(id, constant);
   Member member{op, constant, false};
@@ -147,17 +147,17 @@ absl::Status ThresholdGroup::AddMember(ConstraintId id, Comparison op, TermId co
   return absl::OkStatus();
 }
 
-void ThresholdGroup::RemoveMember(ConstraintId id, TermId constant) {
+void ThresholdGroup::RemoveMember(ConditionId id, TermId constant) {
   members_.erase(PlaceOf(id, constant));
   settled_at_.reset();
 }
 
-bool ThresholdGroup::Holds(ConstraintId id, TermId constant) const {
+bool ThresholdGroup::Holds(ConditionId id, TermId constant) const {
   const auto found = members_.find(PlaceOf(id, constant));
   return found != members_.end() && found->second.level;
 }
 
-absl::StatusOr<bool> ThresholdGroup::Admits(ConstraintId id, TermId constant, TermId value,
+absl::StatusOr<bool> ThresholdGroup::Admits(ConditionId id, TermId constant, TermId value,
                                             const sparql::RunOptions& run) const {
   const auto found = members_.find(PlaceOf(id, constant));
   if (found == members_.end()) return false;
@@ -165,7 +165,7 @@ absl::StatusOr<bool> ThresholdGroup::Admits(ConstraintId id, TermId constant, Te
 }
 
 ThresholdGroup::Members::iterator ThresholdGroup::FirstFrom(double low) {
-  if (!settled_at_ || low == -kInfinity) return members_.lower_bound({low, ConstraintId()});
+  if (!settled_at_ || low == -kInfinity) return members_.lower_bound({low, ConditionId()});
   Members::iterator it = *settled_at_;
   while (low < settled_extreme_ && it != members_.begin()) {
     const Members::iterator before = std::prev(it);
@@ -176,7 +176,7 @@ ThresholdGroup::Members::iterator ThresholdGroup::FirstFrom(double low) {
 }
 
 absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
-                                     absl::FunctionRef<void(ConstraintId, bool level)> visit) {
+                                     absl::FunctionRef<void(ConditionId, bool level)> visit) {
   const double extreme = Extreme();
   const double low = irregular_changed_ ? -kInfinity : std::min(extreme, settled_extreme_);
   const double high = irregular_changed_ ? kInfinity : std::max(extreme, settled_extreme_);

@@ -1,4 +1,4 @@
-// Many constraints that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21, … 0.3.
+// Many conditions that differ only in one number: ASK { ?r ex:battery ?b FILTER(?b < 0.2) }, … 0.21, … 0.3.
 //
 // They share one condition, the query without that comparison with ?b as its key variable, and are kept here
 // in the order of their numbers. Which of them hold depends on the extreme value of ?b alone, so when it
@@ -22,7 +22,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/algebra.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/matching/number_range.h"
 
 namespace docent {
@@ -61,17 +61,16 @@ class ThresholdGroup {
   // `key` is, or is no longer, a value of the variable. Levels follow at the next Relevel.
   void SetKey(TermId key, bool present);
   // Its level is right for the keys as of the last Relevel.
-  absl::Status AddMember(ConstraintId id, Comparison op, TermId constant, const sparql::RunOptions& run);
-  void RemoveMember(ConstraintId id, TermId constant);
-  bool Holds(ConstraintId id, TermId constant) const;
+  absl::Status AddMember(ConditionId id, Comparison op, TermId constant, const sparql::RunOptions& run);
+  void RemoveMember(ConditionId id, TermId constant);
+  bool Holds(ConditionId id, TermId constant) const;
   // Whether `value` of the variable makes the member hold.
-  absl::StatusOr<bool> Admits(ConstraintId id, TermId constant, TermId value,
+  absl::StatusOr<bool> Admits(ConditionId id, TermId constant, TermId value,
                               const sparql::RunOptions& run) const;
   bool empty() const { return members_.empty(); }
 
   // Brings the levels in line with the keys and calls `visit` with each that changed.
-  absl::Status Relevel(const sparql::RunOptions& run,
-                       absl::FunctionRef<void(ConstraintId, bool level)> visit);
+  absl::Status Relevel(const sparql::RunOptions& run, absl::FunctionRef<void(ConditionId, bool level)> visit);
 
  private:
   struct Member {
@@ -79,10 +78,10 @@ class ThresholdGroup {
     TermId constant;
     bool level = false;
   };
-  using Place = std::pair<double, ConstraintId>;
+  using Place = std::pair<double, ConditionId>;
   using Members = absl::btree_map<Place, Member>;
 
-  static Place PlaceOf(ConstraintId id, TermId constant) { return {ViewNumber(constant).value, id}; }
+  static Place PlaceOf(ConditionId id, TermId constant) { return {ViewNumber(constant).value, id}; }
   double Extreme() const;
   // The first with a number not below `low`, which is at most settled_extreme_.
   Members::iterator FirstFrom(double low);

@@ -1,4 +1,4 @@
-// The indexes that all conditions and shapes share. Private to this folder. Writer thread only.
+// The indexes that all conditions and templates share. Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
 #define DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_
 
@@ -14,9 +14,9 @@ namespace docent {
 // Who is concerned by a quad that comes, and by one that goes. A reference's owner is a condition, its pattern one of
 // its triggers, which may rise, or one of its witnesses, which may be broken; the detail then is the trigger.
 struct WatchIndexes {
-  static constexpr uint32_t kIsShape = 0x80000000u;    // in an owner: it is a shape
-  static constexpr uint32_t kIsWitness = 0x80000000u;  // in a pattern: it is a witness
-  static constexpr uint16_t kSomeTrigger = 0xffff;     // in a detail: too many triggers to say which
+  static constexpr uint32_t kIsTemplate = 0x80000000u;  // in an owner: it is a template
+  static constexpr uint32_t kIsWitness = 0x80000000u;   // in a pattern: it is a witness
+  static constexpr uint16_t kSomeTrigger = 0xffff;      // in a detail: too many triggers to say which
 
   // A handle of on_add, or with kGoes of on_remove.
   using Watch = PatternIndex::Handle;

@@ -1,4 +1,4 @@
-// A pattern made ready to be asked again and again: the body of a rule, or a standing constraint.
+// A pattern made ready to be asked again and again: the body of a rule, or a standing condition.
 //
 // It knows its triggers (which changed quads can matter to it, in index form) and evaluates itself with some
 // of its columns bound. Most bodies are *flat*, a conjunction of triple patterns with filters: those are

@@ -1,6 +1,6 @@
 // Which changes of the graph can change the answer of a pattern, and what is known when one does.
 //
-// Reads the algebra of a rule body or standing constraint and lists its triple patterns, wherever they stand,
+// Reads the algebra of a rule body or standing condition and lists its triple patterns, wherever they stand,
 // as triggers. Pure analysis of text-level algebra, no store. Any thread.
 #ifndef DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_
 #define DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_

@@ -1,5 +1,5 @@
 // Runs a query on a graph version. Prepare once (variables → slots, constants → ids, operators built), run
-// many times, on any version, with no allocation in the common case: standing constraints and rules do that
+// many times, on any version, with no allocation in the common case: standing conditions and rules do that
 // thousands of times a second.
 //
 //   auto ask = PreparedQuery::Prepare(parsed.query, dictionary, {.bound = {"robot"}});

@@ -1,5 +1,5 @@
 // A SPARQL query as its algebra (SPARQL 1.1 Query Language, section 18): what the parser makes, what the
-// planner reads, what the reasoner takes rule bodies and standing constraints from. It knows no store: terms
+// planner reads, what the reasoner takes rule bodies and standing conditions from. It knows no store: terms
 // are text, variables are names.
 //
 // One tagged struct a level (`Algebra`, `Expression`, `Path`) instead of a class hierarchy: every consumer is

@@ -1,5 +1,5 @@
 // Functions that SPARQL calls by IRI: FILTER(docent:distance(?a, ?b) < 2.0). Registered by app (spatial
-// functions live beside maps), so that queries, rules and constraints use them without knowing where they
+// functions live beside maps), so that queries, rules and conditions use them without knowing where they
 // come from.
 //
 // Filled once at start, then read by any thread. The xsd: casts are part of the evaluator and not in here.

@@ -25,7 +25,7 @@ std::string TextOf(const std::vector<std::optional<Term>>& row) {
 }
 
 // A client that keeps the answer by its changes.
-struct Client final : Follower {
+struct Client final : Subscriber {
   void Wake() override { ++wakes; }
   void Fail(const absl::Status& status) override { failed = status; }
 
@@ -59,7 +59,7 @@ struct Client final : Follower {
     told[change.revision.value()] = {boolean, rows};
   }
 
-  StandingAnswerPtr answer;
+  SubscriptionAnswerPtr answer;
   absl::Status failed;
   std::atomic<int> wakes{0};
   uint64_t position = 0;
@@ -85,7 +85,7 @@ class SubscriptionsTest : public ::testing::Test {
     auto client = std::make_shared<Client>();
     absl::Status status;
     subscriptions_->Open({kPrefix + query, at_least_us}, client,
-                         [&](const absl::StatusOr<StandingAnswerPtr>& answer) {
+                         [&](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
                            status = answer.status();
                            if (answer.ok()) client->answer = *answer;
                            return true;
@@ -135,7 +135,8 @@ class SubscriptionsTest : public ::testing::Test {
 TEST_F(SubscriptionsTest, WhoHasGoneBeforeTheAnswerIsClosed) {
   Make();
   auto client = std::make_shared<Client>();
-  subscriptions_->Open({"ASK {}"}, client, [](const absl::StatusOr<StandingAnswerPtr>&) { return false; });
+  subscriptions_->Open({"ASK {}"}, client,
+                       [](const absl::StatusOr<SubscriptionAnswerPtr>&) { return false; });
   subscriptions_->Drain();
   EXPECT_EQ(subscriptions_->counters().open, 0u);
 }

@@ -117,9 +117,9 @@ class Reference {
 // A port with all that it stands on.
 struct Side {
   explicit Side(Dictionary* dictionary_in)
-      : dictionary(dictionary_in), constraints(*dictionary), port(dictionary, &constraints) {}
+      : dictionary(dictionary_in), standing(*dictionary), port(dictionary, &standing) {}
   Dictionary* dictionary;
-  ConstraintSet constraints;
+  StandingConditions standing;
   ConditionPort port;
 };
 
@@ -186,12 +186,12 @@ class Timeline {
     ASSERT_TRUE(side_->port.Arm({request}, writer_.current(), now_us_).ok());
     writer_.Rollback();
     side_->port.Rollback();
-    side_->constraints.Rollback();
+    side_->standing.Rollback();
     EXPECT_EQ(side_->port.NextDeadline(), before);
   }
 
   void Take(const Delta& delta, TimeMicros now_us) {
-    auto changes = side_->constraints.Update(writer_.current(), delta, now_us);
+    auto changes = side_->standing.Update(writer_.current(), delta, now_us);
     ASSERT_TRUE(changes.ok()) << changes.status();
     side_->port.Take(*changes, now_us);
     side_->port.BeginRound(writer_.current(), now_us);
@@ -221,7 +221,7 @@ class Timeline {
 
   void Commit() {
     side_->port.Commit();
-    side_->constraints.Commit();
+    side_->standing.Commit();
     writer_.Freeze(Revision(++revision_));
   }
 

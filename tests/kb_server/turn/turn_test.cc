@@ -74,7 +74,7 @@ std::string Dump(const World& world) {
   std::sort(lines.begin(), lines.end());
   for (const std::string& name : world.stages.rules.names()) lines.push_back("rules " + name);
   lines.push_back(absl::StrCat("rule count ", world.stages.rules.rule_count()));
-  lines.push_back(absl::StrCat("constraints ", world.stages.constraints.size()));
+  lines.push_back(absl::StrCat("conditions ", world.stages.standing_conditions.size()));
   lines.push_back(absl::StrCat("live runs ", world.stages.engine.live_runs()));
   for (const auto& document : world.stages.engine.workflows())
     lines.push_back("workflow " + document->name.value);
@@ -210,7 +210,7 @@ TEST(TurnTest, ARunGoesToItsEnd) {
       world.Must(test::Report(goodbye.record.commands[0].id, CommandReport::Outcome::kSucceeded));
   EXPECT_THAT(Steps(end), Contains("Greet-1 running>done"));
   EXPECT_EQ(world.stages.engine.live_runs(), 0u);
-  EXPECT_EQ(world.stages.constraints.size(), 0u);
+  EXPECT_EQ(world.stages.standing_conditions.size(), 0u);
 }
 
 TEST(TurnTest, AFactWithALifetimeIsWithdrawnByTheClock) {

@@ -1,4 +1,4 @@
-#include "kb_server/subscriptions/standing_answer.h"
+#include "kb_server/subscriptions/subscription_answer.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@ namespace docent {
 namespace {
 
 // One row that stays and one with another value each time, long after the first values are of no use.
-TEST(StandingAnswer, ComputedValuesComeAndGo) {
+TEST(SubscriptionAnswer, ComputedValuesComeAndGo) {
   Dictionary dictionary;
-  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{});
+  SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{});
   for (uint64_t i = 1; i <= 5000; ++i) {
-    StandingAnswer::Rows rows;
+    SubscriptionAnswer::Rows rows;
     ++rows[{answer.Local(Term::Literal("stays"))}];
     ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
     ASSERT_EQ(answer.SetRows(Revision(i), std::move(rows), 0), i > 1);  // the first answer is no change
@@ -31,11 +31,11 @@ TEST(StandingAnswer, ComputedValuesComeAndGo) {
 }
 
 // The same where a row is told after two rounds: the one that stays, and never those that go before.
-TEST(StandingAnswer, ComputedValuesThatMustLast) {
+TEST(SubscriptionAnswer, ComputedValuesThatMustLast) {
   Dictionary dictionary;
-  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 2);
+  SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 2);
   for (uint64_t i = 1; i <= 5000; ++i) {
-    StandingAnswer::Rows rows;
+    SubscriptionAnswer::Rows rows;
     ++rows[{answer.Local(Term::Literal("stays"))}];
     ++rows[{answer.Local(Term::Literal(std::to_string(i)))}];
     const auto now_us = static_cast<TimeMicros>(i);
@@ -50,9 +50,9 @@ TEST(StandingAnswer, ComputedValuesThatMustLast) {
 }
 
 // The clock's time may be ahead of that of the turns which come after.
-TEST(StandingAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
+TEST(SubscriptionAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
   Dictionary dictionary;
-  StandingAnswer answer(1, true, {}, &dictionary, SubscriptionLimits{}, 5);
+  SubscriptionAnswer answer(1, true, {}, &dictionary, SubscriptionLimits{}, 5);
   EXPECT_FALSE(answer.SetBoolean(Revision(1), true, 0));
   EXPECT_TRUE(answer.Ripen(Revision(1), 5));
   EXPECT_FALSE(answer.SetBoolean(Revision(2), true, 4));
@@ -64,13 +64,13 @@ TEST(StandingAnswer, WhatIsToldStaysToldWhenTimeGoesBack) {
 }
 
 // A value that was computed, and that the dictionary learns before the rows are set, is the same row.
-TEST(StandingAnswer, AValueLearntMeanwhileKeepsItsTime) {
+TEST(SubscriptionAnswer, AValueLearntMeanwhileKeepsItsTime) {
   Dictionary dictionary;
-  StandingAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 5);
+  SubscriptionAnswer answer(1, false, {"x"}, &dictionary, SubscriptionLimits{}, 5);
   const Term value = Term::Literal("some text that is in no id");
   EXPECT_FALSE(answer.SetRows(Revision(1), {{{answer.Local(value)}, 1}}, 0));
   EXPECT_TRUE(answer.Ripen(Revision(1), 5));
-  StandingAnswer::Rows again = {{{answer.Local(value)}, 1}};
+  SubscriptionAnswer::Rows again = {{{answer.Local(value)}, 1}};
   dictionary.Intern(value);
   EXPECT_FALSE(answer.SetRows(Revision(2), std::move(again), 6));
   EXPECT_EQ(answer.Whole()->appeared.size(), 1u);

@@ -1,7 +1,7 @@
-// What a ConstraintSet is made of. Private to this folder; split over constraint_set.cc (who is followed) and
+// What a StandingConditions is made of. Private to this folder; split over constraint_set.cc (who is followed) and
 // constraint_update.cc (what a change does).
-#ifndef DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_IMPL_H_
-#define DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_IMPL_H_
+#ifndef DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_
+#define DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_
 
 #include <array>
 #include <memory>
@@ -13,23 +13,23 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "reasoner/conditions/condition.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/condition_template.h"
 #include "reasoner/conditions/numbered_places.h"
-#include "reasoner/conditions/shape.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/conditions/threshold_group.h"
 
 namespace docent {
 
-struct ConstraintSet::Impl {
+struct StandingConditions::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
   using Groups = std::array<std::unique_ptr<ThresholdGroup>, 2>;  // below, above
   // In lines of the cache of its own: of those that an update looks at, as few as there are.
   struct alignas(64) Shared final : Condition {
     using Condition::Condition;
-    absl::InlinedVector<ConstraintId, 1> followers;
+    absl::InlinedVector<ConditionId, 1> followers;
     std::unique_ptr<Groups> groups;  // null: none
     std::string fingerprint;
-    std::string shape;  // key in shapes; empty: none is like it
+    std::string template_name;  // key in templates; empty: none is like it
 
     bool IsFollowed() const;
   };
@@ -37,7 +37,7 @@ struct ConstraintSet::Impl {
     bool above = false;
     TermId constant;
   };
-  struct Follower {
+  struct Subscriber {
     uint32_t condition = 0;
     bool removed = false;  // since the last Commit
     std::optional<Threshold> threshold;
@@ -45,7 +45,7 @@ struct ConstraintSet::Impl {
   struct JournalEntry {
     enum class Kind : uint8_t { kArmed, kRegistered, kRemoved } kind;
     uint32_t condition = 0;
-    ConstraintId id;
+    ConditionId id;
   };
   // What the running Update finds to do with a condition.
   struct Touched {
@@ -59,17 +59,18 @@ struct ConstraintSet::Impl {
     bool edited() const { return first != kNone; }
   };
   struct Rise {
-    uint32_t owner;  // condition, or shape with WatchIndexes::kIsShape
+    uint32_t owner;  // condition, or template with WatchIndexes::kIsTemplate
     uint32_t trigger;
     const Quad* quad;
     bool added;  // or removed
   };
-  // Conditions that differ only in constants. The first ones have no shape made for them.
+  // Conditions that differ only in constants. The first ones have no template made for them.
   struct Alike {
     int64_t count = 0;
     bool hopeless = false;  // nothing would be shared
-    std::optional<uint32_t> shape;
-    std::vector<std::pair<uint32_t, Shape::Constants>> alone;  // conditions that came before there was one
+    std::optional<uint32_t> template_number;
+    std::vector<std::pair<uint32_t, ConditionTemplate::Constants>>
+        alone;  // conditions that came before there was one
   };
 
   Impl(Dictionary& d, const sparql::FunctionRegistry* f) : dictionary(d), functions(f), comparer(d) {}
@@ -81,20 +82,21 @@ struct ConstraintSet::Impl {
   absl::StatusOr<uint32_t> Make(const sparql::Query& query, const GraphVersion& now,
                                 const RegisterOptions& options, std::string fingerprint);
   // Follows a threshold by its group if there are enough like it; nullopt: follow it by itself.
-  absl::StatusOr<std::optional<Follower>> JoinGroup(ConstraintId id, const sparql::Query& query,
-                                                    const GraphVersion& now, const RegisterOptions& options);
+  absl::StatusOr<std::optional<Subscriber>> JoinGroup(ConditionId id, const sparql::Query& query,
+                                                      const GraphVersion& now,
+                                                      const RegisterOptions& options);
   absl::StatusOr<std::optional<uint32_t>> GroupCondition(const ThresholdForm& form, const GraphVersion& now,
                                                          const RegisterOptions& options);
-  // Makes a condition with the body of its shape; null: the shape has none to lend.
-  absl::StatusOr<Shared*> BorrowBody(const ShapeForm& form, const std::string& shape_name,
+  // Makes a condition with the body of its template; null: the template has none to lend.
+  absl::StatusOr<Shared*> BorrowBody(const TemplateForm& form, const std::string& template_name,
                                      const RegisterOptions& options);
-  // Counts the condition among those like it. Gives it its shape, if there are enough of them.
-  void JoinShape(uint32_t number, const ShapeForm& form, bool borrowed, const GraphVersion& now);
-  void LeaveShape(const std::string& shape, uint32_t number);
-  ThresholdGroup& GroupOf(const Follower& follower) const;
-  bool Holds(ConstraintId id, const Follower& follower) const;
-  bool IsRemoved(ConstraintId id) const { return removals > 0 && followers.find(id)->second.removed; }
-  void Unfollow(ConstraintId id);
+  // Counts the condition among those like it. Gives it its template, if there are enough of them.
+  void JoinTemplate(uint32_t number, const TemplateForm& form, bool borrowed, const GraphVersion& now);
+  void LeaveTemplate(const std::string& template_name, uint32_t number);
+  ThresholdGroup& GroupOf(const Subscriber& follower) const;
+  bool Holds(ConditionId id, const Subscriber& follower) const;
+  bool IsRemoved(ConditionId id) const { return removals > 0 && followers.find(id)->second.removed; }
+  void Unfollow(ConditionId id);
 
   // Update.
   // Counts an evaluation that no change narrows, and how long it takes.
@@ -102,17 +104,17 @@ struct ConstraintSet::Impl {
   Touched& Touch(uint32_t number);
   // What every update looks at of an owner in the indexes, into the cache.
   void Prefetch(uint32_t owner) const {
-    if ((owner & WatchIndexes::kIsShape) == 0)
+    if ((owner & WatchIndexes::kIsTemplate) == 0)
       conditions.Prefetch(owner, Condition::kLooksFrom, Condition::kLooksTo);
   }
-  // Who is concerned by the change: into broken, rises and touched; the shapes count theirs.
+  // Who is concerned by the change: into broken, rises and touched; the templates count theirs.
   void Gather(const Delta& delta);
   void GatherOf(const Quad& quad, bool added);
   // The same of many: what one needs is on its way into the cache while others are looked at.
   void GatherAll(absl::Span<const Quad> quads, bool added);
   absl::Status RecheckBroken(const sparql::RunOptions& run);
   absl::Status ProbeRises(const sparql::RunOptions& run);
-  absl::Status ProbeShape(const Rise& rise, const sparql::RunOptions& run);
+  absl::Status ProbeTemplate(const Rise& rise, const sparql::RunOptions& run);
   absl::Status RefreshVolatile(const sparql::RunOptions& run);
   // The edits from `begin` on are those of this update: each condition that was touched knows its own.
   void LinkEdits(size_t begin);
@@ -120,11 +122,11 @@ struct ConstraintSet::Impl {
   void Settle(const Touched& touch, const GraphVersion& version);
   // Into changes.
   absl::Status CollectChanges(const Touched& touch);
-  ConstraintChange& NextChange(ConstraintId id, ConstraintChange::Edge edge);
+  ConditionChange& NextChange(ConditionId id, ConditionChange::Edge edge);
   // Which keys came and went.
-  void TellBindings(const Touched& touched, ConstraintChange& change) const;
+  void TellBindings(const Touched& touched, ConditionChange& change) const;
   // The groups of a condition follow its keys. `visit` gets what changed.
-  absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConstraintId, bool)> visit);
+  absl::Status RelevelGroups(const Shared& condition, absl::FunctionRef<void(ConditionId, bool)> visit);
   void Bind(const Condition& condition, const Condition::Key& key, Binding& binding) const;
   Binding BindingOf(const Condition& condition, const Condition::Key& key) const {
     Binding binding;
@@ -145,8 +147,8 @@ struct ConstraintSet::Impl {
   static constexpr int kMaxProbes = 256;
   // Thresholds that differ only in their number are followed one by one up to here, as a group beyond.
   static constexpr int64_t kThresholdsAlone = 8;
-  // Conditions that differ only in constants are watched one by one up to here, by their shape beyond.
-  static constexpr int64_t kShapesAlone = 4;
+  // Conditions that differ only in constants are watched one by one up to here, by their template beyond.
+  static constexpr int64_t kAloneAtMost = 4;
   // A group is not made where its variable has more solutions than this: each value is remembered.
   static constexpr int64_t kMaxGroupSolutions = 20000;
 
@@ -155,16 +157,16 @@ struct ConstraintSet::Impl {
   NumberComparer comparer;
   const GraphVersion no_graph;  // comparisons of numbers read none
   absl::flat_hash_map<std::string, uint32_t> by_fingerprint;
-  absl::flat_hash_map<std::string, Alike> alike;               // by fingerprint of the shape
+  absl::flat_hash_map<std::string, Alike> alike;               // by fingerprint of the template
   absl::flat_hash_map<std::string, int64_t> thresholds_alone;  // by fingerprint of what they share
-  absl::flat_hash_map<ConstraintId, Follower> followers;
+  absl::flat_hash_map<ConditionId, Subscriber> followers;
   uint64_t next_id = 1;
   StopWatch now_ns = nullptr;
 
   // What every Update looks at.
-  WatchIndexes indexes;                        // before shapes and conditions: they take their watches out
-  std::vector<std::unique_ptr<Shape>> shapes;  // by number; null: free
-  NumberedPlaces<Shared> conditions;           // after shapes: they leave theirs
+  WatchIndexes indexes;  // before templates and conditions: they take their watches out
+  std::vector<std::unique_ptr<ConditionTemplate>> templates;  // by number; null: free
+  NumberedPlaces<Shared> conditions;                          // after templates: they leave theirs
   std::vector<uint32_t> volatile_conditions;
   Counters counters;
   // Since the last Commit.
@@ -178,7 +180,7 @@ struct ConstraintSet::Impl {
       2048;  // patterns; fewer stay in the cache: to fetch them takes longer than it saves
 
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
-  std::vector<ConstraintChange> changes;
+  std::vector<ConditionChange> changes;
   size_t told = 0;
 
   // of the running Update
@@ -189,4 +191,4 @@ struct ConstraintSet::Impl {
 
 }  // namespace docent
 
-#endif  // DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_IMPL_H_
+#endif  // DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_

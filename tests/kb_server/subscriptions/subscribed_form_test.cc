@@ -1,4 +1,4 @@
-#include "kb_server/subscriptions/followed_form.h"
+#include "kb_server/subscriptions/subscribed_form.h"
 
 #include <gtest/gtest.h>
 
@@ -7,45 +7,45 @@
 namespace docent {
 namespace {
 
-std::optional<FollowedForm> FormOf(const std::string& text) {
+std::optional<SubscribedForm> FormOf(const std::string& text) {
   sparql::ParsedQuery parsed = sparql::ParseQuery("PREFIX : <http://example.org/>\n" + text);
   EXPECT_TRUE(parsed.ok()) << text;
-  return FollowedFormOf(parsed.query, AnalyseTriggers(WithoutModifiers(*parsed.query.algebra)));
+  return SubscribedFormOf(parsed.query, AnalyseTriggers(WithoutModifiers(*parsed.query.algebra)));
 }
 
 using Names = std::vector<std::string>;
 using Places = std::vector<size_t>;
 
-TEST(FollowedForm, AnAskNeedsNoKeys) {
+TEST(SubscribedForm, AnAskNeedsNoKeys) {
   const auto form = FormOf("ASK { ?x :p ?y . ?y :q :a FILTER(?x != ?y) FILTER NOT EXISTS { ?x :r ?z } }");
   ASSERT_TRUE(form);
   EXPECT_TRUE(form->keys.empty());
   EXPECT_TRUE(form->columns.empty());
 }
 
-TEST(FollowedForm, RowsThatAreCountedNeedEveryVariable) {
+TEST(SubscribedForm, RowsThatAreCountedNeedEveryVariable) {
   const auto form = FormOf("SELECT ?z ?x { ?x :p ?y . ?y :q ?z MINUS { ?z :r ?x } }");
   ASSERT_TRUE(form);
   EXPECT_EQ(form->keys, (Names{"x", "y", "z"}));
   EXPECT_EQ(form->columns, (Places{2, 0}));
 }
 
-TEST(FollowedForm, DistinctRowsNeedTheirOwnVariables) {
+TEST(SubscribedForm, DistinctRowsNeedTheirOwnVariables) {
   const auto form = FormOf("SELECT DISTINCT ?z ?x { { ?x :p ?z } UNION { ?z :q ?x . ?x :r ?y } }");
   ASSERT_TRUE(form);
   EXPECT_EQ(form->keys, (Names{"z", "x"}));
   EXPECT_EQ(form->columns, (Places{0, 1}));
 }
 
-TEST(FollowedForm, RowsAreHadFromBindingsInTheAnswersOrder) {
-  const FollowedForm form{{"x", "y", "z"}, {2, 0}};
+TEST(SubscribedForm, RowsAreHadFromBindingsInTheAnswersOrder) {
+  const SubscribedForm form{{"x", "y", "z"}, {2, 0}};
   const auto id = [](uint64_t n) { return TermId::Make(TermId::Tag::kIri, n); };
   const auto rows = form.RowsOf({{{"x", id(1)}, {"y", id(2)}, {"z", id(3)}}});
   ASSERT_EQ(rows.size(), 1u);
-  EXPECT_EQ(rows[0], (StandingAnswer::Row{id(3), id(1)}));
+  EXPECT_EQ(rows[0], (SubscriptionAnswer::Row{id(3), id(1)}));
 }
 
-TEST(FollowedForm, WhatHasToBeAskedWhole) {
+TEST(SubscribedForm, WhatHasToBeAskedWhole) {
   for (const char* text : {
            "SELECT ?x { { ?x :p ?y } UNION { ?x :q ?y } }",  // a row may come from both
            "SELECT ?x { ?x :p ?y } LIMIT 3",

@@ -5,13 +5,13 @@
 #include "absl/base/attributes.h"
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/conditions/bindings.h"
-#include "reasoner/conditions/constraint_set.h"
-#include "reasoner/conditions/constraint_set_impl.h"
+#include "reasoner/conditions/standing_conditions.h"
+#include "reasoner/conditions/standing_conditions_impl.h"
 
 namespace docent {
 
 // What Update does is one function for the compiler: calls of its parts took 15 of 190 nanoseconds.
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline ConstraintSet::Impl::Touched& ConstraintSet::Impl::Touch(
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline StandingConditions::Impl::Touched& StandingConditions::Impl::Touch(
     uint32_t number) {
   Condition& condition = conditions[number];
   uint32_t& at = condition.touched_at();
@@ -22,7 +22,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline ConstraintSet::Impl::Touched& ConstraintSet:
   return touched[at];
 }
 
-absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evaluate) {
+absl::Status StandingConditions::Impl::Whole(absl::FunctionRef<absl::Status()> evaluate) {
   ++counters.whole_evaluations;
   const uint64_t start = now_ns == nullptr ? 0 : now_ns();
   absl::Status status = evaluate();
@@ -30,23 +30,24 @@ absl::Status ConstraintSet::Impl::Whole(absl::FunctionRef<absl::Status()> evalua
   return status;
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::GatherOf(const Quad& quad, bool added) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::GatherOf(const Quad& quad, bool added) {
   const auto visit = [&](const PatternIndex::Reference& reference) {
     ++counters.candidates;
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
       broken.push_back(reference);
       return;
     }
-    const bool shape = (reference.owner & WatchIndexes::kIsShape) != 0;
-    int& count = shape ? shapes[reference.owner & ~WatchIndexes::kIsShape]->RisesIn(counters.updates)
-                       : Touch(reference.owner).rises;
+    const bool condition_template = (reference.owner & WatchIndexes::kIsTemplate) != 0;
+    int& count = condition_template
+                     ? templates[reference.owner & ~WatchIndexes::kIsTemplate]->RisesIn(counters.updates)
+                     : Touch(reference.owner).rises;
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
   };
   indexes.ForChange(added).ForEachMatch(quad, visit, [this](uint32_t owner) { Prefetch(owner); });
 }
 
-void ConstraintSet::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
+void StandingConditions::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
   const PatternIndex& index = indexes.ForChange(added);
   for (; !quads.empty(); quads.remove_prefix(std::min(quads.size(), kFetchedAhead))) {
     const absl::Span<const Quad> next = quads.subspan(0, kFetchedAhead);
@@ -55,7 +56,7 @@ void ConstraintSet::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
   }
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Gather(const Delta& delta) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
@@ -68,7 +69,7 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Gather(const Delta
   }
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::RecheckBroken(
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::RecheckBroken(
     const sparql::RunOptions& run) {
   if (broken.size() > 1) {
     std::sort(broken.begin(), broken.end(), [](const auto& a, const auto& b) {
@@ -95,11 +96,11 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::RecheckBro
   return absl::OkStatus();
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::ProbeRises(
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::ProbeRises(
     const sparql::RunOptions& run) {
   for (const Rise& rise : rises) {
-    if ((rise.owner & WatchIndexes::kIsShape) != 0) {
-      if (absl::Status status = ProbeShape(rise, run); !status.ok()) return status;
+    if ((rise.owner & WatchIndexes::kIsTemplate) != 0) {
+      if (absl::Status status = ProbeTemplate(rise, run); !status.ok()) return status;
       continue;
     }
     Condition& condition = conditions[rise.owner];
@@ -126,21 +127,22 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::ProbeRises
   return absl::OkStatus();
 }
 
-absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::RunOptions& run) {
-  Shape& shape = *shapes[rise.owner & ~WatchIndexes::kIsShape];
-  int& count = shape.RisesIn(counters.updates);
+absl::Status StandingConditions::Impl::ProbeTemplate(const Rise& rise, const sparql::RunOptions& run) {
+  ConditionTemplate& condition_template = *templates[rise.owner & ~WatchIndexes::kIsTemplate];
+  int& count = condition_template.RisesIn(counters.updates);
   if (count < 0) return absl::OkStatus();  // evaluated whole
   const bool whole = count > kMaxProbes;
   if (whole) count = -1;
   ++counters.evaluations;
-  absl::StatusOr<bool> found = shape.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
-                                           [this](uint32_t number, absl::Span<const TermId> row) {
-                                             Prefetch(number);
-                                             Touch(number);
-                                             conditions[number].Offer(row, edits);
-                                           });
+  absl::StatusOr<bool> found =
+      condition_template.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
+                               [this](uint32_t number, absl::Span<const TermId> row) {
+                                 Prefetch(number);
+                                 Touch(number);
+                                 conditions[number].Offer(row, edits);
+                               });
   if (!found.ok() || *found) return found.status();
-  for (const uint32_t number : shape.Waiting()) {
+  for (const uint32_t number : condition_template.Waiting()) {
     Condition& condition = conditions[number];
     Touched& touch = Touch(number);
     if (touch.full_done || condition.IgnoresRise()) continue;
@@ -153,7 +155,7 @@ absl::Status ConstraintSet::Impl::ProbeShape(const Rise& rise, const sparql::Run
   return absl::OkStatus();
 }
 
-absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run) {
+absl::Status StandingConditions::Impl::RefreshVolatile(const sparql::RunOptions& run) {
   for (const uint32_t number : volatile_conditions) {
     Touch(number);
     ++counters.evaluations;
@@ -163,7 +165,7 @@ absl::Status ConstraintSet::Impl::RefreshVolatile(const sparql::RunOptions& run)
   return absl::OkStatus();
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::LinkEdits(size_t begin) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::LinkEdits(size_t begin) {
   for (size_t i = begin; i < edits.size(); ++i) {
     const auto at = static_cast<uint32_t>(i);
     Touched& touch = touched[conditions[edits[i].condition].touched_at()];  // who looked at it has touched it
@@ -173,8 +175,8 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::LinkEdits(size_t b
   }
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Settle(const Touched& touch,
-                                                                     const GraphVersion& version) {
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::Settle(const Touched& touch,
+                                                                          const GraphVersion& version) {
   Shared& condition = conditions[touch.condition];
   const bool failed = touch.probed && !touch.edited();
   if ((touch.probed || touch.edited() || condition.watches_in_vain()) && condition.Arm(&version, failed)) {
@@ -189,8 +191,8 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline void ConstraintSet::Impl::Settle(const Touch
   }
 }
 
-absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
-                                                absl::FunctionRef<void(ConstraintId, bool)> visit) {
+absl::Status StandingConditions::Impl::RelevelGroups(const Shared& condition,
+                                                     absl::FunctionRef<void(ConditionId, bool)> visit) {
   if (!condition.is_grouped()) return absl::OkStatus();
   for (const auto& group : *condition.groups) {
     if (!group) continue;
@@ -199,8 +201,8 @@ absl::Status ConstraintSet::Impl::RelevelGroups(const Shared& condition,
   return absl::OkStatus();
 }
 
-void ConstraintSet::Impl::Bind(const Condition& condition, const Condition::Key& key,
-                               Binding& binding) const {
+void StandingConditions::Impl::Bind(const Condition& condition, const Condition::Key& key,
+                                    Binding& binding) const {
   binding.clear();
   binding.reserve(key.size());
   for (size_t i = 0; i < key.size(); ++i) {
@@ -209,15 +211,15 @@ void ConstraintSet::Impl::Bind(const Condition& condition, const Condition::Key&
 }
 
 // What is left in its bindings is of an earlier Update.
-inline ConstraintChange& ConstraintSet::Impl::NextChange(ConstraintId id, ConstraintChange::Edge edge) {
+inline ConditionChange& StandingConditions::Impl::NextChange(ConditionId id, ConditionChange::Edge edge) {
   if (told == changes.size()) changes.emplace_back();
-  ConstraintChange& change = changes[told++];
+  ConditionChange& change = changes[told++];
   change.id = id;
   change.edge = edge;
   return change;
 }
 
-void ConstraintSet::Impl::TellBindings(const Touched& touch, ConstraintChange& change) const {
+void StandingConditions::Impl::TellBindings(const Touched& touch, ConditionChange& change) const {
   const Condition& condition = conditions[touch.condition];
   if (touch.first == touch.last) {
     const Condition::Edit& edit = edits[touch.first];
@@ -247,17 +249,18 @@ void ConstraintSet::Impl::TellBindings(const Touched& touch, ConstraintChange& c
   SortBindings(change.disappeared, dictionary);
 }
 
-ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectChanges(const Touched& touch) {
-  using Edge = ConstraintChange::Edge;
+ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::CollectChanges(
+    const Touched& touch) {
+  using Edge = ConditionChange::Edge;
   if (!touch.edited()) return absl::OkStatus();
   const Shared& condition = conditions[touch.condition];
   const bool holds = condition.holds(), edge = holds != touch.held, has_keys = condition.has_keys();
   if (edge || has_keys) {
-    for (const ConstraintId id : condition.followers) {
+    for (const ConditionId id : condition.followers) {
       if (IsRemoved(id)) continue;
-      ConstraintChange& change = NextChange(id, !edge   ? Edge::kBindingsChanged
-                                                : holds ? Edge::kRose
-                                                        : Edge::kFell);
+      ConditionChange& change = NextChange(id, !edge   ? Edge::kBindingsChanged
+                                               : holds ? Edge::kRose
+                                                       : Edge::kFell);
       if (has_keys) {
         TellBindings(touch, change);
         if (!edge && change.appeared.empty() && change.disappeared.empty()) --told;
@@ -268,36 +271,36 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status ConstraintSet::Impl::CollectCha
     }
   }
   if (!condition.is_grouped()) return absl::OkStatus();
-  return RelevelGroups(condition, [&](ConstraintId id, bool level) {
+  return RelevelGroups(condition, [&](ConditionId id, bool level) {
     if (IsRemoved(id)) return;
-    ConstraintChange& change = NextChange(id, level ? Edge::kRose : Edge::kFell);
+    ConditionChange& change = NextChange(id, level ? Edge::kRose : Edge::kFell);
     change.appeared.clear();
     change.disappeared.clear();
   });
 }
 
-void ConstraintSet::BeforeChange(const Quad& quad, bool added) {
+void StandingConditions::BeforeChange(const Quad& quad, bool added) {
   const Impl& impl = *impl_;
   if (!impl.FetchesAhead()) return;
   impl.indexes.ForChange(added).PrefetchSlots(quad);
   if (added) impl.indexes.on_remove.PrefetchSlotOf(quad);  // what it makes true will watch it
 }
 
-void ConstraintSet::DuringChange(const Quad& quad, bool added) {
+void StandingConditions::DuringChange(const Quad& quad, bool added) {
   Impl& impl = *impl_;
   if (!impl.FetchesAhead()) return;
   ++impl.expected;
   impl.indexes.ForChange(added).Prefetch(quad, [&](uint32_t owner) { impl.Prefetch(owner); });
 }
 
-void ConstraintSet::FetchAheadFrom(size_t patterns) {
+void StandingConditions::FetchAheadFrom(size_t patterns) {
   impl_->fetch_ahead_from = patterns;
 }
 
-absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const GraphVersion& version,
-                                                                         const Delta& delta,
-                                                                         TimeMicros now_us,
-                                                                         Cancellation* cancellation) {
+absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(const GraphVersion& version,
+                                                                             const Delta& delta,
+                                                                             TimeMicros now_us,
+                                                                             Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
   impl.expected = 0;
@@ -315,14 +318,14 @@ absl::StatusOr<absl::Span<const ConstraintChange>> ConstraintSet::Update(const G
     if (status.ok()) status = impl.CollectChanges(touch);
   }
   if (!status.ok()) return status;
-  const absl::Span<ConstraintChange> told(impl.changes.data(), impl.told);
+  const absl::Span<ConditionChange> told(impl.changes.data(), impl.told);
   if (told.size() > 1)
     std::sort(told.begin(), told.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   impl.counters.changes += told.size();
-  return absl::Span<const ConstraintChange>(told);
+  return absl::Span<const ConditionChange>(told);
 }
 
-void ConstraintSet::Commit() {
+void StandingConditions::Commit() {
   if (impl_->removals > 0) {
     for (const Impl::JournalEntry& entry : impl_->journal) {
       if (entry.kind == Impl::JournalEntry::Kind::kRemoved) impl_->Unfollow(entry.id);
@@ -333,7 +336,7 @@ void ConstraintSet::Commit() {
   impl_->journal.clear();
 }
 
-void ConstraintSet::Rollback() {
+void StandingConditions::Rollback() {
   const Condition::Edits edits = std::exchange(impl_->edits, {});
   const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
@@ -366,7 +369,7 @@ void ConstraintSet::Rollback() {
     // What a single watched pattern relied on is not known of the version that it goes back to.
     impl_->conditions[number].Arm(nullptr);
     // It succeeded for these very keys before.
-    impl_->RelevelGroups(impl_->conditions[number], [](ConstraintId, bool) {}).IgnoreError();
+    impl_->RelevelGroups(impl_->conditions[number], [](ConditionId, bool) {}).IgnoreError();
   }
 }
 

@@ -1,12 +1,12 @@
-// Many constraints that differ only in constants: ASK { ?v ex:carries ?i . ?i ex:ownedBy ex:owner1 }, …
+// Many conditions that differ only in constants: ASK { ?v ex:carries ?i . ?i ex:ownedBy ex:owner1 }, …
 // ex:owner2, …
 //
-// A change that matches a pattern with such a constant finds its constraint by hash. A change that matches a
-// pattern without one (?v ex:carries ?i) concerns them all: the shape watches it once, joins it once with the
-// constants left open, and the solutions say which of the waiting constraints they are for. The cost is that
-// of the solutions, not of the constraints. Private to this folder. Writer thread only.
-#ifndef DOCENT_REASONER_CONDITIONS_SHAPE_H_
-#define DOCENT_REASONER_CONDITIONS_SHAPE_H_
+// A change that matches a pattern with such a constant finds its condition by hash. A change that matches a
+// pattern without one (?v ex:carries ?i) concerns them all: the template watches it once, joins it once with the
+// constants left open, and the solutions say which of the waiting conditions they are for. The cost is that
+// of the solutions, not of the conditions. Private to this folder. Writer thread only.
+#ifndef DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_
+#define DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_
 
 #include <cstdint>
 #include <memory>
@@ -29,50 +29,50 @@
 namespace docent {
 
 // A query as a template: constants that are subjects or objects of the patterns that every solution matches are
-// variables, there and inside EXISTS. Objects of rdf:type stay: classes make another shape.
-struct ShapeForm {
+// variables, there and inside EXISTS. Objects of rdf:type stay: classes make another template.
+struct TemplateForm {
   sparql::Query shared;
   std::vector<std::string> parameters;  // the variables, and
   std::vector<Term> constants;          // what they stand for
 };
 // nullopt: there is no such constant.
-std::optional<ShapeForm> SplitConstants(const sparql::Query& query);
+std::optional<TemplateForm> SplitConstants(const sparql::Query& query);
 
-class Shape {
+class ConditionTemplate {
  public:
   using Constants = absl::InlinedVector<TermId, 2>;
 
   // `form` with all its members' columns in the order of `member`. nullptr: nothing would be shared. `number`
-  // is what references call it, with kIsShape.
-  static absl::StatusOr<std::unique_ptr<Shape>> Make(uint32_t number, const ShapeForm& form,
-                                                     const Body& member, WatchIndexes& indexes,
-                                                     Dictionary& dictionary,
-                                                     const sparql::FunctionRegistry* functions);
-  ~Shape();
-  Shape(const Shape&) = delete;
-  Shape& operator=(const Shape&) = delete;
+  // is what references call it, with kIsTemplate.
+  static absl::StatusOr<std::unique_ptr<ConditionTemplate>> Make(uint32_t number, const TemplateForm& form,
+                                                                 const Body& member, WatchIndexes& indexes,
+                                                                 Dictionary& dictionary,
+                                                                 const sparql::FunctionRegistry* functions);
+  ~ConditionTemplate();
+  ConditionTemplate(const ConditionTemplate&) = delete;
+  ConditionTemplate& operator=(const ConditionTemplate&) = delete;
 
   // Whether members need no body of their own: this one with their constants in it is the same. Such a member's
-  // columns are the shape's.
+  // columns are the template's.
   bool lends_body() const { return lends_body_; }
   Body& body() { return *body_; }
   // Of members that borrow the body and have these keys.
   ConditionKind& KindWith(const ConditionKind::Keys& keys);
-  // The shape's columns in the order of those of a member with a body of its own.
+  // The template's columns in the order of those of a member with a body of its own.
   const std::vector<int16_t>& columns() const { return columns_; }
 
-  // Whether the shape watches this trigger for its members, or any.
+  // Whether the template watches this trigger for its members, or any.
   bool SharesAny() const { return shares_any_; }
   bool Shares(size_t trigger) const { return shared_[trigger]; }
 
-  // The condition waits for a solution with these constants. The first that comes makes the shape watch.
+  // The condition waits for a solution with these constants. The first that comes makes the template watch.
   void Join(uint32_t condition, const Constants& constants);
   void Leave(uint32_t condition, const Constants& constants);
   size_t waiting() const { return waiting_; }
   std::vector<uint32_t> Waiting() const;
 
   // Calls `visit` with each solution that `quad` gives through `trigger` and the conditions that wait for it,
-  // the row in the shape's columns. False: there are many more solutions than members, it is
+  // the row in the template's columns. False: there are many more solutions than members, it is
   // cheaper to ask them. No quad: all solutions.
   using Visitor = absl::FunctionRef<void(uint32_t condition, absl::Span<const TermId> row)>;
   absl::StatusOr<bool> Probe(uint32_t trigger, const Quad* quad, bool added, const sparql::RunOptions& run,
@@ -85,7 +85,7 @@ class Shape {
   }
 
  private:
-  Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
+  ConditionTemplate(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
   void Watch();
   void Unwatch();
   bool IsSame(const Body& member, const Constants& constants) const;
@@ -111,4 +111,4 @@ class Shape {
 
 }  // namespace docent
 
-#endif  // DOCENT_REASONER_CONDITIONS_SHAPE_H_
+#endif  // DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_

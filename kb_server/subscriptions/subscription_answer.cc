@@ -1,4 +1,4 @@
-#include "kb_server/subscriptions/standing_answer.h"
+#include "kb_server/subscriptions/subscription_answer.h"
 
 #include <algorithm>
 #include <map>
@@ -22,14 +22,14 @@ void SortRows(std::vector<CountedRow>& rows) {
 
 }  // namespace
 
-TermId StandingAnswer::Local(const Term& term) {
+TermId SubscriptionAnswer::Local(const Term& term) {
   absl::MutexLock lock(&mutex_);
   const auto [place, fresh] = local_ids_.try_emplace(term, TermId::Make(TermId::Tag::kLocal, locals_.size()));
   if (fresh) locals_.push_back(term);
   return place->second;
 }
 
-CountedRow StandingAnswer::Decode(const Row& row, uint64_t count) const {
+CountedRow SubscriptionAnswer::Decode(const Row& row, uint64_t count) const {
   CountedRow out;
   out.count = count;
   for (const TermId id : row) {
@@ -44,7 +44,7 @@ CountedRow StandingAnswer::Decode(const Row& row, uint64_t count) const {
   return out;
 }
 
-void StandingAnswer::Keep(AnswerChange change) {
+void SubscriptionAnswer::Keep(AnswerChange change) {
   change.number = ++newest_;
   change.revision = revision_;
   SortRows(change.appeared);
@@ -58,14 +58,14 @@ void StandingAnswer::Keep(AnswerChange change) {
   }
 }
 
-bool StandingAnswer::TellBoolean(TimeMicros now_us) {
+bool SubscriptionAnswer::TellBoolean(TimeMicros now_us) {
   const bool tell = boolean_ && (told_ || now_us - boolean_since_us_ >= at_least_us_);
   if (tell == told_) return false;
   told_ = tell;
   return true;
 }
 
-bool StandingAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us) {
+bool SubscriptionAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
   whole_.reset();
@@ -82,7 +82,7 @@ bool StandingAnswer::SetBoolean(Revision revision, bool holds, TimeMicros now_us
 }
 
 // A value that was computed here may have become a term of the dictionary since: one term, one id.
-void StandingAnswer::AdoptKnownLocals(Rows* fresh) {
+void SubscriptionAnswer::AdoptKnownLocals(Rows* fresh) {
   std::vector<std::pair<TermId, TermId>> known;
   for (const auto& [term, local] : local_ids_) {
     if (auto id = dictionary_.Find(term)) known.emplace_back(local, *id);
@@ -106,7 +106,7 @@ void StandingAnswer::AdoptKnownLocals(Rows* fresh) {
 }
 
 // Computed values that no row holds any more go, once they are more than those that are held.
-void StandingAnswer::DropUnusedLocals() {
+void SubscriptionAnswer::DropUnusedLocals() {
   if (locals_.size() < drop_locals_at_) return;
   std::vector<Term> held;
   absl::flat_hash_map<TermId, TermId> names;
@@ -130,8 +130,8 @@ void StandingAnswer::DropUnusedLocals() {
   drop_locals_at_ = 2 * locals_.size() + kFewLocals;
 }
 
-void StandingAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us,
-                             AnswerChange* change) {
+void SubscriptionAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMicros now_us,
+                                 AnswerChange* change) {
   if (had == has) return;
   if (had == 0 && at_least_us_ > 0) return young_.Add(row, now_us);
   if (!evaluated_) return;  // the first answer is no change
@@ -143,7 +143,7 @@ void StandingAnswer::Recount(const Row& row, uint64_t had, uint64_t has, TimeMic
   }
 }
 
-bool StandingAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
+bool SubscriptionAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   revision_ = revision;
   whole_.reset();
@@ -166,8 +166,8 @@ bool StandingAnswer::SetRows(Revision revision, Rows rows, TimeMicros now_us) {
   return changed;
 }
 
-bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared,
-                                absl::Span<const Row> disappeared, TimeMicros now_us) {
+bool SubscriptionAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeared,
+                                    absl::Span<const Row> disappeared, TimeMicros now_us) {
   absl::flat_hash_map<Row, int64_t> net;
   for (const Row& row : appeared) ++net[row];
   for (const Row& row : disappeared) --net[row];
@@ -190,7 +190,7 @@ bool StandingAnswer::ChangeRows(Revision revision, absl::Span<const Row> appeare
   return true;
 }
 
-std::optional<TimeMicros> StandingAnswer::ripens_at_us() const {
+std::optional<TimeMicros> SubscriptionAnswer::ripens_at_us() const {
   absl::MutexLock lock(&mutex_);
   if (is_boolean_)
     return boolean_ && !told_ ? std::make_optional(boolean_since_us_ + at_least_us_) : std::nullopt;
@@ -198,7 +198,7 @@ std::optional<TimeMicros> StandingAnswer::ripens_at_us() const {
   return oldest ? std::make_optional(*oldest + at_least_us_) : std::nullopt;
 }
 
-bool StandingAnswer::Ripen(Revision revision, TimeMicros now_us) {
+bool SubscriptionAnswer::Ripen(Revision revision, TimeMicros now_us) {
   absl::MutexLock lock(&mutex_);
   AnswerChange change;
   if (is_boolean_) {
@@ -215,32 +215,32 @@ bool StandingAnswer::Ripen(Revision revision, TimeMicros now_us) {
   return true;
 }
 
-size_t StandingAnswer::size() const {
+size_t SubscriptionAnswer::size() const {
   absl::MutexLock lock(&mutex_);
   return size_;
 }
 
-bool StandingAnswer::boolean() const {
+bool SubscriptionAnswer::boolean() const {
   absl::MutexLock lock(&mutex_);
   return boolean_;
 }
 
-void StandingAnswer::SetWarning(std::string warning) {
+void SubscriptionAnswer::SetWarning(std::string warning) {
   absl::MutexLock lock(&mutex_);
   warning_ = std::move(warning);
 }
 
-std::string StandingAnswer::warning() const {
+std::string SubscriptionAnswer::warning() const {
   absl::MutexLock lock(&mutex_);
   return warning_;
 }
 
-bool StandingAnswer::evaluated() const {
+bool SubscriptionAnswer::evaluated() const {
   absl::MutexLock lock(&mutex_);
   return evaluated_;
 }
 
-AnswerChangePtr StandingAnswer::Whole() const {
+AnswerChangePtr SubscriptionAnswer::Whole() const {
   absl::MutexLock lock(&mutex_);
   if (whole_ == nullptr) {
     auto whole = std::make_shared<AnswerChange>();
@@ -256,12 +256,12 @@ AnswerChangePtr StandingAnswer::Whole() const {
   return whole_;
 }
 
-uint64_t StandingAnswer::newest() const {
+uint64_t SubscriptionAnswer::newest() const {
   absl::MutexLock lock(&mutex_);
   return newest_;
 }
 
-absl::StatusOr<AnswerChangePtr> StandingAnswer::Get(uint64_t number) const {
+absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Get(uint64_t number) const {
   absl::MutexLock lock(&mutex_);
   if (number > newest_) return AnswerChangePtr();
   const uint64_t first = newest_ + 1 - changes_.size();
@@ -269,7 +269,7 @@ absl::StatusOr<AnswerChangePtr> StandingAnswer::Get(uint64_t number) const {
   return changes_[number - first];
 }
 
-absl::StatusOr<AnswerChangePtr> StandingAnswer::Sum(uint64_t number) const {
+absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Sum(uint64_t number) const {
   std::vector<AnswerChangePtr> parts;
   {
     absl::MutexLock lock(&mutex_);

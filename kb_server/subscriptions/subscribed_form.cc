@@ -1,4 +1,4 @@
-#include "kb_server/subscriptions/followed_form.h"
+#include "kb_server/subscriptions/subscribed_form.h"
 
 #include <algorithm>
 
@@ -40,7 +40,7 @@ Outside OutsideOf(const Algebra& whole, const Algebra& where) {
 
 }  // namespace
 
-std::optional<FollowedForm> FollowedFormOf(const sparql::Query& query, const TriggerAnalysis& analysis) {
+std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query, const TriggerAnalysis& analysis) {
   const Algebra& where = WithoutModifiers(*query.algebra);
   const bool select = query.form == sparql::Query::Form::kSelect;
   if (!query.from.empty() || !query.from_named.empty() || analysis.is_volatile) return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<FollowedForm> FollowedFormOf(const sparql::Query& query, const Tri
   const bool rows_count = select && !outside.distinct;
   if (sparql::AnyNode(where, [&](const Algebra& node) { return !IsKeptOf(node, rows_count); }))
     return std::nullopt;
-  FollowedForm form;
+  SubscribedForm form;
   if (!select) return form;
   const absl::flat_hash_set<std::string> certain = CertainVariables(where);
   if (rows_count) {
@@ -66,10 +66,10 @@ std::optional<FollowedForm> FollowedFormOf(const sparql::Query& query, const Tri
   return form;
 }
 
-std::vector<StandingAnswer::Row> FollowedForm::RowsOf(const std::vector<Binding>& bindings) const {
-  std::vector<StandingAnswer::Row> rows;
+std::vector<SubscriptionAnswer::Row> SubscribedForm::RowsOf(const std::vector<Binding>& bindings) const {
+  std::vector<SubscriptionAnswer::Row> rows;
   for (const Binding& binding : bindings) {
-    StandingAnswer::Row& row = rows.emplace_back();
+    SubscriptionAnswer::Row& row = rows.emplace_back();
     for (const size_t column : columns) row.push_back(binding[column].second);
   }
   return rows;

@@ -1,4 +1,4 @@
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,14 +11,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class ConstraintSetTest : public ::testing::Test {
+class StandingConditionsTest : public ::testing::Test {
  protected:
-  ConstraintId Register(const std::string& ask, const std::vector<std::string>& keys = {}) {
-    const absl::StatusOr<ConstraintId> id =
+  ConditionId Register(const std::string& ask, const std::vector<std::string>& keys = {}) {
+    const absl::StatusOr<ConditionId> id =
         set_.Register(world_.Parse(ask), world_.writer.current(), {keys, 0});
     EXPECT_TRUE(id.ok()) << id.status();
     set_.Commit();
-    return id.value_or(ConstraintId());
+    return id.value_or(ConditionId());
   }
 
   // "1 rose +{x=a} -{x=b}" for each change.
@@ -28,11 +28,11 @@ class ConstraintSetTest : public ::testing::Test {
     const auto changes = set_.Update(world_.writer.current(), delta, now_us);
     EXPECT_TRUE(changes.ok()) << changes.status();
     std::vector<std::string> texts;
-    for (const ConstraintChange& change : *changes) {
+    for (const ConditionChange& change : *changes) {
       std::string text = std::to_string(change.id.value());
-      text += change.edge == ConstraintChange::Edge::kRose   ? " rose"
-              : change.edge == ConstraintChange::Edge::kFell ? " fell"
-                                                             : " bindings";
+      text += change.edge == ConditionChange::Edge::kRose   ? " rose"
+              : change.edge == ConditionChange::Edge::kFell ? " fell"
+                                                            : " bindings";
       for (const Binding& b : change.appeared) text += " +" + Text(b);
       for (const Binding& b : change.disappeared) text += " -" + Text(b);
       texts.push_back(std::move(text));
@@ -61,12 +61,12 @@ class ConstraintSetTest : public ::testing::Test {
   }
 
   TestWorld world_;
-  ConstraintSet set_{world_.dictionary};
+  StandingConditions set_{world_.dictionary};
   uint64_t revision_ = 0;
 };
 
-TEST_F(ConstraintSetTest, RisesAndFallsAtTheEdges) {
-  const ConstraintId id = Register("ASK { :R01 :at ?b . :John :at ?b }");
+TEST_F(StandingConditionsTest, RisesAndFallsAtTheEdges) {
+  const ConditionId id = Register("ASK { :R01 :at ?b . :John :at ?b }");
   EXPECT_FALSE(set_.Holds(id));
   EXPECT_THAT(Turn({"R01 at B03"}), IsEmpty());
   EXPECT_THAT(Turn({"John at B03"}), ElementsAre("1 rose"));
@@ -76,13 +76,13 @@ TEST_F(ConstraintSetTest, RisesAndFallsAtTheEdges) {
   EXPECT_THAT(Turn({}, {"R01 at B04"}), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, TheLevelAtRegistrationIsKnownAndIsNoEdge) {
+TEST_F(StandingConditionsTest, TheLevelAtRegistrationIsKnownAndIsNoEdge) {
   world_.Apply({"a p b"});
   EXPECT_TRUE(set_.Holds(Register("ASK { :a :p ?x }")));
   EXPECT_THAT(Turn({"a p c"}), IsEmpty());
 }
 
-TEST_F(ConstraintSetTest, ATripleInASecondGraphChangesNothing) {
+TEST_F(StandingConditionsTest, ATripleInASecondGraphChangesNothing) {
   Register("ASK { :a :p ?x }");
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose"));
   EXPECT_THAT(Turn({"a p b @g"}), IsEmpty());
@@ -90,7 +90,7 @@ TEST_F(ConstraintSetTest, ATripleInASecondGraphChangesNothing) {
   EXPECT_THAT(Turn({}, {"a p b @g"}), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, ThresholdsCompareByValue) {
+TEST_F(StandingConditionsTest, ThresholdsCompareByValue) {
   Register("ASK { :R :battery ?b FILTER(?b < 0.2) }");
   EXPECT_THAT(Turn({"R battery 0.5"}), IsEmpty());
   EXPECT_EQ(set_.evaluations(), 0u) << "a number above the threshold is rejected by the index";
@@ -100,7 +100,7 @@ TEST_F(ConstraintSetTest, ThresholdsCompareByValue) {
   EXPECT_THAT(Turn({"R battery 'empty"}, {"R battery 0.1"}), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, NegationHasItsOwnEdges) {
+TEST_F(StandingConditionsTest, NegationHasItsOwnEdges) {
   Register("ASK { ?r a :Robot FILTER NOT EXISTS { ?r :task ?t } }");
   EXPECT_THAT(Turn({"r1 a Robot", "r1 task t1"}), IsEmpty());
   EXPECT_THAT(Turn({"r1 task t2"}, {"r1 task t1"}), IsEmpty());
@@ -110,7 +110,7 @@ TEST_F(ConstraintSetTest, NegationHasItsOwnEdges) {
 }
 
 // The witness of a condition that a negation made fall is kept until something is known against it.
-TEST_F(ConstraintSetTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
+TEST_F(StandingConditionsTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
   Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
   EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
   EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 fell"));
@@ -127,7 +127,7 @@ TEST_F(ConstraintSetTest, WhatANegationMadeFallRisesByWhatIsThereThen) {
   EXPECT_THAT(Turn({}, {"r1 at yard"}), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, ANegationAboutAKeyTakesThatKeyAlone) {
+TEST_F(StandingConditionsTest, ANegationAboutAKeyTakesThatKeyAlone) {
   Register("ASK { ?r :at ?p FILTER NOT EXISTS { ?r :task ?t } FILTER NOT EXISTS { ?p :closed ?c } }", {"r"});
   EXPECT_THAT(Turn({"r1 at hall", "r1 at room", "r2 at hall"}), ElementsAre("1 rose +{r=r1} +{r=r2}"));
   EXPECT_THAT(Turn({"r1 task t1"}), ElementsAre("1 bindings -{r=r1}"));
@@ -137,7 +137,7 @@ TEST_F(ConstraintSetTest, ANegationAboutAKeyTakesThatKeyAlone) {
   EXPECT_THAT(Turn({"r1 task t2"}, {"hall closed now"}), ElementsAre("1 rose +{r=r2}"));
 }
 
-TEST_F(ConstraintSetTest, AKeptWitnessOutlivesARollback) {
+TEST_F(StandingConditionsTest, AKeptWitnessOutlivesARollback) {
   Register("ASK { :r1 :at ?p FILTER NOT EXISTS { :r1 :task ?t } }");
   EXPECT_THAT(Turn({"r1 at hall"}), ElementsAre("1 rose"));
   Commit();
@@ -153,7 +153,7 @@ TEST_F(ConstraintSetTest, AKeptWitnessOutlivesARollback) {
   EXPECT_THAT(Turn({"r1 at yard"}), ElementsAre("1 rose"));
 }
 
-TEST_F(ConstraintSetTest, AMovingExtremeFlipsTheThresholdsThatItCrosses) {
+TEST_F(StandingConditionsTest, AMovingExtremeFlipsTheThresholdsThatItCrosses) {
   for (int i = 1; i <= 30; ++i) Register("ASK { ?r :load ?l FILTER(?l > " + std::to_string(i) + ") }");
   EXPECT_EQ(Turn({"a load 20.5"}).size(), 20u);
   EXPECT_THAT(Turn({"b load 21.5"}), ElementsAre("21 rose"));
@@ -161,7 +161,7 @@ TEST_F(ConstraintSetTest, AMovingExtremeFlipsTheThresholdsThatItCrosses) {
   EXPECT_EQ(Turn({"c load 12"}, {"a load 20.5"}).size(), 9u) << "12 to 20 fall";
   EXPECT_THAT(Turn({"d load 13"}), ElementsAre("12 rose"));
   Register("ASK { ?r :load ?l FILTER(?l > 12.5) }");
-  set_.Remove(ConstraintId(12));
+  set_.Remove(ConditionId(12));
   EXPECT_THAT(Turn({}, {"d load 13"}), ElementsAre("31 fell"));
   Commit();
   EXPECT_THAT(Turn({"e load 15"}), ElementsAre("13 rose", "14 rose", "31 rose"));
@@ -169,11 +169,11 @@ TEST_F(ConstraintSetTest, AMovingExtremeFlipsTheThresholdsThatItCrosses) {
   EXPECT_EQ(Turn({"f load 99"}).size(), 30u);
 }
 
-TEST_F(ConstraintSetTest, MinusOptionalUnionAndExists) {
-  const ConstraintId minus = Register("ASK { ?x :p ?y MINUS { ?x :q ?z } }");
-  const ConstraintId no_label = Register("ASK { ?x :p ?y OPTIONAL { ?x :label ?l } FILTER(!BOUND(?l)) }");
-  const ConstraintId either = Register("ASK { { ?x :p :never } UNION { ?x :q ?z } }");
-  const ConstraintId exists = Register("ASK { ?x :p ?y FILTER EXISTS { ?y :q ?x } }");
+TEST_F(StandingConditionsTest, MinusOptionalUnionAndExists) {
+  const ConditionId minus = Register("ASK { ?x :p ?y MINUS { ?x :q ?z } }");
+  const ConditionId no_label = Register("ASK { ?x :p ?y OPTIONAL { ?x :label ?l } FILTER(!BOUND(?l)) }");
+  const ConditionId either = Register("ASK { { ?x :p :never } UNION { ?x :q ?z } }");
+  const ConditionId exists = Register("ASK { ?x :p ?y FILTER EXISTS { ?y :q ?x } }");
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose", "2 rose"));
   EXPECT_THAT(Turn({"a q c", "a label 'A"}), ElementsAre("1 fell", "2 fell", "3 rose"));
   EXPECT_THAT(Turn({"b q a"}), ElementsAre("4 rose"));
@@ -183,7 +183,7 @@ TEST_F(ConstraintSetTest, MinusOptionalUnionAndExists) {
   EXPECT_FALSE(set_.Holds(either) || set_.Holds(exists));
 }
 
-TEST_F(ConstraintSetTest, SubSelectsAndPathsAreFollowedWhole) {
+TEST_F(StandingConditionsTest, SubSelectsAndPathsAreFollowedWhole) {
   Register(
       "ASK { ?hall a :Hall { SELECT ?hall (COUNT(?v) AS ?n) { ?v :in ?hall } GROUP BY ?hall } FILTER(?n >= "
       "2) }");
@@ -192,15 +192,15 @@ TEST_F(ConstraintSetTest, SubSelectsAndPathsAreFollowedWhole) {
   EXPECT_THAT(Turn({}, {"v1 in h"}), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, WhatDependsOnTheClockIsAskedAtEveryUpdate) {
+TEST_F(StandingConditionsTest, WhatDependsOnTheClockIsAskedAtEveryUpdate) {
   Register("ASK { :a :due ?t FILTER(NOW() > \"2026-01-01T00:00:00Z\"^^xsd:dateTime) }");
   Turn({"a due 5"});
   EXPECT_THAT(Turn({}, {}, TimeMicros{1767225601} * 1000000), ElementsAre("1 rose"));
   EXPECT_THAT(Turn({}, {}, TimeMicros{1767225599} * 1000000), ElementsAre("1 fell"));
 }
 
-TEST_F(ConstraintSetTest, KeyBindingsAppearAndDisappear) {
-  const ConstraintId id = Register("ASK { ?v a :Visitor . ?v :at ?b . ?b :in :hall }", {"v"});
+TEST_F(StandingConditionsTest, KeyBindingsAppearAndDisappear) {
+  const ConditionId id = Register("ASK { ?v a :Visitor . ?v :at ?b . ?b :in :hall }", {"v"});
   EXPECT_THAT(Turn({"ann a Visitor", "ann at b1", "b1 in hall", "b2 in hall"}),
               ElementsAre("1 rose +{v=ann}"));
   EXPECT_THAT(Turn({"bob a Visitor", "bob at b1", "cyd a Visitor", "cyd at b2"}),
@@ -213,8 +213,8 @@ TEST_F(ConstraintSetTest, KeyBindingsAppearAndDisappear) {
 }
 
 // Few keys are looked through, many are hashed.
-TEST_F(ConstraintSetTest, FewKeysBecomeManyAndFewAgain) {
-  const ConstraintId id = Register("ASK { ?r :task ?t . ?t :for :John }", {"r"});
+TEST_F(StandingConditionsTest, FewKeysBecomeManyAndFewAgain) {
+  const ConditionId id = Register("ASK { ?r :task ?t . ?t :for :John }", {"r"});
   Turn({"t for John"});
   Commit();
   const auto robots = [](int from, int to) {
@@ -242,8 +242,8 @@ TEST_F(ConstraintSetTest, FewKeysBecomeManyAndFewAgain) {
   EXPECT_EQ(set_.Keys(id).size(), 26u);
 }
 
-TEST_F(ConstraintSetTest, KeysOfAUnionAreThoseOfTheQuery) {
-  const ConstraintId id = Register("ASK { { ?x :p :c } UNION { ?y :q :d } }", {"x"});
+TEST_F(StandingConditionsTest, KeysOfAUnionAreThoseOfTheQuery) {
+  const ConditionId id = Register("ASK { { ?x :p :c } UNION { ?y :q :d } }", {"x"});
   EXPECT_THAT(Turn({"a p c"}), ElementsAre("1 rose +{x=a}"));
   EXPECT_THAT(Turn({"b q d"}), ElementsAre("1 bindings +{}"));
   EXPECT_THAT(Turn({"e p c"}), ElementsAre("1 bindings +{x=e}"));
@@ -251,35 +251,35 @@ TEST_F(ConstraintSetTest, KeysOfAUnionAreThoseOfTheQuery) {
   EXPECT_EQ(set_.Keys(id).size(), 2u);
 }
 
-TEST_F(ConstraintSetTest, SolutionsComeInTermOrderUpToTheLimit) {
+TEST_F(StandingConditionsTest, SolutionsComeInTermOrderUpToTheLimit) {
   world_.Apply({"r at b2", "r at b1", "r at b3", "r at b1 @other"});
-  const ConstraintId id = Register("ASK { ?r :at ?b . FILTER NOT EXISTS { ?b a [] } }");
+  const ConditionId id = Register("ASK { ?r :at ?b . FILTER NOT EXISTS { ?b a [] } }");
   const auto two = set_.Solutions(id, world_.writer.current(), {}, 2);
   ASSERT_TRUE(two.ok());
   EXPECT_THAT(Texts(*two), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
-  EXPECT_EQ(set_.Solutions(ConstraintId(99), world_.writer.current(), {}, 2).status().code(),
+  EXPECT_EQ(set_.Solutions(ConditionId(99), world_.writer.current(), {}, 2).status().code(),
             absl::StatusCode::kNotFound);
 }
 
-TEST_F(ConstraintSetTest, SolutionsAgreeWithTheFixedValues) {
+TEST_F(StandingConditionsTest, SolutionsAgreeWithTheFixedValues) {
   world_.Apply({"r at b1", "s at b1", "r at b2", "r q x"});
-  const auto solutions = [&](ConstraintId id, const char* name, const char* value) {
+  const auto solutions = [&](ConditionId id, const char* name, const char* value) {
     const auto found = set_.Solutions(id, world_.writer.current(), {{name, world_.Id(value)}}, 10);
     return found.ok() ? Texts(*found) : std::vector<std::string>{found.status().ToString()};
   };
-  const ConstraintId flat = Register("ASK { ?r :at ?b }");
+  const ConditionId flat = Register("ASK { ?r :at ?b }");
   EXPECT_THAT(solutions(flat, "r", "r"), ElementsAre("{r=r,b=b1}", "{r=r,b=b2}"));
   EXPECT_THAT(solutions(flat, "b", "b1"), ElementsAre("{r=r,b=b1}", "{r=s,b=b1}"));
   EXPECT_THAT(solutions(flat, "b", "b9"), IsEmpty());
   EXPECT_THAT(solutions(flat, "other", "r"), IsEmpty());
   // ?x is bound in some solutions only: those that leave it open do not have the value
-  const ConstraintId open = Register("ASK { ?r :at ?b OPTIONAL { ?r :q ?x } }");
+  const ConditionId open = Register("ASK { ?r :at ?b OPTIONAL { ?r :q ?x } }");
   EXPECT_THAT(solutions(open, "x", "x"), ElementsAre("{r=r,b=b1,x=x}", "{r=r,b=b2,x=x}"));
 }
 
-TEST_F(ConstraintSetTest, RemovedConstraintsAreSilent) {
-  const ConstraintId a = Register("ASK { :a :p ?x }");
-  const ConstraintId b = Register("ASK { :a :p ?x }");
+TEST_F(StandingConditionsTest, RemovedConstraintsAreSilent) {
+  const ConditionId a = Register("ASK { :a :p ?x }");
+  const ConditionId b = Register("ASK { :a :p ?x }");
   EXPECT_EQ(set_.size(), 2u);
   set_.Remove(a);
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("2 rose"));
@@ -294,9 +294,9 @@ TEST_F(ConstraintSetTest, RemovedConstraintsAreSilent) {
   EXPECT_THAT(Turn({"a p b"}), IsEmpty());
 }
 
-TEST_F(ConstraintSetTest, RollbackForgetsTheTurn) {
-  const ConstraintId kept = Register("ASK { ?x :p ?y . ?y :q ?z }");
-  const ConstraintId keys = Register("ASK { ?x :p ?y }", {"x"});
+TEST_F(StandingConditionsTest, RollbackForgetsTheTurn) {
+  const ConditionId kept = Register("ASK { ?x :p ?y . ?y :q ?z }");
+  const ConditionId keys = Register("ASK { ?x :p ?y }", {"x"});
   Turn({"a p b", "b q c"});
   Commit();
   Turn({"d p e"}, {"b q c", "a p b"});
@@ -315,7 +315,7 @@ TEST_F(ConstraintSetTest, RollbackForgetsTheTurn) {
 
 // A condition that watched only the pattern that had no match must not miss the one that has none after a
 // rollback.
-TEST_F(ConstraintSetTest, RollbackRestoresWhatIsWatched) {
+TEST_F(StandingConditionsTest, RollbackRestoresWhatIsWatched) {
   Register("ASK { ?x :p ?y . ?y :q ?z }");
   Turn({"b q c"});
   Commit();
@@ -324,15 +324,15 @@ TEST_F(ConstraintSetTest, RollbackRestoresWhatIsWatched) {
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("1 rose"));
 }
 
-TEST_F(ConstraintSetTest, RegisteringWhatASilentlyRemovedOneAskedStartsAnew) {
-  const ConstraintId first = Register("ASK { :a :p ?x }");
+TEST_F(StandingConditionsTest, RegisteringWhatASilentlyRemovedOneAskedStartsAnew) {
+  const ConditionId first = Register("ASK { :a :p ?x }");
   set_.Remove(first);
-  const ConstraintId second = Register("ASK { :a :p ?x }");
+  const ConditionId second = Register("ASK { :a :p ?x }");
   EXPECT_THAT(Turn({"a p b"}), ElementsAre("2 rose"));
   EXPECT_TRUE(set_.Holds(second));
 }
 
-TEST_F(ConstraintSetTest, OnlyWhatAChangeCanTouchIsEvaluated) {
+TEST_F(StandingConditionsTest, OnlyWhatAChangeCanTouchIsEvaluated) {
   for (int i = 0; i < 500; ++i) {
     Register("ASK { ?v :at ?b . ?b :in :hall" + std::to_string(i) + " }");
     Register("ASK { :r" + std::to_string(i) + " :at ?b FILTER NOT EXISTS { ?b :closed ?c } }");
@@ -343,9 +343,9 @@ TEST_F(ConstraintSetTest, OnlyWhatAChangeCanTouchIsEvaluated) {
   EXPECT_LE(set_.evaluations() - before, 2u) << "the 499 halls without a booth do not watch who is where";
 }
 
-TEST_F(ConstraintSetTest, AConditionThatABulkOfChangesMatchesIsEvaluatedOnce) {
+TEST_F(StandingConditionsTest, AConditionThatABulkOfChangesMatchesIsEvaluatedOnce) {
   Register("ASK { ?x :p ?y . ?y :q :end }");
-  const ConstraintId keys = Register("ASK { ?x :p ?y . ?y :r ?z }", {"x"});
+  const ConditionId keys = Register("ASK { ?x :p ?y . ?y :r ?z }", {"x"});
   std::vector<std::string> bulk = {"n5 r z"};
   for (int i = 0; i < 2000; ++i) bulk.push_back("m" + std::to_string(i) + " p n" + std::to_string(i % 10));
   Turn({"n1 q end"});
@@ -355,7 +355,7 @@ TEST_F(ConstraintSetTest, AConditionThatABulkOfChangesMatchesIsEvaluatedOnce) {
   EXPECT_EQ(set_.Keys(keys).size(), 200u);
 }
 
-TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
+TEST_F(StandingConditionsTest, WrongQueriesAreRefused) {
   EXPECT_EQ(
       set_.Register(world_.Parse("ASK { :a :p ?x }"), world_.writer.current(), {{"nope"}, 0}).status().code(),
       absl::StatusCode::kInvalidArgument);
@@ -367,7 +367,7 @@ TEST_F(ConstraintSetTest, WrongQueriesAreRefused) {
   EXPECT_EQ(set_.size(), 0u);
 }
 
-TEST_F(ConstraintSetTest, AChangeThatConcernsAllOfAShapeIsJoinedOnce) {
+TEST_F(StandingConditionsTest, AChangeThatConcernsAllOfAShapeIsJoinedOnce) {
   Turn({"item7 ownedBy owner7", "item8 ownedBy owner8"});
   Commit();
   for (int i = 0; i < 100; ++i) {
@@ -375,14 +375,15 @@ TEST_F(ConstraintSetTest, AChangeThatConcernsAllOfAShapeIsJoinedOnce) {
   }
   const uint64_t before = set_.evaluations();
   EXPECT_THAT(Turn({"zoe carries item7"}), ElementsAre("8 rose"));
-  EXPECT_LE(set_.evaluations() - before, 8u);  // the few that came before there was a shape, and the shape
+  EXPECT_LE(set_.evaluations() - before,
+            8u);  // the few that came before there was a template_, and the template
   EXPECT_THAT(Turn({"zoe carries nothing"}), IsEmpty());
   EXPECT_THAT(Turn({"zoe carries item8"}, {"zoe carries item7"}), ElementsAre("8 fell", "9 rose"));
   Rollback();
   EXPECT_THAT(Turn({"zoe carries item8", "item8 ownedBy owner50"}), ElementsAre("9 rose", "51 rose"));
 }
 
-TEST_F(ConstraintSetTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOneByOne) {
+TEST_F(StandingConditionsTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOneByOne) {
   std::vector<std::string> quads;
   for (int i = 0; i < 500; ++i) quads.push_back("hub links leaf" + std::to_string(i));
   Turn(quads);
@@ -393,7 +394,7 @@ TEST_F(ConstraintSetTest, AShapeWithMoreSolutionsThanConstraintsAsksThemOneByOne
 }
 
 // What holds keeps watching; being hit in vain it stops, and must watch again when it falls.
-TEST_F(ConstraintSetTest, WhatHoldsAndIsHitInVainRisesAgainAfterItFell) {
+TEST_F(StandingConditionsTest, WhatHoldsAndIsHitInVainRisesAgainAfterItFell) {
   for (int i = 0; i < 20; ++i) Register("ASK { ?v :at :room . ?v :wants :topic" + std::to_string(i) + " }");
   Turn({"ann at room", "bob at room"});
   Commit();
@@ -409,7 +410,7 @@ TEST_F(ConstraintSetTest, WhatHoldsAndIsHitInVainRisesAgainAfterItFell) {
   }
 }
 
-TEST_F(ConstraintSetTest, NegationsThatDifferInOneConstantShareTheirBody) {
+TEST_F(StandingConditionsTest, NegationsThatDifferInOneConstantShareTheirBody) {
   std::vector<std::string> quads;
   for (int i = 0; i < 20; ++i) quads.push_back("p" + std::to_string(i) + " at hall");
   Turn(quads);
@@ -432,7 +433,7 @@ uint64_t FakeNanos() {
   return now += 10;
 }
 
-TEST_F(ConstraintSetTest, EvaluationsThatNothingNarrowsAreCounted) {
+TEST_F(StandingConditionsTest, EvaluationsThatNothingNarrowsAreCounted) {
   set_.SetStopWatch(FakeNanos);
   Register("ASK { ?s :until ?t . FILTER(?t < NOW()) }");
   Register("ASK { ?v :at :room }");

@@ -1,14 +1,14 @@
-// Standing constraints: SPARQL ASK queries whose answer is known at every moment, and told when it changes.
+// Standing conditions: SPARQL ASK queries whose answer is known at every moment, and told when it changes.
 //
-// The comparator of the paper: a workflow node waits for a constraint to rise, an activator for each new
-// binding. The cost of an update depends on the constraints that it can touch, not on how many exist or how
+// The comparator of the paper: a workflow node waits for a condition to rise, an activator for each new
+// binding. The cost of an update depends on the conditions that it can touch, not on how many exist or how
 // large the graph is:
 //
 //   - What does not hold watches the patterns through which it could begin to hold. A matching change is
 //   bound into the
 //     query and only the rest is evaluated ("delta join"). Where a pattern of it has no match at all, that
 //     one alone is watched.
-//   - Constraints that differ only in constants share the patterns without them: one delta join for all, whose
+//   - Conditions that differ only in constants share the patterns without them: one delta join for all, whose
 //   solutions say which of them rise.
 //   - What holds keeps one *witness* (a solution) for each key and watches only what could break that very
 //   solution.
@@ -19,8 +19,8 @@
 //
 // Levels are exact after each Update. Changes made since the last Commit are undone by Rollback. One thread:
 // the one that interns into its dictionary.
-#ifndef DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_H_
-#define DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_H_
+#ifndef DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_
+#define DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_
 
 #include <cstdint>
 #include <memory>
@@ -42,15 +42,15 @@
 
 namespace docent {
 
-// Never reused within one ConstraintSet.
-class ConstraintId {
+// Never reused within one StandingConditions.
+class ConditionId {
  public:
-  constexpr ConstraintId() = default;
-  constexpr explicit ConstraintId(uint64_t value) : value_(value) {}
+  constexpr ConditionId() = default;
+  constexpr explicit ConditionId(uint64_t value) : value_(value) {}
   constexpr uint64_t value() const { return value_; }
-  friend constexpr auto operator<=>(ConstraintId, ConstraintId) = default;
+  friend constexpr auto operator<=>(ConditionId, ConditionId) = default;
   template <typename H>
-  friend H AbslHashValue(H h, ConstraintId id) {
+  friend H AbslHashValue(H h, ConditionId id) {
     return H::combine(std::move(h), id.value_);
   }
 
@@ -62,14 +62,14 @@ class ConstraintId {
 // left out. Ids are the dictionary's: computed values are interned.
 using Binding = std::vector<std::pair<std::string, TermId>>;
 
-// What an Update changed about one constraint.
-struct ConstraintChange {
+// What an Update changed about one condition.
+struct ConditionChange {
   enum class Edge : uint8_t {
     kRose,             // did not hold, holds now
     kFell,             // held, does not hold now
     kBindingsChanged,  // holds as before, but with other key bindings (only where key variables are tracked)
   };
-  ConstraintId id;
+  ConditionId id;
   Edge edge = Edge::kRose;
   // With key variables: the bindings of the keys that began and ceased to be answers, in term order.
   std::vector<Binding> appeared;
@@ -83,22 +83,22 @@ struct RegisterOptions {
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
-class ConstraintSet final : public ChangeObserver {
+class StandingConditions final : public ChangeObserver {
  public:
   // `dictionary` interns the constants of queries and computed key values. Both must outlive the set.
-  explicit ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
-  ~ConstraintSet();
-  ConstraintSet(const ConstraintSet&) = delete;
-  ConstraintSet& operator=(const ConstraintSet&) = delete;
+  explicit StandingConditions(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
+  ~StandingConditions();
+  StandingConditions(const StandingConditions&) = delete;
+  StandingConditions& operator=(const StandingConditions&) = delete;
 
   // Begins to follow `ask` (form ASK; the WHERE of a SELECT is taken likewise). `now` is the version that the
   // next Update's delta starts from; the level on it is known at once and is not reported as a change.
   // INVALID_ARGUMENT for a key variable that the query does not bind or another form of query; UNIMPLEMENTED
   // for what the evaluator cannot do. Queries that are the same share their work.
-  absl::StatusOr<ConstraintId> Register(const sparql::Query& ask, const GraphVersion& now,
-                                        const RegisterOptions& options = {});
+  absl::StatusOr<ConditionId> Register(const sparql::Query& ask, const GraphVersion& now,
+                                       const RegisterOptions& options = {});
   // Ends following; unknown ids are ignored.
-  void Remove(ConstraintId id);
+  void Remove(ConditionId id);
 
   // Of a change that the next Update will most likely be told of: what Update will look at is on its way into the cache while
   // the graph changes. Decides nothing; need not be called.
@@ -109,18 +109,18 @@ class ConstraintSet final : public ChangeObserver {
 
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
   // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.
-  absl::StatusOr<absl::Span<const ConstraintChange>> Update(const GraphVersion& version, const Delta& delta,
-                                                            TimeMicros now_us = 0,
-                                                            Cancellation* cancellation = nullptr);
+  absl::StatusOr<absl::Span<const ConditionChange>> Update(const GraphVersion& version, const Delta& delta,
+                                                           TimeMicros now_us = 0,
+                                                           Cancellation* cancellation = nullptr);
 
   // Whether it holds as of the last Update. False for an unknown id.
-  bool Holds(ConstraintId id) const;
-  // The key bindings as of the last Update, in term order. One empty binding for a constraint without keys
+  bool Holds(ConditionId id) const;
+  // The key bindings as of the last Update, in term order. One empty binding for a condition without keys
   // that holds.
-  std::vector<Binding> Keys(ConstraintId id) const;
+  std::vector<Binding> Keys(ConditionId id) const;
   // Solutions on `version` that have the values of `fixed`, with all visible variables, distinct, in term order, the
   // first `limit` of them. None where `fixed` has another variable. NOT_FOUND for an unknown id.
-  absl::StatusOr<std::vector<Binding>> Solutions(ConstraintId id, const GraphVersion& version,
+  absl::StatusOr<std::vector<Binding>> Solutions(ConditionId id, const GraphVersion& version,
                                                  const Binding& fixed, size_t limit, TimeMicros now_us = 0,
                                                  Cancellation* cancellation = nullptr);
 
@@ -133,11 +133,11 @@ class ConstraintSet final : public ChangeObserver {
   using StopWatch = uint64_t (*)();
   void SetStopWatch(StopWatch now_ns);
 
-  size_t size() const;  // constraints followed
+  size_t size() const;  // conditions followed
   // Since construction, for /metrics.
   struct Counters {
     uint64_t updates = 0;      // calls of Update
-    uint64_t candidates = 0;   // (constraint, changed quad) pairs that the index found
+    uint64_t candidates = 0;   // (condition, changed quad) pairs that the index found
     uint64_t evaluations = 0;  // queries or delta joins run by Update
     uint64_t changes = 0;      // edges reported
     // Of these evaluations, those that no change narrowed: what they cost grows with the graph.
@@ -155,4 +155,4 @@ class ConstraintSet final : public ChangeObserver {
 
 }  // namespace docent
 
-#endif  // DOCENT_REASONER_CONDITIONS_CONSTRAINT_SET_H_
+#endif  // DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_

@@ -1,4 +1,4 @@
-#include "reasoner/conditions/shape.h"
+#include "reasoner/conditions/condition_template.h"
 
 #include <algorithm>
 #include <utility>
@@ -17,7 +17,7 @@ using sparql::PatternTerm;
 constexpr size_t kSpareSolutions = 64;
 
 // The same constant is the same variable.
-void OpenTerm(PatternTerm& term, ShapeForm& form) {
+void OpenTerm(PatternTerm& term, TemplateForm& form) {
   if (term.IsVariable()) return;
   const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
   const auto place = static_cast<size_t>(known - form.constants.begin());
@@ -30,7 +30,7 @@ void OpenTerm(PatternTerm& term, ShapeForm& form) {
 }
 
 // Inside EXISTS, what stands outside, too, is the variable that it is there.
-void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope, const TemplateForm& form) {
   if (term.IsVariable()) return;
   const auto known = std::find(form.constants.begin(), form.constants.end(), term.term());
   if (known == form.constants.end()) return;
@@ -38,7 +38,7 @@ void OpenKnown(PatternTerm& term, const absl::flat_hash_set<std::string>& scope,
   if (scope.contains(name)) term = PatternTerm::Of(sparql::Variable{name});
 }
 
-void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, const ShapeForm& form) {
+void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, const TemplateForm& form) {
   const bool plain = node.kind == Algebra::Kind::kBgp || node.kind == Algebra::Kind::kJoin;
   if (!plain) return;
   for (sparql::TriplePattern& triple : node.triples) {
@@ -50,13 +50,13 @@ void OpenKnown(Algebra& node, const absl::flat_hash_set<std::string>& scope, con
 }
 
 void OpenKnown(sparql::Expression& expression, const absl::flat_hash_set<std::string>& scope,
-               const ShapeForm& form) {
+               const TemplateForm& form) {
   if (expression.pattern) OpenKnown(*expression.pattern, scope, form);
   for (const auto& argument : expression.arguments) OpenKnown(*argument, scope, form);
 }
 
-Shape::Constants ConstantsOf(const ShapeForm& form, Dictionary& dictionary) {
-  Shape::Constants constants;
+ConditionTemplate::Constants ConstantsOf(const TemplateForm& form, Dictionary& dictionary) {
+  ConditionTemplate::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
   return constants;
 }
@@ -66,7 +66,7 @@ bool SameConstants(const QuadPattern& a, const QuadPattern& b) {
 }
 
 // The patterns that every solution matches: those of the outermost conjunction.
-void OpenConstants(Algebra& node, ShapeForm& form) {
+void OpenConstants(Algebra& node, TemplateForm& form) {
   switch (node.kind) {
     case Algebra::Kind::kBgp:
       for (sparql::TriplePattern& triple : node.triples) {
@@ -92,8 +92,8 @@ void OpenConstants(Algebra& node, ShapeForm& form) {
 
 }  // namespace
 
-std::optional<ShapeForm> SplitConstants(const sparql::Query& query) {
-  ShapeForm form;
+std::optional<TemplateForm> SplitConstants(const sparql::Query& query) {
+  TemplateForm form;
   form.shared.form = sparql::Query::Form::kAsk;
   form.shared.from = query.from;
   form.shared.from_named = query.from_named;
@@ -103,62 +103,63 @@ std::optional<ShapeForm> SplitConstants(const sparql::Query& query) {
   return form;
 }
 
-Shape::Shape(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes)
+ConditionTemplate::ConditionTemplate(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes)
     : number_(number),
       body_(std::move(body)),
       all_certain_(std::all_of(body_->columns().begin(), body_->columns().end(),
                                [](const Body::Column& column) { return column.certain; })),
       indexes_(indexes) {}
 
-Shape::~Shape() {
+ConditionTemplate::~ConditionTemplate() {
   Unwatch();
 }
 
-absl::StatusOr<std::unique_ptr<Shape>> Shape::Make(uint32_t number, const ShapeForm& form, const Body& member,
-                                                   WatchIndexes& indexes, Dictionary& dictionary,
-                                                   const sparql::FunctionRegistry* functions) {
+absl::StatusOr<std::unique_ptr<ConditionTemplate>> ConditionTemplate::Make(
+    uint32_t number, const TemplateForm& form, const Body& member, WatchIndexes& indexes,
+    Dictionary& dictionary, const sparql::FunctionRegistry* functions) {
   auto body = Body::Compile(form.shared, dictionary, functions);
   if (!body.ok()) return body.status();
-  std::unique_ptr<Shape> shape(new Shape(number, *std::move(body), indexes));
+  std::unique_ptr<ConditionTemplate> condition_template(
+      new ConditionTemplate(number, *std::move(body), indexes));
   for (const std::string& name : form.parameters) {
-    const int column = shape->body_->ColumnOf(name);
-    if (column < 0 || !shape->body_->columns()[column].certain) return nullptr;
-    shape->parameters_.push_back(static_cast<int16_t>(column));
+    const int column = condition_template->body_->ColumnOf(name);
+    if (column < 0 || !condition_template->body_->columns()[column].certain) return nullptr;
+    condition_template->parameters_.push_back(static_cast<int16_t>(column));
   }
   for (const Body::Column& column : member.columns()) {
-    const int found = shape->body_->ColumnOf(column.name);
+    const int found = condition_template->body_->ColumnOf(column.name);
     if (found < 0) return nullptr;
-    shape->columns_.push_back(static_cast<int16_t>(found));
+    condition_template->columns_.push_back(static_cast<int16_t>(found));
   }
-  const std::vector<Trigger>& open = shape->body_->triggers();
+  const std::vector<Trigger>& open = condition_template->body_->triggers();
   if (open.size() != member.triggers().size() || member.is_volatile()) return nullptr;
   bool any = false;
   for (size_t i = 0; i < open.size(); ++i) {
     // without one of the constants both look at the same quads
     const bool shares = SameConstants(open[i].match.constants, member.triggers()[i].match.constants);
-    shape->shared_.push_back(shares);
+    condition_template->shared_.push_back(shares);
     any = any || shares;
   }
-  shape->shares_any_ = any;
-  shape->lends_body_ = shape->IsSame(member, ConstantsOf(form, dictionary));
-  if (!any && !shape->lends_body_) return nullptr;
-  for (const int16_t column : shape->parameters_) shape->body_->Hide(column);
-  return shape;
+  condition_template->shares_any_ = any;
+  condition_template->lends_body_ = condition_template->IsSame(member, ConstantsOf(form, dictionary));
+  if (!any && !condition_template->lends_body_) return nullptr;
+  for (const int16_t column : condition_template->parameters_) condition_template->body_->Hide(column);
+  return condition_template;
 }
 
-ConditionKind& Shape::KindWith(const ConditionKind::Keys& keys) {
+ConditionKind& ConditionTemplate::KindWith(const ConditionKind::Keys& keys) {
   for (const auto& kind : kinds_) {
     if (kind->keys == keys) return *kind;
   }
   ConditionKind& kind =
       *kinds_.emplace_back(std::make_unique<ConditionKind>(*body_, keys, parameters_, indexes_));
-  kind.shape = this;
+  kind.condition_template = this;
   kind.borrows = true;
   return kind;
 }
 
 // Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
-bool Shape::IsSame(const Body& member, const Constants& constants) const {
+bool ConditionTemplate::IsSame(const Body& member, const Constants& constants) const {
   ConditionKind kind(*body_, {}, parameters_, indexes_);
   const std::vector<TermId>& seed = kind.SeedWith(constants);
   for (size_t i = 0; i < shared_.size(); ++i) {
@@ -185,11 +186,11 @@ bool Shape::IsSame(const Body& member, const Constants& constants) const {
   return body_->columns().size() == columns_.size() + parameters_.size();
 }
 
-void Shape::Watch() {
+void ConditionTemplate::Watch() {
   for (size_t i = 0; i < shared_.size(); ++i) {
     if (!shared_[i]) continue;
     const Trigger& trigger = body_->triggers()[i];
-    const PatternIndex::Reference reference{number_ | WatchIndexes::kIsShape, static_cast<uint32_t>(i)};
+    const PatternIndex::Reference reference{number_ | WatchIndexes::kIsTemplate, static_cast<uint32_t>(i)};
     const QuadPattern& constants = trigger.match.constants;
     if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, constants, reference));
     if (RisesOnRemove(trigger.polarity))
@@ -197,16 +198,16 @@ void Shape::Watch() {
   }
 }
 
-void Shape::Unwatch() {
+void ConditionTemplate::Unwatch() {
   indexes_.RemoveAll(watches_);
 }
 
-void Shape::Join(uint32_t condition, const Constants& constants) {
+void ConditionTemplate::Join(uint32_t condition, const Constants& constants) {
   if (waiting_++ == 0) Watch();
   members_[constants].push_back(condition);
 }
 
-void Shape::Leave(uint32_t condition, const Constants& constants) {
+void ConditionTemplate::Leave(uint32_t condition, const Constants& constants) {
   const auto found = members_.find(constants);
   auto& conditions = found->second;
   conditions.erase(std::find(conditions.begin(), conditions.end(), condition));
@@ -214,7 +215,7 @@ void Shape::Leave(uint32_t condition, const Constants& constants) {
   if (--waiting_ == 0) Unwatch();
 }
 
-std::vector<uint32_t> Shape::Waiting() const {
+std::vector<uint32_t> ConditionTemplate::Waiting() const {
   std::vector<uint32_t> all;
   for (const auto& [constants, conditions] : members_)
     all.insert(all.end(), conditions.begin(), conditions.end());
@@ -222,8 +223,8 @@ std::vector<uint32_t> Shape::Waiting() const {
   return all;
 }
 
-absl::StatusOr<bool> Shape::Probe(uint32_t trigger, const Quad* quad, bool added,
-                                  const sparql::RunOptions& run, Visitor visit) {
+absl::StatusOr<bool> ConditionTemplate::Probe(uint32_t trigger, const Quad* quad, bool added,
+                                              const sparql::RunOptions& run, Visitor visit) {
   if (quad != nullptr) {
     body_->SeedFrom(body_->triggers()[trigger], *quad, seed_);
   } else {

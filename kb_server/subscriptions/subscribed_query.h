@@ -1,6 +1,6 @@
 // A query that is followed, as Subscriptions keeps it. Private to this folder.
-#ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_
-#define DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_
+#ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIBED_QUERY_H_
+#define DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIBED_QUERY_H_
 
 #include <cstdint>
 #include <memory>
@@ -8,26 +8,26 @@
 #include <string>
 #include <vector>
 
-#include "kb_server/subscriptions/followed_form.h"
+#include "kb_server/subscriptions/subscribed_form.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
 namespace docent {
 
-struct Subscriptions::Standing {
+struct Subscriptions::Subscription {
   uint32_t number = 0;
-  FollowedQuery followed;
+  SubscribedQuery followed;
   sparql::Query query;
-  std::optional<FollowedForm> form;  // nullopt: always asked whole
+  std::optional<SubscribedForm> form;  // nullopt: always asked whole
   TriggerAnalysis analysis;
   std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
   std::unique_ptr<sparql::PreparedQuery> prepared;  // null while it is kept
-  std::optional<ConstraintId> kept;
+  std::optional<ConditionId> kept;
   std::vector<PatternIndex::Handle> watches;
-  StandingAnswerPtr answer;
+  SubscriptionAnswerPtr answer;
   std::optional<TimeMicros> ripens_at_us;          // its place in ripening_
   absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
 };
 
 }  // namespace docent
 
-#endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_QUERY_H_
+#endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIBED_QUERY_H_

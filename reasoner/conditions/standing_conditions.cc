@@ -1,4 +1,4 @@
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "reasoner/conditions/bindings.h"
-#include "reasoner/conditions/constraint_set_impl.h"
+#include "reasoner/conditions/standing_conditions_impl.h"
 
 namespace docent {
 namespace {
@@ -24,15 +24,15 @@ std::string Fingerprint(const sparql::Query& query, const std::vector<std::strin
 
 }  // namespace
 
-bool ConstraintSet::Impl::Shared::IsFollowed() const {
+bool StandingConditions::Impl::Shared::IsFollowed() const {
   if (groups == nullptr) return !followers.empty();
   return !followers.empty() || std::any_of(groups->begin(), groups->end(),
                                            [](const auto& group) { return group && !group->empty(); });
 }
 
-ConstraintSet::ConstraintSet(Dictionary& dictionary, const sparql::FunctionRegistry* functions)
+StandingConditions::StandingConditions(Dictionary& dictionary, const sparql::FunctionRegistry* functions)
     : impl_(std::make_unique<Impl>(dictionary, functions)) {}
-ConstraintSet::~ConstraintSet() = default;
+StandingConditions::~StandingConditions() = default;
 
 namespace {
 
@@ -43,7 +43,7 @@ absl::StatusOr<Condition::Keys> KeyColumns(const Body& body, const std::vector<s
     const int column = body.ColumnOf(name);
     if (column < 0) {
       return absl::InvalidArgumentError(
-          absl::StrCat("key variable ?", name, " is not bound by the constraint"));
+          absl::StrCat("key variable ?", name, " is not bound by the condition"));
     }
     keys.push_back(static_cast<int16_t>(column));
   }
@@ -52,14 +52,15 @@ absl::StatusOr<Condition::Keys> KeyColumns(const Body& body, const std::vector<s
 
 }  // namespace
 
-absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, const GraphVersion& now,
-                                                   const RegisterOptions& options, std::string fingerprint) {
-  const std::optional<ShapeForm> form = SplitConstants(query);
-  std::string shape_name = form ? Fingerprint(form->shared, {}) : "";
+absl::StatusOr<uint32_t> StandingConditions::Impl::Make(const sparql::Query& query, const GraphVersion& now,
+                                                        const RegisterOptions& options,
+                                                        std::string fingerprint) {
+  const std::optional<TemplateForm> form = SplitConstants(query);
+  std::string template_name = form ? Fingerprint(form->shared, {}) : "";
   const uint32_t number = conditions.Next();
   Shared* condition = nullptr;
   if (form) {
-    const absl::StatusOr<Shared*> borrower = BorrowBody(*form, shape_name, options);
+    const absl::StatusOr<Shared*> borrower = BorrowBody(*form, template_name, options);
     if (!borrower.ok()) return borrower.status();
     condition = *borrower;
   }
@@ -82,48 +83,48 @@ absl::StatusOr<uint32_t> ConstraintSet::Impl::Make(const sparql::Query& query, c
   if (shared.body().is_volatile()) volatile_conditions.push_back(number);
   by_fingerprint.emplace(fingerprint, number);
   shared.fingerprint = std::move(fingerprint);
-  shared.shape = std::move(shape_name);
-  if (form) JoinShape(number, *form, borrowed, now);
+  shared.template_name = std::move(template_name);
+  if (form) JoinTemplate(number, *form, borrowed, now);
   shared.Arm(&now);
   return number;
 }
 
-absl::StatusOr<ConstraintSet::Impl::Shared*> ConstraintSet::Impl::BorrowBody(const ShapeForm& form,
-                                                                             const std::string& shape_name,
-                                                                             const RegisterOptions& options) {
-  const auto like = alike.find(shape_name);
-  if (like == alike.end() || !like->second.shape) return nullptr;
-  Shape& shape = *shapes[*like->second.shape];
-  if (!shape.lends_body()) return nullptr;
-  auto keys = KeyColumns(shape.body(), options.key_variables);
+absl::StatusOr<StandingConditions::Impl::Shared*> StandingConditions::Impl::BorrowBody(
+    const TemplateForm& form, const std::string& template_name, const RegisterOptions& options) {
+  const auto like = alike.find(template_name);
+  if (like == alike.end() || !like->second.template_number) return nullptr;
+  ConditionTemplate& condition_template = *templates[*like->second.template_number];
+  if (!condition_template.lends_body()) return nullptr;
+  auto keys = KeyColumns(condition_template.body(), options.key_variables);
   if (!keys.ok()) return keys.status();
-  Shape::Constants constants;
+  ConditionTemplate::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
-  return &conditions.Make(conditions.Next(), &shape, std::move(constants), *keys);
+  return &conditions.Make(conditions.Next(), &condition_template, std::move(constants), *keys);
 }
 
-void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool borrowed,
-                                    const GraphVersion& now) {
+void StandingConditions::Impl::JoinTemplate(uint32_t number, const TemplateForm& form, bool borrowed,
+                                         const GraphVersion& now) {
   Shared& shared = conditions[number];
-  Alike& like = alike[shared.shape];
+  Alike& like = alike[shared.template_name];
   ++like.count;
   if (like.hopeless || borrowed) return;
-  Shape::Constants constants;
+  ConditionTemplate::Constants constants;
   for (const Term& constant : form.constants) constants.push_back(dictionary.Intern(constant));
   like.alone.emplace_back(number, std::move(constants));
-  if (like.count <= kShapesAlone) return;
-  if (!like.shape) {
-    const auto free = std::find(shapes.begin(), shapes.end(), nullptr);
-    const auto place = static_cast<uint32_t>(free - shapes.begin());
-    auto shape = Shape::Make(place, form, shared.body(), indexes, dictionary, functions);
-    like.hopeless = !shape.ok() || *shape == nullptr;
-    if (free == shapes.end() && !like.hopeless) shapes.emplace_back();
-    if (!like.hopeless) shapes[place] = *std::move(shape);
-    if (!like.hopeless) like.shape = place;
+  if (like.count <= kAloneAtMost) return;
+  if (!like.template_number) {
+    const auto free = std::find(templates.begin(), templates.end(), nullptr);
+    const auto place = static_cast<uint32_t>(free - templates.begin());
+    auto condition_template =
+        ConditionTemplate::Make(place, form, shared.body(), indexes, dictionary, functions);
+    like.hopeless = !condition_template.ok() || *condition_template == nullptr;
+    if (free == templates.end() && !like.hopeless) templates.emplace_back();
+    if (!like.hopeless) templates[place] = *std::move(condition_template);
+    if (!like.hopeless) like.template_number = place;
   }
   for (auto& [alone, values] : std::exchange(like.alone, {})) {
     if (like.hopeless) continue;
-    conditions[alone].SetShape(shapes[*like.shape].get(), std::move(values));
+    conditions[alone].SetTemplate(templates[*like.template_number].get(), std::move(values));
     if (alone == number) continue;  // its maker arms it
     conditions[alone].Arm(&now);
     journal.push_back({JournalEntry::Kind::kArmed, alone, {}});
@@ -131,26 +132,26 @@ void ConstraintSet::Impl::JoinShape(uint32_t number, const ShapeForm& form, bool
 }
 
 // After its condition is gone.
-void ConstraintSet::Impl::LeaveShape(const std::string& shape, uint32_t number) {
-  const auto found = alike.find(shape);
+void StandingConditions::Impl::LeaveTemplate(const std::string& template_name, uint32_t number) {
+  const auto found = alike.find(template_name);
   if (found == alike.end()) return;
   std::erase_if(found->second.alone, [number](const auto& alone) { return alone.first == number; });
   if (--found->second.count > 0) return;
-  if (found->second.shape) shapes[*found->second.shape].reset();
+  if (found->second.template_number) templates[*found->second.template_number].reset();
   alike.erase(found);
 }
 
-absl::StatusOr<uint32_t> ConstraintSet::Impl::FindOrMake(const sparql::Query& query, const GraphVersion& now,
-                                                         const RegisterOptions& options) {
+absl::StatusOr<uint32_t> StandingConditions::Impl::FindOrMake(const sparql::Query& query,
+                                                              const GraphVersion& now,
+                                                              const RegisterOptions& options) {
   std::string fingerprint = Fingerprint(query, options.key_variables);
   const auto found = by_fingerprint.find(fingerprint);
   return found != by_fingerprint.end() ? found->second : Make(query, now, options, std::move(fingerprint));
 }
 
 // nullopt: too few alike, or too many values to remember.
-absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(const ThresholdForm& form,
-                                                                            const GraphVersion& now,
-                                                                            const RegisterOptions& options) {
+absl::StatusOr<std::optional<uint32_t>> StandingConditions::Impl::GroupCondition(
+    const ThresholdForm& form, const GraphVersion& now, const RegisterOptions& options) {
   const RegisterOptions grouped{{form.variable}, options.now_us, options.cancellation};
   std::string fingerprint = Fingerprint(form.shared, grouped.key_variables);
   const auto found = by_fingerprint.find(fingerprint);
@@ -176,8 +177,8 @@ absl::StatusOr<std::optional<uint32_t>> ConstraintSet::Impl::GroupCondition(cons
   return *made;
 }
 
-absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl::JoinGroup(
-    ConstraintId id, const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options) {
+absl::StatusOr<std::optional<StandingConditions::Impl::Subscriber>> StandingConditions::Impl::JoinGroup(
+    ConditionId id, const sparql::Query& query, const GraphVersion& now, const RegisterOptions& options) {
   if (!options.key_variables.empty()) return std::nullopt;
   const std::optional<ThresholdForm> form = SplitThreshold(query);
   if (!form) return std::nullopt;
@@ -193,22 +194,22 @@ absl::StatusOr<std::optional<ConstraintSet::Impl::Follower>> ConstraintSet::Impl
   if (!group) {
     group = std::make_unique<ThresholdGroup>(above, dictionary, comparer);
     for (const Condition::Key& key : shared.Present()) group->SetKey(key[0], true);
-    if (absl::Status status = group->Relevel(run, [](ConstraintId, bool) {}); !status.ok()) return status;
+    if (absl::Status status = group->Relevel(run, [](ConditionId, bool) {}); !status.ok()) return status;
   }
   const TermId constant = dictionary.Intern(form->constant);
   if (absl::Status status = group->AddMember(id, form->op, constant, run); !status.ok()) return status;
-  return Follower{**number, false, Threshold{above, constant}};
+  return Subscriber{**number, false, Threshold{above, constant}};
 }
 
-absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, const GraphVersion& now,
-                                                     const RegisterOptions& options) {
+absl::StatusOr<ConditionId> StandingConditions::Register(const sparql::Query& ask, const GraphVersion& now,
+                                                         const RegisterOptions& options) {
   if (ask.form != sparql::Query::Form::kAsk && ask.form != sparql::Query::Form::kSelect) {
-    return absl::InvalidArgumentError("a standing constraint is an ASK or SELECT query");
+    return absl::InvalidArgumentError("a standing condition is an ASK or SELECT query");
   }
-  const ConstraintId id(impl_->next_id);
-  absl::StatusOr<std::optional<Impl::Follower>> grouped = impl_->JoinGroup(id, ask, now, options);
+  const ConditionId id(impl_->next_id);
+  absl::StatusOr<std::optional<Impl::Subscriber>> grouped = impl_->JoinGroup(id, ask, now, options);
   if (!grouped.ok()) return grouped.status();
-  Impl::Follower follower;
+  Impl::Subscriber follower;
   if (*grouped) {
     follower = **grouped;
   } else {
@@ -223,7 +224,7 @@ absl::StatusOr<ConstraintId> ConstraintSet::Register(const sparql::Query& ask, c
   return id;
 }
 
-void ConstraintSet::Remove(ConstraintId id) {
+void StandingConditions::Remove(ConditionId id) {
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end() || found->second.removed) return;
   found->second.removed = true;
@@ -231,13 +232,13 @@ void ConstraintSet::Remove(ConstraintId id) {
   impl_->journal.push_back({Impl::JournalEntry::Kind::kRemoved, found->second.condition, id});
 }
 
-ThresholdGroup& ConstraintSet::Impl::GroupOf(const Follower& follower) const {
+ThresholdGroup& StandingConditions::Impl::GroupOf(const Subscriber& follower) const {
   return *(*conditions[follower.condition].groups)[follower.threshold->above];
 }
 
-void ConstraintSet::Impl::Unfollow(ConstraintId id) {
+void StandingConditions::Impl::Unfollow(ConditionId id) {
   const auto found = followers.find(id);
-  const Follower follower = found->second;
+  const Subscriber follower = found->second;
   followers.erase(found);
   Shared& shared = conditions[follower.condition];
   if (follower.threshold) {
@@ -248,22 +249,22 @@ void ConstraintSet::Impl::Unfollow(ConstraintId id) {
   if (shared.IsFollowed()) return;
   std::erase(volatile_conditions, follower.condition);
   by_fingerprint.erase(shared.fingerprint);
-  const std::string shape = std::move(shared.shape);
+  const std::string template_name = std::move(shared.template_name);
   conditions.Remove(follower.condition);
-  LeaveShape(shape, follower.condition);
+  LeaveTemplate(template_name, follower.condition);
 }
 
-bool ConstraintSet::Impl::Holds(ConstraintId id, const Follower& follower) const {
+bool StandingConditions::Impl::Holds(ConditionId id, const Subscriber& follower) const {
   if (follower.threshold) return GroupOf(follower).Holds(id, follower.threshold->constant);
   return conditions[follower.condition].holds();
 }
 
-bool ConstraintSet::Holds(ConstraintId id) const {
+bool StandingConditions::Holds(ConditionId id) const {
   const auto found = impl_->followers.find(id);
   return found != impl_->followers.end() && impl_->Holds(id, found->second);
 }
 
-std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
+std::vector<Binding> StandingConditions::Keys(ConditionId id) const {
   std::vector<Binding> bindings;
   const auto found = impl_->followers.find(id);
   if (found == impl_->followers.end()) return bindings;
@@ -277,12 +278,14 @@ std::vector<Binding> ConstraintSet::Keys(ConstraintId id) const {
   return bindings;
 }
 
-absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, const GraphVersion& version,
-                                                              const Binding& fixed, size_t limit,
-                                                              TimeMicros now_us, Cancellation* cancellation) {
+absl::StatusOr<std::vector<Binding>> StandingConditions::Solutions(ConditionId id,
+                                                                   const GraphVersion& version,
+                                                                   const Binding& fixed, size_t limit,
+                                                                   TimeMicros now_us,
+                                                                   Cancellation* cancellation) {
   const auto found = impl_->followers.find(id);
-  if (found == impl_->followers.end()) return absl::NotFoundError("no such constraint");
-  const Impl::Follower& follower = found->second;
+  if (found == impl_->followers.end()) return absl::NotFoundError("no such condition");
+  const Impl::Subscriber& follower = found->second;
   Condition& condition = impl_->conditions[follower.condition];
   const std::vector<Body::Column>& columns = condition.body().columns();
   std::vector<TermId> seed = condition.Seed();
@@ -321,15 +324,15 @@ absl::StatusOr<std::vector<Binding>> ConstraintSet::Solutions(ConstraintId id, c
   return bindings;
 }
 
-size_t ConstraintSet::size() const {
+size_t StandingConditions::size() const {
   return impl_->followers.size() - impl_->removals;
 }
 
-void ConstraintSet::SetStopWatch(StopWatch now_ns) {
+void StandingConditions::SetStopWatch(StopWatch now_ns) {
   impl_->now_ns = now_ns;
 }
 
-const ConstraintSet::Counters& ConstraintSet::counters() const {
+const StandingConditions::Counters& StandingConditions::counters() const {
   return impl_->counters;
 }
 

@@ -1,7 +1,7 @@
-// The answer of one standing query as it changes: written by the thread that evaluates it, read by the clients that
+// The answer of one subscribed query as it changes: written by the thread that evaluates it, read by the clients that
 // follow it, each at its own pace. It may be told of it only what has lasted for a while. Thread-safe.
-#ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_ANSWER_H_
-#define DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_ANSWER_H_
+#ifndef DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_
+#define DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_
 
 #include <cstdint>
 #include <deque>
@@ -41,12 +41,13 @@ struct AnswerChange {
 };
 using AnswerChangePtr = std::shared_ptr<const AnswerChange>;
 
-class StandingAnswer {
+class SubscriptionAnswer {
  public:
   // `id`: unique in this life of the server. `dictionary` must outlive it. Those who follow are told of a row, and of yes,
   // when that has been the answer without a break for `at_least_us`; that it is no longer, at once.
-  StandingAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables,
-                 const Dictionary* dictionary, const SubscriptionLimits& limits, TimeMicros at_least_us = 0)
+  SubscriptionAnswer(uint64_t id, bool is_boolean, std::vector<std::string> variables,
+                     const Dictionary* dictionary, const SubscriptionLimits& limits,
+                     TimeMicros at_least_us = 0)
       : id_(id),
         is_boolean_(is_boolean),
         variables_(std::move(variables)),
@@ -129,8 +130,8 @@ class StandingAnswer {
   uint64_t newest_ ABSL_GUARDED_BY(mutex_) = 0;
   mutable AnswerChangePtr whole_ ABSL_GUARDED_BY(mutex_);  // made when first asked for
 };
-using StandingAnswerPtr = std::shared_ptr<StandingAnswer>;
+using SubscriptionAnswerPtr = std::shared_ptr<SubscriptionAnswer>;
 
 }  // namespace docent
 
-#endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_STANDING_ANSWER_H_
+#endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_

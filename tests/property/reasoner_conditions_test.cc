@@ -1,4 +1,4 @@
-// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing constraint
+// Whatever the order of additions, removals, registrations, commits and rollbacks: what a standing condition
 // says is what its query says when it is run again, and its binding edges are the difference of two runs.
 
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "graph/sparql/run/evaluator.h"
-#include "reasoner/conditions/constraint_set.h"
+#include "reasoner/conditions/standing_conditions.h"
 #include "tests/property/reasoner_random.h"
 #include "tests/reasoner/test_world.h"
 
@@ -120,7 +120,7 @@ class Followed {
   const Asked& asked() const { return asked_; }
   const sparql::Query& query() const { return query_; }
 
-  ConstraintId id;
+  ConditionId id;
   KeySet expected;  // as of the last update
   KeySet committed;
 
@@ -145,7 +145,7 @@ struct Step {
 std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps,
                        size_t register_late) {
   TestWorld world;
-  ConstraintSet set(world.dictionary);
+  StandingConditions set(world.dictionary);
   set.FetchAheadFrom(0);
   world.writer.SetObserver(&set);
   std::vector<std::unique_ptr<Followed>> followed;
@@ -181,13 +181,13 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
       f->expected = after;
       KeySet appeared, disappeared;
       std::string edge = "none";
-      for (const ConstraintChange& change : *changes) {
+      for (const ConditionChange& change : *changes) {
         if (change.id != f->id) continue;
         appeared = f->Texts(change.appeared);
         disappeared = f->Texts(change.disappeared);
-        edge = change.edge == ConstraintChange::Edge::kRose   ? "rose"
-               : change.edge == ConstraintChange::Edge::kFell ? "fell"
-                                                              : "bindings";
+        edge = change.edge == ConditionChange::Edge::kRose   ? "rose"
+               : change.edge == ConditionChange::Edge::kFell ? "fell"
+                                                             : "bindings";
       }
       KeySet new_keys, old_keys;
       std::set_difference(after.begin(), after.end(), before.begin(), before.end(),
@@ -225,7 +225,7 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
   return "";
 }
 
-// Leaves out constraints, steps and single changes as long as something goes wrong.
+// Leaves out conditions, steps and single changes as long as something goes wrong.
 std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t register_late) {
   const auto fails = [&](const std::vector<Asked>& a, const std::vector<Step>& s) {
     return !Difference(a, s, register_late).empty();
@@ -264,7 +264,7 @@ std::string Shrink(std::vector<Asked> asked, std::vector<Step> steps, size_t reg
   return Difference(asked, steps, register_late);
 }
 
-// Many constraints of one shape that differ in a number, so that they are followed as a group.
+// Many conditions of one shape that differ in a number, so that they are followed as a group.
 std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
   const std::vector<std::string> shapes = {"?x :p0 ?v", ":n1 :p0 ?v", "?x :p0 ?v . ?x :p1 ?y",
                                            "?x :p0 ?v FILTER NOT EXISTS { ?x :p2 ?z }",
@@ -295,7 +295,7 @@ std::vector<Asked> RandomThresholds(RandomWorld& random, int count) {
   return asked;
 }
 
-// Many constraints of one shape that differ in constants, so that they are watched together.
+// Many conditions of one shape that differ in constants, so that they are watched together.
 std::vector<Asked> RandomShapes(RandomWorld& random, int count) {
   const std::vector<std::string> shapes = {"?x :p0 ?y . ?y :p1 @1",
                                            "?x :p0 ?y . ?y :p1 @1 . ?x :p2 @2",
@@ -354,7 +354,7 @@ int SequenceCount(int usual) {
   return asked == nullptr ? usual : std::atoi(asked);
 }
 
-TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
+TEST(ReasonerConditionsProperty, StandingAnswersAreRunAnswers) {
   CheckSequences(SequenceCount(500), 25, [](RandomWorld& random) {
     const TestWorld scratch;
     std::vector<Asked> asked;
@@ -363,11 +363,11 @@ TEST(ReasonerConstraintsProperty, StandingAnswersAreRunAnswers) {
   });
 }
 
-TEST(ReasonerConstraintsProperty, ShapesThatDifferInConstants) {
+TEST(ReasonerConditionsProperty, ShapesThatDifferInConstants) {
   CheckSequences(SequenceCount(300), 25, [](RandomWorld& random) { return RandomShapes(random, 40); });
 }
 
-TEST(ReasonerConstraintsProperty, ThresholdsInGroups) {
+TEST(ReasonerConditionsProperty, ThresholdsInGroups) {
   CheckSequences(SequenceCount(200), 80, [](RandomWorld& random) { return RandomThresholds(random, 40); });
 }
 
