@@ -229,9 +229,8 @@ int Measure(const Arguments& arguments, const std::vector<KbSystem>& systems, si
 }  // namespace
 
 int RunKbBench(const std::vector<std::string>& args) {
-  CLI::App app{
-      "Loading, memory and query latency beside Oxigraph npm (WASM), librdf + Rasqal, SWI-Prolog and rdflib",
-      "docent-bench kb"};
+  CLI::App app{"Loading, memory and query latency beside Oxigraph npm (WASM) and librdf + Rasqal",
+               "docent-bench kb"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Sizes of the graph")->capture_default_str()->delimiter(',');
@@ -243,7 +242,7 @@ int RunKbBench(const std::vector<std::string>& args) {
   app.add_option("--timeout-s", arguments.timeout_s, "Time that a system may take in all, its turns together")
       ->capture_default_str();
   app.add_option("--seed", arguments.seed, "Of data and parameters")->capture_default_str();
-  app.add_option("--only", arguments.only, "Names of peers, e.g. oxigraph,rdflib; default: all")
+  app.add_option("--only", arguments.only, "Names of peers, e.g. oxigraph,librdf; default: all")
       ->delimiter(',');
   app.add_option("--scripts", arguments.scripts, "Folder of the peers' scripts")->capture_default_str();
   app.add_option("--npm", arguments.npm, "Folder with node_modules/oxigraph")->capture_default_str();

@@ -1,5 +1,5 @@
 // `docent-bench kb`: loading, memory and query latency of the store and SPARQL engine beside Oxigraph's npm
-// build (WASM), stock librdf trees with Rasqal, SWI-Prolog's semweb and rdflib. Each system is a process of
+// build (WASM), and stock librdf trees with Rasqal. Each system is a process of
 // its own that is handed the same data file and the same queries (kb_docent_main.cc says what it answers),
 // one after the other.
 #ifndef DOCENT_BENCH_KB_BENCH_H_

@@ -1,14 +1,10 @@
 #include "bench/kb_queries.h"
 
 #include <nlohmann/json.hpp>
-#include <set>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "bench/kb_random.h"
-#include "graph/sparql/syntax/algebra.h"
-#include "graph/sparql/syntax/parser.h"
 
 namespace docent::bench {
 namespace {
@@ -140,40 +136,6 @@ std::string Value(Draw draw, const KbCounts& counts, size_t k) {
   return "";
 }
 
-// rdf/3 terms of a basic graph pattern, in order; empty where there is a literal.
-struct Prolog {
-  std::set<std::string> variables;
-
-  std::string Of(const sparql::PatternTerm& t) {
-    if (t.IsVariable()) {
-      variables.insert("V" + t.variable().name);
-      return "V" + t.variable().name;
-    }
-    return t.term().IsIri() ? "'" + t.term().lexical + "'" : "";
-  }
-  std::string Of(const sparql::Algebra& a) {
-    if (a.kind != sparql::Algebra::Kind::kBgp) return "";
-    std::string goal;
-    for (const sparql::TriplePattern& t : a.triples) {
-      const std::string s = Of(t.subject), p = Of(t.predicate), o = Of(t.object);
-      if (s.empty() || p.empty() || o.empty()) return "";
-      absl::StrAppend(&goal, goal.empty() ? "" : ", ", "rdf(", s, ", ", p, ", ", o, ")");
-    }
-    return goal;
-  }
-};
-
-void AddProlog(const std::string& pattern, KbCase* c) {
-  const sparql::ParsedQuery parsed = sparql::ParseQuery(absl::StrCat(kPrologue, "ASK { ", pattern, " }"));
-  if (!parsed.ok()) return;
-  Prolog prolog;
-  c->goal = prolog.Of(*parsed.query.algebra);
-  if (c->goal.empty()) return;
-  for (const std::string& v : prolog.variables)
-    absl::StrAppend(&c->answer, c->answer.empty() ? "[" : ", ", v);
-  c->answer += prolog.variables.empty() ? "[]" : "]";
-}
-
 }  // namespace
 
 std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64_t seed) {
@@ -186,10 +148,8 @@ std::vector<KbCase> MakeKbCases(const KbCounts& counts, size_t instances, uint64
     }
     const std::string pattern = absl::StrReplaceAll(shape.pattern, {{"#", kParameter}});
     const auto add = [&](const std::string& form, const std::string& head, const std::string& tail) {
-      KbCase c{shape.name, form, absl::StrCat(kPrologue, head, " { ", pattern, " }", tail),
-               parameters, "",   ""};
-      if (tail.empty() && !absl::StrContains(head, "DISTINCT")) AddProlog(pattern, &c);
-      cases.push_back(std::move(c));
+      cases.push_back(
+          {shape.name, form, absl::StrCat(kPrologue, head, " { ", pattern, " }", tail), parameters});
     };
     if (shape.select == nullptr) {
       add("ask", "ASK", "");
@@ -206,12 +166,8 @@ std::string ToJobJson(const std::string& data_file, const std::vector<KbCase>& c
   nlohmann::json job = {
       {"data", data_file}, {"budget_ms", budget_ms}, {"passes", kPasses}, {"cases", nlohmann::json::array()}};
   for (const KbCase& c : cases) {
-    job["cases"].push_back({{"name", c.name},
-                            {"form", c.form},
-                            {"text", c.text},
-                            {"parameters", c.parameters},
-                            {"goal", c.goal},
-                            {"answer", c.answer}});
+    job["cases"].push_back(
+        {{"name", c.name}, {"form", c.form}, {"text", c.text}, {"parameters", c.parameters}});
   }
   return job.dump();
 }

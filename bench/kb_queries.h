@@ -17,9 +17,6 @@ struct KbCase {
   std::string form;  // "rows", "count" (COUNT(*) of the same pattern) or "ask"
   std::string text;
   std::vector<std::string> parameters;
-  std::string goal;  // for SWI-Prolog: the pattern as a conjunction of rdf/3, @P@ as above; empty: it has no
-                     // words for it
-  std::string answer;  // for SWI-Prolog: the list of variables of a row
 };
 
 // `instances`: parameters a case. They are drawn from 10,000 values, a tenth of which the graph does not

@@ -71,11 +71,6 @@ std::vector<KbSystem> KbSystems(const std::string& programs, const std::string& 
   if (!std::filesystem::exists(programs + "/docent_kb_redland")) {
     systems.back().missing = "not built: it needs librdf0-dev";
   }
-  systems.push_back({"SWI-Prolog semweb", absl::StrCat("swipl ", Quoted(scripts + "/semweb.pl")), ""});
-  if (!Succeeds("swipl --version")) systems.back().missing = "not installed: swi-prolog-nox";
-  systems.push_back({"rdflib", absl::StrCat("/usr/bin/python3 ", Quoted(scripts + "/rdflib_peer.py")), ""});
-  if (!Succeeds("/usr/bin/python3 -c 'import rdflib'"))
-    systems.back().missing = "not installed: python3-rdflib";
   return systems;
 }
 

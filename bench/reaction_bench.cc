@@ -13,10 +13,9 @@
 #include "absl/synchronization/mutex.h"
 #include "bench/assert_client.h"
 #include "bench/command_line.h"
-#include "bench/constraint_mix.h"
-#include "bench/constraint_stage.h"
 #include "bench/measurement.h"
 #include "bench/server_process.h"
+#include "bench/workflow_mix.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
@@ -111,7 +110,7 @@ class InstantAdapter final : public v1::RobotAdapter::CallbackService {
 std::string WorkflowText(size_t i) {
   return absl::StrCat("<CAWL name=\"W", i,
                       "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
-                      "\"/><condition><context name=\"c\">", ConstraintNumber(i).cawl_rule,
+                      "\"/><condition><context name=\"c\">", CawlRuleNumber(i),
                       "</context></condition></activator><flow name=\"F", i,
                       "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping\"/></node><sink "
                       "name=\"t\"/><link from=\"s\" to=\"n\"/>"
@@ -219,7 +218,6 @@ struct Arguments {
   int runs = 3;
   double rate = 0;
   std::string folder = ".";
-  bool stage_only = false;
 };
 
 Measurement Figure(const std::string& name, const std::string& system, const std::string& metric,
@@ -285,14 +283,12 @@ int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
 }  // namespace
 
 int RunReactionBench(const std::vector<std::string>& args) {
-  CLI::App app{
-      "From Assert sent to Invoke received at the adapter, over loopback, durable; and the constraint stage "
-      "beside baselines",
-      "docent-bench reaction"};
+  CLI::App app{"From Assert sent to Invoke received at the adapter, over loopback, durable",
+               "docent-bench reaction"};
   Arguments arguments;
   app.add_flag("--json", arguments.json, "One JSON object a line");
   app.add_option("--triples", arguments.triples, "Background triples")->capture_default_str();
-  app.add_option("--constraints", arguments.constraints, "Standing constraints of the end-to-end part")
+  app.add_option("--constraints", arguments.constraints, "Workflows whose conditions wait")
       ->capture_default_str();
   app.add_option("--updates", arguments.updates, "Updates of each run")->capture_default_str();
   app.add_option("--rate", arguments.rate, "Updates a second of the open loop; 0: half of what saturates")
@@ -300,7 +296,6 @@ int RunReactionBench(const std::vector<std::string>& args) {
   app.add_option("--runs", arguments.runs, "Runs; the median is reported")->capture_default_str();
   app.add_option("--folder", arguments.folder, "Where the durable log is made (its disk is what is measured)")
       ->capture_default_str();
-  app.add_flag("--stage-only", arguments.stage_only, "Only the constraint stage in process");
   if (std::optional<int> code = Parse(&app, args)) return *code;
   if (arguments.runs * arguments.updates + 500 > arguments.triples / 4) {
     std::fprintf(stderr,
@@ -309,12 +304,8 @@ int RunReactionBench(const std::vector<std::string>& args) {
     return 2;
   }
   std::vector<Measurement> figures;
-  int code = arguments.stage_only ? 0 : EndToEnd(arguments, &figures);
+  const int code = EndToEnd(arguments, &figures);
   if (code == 2) return code;
-  for (size_t constraints : {size_t{1000}, size_t{10000}}) {
-    std::fprintf(stderr, "constraint stage, %zu constraints ...\n", constraints);
-    if (!MeasureConstraintStage(arguments.triples, constraints, &figures)) code = 1;
-  }
   Print(figures, arguments.json);
   return code;
 }

@@ -8,8 +8,7 @@
 namespace docent::bench {
 
 // Exit code as in docent-bench. Starts `docent serve` (beside this program) on loopback with a durable log in a folder of
-// its own, 100,000 triples and 1,000 standing constraints, each a deployed workflow; an adapter that answers at once. Then in the same
-// run and on the same data the constraint stage alone beside two baselines, at 1,000 and 10,000 constraints.
+// its own, 100,000 triples and 1,000 deployed workflows whose conditions wait; an adapter that answers at once.
 int RunReactionBench(const std::vector<std::string>& args);
 
 }  // namespace docent::bench

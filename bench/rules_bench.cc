@@ -224,8 +224,7 @@ class RulesBench {
 int RunRulesBench(const std::vector<std::string>& args) {
   bool json = false, peers = true;
   std::vector<size_t> sizes;
-  CLI::App app{"Closure, facts and axioms in and out, beside CLIPS, SWI-Prolog and EYE",
-               "docent-bench rules"};
+  CLI::App app{"Closure, facts and axioms in and out, beside SWI-Prolog and EYE", "docent-bench rules"};
   app.add_flag("--json", json, "One JSON object a line");
   app.add_flag("!--no-peers", peers, "Without the peers");
   app.add_option("FACTS", sizes, "Sizes of the data")

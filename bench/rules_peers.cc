@@ -16,23 +16,7 @@ namespace {
 
 constexpr int kTimeoutSeconds = 180;
 
-// The ten rules over (t s p o); asserting the same fact twice changes nothing. The clock is CPU time.
-constexpr char kClips[] = R"clp(
-(defglobal ?*start* = 0 ?*told* = 0)
-(deftemplate t (slot s) (slot p) (slot o))
-(defrule sco (t (s ?a) (p subClassOf) (o ?b)) (t (s ?b) (p subClassOf) (o ?c)) => (assert (t (s ?a) (p subClassOf) (o ?c))))
-(defrule cax (t (s ?a) (p subClassOf) (o ?b)) (t (s ?x) (p type) (o ?a)) => (assert (t (s ?x) (p type) (o ?b))))
-(defrule spo (t (s ?a) (p subPropertyOf) (o ?b)) (t (s ?b) (p subPropertyOf) (o ?c)) => (assert (t (s ?a) (p subPropertyOf) (o ?c))))
-(defrule prp (t (s ?p) (p subPropertyOf) (o ?q)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?x) (p ?q) (o ?y))))
-(defrule dom (t (s ?p) (p domain) (o ?c)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?x) (p type) (o ?c))))
-(defrule rng (t (s ?p) (p range) (o ?c)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p type) (o ?c))))
-(defrule trp (t (s ?p) (p type) (o TransitiveProperty)) (t (s ?x) (p ?p) (o ?y)) (t (s ?y) (p ?p) (o ?z)) => (assert (t (s ?x) (p ?p) (o ?z))))
-(defrule sym (t (s ?p) (p type) (o SymmetricProperty)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p ?p) (o ?x))))
-(defrule inv1 (t (s ?p) (p inverseOf) (o ?q)) (t (s ?x) (p ?p) (o ?y)) => (assert (t (s ?y) (p ?q) (o ?x))))
-(defrule inv2 (t (s ?p) (p inverseOf) (o ?q)) (t (s ?x) (p ?q) (o ?y)) => (assert (t (s ?y) (p ?p) (o ?x))))
-)clp";
-
-// One tabled predicate; subjects, predicates and objects are atoms.
+// The ten rules as one tabled predicate; subjects, predicates and objects are atoms.
 constexpr char kProlog[] = R"pl(
 :- dynamic t/3.
 :- table i/3.
@@ -90,25 +74,6 @@ void WriteFacts(const std::string& path, size_t facts, Line line) {
   UniversityFacts(facts, sink);
 }
 
-void MeasureClips(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
-  if (!Installed("clips")) return Note("CLIPS", facts, 0, 1, "not installed: clips", out);
-  if (facts > 300000)
-    return Note("CLIPS", facts, 0, 1, "not asked: 2 GB and over 10 s; see the smaller sizes", out);
-  WriteFacts(folder + "/facts.dat", facts,
-             [](const std::string& s, const std::string& p, const std::string& o) {
-               return absl::StrCat("(t (s ", s, ") (p ", p, ") (o ", o, "))");
-             });
-  std::ofstream(folder + "/rules.clp") << kClips;
-  std::ofstream(folder + "/run.bat") << "(load \"" << folder
-                                     << "/rules.clp\")\n(bind ?*start* (time))\n(load-facts \"" << folder
-                                     << "/facts.dat\")\n(bind ?*told* (length$ (get-fact-list)))\n(run)\n"
-                                     << "(printout t \"inferred \" (- (length$ (get-fact-list)) ?*told*) "
-                                        "crlf \"seconds \" (- (time) ?*start*) crlf)\n(exit)\n";
-  const std::string text = RunAndRead("clips -f2 '" + folder + "/run.bat'", kTimeoutSeconds);
-  const double inferred = NumberAfter(text, "inferred"), seconds = NumberAfter(text, "seconds");
-  Note("CLIPS", facts, inferred, seconds, inferred < 0 || seconds < 0 ? "no answer in time" : "", out);
-}
-
 void MeasureProlog(const std::string& folder, size_t facts, std::vector<Measurement>& out) {
   if (!Installed("swipl"))
     return Note("SWI-Prolog, one table", facts, 0, 1, "not installed: swi-prolog-nox", out);
@@ -161,7 +126,6 @@ std::vector<Measurement> MeasureRulePeers(size_t facts) {
   const PeerFolder temporary;
   const std::string& folder = temporary.path();
   if (folder.empty()) return out;
-  MeasureClips(folder, facts, out);
   MeasureProlog(folder, facts, out);
   MeasureEye(folder, facts, out);
   return out;

@@ -1,4 +1,4 @@
-// CLIPS and SWI-Prolog on the same university data and the same ten rules. Runs them as processes.
+// SWI-Prolog and EYE on the same university data and the same ten rules. Runs them as processes.
 #ifndef DOCENT_BENCH_RULES_PEERS_H_
 #define DOCENT_BENCH_RULES_PEERS_H_
 

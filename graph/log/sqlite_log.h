@@ -2,7 +2,7 @@
 // the write-ahead log and one fdatasync, however many records it carries.
 //
 // Why SQLite: measured on 150-byte records it commits 8.9k one-record and 490k records/s in batches of 100,
-// more than LMDB, RocksDB or an own file (bench/log_bench_main.cc repeats the first part). It does not notice
+// more than LMDB, RocksDB or an own file. It does not notice
 // a flipped byte; record_chain.h does.
 //
 // Threads: see ContextLog. Three connections: appends, reads, and a background thread that carries the

@@ -103,7 +103,7 @@ absl::StatusOr<StandingConditions::Impl::Shared*> StandingConditions::Impl::Borr
 }
 
 void StandingConditions::Impl::JoinTemplate(uint32_t number, const TemplateForm& form, bool borrowed,
-                                         const GraphVersion& now) {
+                                            const GraphVersion& now) {
   Shared& shared = conditions[number];
   Alike& like = alike[shared.template_name];
   ++like.count;

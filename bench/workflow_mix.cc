@@ -1,4 +1,4 @@
-#include "bench/constraint_mix.h"
+#include "bench/workflow_mix.h"
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
@@ -7,20 +7,20 @@
 namespace docent::bench {
 namespace {
 
-enum class Shape { kThreshold, kJoin, kNegated, kFree };
+enum class Kind { kThreshold, kJoin, kNegated, kFree };
 
-Shape ShapeOf(size_t i) {
+Kind KindOf(size_t i) {
   switch (i % 6) {
     case 0:
     case 1:
-      return Shape::kThreshold;
+      return Kind::kThreshold;
     case 2:
     case 3:
-      return Shape::kJoin;
+      return Kind::kJoin;
     case 4:
-      return Shape::kNegated;
+      return Kind::kNegated;
     default:
-      return Shape::kFree;
+      return Kind::kFree;
   }
 }
 
@@ -64,73 +64,58 @@ size_t Visitors(size_t triples) {
 
 }  // namespace
 
-MixedConstraint ConstraintNumber(size_t i) {
-  MixedConstraint out;
+std::string CawlRuleNumber(size_t i) {
   std::string n = absl::StrCat(i);
-  switch (ShapeOf(i)) {
-    case Shape::kThreshold: {
+  switch (KindOf(i)) {
+    case Kind::kThreshold: {
       std::string threshold = absl::StrCat(20 + i % 10, ".5");
-      out.where =
-          absl::StrCat(Angle("sensor" + n), " ", Angle("temperature"), " ?t . FILTER(?t > ", threshold, ")");
       // in CAWL the value is bound by a second constraint, so that the run knows it
-      out.cawl_rule = absl::StrCat(
+      return absl::StrCat(
           "<rule name=\"r\">", CawlConstraint("a", Angle("sensor" + n), Angle("temperature"), "?t"),
           CawlConstraint("b", Angle("sensor" + n), Angle("temperature"), "> " + threshold), "</rule>");
-      break;
     }
-    case Shape::kJoin:
-      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("region" + n), " . ?v ", Angle("likes"), " ",
-                               Angle("topic" + n));
-      out.cawl_rule =
-          absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", IsAt(), Angle("region" + n)),
-                       CawlConstraint("b", "?v", Angle("likes"), Angle("topic" + n)), "</rule>");
-      break;
-    case Shape::kNegated:
-      out.where = absl::StrCat("?v ", IsAt(), " ", Angle("room" + n), " . FILTER NOT EXISTS { ?v ",
-                               Angle("badge"), " ?b }");
-      out.cawl_rule = absl::StrCat("<rule name=\"r\" expression=\"a and not b\">",
-                                   CawlConstraint("a", "?v", IsAt(), Angle("room" + n)),
-                                   CawlConstraint("b", "?v", Angle("badge"), "?b"), "</rule>");
-      break;
-    case Shape::kFree:
-      out.where =
-          absl::StrCat("?v ", Angle("carries"), " ?item . ?item ", Angle("ownedBy"), " ", Angle("owner" + n));
-      out.cawl_rule =
-          absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", Angle("carries"), "?item"),
-                       CawlConstraint("b", "?item", Angle("ownedBy"), Angle("owner" + n)), "</rule>");
-      break;
+    case Kind::kJoin:
+      return absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", IsAt(), Angle("region" + n)),
+                          CawlConstraint("b", "?v", Angle("likes"), Angle("topic" + n)), "</rule>");
+    case Kind::kNegated:
+      return absl::StrCat("<rule name=\"r\" expression=\"a and not b\">",
+                          CawlConstraint("a", "?v", IsAt(), Angle("room" + n)),
+                          CawlConstraint("b", "?v", Angle("badge"), "?b"), "</rule>");
+    case Kind::kFree:
+      return absl::StrCat("<rule name=\"r\">", CawlConstraint("a", "?v", Angle("carries"), "?item"),
+                          CawlConstraint("b", "?item", Angle("ownedBy"), Angle("owner" + n)), "</rule>");
   }
-  return out;
+  return "";
 }
 
-std::vector<TermQuad> Background(size_t triples, size_t constraints) {
+std::vector<TermQuad> Background(size_t triples, size_t conditions) {
   std::vector<TermQuad> quads;
-  quads.reserve(triples + constraints);
+  quads.reserve(triples + conditions);
   Term type = Term::Iri(std::string(kRdfType));
   for (size_t v = 0; v < Visitors(triples); ++v) {
     Term visitor = Iri(absl::StrCat("visitor", v));
     quads.push_back({visitor, type, Term::Iri(DocentIri("Visitor")), Term()});
     quads.push_back(
         {visitor, Term::Iri(Concat(kSchemaNs, "name")), Term::Literal(absl::StrCat("Visitor ", v)), Term()});
-    // joins are through the topic of "its" constraint, see UpdateNumber
-    quads.push_back({visitor, Iri("likes"), Iri(absl::StrCat("topic", v % constraints)), Term()});
+    // joins are through the topic of "its" condition, see UpdateNumber
+    quads.push_back({visitor, Iri("likes"), Iri(absl::StrCat("topic", v % conditions)), Term()});
     quads.push_back(
-        {Iri(absl::StrCat("item", v)), Iri("ownedBy"), Iri(absl::StrCat("owner", v % constraints)), Term()});
+        {Iri(absl::StrCat("item", v)), Iri("ownedBy"), Iri(absl::StrCat("owner", v % conditions)), Term()});
   }
   return quads;
 }
 
-MixedUpdate UpdateNumber(uint64_t k, size_t constraints, size_t background_triples) {
-  // a large odd step walks over all constraints without following their order
-  size_t i = (k * 7919) % constraints;
-  size_t round = static_cast<size_t>(k / constraints);
-  size_t per_constraint = Visitors(background_triples) / constraints;
-  size_t v = (round % per_constraint) * constraints + i;  // likes topic i, owns item v of owner i
+MixedUpdate UpdateNumber(uint64_t k, size_t conditions, size_t background_triples) {
+  // a large odd step walks over all conditions without following their order
+  size_t i = (k * 7919) % conditions;
+  size_t round = static_cast<size_t>(k / conditions);
+  size_t per_condition = Visitors(background_triples) / conditions;
+  size_t v = (round % per_condition) * conditions + i;  // likes topic i, owns item v of owner i
   MixedUpdate update;
   std::string n = absl::StrCat(i);
   Term visitor = Iri(absl::StrCat("visitor", v));
-  switch (ShapeOf(i)) {
-    case Shape::kThreshold: {
+  switch (KindOf(i)) {
+    case Kind::kThreshold: {
       // canonical decimals that never come back
       std::string value = absl::StrCat(40 + k / 1000, ".", absl::Dec(k % 1000, absl::kZeroPad3), "1");
       update.add = {Iri("sensor" + n), Iri("temperature"), Term::Literal(value, std::string(kXsdDecimal)),
@@ -138,13 +123,13 @@ MixedUpdate UpdateNumber(uint64_t k, size_t constraints, size_t background_tripl
       update.token = value;
       return update;
     }
-    case Shape::kJoin:
+    case Kind::kJoin:
       update.add = {visitor, Term::Iri(DocentIri("isAt")), Iri("region" + n), Term()};
       break;
-    case Shape::kNegated:
+    case Kind::kNegated:
       update.add = {visitor, Term::Iri(DocentIri("isAt")), Iri("room" + n), Term()};
       break;
-    case Shape::kFree:
+    case Kind::kFree:
       update.add = {visitor, Iri("carries"), Iri(absl::StrCat("item", v)), Term()};
       break;
   }
