@@ -27,7 +27,6 @@ class ConstraintGraph {
     return add ? writer_.Apply({quad}, {}) : writer_.Apply({}, {quad});
   }
   // The constraints follow what Apply does, as in a turn of the server.
-  void Observe(StandingConditions* set) { writer_.SetObserver(set); }
   // The next immutable version.
   void Freeze() { writer_.Freeze(Revision(++revision_)); }
   const GraphVersion& version() const { return writer_.current(); }

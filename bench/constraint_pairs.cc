@@ -43,7 +43,6 @@ std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t 
   ConstraintGraph graph(constraints);
   StandingConditions set(graph.dictionary());
   RegisterAll(ParseConstraints(constraints), graph, set);
-  graph.Observe(&set);
   std::mt19937_64 random(seed);
   uint64_t serial = 0;
   const Term other = Term::Iri(absl::StrCat(kConstraintNs, "other"));

@@ -10,35 +10,24 @@
 #include "graph/store/quad_tree_edit.h"
 
 namespace docent {
-namespace {
-
-// The observer's second turn comes after this index. A line that is in no cache takes as long as one or two indexes.
-constexpr int kHalf = kIndexOrders / 2 - 1;
-
-}  // namespace
-
 GraphWriter::GraphWriter(GraphVersionPtr start)
     : start_(start != nullptr ? std::move(start) : std::make_shared<GraphVersion>()),
       version_(new GraphVersion(*start_)),
       epoch_(QuadTree::NewEpoch()) {}
 
 bool GraphWriter::Add(const Quad& quad) {
-  if (observer_ != nullptr) observer_->BeforeChange(quad, true);
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Insert(KeyOf(quad, IndexOrder(i)), epoch_))
       return false;  // at the first: all hold the same
-    if (i == kHalf && observer_ != nullptr) observer_->DuringChange(quad, true);
   }
   Note(quad, true);
   return true;
 }
 
 bool GraphWriter::Remove(const Quad& quad) {
-  if (observer_ != nullptr) observer_->BeforeChange(quad, false);
   for (int i = 0; i < kIndexOrders; ++i) {
     if (!version_->trees_[i].Erase(KeyOf(quad, IndexOrder(i)), epoch_))
       return false;  // at the first: all hold the same
-    if (i == kHalf && observer_ != nullptr) observer_->DuringChange(quad, false);
   }
   Note(quad, false);
   return true;

@@ -12,7 +12,6 @@
 #include <memory>
 #include <vector>
 
-#include "graph/store/change_observer.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
 
@@ -38,9 +37,6 @@ class GraphWriter {
 
   const GraphVersion& current() const { return *version_; }
 
-  // Null: nobody. It must be there as long as the writer changes anything.
-  void SetObserver(ChangeObserver* observer) { observer_ = observer; }
-
   // Rollback goes back to here.
   void Commit();
   // The version made so far, as revision `revision`; the writer goes on from it.
@@ -49,7 +45,6 @@ class GraphWriter {
   void Rollback();
 
  private:
-  ChangeObserver* observer_ = nullptr;
   GraphVersionPtr start_;
   std::unique_ptr<GraphVersion> version_;
   uint64_t epoch_;  // nodes with this epoch are ours to change

@@ -44,9 +44,7 @@ struct Stages {
         standing_conditions(*dictionary_in, functions),
         conditions(dictionary_in, &standing_conditions),
         robots(dictionary_in),
-        engine(dictionary_in, limits_in) {
-    writer.SetObserver(&standing_conditions);
-  }
+        engine(dictionary_in, limits_in) {}
 
   const Limits limits;
   Dictionary& dictionary;

@@ -34,8 +34,6 @@ class Condition {
   using Row = absl::InlinedVector<TermId, 3>;
   using Keys = ConditionKind::Keys;
 
-  // Of an object that begins with it: the bytes that every update looks at which concerns it.
-  static constexpr size_t kLooksFrom = 64, kLooksTo = 192;
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
   Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes);
   // A member of `condition_template`, with the template's body and these constants in it. `template` must outlive the condition.
@@ -151,13 +149,12 @@ class Condition {
   std::vector<TermId>& BeginSeed() const { return kind_->SeedWith(constants_); }
   bool watches_one() const { return armed_ == Armed::kOne; }
 
-  // Which lines of the cache an update looks at matters: those of ten thousands of conditions are most often in none.
-  // One that is looked at where it is armed or there are many witnesses:
+  // One cache line that is read where the condition is armed or has many witnesses.
   Watches armed_watches_;
   std::unique_ptr<Slots> slots_;
   std::unique_ptr<Body> own_body_;  // null: the body is the template's
   std::unique_ptr<ConditionKind> own_kind_;
-  // and two, with what a derived class begins with, that always are (kLooksFrom to kLooksTo).
+  // Cache lines that every relevant update reads.
   // Without keys: the first, while present_; or kept after it was broken, if it has watches.
   alignas(64) absl::InlinedVector<Witness, 1> witnesses_;
   ConditionKind* kind_;

@@ -44,29 +44,15 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::GatherOf(cons
     if (++count > kMaxProbes) return;
     rises.push_back({reference.owner, reference.pattern, &quad, added});
   };
-  indexes.ForChange(added).ForEachMatch(quad, visit, [this](uint32_t owner) { Prefetch(owner); });
-}
-
-void StandingConditions::Impl::GatherAll(absl::Span<const Quad> quads, bool added) {
-  const PatternIndex& index = indexes.ForChange(added);
-  for (; !quads.empty(); quads.remove_prefix(std::min(quads.size(), kFetchedAhead))) {
-    const absl::Span<const Quad> next = quads.subspan(0, kFetchedAhead);
-    for (const Quad& quad : next) index.Prefetch(quad, [this](uint32_t owner) { Prefetch(owner); });
-    for (const Quad& quad : next) GatherOf(quad, added);
-  }
+  indexes.ForChange(added).ForEachMatch(quad, visit);
 }
 
 ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::Gather(const Delta& delta) {
   touched.clear();
   broken.clear();
   rises.clear();
-  if (delta.size() > 1) {
-    GatherAll(delta.added, true);
-    GatherAll(delta.removed, false);
-  } else {
-    for (const Quad& quad : delta.added) GatherOf(quad, true);
-    for (const Quad& quad : delta.removed) GatherOf(quad, false);
-  }
+  for (const Quad& quad : delta.added) GatherOf(quad, true);
+  for (const Quad& quad : delta.removed) GatherOf(quad, false);
 }
 
 ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::RecheckBroken(
@@ -137,7 +123,6 @@ absl::Status StandingConditions::Impl::ProbeTemplate(const Rise& rise, const spa
   absl::StatusOr<bool> found =
       condition_template.Probe(rise.trigger, whole ? nullptr : rise.quad, rise.added, run,
                                [this](uint32_t number, absl::Span<const TermId> row) {
-                                 Prefetch(number);
                                  Touch(number);
                                  conditions[number].Offer(row, edits);
                                });
@@ -279,31 +264,12 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::Colle
   });
 }
 
-void StandingConditions::BeforeChange(const Quad& quad, bool added) {
-  const Impl& impl = *impl_;
-  if (!impl.FetchesAhead()) return;
-  impl.indexes.ForChange(added).PrefetchSlots(quad);
-  if (added) impl.indexes.on_remove.PrefetchSlotOf(quad);  // what it makes true will watch it
-}
-
-void StandingConditions::DuringChange(const Quad& quad, bool added) {
-  Impl& impl = *impl_;
-  if (!impl.FetchesAhead()) return;
-  ++impl.expected;
-  impl.indexes.ForChange(added).Prefetch(quad, [&](uint32_t owner) { impl.Prefetch(owner); });
-}
-
-void StandingConditions::FetchAheadFrom(size_t patterns) {
-  impl_->fetch_ahead_from = patterns;
-}
-
 absl::StatusOr<absl::Span<const ConditionChange>> StandingConditions::Update(const GraphVersion& version,
                                                                              const Delta& delta,
                                                                              TimeMicros now_us,
                                                                              Cancellation* cancellation) {
   Impl& impl = *impl_;
   ++impl.counters.updates;
-  impl.expected = 0;
   const sparql::RunOptions run{.version = &version, .cancellation = cancellation, .now_us = now_us};
   const size_t begin = impl.edits.size();
   impl.Gather(delta);
@@ -340,7 +306,6 @@ void StandingConditions::Rollback() {
   const Condition::Edits edits = std::exchange(impl_->edits, {});
   const std::vector<Impl::JournalEntry> journal = std::exchange(impl_->journal, {});
   impl_->removals = 0;
-  impl_->expected = 0;
   std::vector<uint32_t> changed;
   for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
     Impl::Shared& shared = impl_->conditions[edit->condition];

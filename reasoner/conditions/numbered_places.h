@@ -1,5 +1,4 @@
-// Objects by number that stay where they are, side by side. The way to one leads over no line of the cache but its own
-// and those of a short list. Private to this folder. Writer thread only.
+// Objects by number that stay where they are, side by side. Finding one reads its own cache lines and a short list. Private to this folder. Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_NUMBERED_PLACES_H_
 #define DOCENT_REASONER_CONDITIONS_NUMBERED_PLACES_H_
 
@@ -10,8 +9,6 @@
 #include <new>
 #include <utility>
 #include <vector>
-
-#include "graph/base/prefetch.h"
 
 namespace docent {
 
@@ -54,11 +51,6 @@ class NumberedPlaces {
   // There must be one.
   T& operator[](uint32_t number) { return At(number).object; }
   const T& operator[](uint32_t number) const { return At(number).object; }
-  // Its bytes from `begin` to `end` will be looked at soon.
-  void Prefetch(uint32_t number, size_t begin, size_t end) const {
-    const char* const at = reinterpret_cast<const char*>(&At(number));
-    for (size_t line = begin; line < end; line += kCacheLine) docent::Prefetch(at + line);
-  }
 
  private:
   static constexpr uint32_t kOfAPiece = 512;

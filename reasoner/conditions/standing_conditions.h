@@ -36,7 +36,6 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/values/function_registry.h"
-#include "graph/store/change_observer.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
 
@@ -83,7 +82,7 @@ struct RegisterOptions {
   Cancellation* cancellation = nullptr;  // of the evaluation that gives the first level; null: none
 };
 
-class StandingConditions final : public ChangeObserver {
+class StandingConditions {
  public:
   // `dictionary` interns the constants of queries and computed key values. Both must outlive the set.
   explicit StandingConditions(Dictionary& dictionary, const sparql::FunctionRegistry* functions = nullptr);
@@ -99,13 +98,6 @@ class StandingConditions final : public ChangeObserver {
                                        const RegisterOptions& options = {});
   // Ends following; unknown ids are ignored.
   void Remove(ConditionId id);
-
-  // Of a change that the next Update will most likely be told of: what Update will look at is on its way into the cache while
-  // the graph changes. Decides nothing; need not be called.
-  void BeforeChange(const Quad& quad, bool added) override;
-  void DuringChange(const Quad& quad, bool added) override;
-  // With fewer patterns to look for they do nothing: so few stay in the cache. For tests; the default is measured.
-  void FetchAheadFrom(size_t patterns);
 
   // `delta` leads from the version of the last Update to `version`. The changes, in order of id; they stay until the
   // next Update. An error is one of the evaluator's limits, or `cancellation`'s; the caller then rolls back.

@@ -23,7 +23,7 @@ namespace docent {
 struct StandingConditions::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
   using Groups = std::array<std::unique_ptr<ThresholdGroup>, 2>;  // below, above
-  // In lines of the cache of its own: of those that an update looks at, as few as there are.
+  // Aligned: an update reads two cache lines of it.
   struct alignas(64) Shared final : Condition {
     using Condition::Condition;
     absl::InlinedVector<ConditionId, 1> followers;
@@ -102,16 +102,9 @@ struct StandingConditions::Impl {
   // Counts an evaluation that no change narrows, and how long it takes.
   absl::Status Whole(absl::FunctionRef<absl::Status()> evaluate);
   Touched& Touch(uint32_t number);
-  // What every update looks at of an owner in the indexes, into the cache.
-  void Prefetch(uint32_t owner) const {
-    if ((owner & WatchIndexes::kIsTemplate) == 0)
-      conditions.Prefetch(owner, Condition::kLooksFrom, Condition::kLooksTo);
-  }
   // Who is concerned by the change: into broken, rises and touched; the templates count theirs.
   void Gather(const Delta& delta);
   void GatherOf(const Quad& quad, bool added);
-  // The same of many: what one needs is on its way into the cache while others are looked at.
-  void GatherAll(absl::Span<const Quad> quads, bool added);
   absl::Status RecheckBroken(const sparql::RunOptions& run);
   absl::Status ProbeRises(const sparql::RunOptions& run);
   absl::Status ProbeTemplate(const Rise& rise, const sparql::RunOptions& run);
@@ -134,13 +127,6 @@ struct StandingConditions::Impl {
     return binding;
   }
 
-  // Whether what the next Update looks at is fetched for this change of its delta.
-  bool FetchesAhead() const {
-    return expected < kFetchedAhead && indexes.on_add.size() + indexes.on_remove.size() >= fetch_ahead_from;
-  }
-
-  // Of many changes the last would push out what the first have brought.
-  static constexpr size_t kFetchedAhead = 16;
   // Changes that keep their memory from one update to the next.
   static constexpr size_t kMostKept = 64;
   // A condition that more changes of one update match is evaluated whole, once.
@@ -173,11 +159,6 @@ struct StandingConditions::Impl {
   Condition::Edits edits;
   std::vector<JournalEntry> journal;
   size_t removals = 0;  // kRemoved in it
-
-  // Changes of the next Update that were fetched ahead for.
-  size_t expected = 0;
-  size_t fetch_ahead_from =
-      2048;  // patterns; fewer stay in the cache: to fetch them takes longer than it saves
 
   // Of the last Update: the first `told` of them. Those beyond keep their memory for the next.
   std::vector<ConditionChange> changes;

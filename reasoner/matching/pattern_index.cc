@@ -90,7 +90,7 @@ PatternIndex::Handle PatternIndex::Add(const MatchPattern& pattern, const QuadPa
   const size_t at = SlotOf(hash);
   if (tags_[at] == 0) {
     tags_[at] = TagOf(hash);
-    slots_[at] = {hash, handle, reference.owner};
+    slots_[at] = {hash, handle};
     ++taken_;
     return handle;
   }
@@ -124,7 +124,6 @@ void PatternIndex::Remove(Handle handle) {
     entries_[slots_[at].first].previous = entry.previous;
   } else if (!is_last) {
     slots_[at].first = entry.next;
-    slots_[at].owner = entries_[entry.next].reference.owner;
   } else {
     FreeSlot(at);
   }

@@ -20,7 +20,6 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
-#include "graph/base/prefetch.h"
 #include "graph/store/quad.h"
 #include "reasoner/matching/number_range.h"
 
@@ -68,19 +67,7 @@ class PatternIndex {
   // Calls `visit(reference)` for each pattern that matches `quad`: those with the same constants in the order in which they
   // were added, those with a guard after the others. `visit` must not change the index.
   template <typename Visit>
-  void ForEachMatch(const Quad& quad, const Visit& visit) const {
-    ForEachMatch(quad, visit, [](uint32_t) {});
-  }
-  // The same, with `fetch(owner)` called ahead for whom it will most likely find.
-  template <typename Visit, typename Fetch>
-  void ForEachMatch(const Quad& quad, const Visit& visit, const Fetch& fetch) const;
-  // Brings what ForEachMatch will look at into the cache, and calls `fetch(owner)` for whom it will most likely find.
-  template <typename Fetch>
-  void Prefetch(const Quad& quad, const Fetch& fetch) const;
-
-  // Brings what Prefetch will look at into the cache; and what Add will for a pattern that is the quad's three terms.
-  void PrefetchSlots(const Quad& quad) const;
-  void PrefetchSlotOf(const Quad& quad) const;
+  void ForEachMatch(const Quad& quad, const Visit& visit) const;
 
   size_t size() const { return entries_.size() - free_.size(); }
 
@@ -107,11 +94,10 @@ class PatternIndex {
   };
   static constexpr Handle kNone = ~Handle{0};
   static_assert(sizeof(Entry) == 64);
-  // Where the patterns without a guard begin whose keys have this hash, and the owner of the first of them.
+  // Where the patterns without a guard begin whose keys have this hash.
   struct Slot {
     uint32_t hash = 0;
     Handle first = kNone;
-    uint32_t owner = 0;
   };
 
   // What the terms of a key add to its hash; none adds nothing. Odd numbers from the digits of pi.
@@ -142,7 +128,6 @@ class PatternIndex {
   // Calls `found(shape, slot)` for each shape that has patterns with the quad's hash.
   template <typename Found>
   void ForEachSlot(const Quad& quad, const Found& found) const;
-  void PrefetchSlot(uint32_t hash) const;
   void FreeSlot(size_t at);
   void Grow();
   // Another key may have the same hash, of another shape, too.
@@ -193,20 +178,6 @@ void PatternIndex::ForEachHash(const Quad& quad, const Visit& visit) const {
   }
 }
 
-inline void PatternIndex::PrefetchSlot(uint32_t hash) const {
-  const size_t at = hash & (tags_.size() - 1);
-  docent::Prefetch(&tags_[at]);
-  docent::Prefetch(&slots_[at]);
-}
-
-inline void PatternIndex::PrefetchSlots(const Quad& quad) const {
-  ForEachHash(quad, [this](unsigned, uint32_t hash) { PrefetchSlot(hash); });
-}
-
-inline void PatternIndex::PrefetchSlotOf(const Quad& quad) const {
-  PrefetchSlot(HashOfKey({quad.subject, quad.predicate, quad.object, TermId()}));
-}
-
 template <typename Found>
 void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   // The tags of all shapes are on their way before the first of them decides anything.
@@ -228,24 +199,15 @@ void PatternIndex::ForEachSlot(const Quad& quad, const Found& found) const {
   }
 }
 
-template <typename Visit, typename Fetch>
-void PatternIndex::ForEachMatch(const Quad& quad, const Visit& visit, const Fetch& fetch) const {
+template <typename Visit>
+void PatternIndex::ForEachMatch(const Quad& quad, const Visit& visit) const {
   ForEachSlot(quad, [&](unsigned shape, const Slot& slot) {
-    fetch(slot.owner);
     for (Handle handle = slot.first; handle != kNone; handle = entries_[handle].next) {
       const Entry& entry = entries_[handle];
       if (Matches(entry, shape, quad)) visit(entry.reference);
     }
   });
   if (guarded_shapes_ != 0) VisitGuarded(quad, visit);
-}
-
-template <typename Fetch>
-void PatternIndex::Prefetch(const Quad& quad, const Fetch& fetch) const {
-  ForEachSlot(quad, [&](unsigned, const Slot& slot) {
-    docent::Prefetch(&entries_[slot.first]);
-    fetch(slot.owner);
-  });
 }
 
 }  // namespace docent

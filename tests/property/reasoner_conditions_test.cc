@@ -146,8 +146,6 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
                        size_t register_late) {
   TestWorld world;
   StandingConditions set(world.dictionary);
-  set.FetchAheadFrom(0);
-  world.writer.SetObserver(&set);
   std::vector<std::unique_ptr<Followed>> followed;
   const auto follow = [&](const Asked& a) {
     auto f = std::make_unique<Followed>(world, a);

@@ -136,27 +136,6 @@ TEST(GraphWriterTest, SeveralWritersFromOneVersion) {
   EXPECT_EQ(start->size(), 1000u);
 }
 
-TEST(GraphWriterTest, AnObserverIsToldBeforeAndDuringEachChange) {
-  struct Log final : ChangeObserver {
-    void BeforeChange(const Quad& quad, bool added) override { before.emplace_back(quad, added); }
-    void DuringChange(const Quad& quad, bool added) override { during.emplace_back(quad, added); }
-    std::vector<std::pair<Quad, bool>> before, during;
-  };
-  using testing::Pair;
-  GraphWriter writer(nullptr);
-  Log log;
-  writer.SetObserver(&log);
-  writer.Apply({Q(1, 1, 1), Q(1, 1, 2)}, {Q(1, 1, 1), Q(9, 9, 9)});
-  writer.Add(Q(1, 1, 2));  // as it was
-  EXPECT_THAT(log.before, ElementsAre(Pair(Q(1, 1, 1), true), Pair(Q(1, 1, 2), true), Pair(Q(1, 1, 1), false),
-                                      Pair(Q(9, 9, 9), false), Pair(Q(1, 1, 2), true)));
-  EXPECT_THAT(log.during,
-              ElementsAre(Pair(Q(1, 1, 1), true), Pair(Q(1, 1, 2), true), Pair(Q(1, 1, 1), false)));
-  writer.SetObserver(nullptr);
-  writer.Add(Q(1, 1, 3));
-  EXPECT_EQ(log.during.size(), 3u);
-}
-
 TEST(GraphWriterTest, AddingManyAtOnceEqualsAddingEach) {
   std::mt19937_64 random(2);
   GraphWriter bulk(nullptr), one_by_one(nullptr);
