@@ -68,7 +68,6 @@ class Server {
 
  private:
   explicit Server(const ServerSettings& settings);
-  absl::Status OpenLog();
   void LeaveSnapshot();
   absl::Status StartGrpc();
   absl::Status StartHttp();

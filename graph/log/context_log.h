@@ -1,5 +1,5 @@
-// The one ordered, durable log of everything that affects a turn, behind which stand two engines (SQLite on
-// one machine, PostgreSQL where one is not enough). Its records are opaque bytes here;
+// The ordered, durable log of everything that affects a turn. Its one engine is SQLite (sqlite_log.h); tests
+// have others. Its records are opaque bytes here;
 // graph/log/record_codec.h says what is in them.
 //
 // Every record carries a CRC32C of its own bytes and the SHA-256 of the record before it. A record that is

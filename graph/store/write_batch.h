@@ -1,4 +1,4 @@
-// Everything that may change the server's mind, in one shape: the one thing that passes the door and the one
+// Every input that can change server state, as one type: the one thing that passes the door and the one
 // thing that the log records as input. Terms are text here; ids exist only behind the writer thread.
 //
 // A batch is applied whole or not at all. Value; any thread until pushed through the door.

@@ -1,5 +1,5 @@
 // What is deployed, registered and loaded, for the handlers that list it: an immutable picture that the
-// writer thread makes anew when documents change and publishes beside the graph version.
+// writer thread makes when documents change; the committer publishes it beside the graph version.
 #ifndef DOCENT_KB_SERVER_DOOR_CATALOG_H_
 #define DOCENT_KB_SERVER_DOOR_CATALOG_H_
 

@@ -1,4 +1,4 @@
-// The one door: everything that may change the server's mind waits here, in order, for the writer thread.
+// Bounded queue of write batches for the writer thread: the one door for all input, in order.
 //
 // Bounded: Push never waits and never grows beyond the limits; it refuses and says which limit. Every batch
 // pushed is answered exactly once through its callback: by the writer, or with the refusal. Push from any

@@ -1,4 +1,4 @@
-// The newest visible graph version. The writer publishes a version only after its record is durable; any
+// The newest visible graph version. The committer publishes a version only after its record is durable; any
 // thread takes it and keeps it as long as it likes. Thread-safe.
 #ifndef DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_
 #define DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_

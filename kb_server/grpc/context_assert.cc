@@ -57,7 +57,7 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
   }
 
   void OnDone() override {
-    mutex_.Lock();  // the writer's thread may still be on its way out of the Answer that finished this
+    mutex_.Lock();  // the committer thread may still be on its way out of the Answer that finished this
     mutex_.Unlock();
     delete this;
   }

@@ -1,6 +1,6 @@
 // The gRPC services of proto/docent/v1 as handlers: each turns a message into a batch for the door or into a
 // read of the newest version, and the answer into a message. gRPC callback API: handlers return at once; a
-// batch is answered from the writer thread when it is durable, a query from a worker. One file an RPC group
+// batch is answered by the committer thread when it is durable, a query from a worker. One file an RPC group
 // (context_*.cc, ontologies_service.cc, …).
 #ifndef DOCENT_KB_SERVER_GRPC_GRPC_SERVICES_H_
 #define DOCENT_KB_SERVER_GRPC_GRPC_SERVICES_H_

@@ -210,7 +210,7 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   uint64_t id =
       ports_.feed->Subscribe([follower](const RunEvent& event) { return follower->OnEvent(event); });
   handle->OnGone([feed = ports_.feed, id] { feed->Unsubscribe(id); });
-  // The answer comes on the writer's thread, as the events do: what the graph says of the run and what the
+  // The answer comes on the committer thread, as the events do: what the graph says of the run and what the
   // feed will say fit together.
   ports_.inbox->Push(std::move(batch), [this, follower](const absl::StatusOr<BatchOutcome>& outcome) {
     if (!outcome.ok()) return follower->Refused(ToGrpc(outcome.status()));

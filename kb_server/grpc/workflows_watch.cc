@@ -52,7 +52,7 @@ class WatchReactor final : public grpc::ServerWriteReactor<v1::RunEvent> {
     End(Gone());
   }
   void OnDone() override {
-    feed_.Unsubscribe(subscription_);  // waits for the writer's thread if that is in Advance
+    feed_.Unsubscribe(subscription_);  // waits for the committer thread if that is in Advance
     delete this;
   }
 

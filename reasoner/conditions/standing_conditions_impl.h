@@ -1,5 +1,5 @@
-// What a StandingConditions is made of. Private to this folder; split over constraint_set.cc (who is followed) and
-// constraint_update.cc (what a change does).
+// What a StandingConditions is made of. Private to this folder; split over standing_conditions.cc (who is followed) and
+// condition_update.cc (what a change does).
 #ifndef DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_
 #define DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_
 

@@ -3,7 +3,7 @@
 //
 // It is a deterministic state machine: the same documents, Steps and answers of the two ports give the same
 // outputs, so a replay of the log comes to the same decisions. It reads no clock, touches no graph and sends
-// nothing; it returns what is to be done. Semantics: design of CAWL in ARCHITECTURE.md; Choi et al. (IJDSN
+// nothing; it returns what is to be done. Semantics: docs/reference/cawl.md; Choi et al. (IJDSN
 // 2014), section 4.
 //
 // A turn: Deploy/PutServices (if it brings documents), then Step until the output is quiet, then Commit, or

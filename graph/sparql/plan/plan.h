@@ -1,6 +1,6 @@
 // A query ready to run: variables are slots of a row, constants are numbers of a table, joins have an order
-// and a method. Made by the planner for one size of graph; the operators are built from it. Immutable once
-// made; one thread.
+// and a method. Made by the planner for one size of graph; the operators are built from it and keep
+// what one evaluation needs in its nodes. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_PLAN_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_PLAN_H_
 
