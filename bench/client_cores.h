@@ -1,4 +1,4 @@
-// Where the clients of a benchmark run that share the machine with the server.
+// Processor affinity of a benchmark's clients, which share the machine with the server.
 #ifndef DOCENT_BENCH_CLIENT_CORES_H_
 #define DOCENT_BENCH_CLIENT_CORES_H_
 

@@ -1,4 +1,4 @@
-// How benchmarks take their arguments.
+// Command-line parsing of the benchmarks.
 #ifndef DOCENT_BENCH_COMMAND_LINE_H_
 #define DOCENT_BENCH_COMMAND_LINE_H_
 

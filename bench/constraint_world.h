@@ -1,4 +1,4 @@
-// What `docent-bench constraints` and `notify` run on: standing constraints of a hard mix, a world for them, and
+// Workload of `docent-bench constraints` and `notify`: conditions of a hard mix, a graph for them, and
 // updates of one fact of which each makes exactly one of them begin or cease to hold.
 //
 //   a third   ?s :reading ?value . FILTER(?value > N)              one predicate; they differ only in the number

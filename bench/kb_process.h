@@ -1,4 +1,4 @@
-// What the processes of `docent-bench kb` measure of themselves.
+// Time and memory that a process of `docent-bench kb` measures of itself.
 #ifndef DOCENT_BENCH_KB_PROCESS_H_
 #define DOCENT_BENCH_KB_PROCESS_H_
 

@@ -1,4 +1,4 @@
-// What `docent-bench reaction` runs on: workflow conditions of mixed kinds, a background graph for them, and updates of
+// Workload of `docent-bench reaction`: workflow conditions of mixed kinds, a background graph, and updates of
 // which each makes exactly one of them begin to hold with a binding that it did not have.
 //
 //   a third      ?s ex:temperature ?t . FILTER(?t > …)          one predicate, conditions differ in sensor and threshold

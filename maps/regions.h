@@ -1,4 +1,4 @@
-// Which named region a point lies in: what a robot reports as docent:isAt. Immutable; any thread.
+// Point-in-region lookup: the named region that a robot reports as docent:isAt. Immutable; any thread.
 #ifndef DOCENT_MAPS_REGIONS_H_
 #define DOCENT_MAPS_REGIONS_H_
 

@@ -1,4 +1,4 @@
-// What a person wrote (Turtle, SPARQL, rules, CAWL, RSEL, configuration) and what is wrong with it.
+// Diagnostics: mistakes in a text that a person wrote (Turtle, SPARQL, rules, CAWL, RSEL), with their places.
 //
 // A parser collects every Diagnostic it finds and never dies at the first; `Render` prints them all with the
 // source line and a caret. Values; any thread.

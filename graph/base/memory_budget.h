@@ -1,4 +1,4 @@
-// How much memory work may keep: a limit of each piece of work (MemoryUse), and one of all together (MemoryBudget).
+// Memory accounting: a limit for each piece of work (MemoryUse) and one for all of them together (MemoryBudget).
 #ifndef DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
 #define DOCENT_GRAPH_BASE_MEMORY_BUDGET_H_
 

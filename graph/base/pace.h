@@ -1,5 +1,5 @@
-// For long work that nobody waits for, beside threads that answer: it takes a third of a core at most. A low priority does
-// not see to that, since it counts only among the threads of one core.
+// Throttle for long background work: it takes a third of a core at most. nice(2) is not enough,
+// since priorities count only among the threads of one core.
 #ifndef DOCENT_GRAPH_BASE_PACE_H_
 #define DOCENT_GRAPH_BASE_PACE_H_
 

@@ -1,4 +1,4 @@
-// What a program says of its mutexes and its memory before it has any threads. For files with a main() alone.
+// Process-wide settings (mutex checks, malloc), made before the first thread starts. Only for files with a main().
 #ifndef DOCENT_GRAPH_BASE_PROGRAM_SETUP_H_
 #define DOCENT_GRAPH_BASE_PROGRAM_SETUP_H_
 

@@ -1,4 +1,4 @@
-// Looks at a data folder without changing anything in it: every record's checksum, the chain through all of
+// Read-only check of a data folder: every record's checksum, the chain through all of
 // them, the head, the head mark, and every snapshot's checksum and place in the chain. A server may be using
 // it. Any thread; it takes as long as reading everything does.
 #ifndef DOCENT_GRAPH_LOG_FOLDER_CHECK_H_

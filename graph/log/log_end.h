@@ -1,4 +1,4 @@
-// How far the log of a folder must reach, by what lies beside it there: the head mark and the snapshots. A
+// The offset that the log of a folder must reach, by the head mark and the snapshots beside it. A
 // log that lost its end, or all of it, looks whole otherwise. Nothing is changed, nothing is made. Any
 // thread.
 #ifndef DOCENT_GRAPH_LOG_LOG_END_H_

@@ -1,4 +1,4 @@
-// What makes damage visible: the CRC32C of each record and the SHA-256 chain through all of them. SQLite does
+// Checksums of the log: the CRC32C of each record and the SHA-256 chain through all of them. SQLite does
 // not notice a flipped byte in a row (measured), so the log checks for itself. Any thread.
 #ifndef DOCENT_GRAPH_LOG_RECORD_CHAIN_H_
 #define DOCENT_GRAPH_LOG_RECORD_CHAIN_H_

@@ -1,4 +1,4 @@
-// What the log keeps of one turn: its input and what the turn decided. Inferred facts are not here, they are
+// One record of the log: the input of a turn and its decisions. Inferred facts are not in it; they are
 // derived again.
 //
 // Replay feeds `batch` to the same stages, derives transitions and commands anew, and compares them with

@@ -1,4 +1,4 @@
-// What a document is called, most often a file's name with whatever characters it has, as a part of the names that RDF
+// Document names as parts of IRIs: a file's name, whatever characters it has, as part of the names that RDF
 // has for it and for what it holds. A name of nothing but characters that may stand there is itself; different names
 // give different texts. Any thread.
 #ifndef DOCENT_GRAPH_RDF_DOCUMENT_NAME_H_

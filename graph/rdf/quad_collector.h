@@ -1,4 +1,4 @@
-// Where the parsers put what they read: gathers quads, names blank nodes, holds terms to their size limit.
+// Output of the parsers: collects quads, names blank nodes, holds terms to their size limit.
 // Included only by the parsers of this folder. One thread.
 #ifndef DOCENT_GRAPH_RDF_QUAD_COLLECTOR_H_
 #define DOCENT_GRAPH_RDF_QUAD_COLLECTOR_H_

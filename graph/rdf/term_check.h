@@ -1,4 +1,4 @@
-// Is a term that came from outside one that RDF allows and the limits permit? What enters the store has
+// Validation of terms from outside: allowed by RDF and within the limits. All that enters the store has
 // passed this. Any thread.
 #ifndef DOCENT_GRAPH_RDF_TERM_CHECK_H_
 #define DOCENT_GRAPH_RDF_TERM_CHECK_H_

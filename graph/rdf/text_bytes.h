@@ -1,4 +1,4 @@
-// How long the texts of a term or a quad are: for limits. Any thread.
+// Text length of terms and quads, for limits. Any thread.
 #ifndef DOCENT_GRAPH_RDF_TEXT_BYTES_H_
 #define DOCENT_GRAPH_RDF_TEXT_BYTES_H_
 

@@ -1,4 +1,4 @@
-// What a Redland storage stands on: quads that can be found and changed, wherever they are. Terms are text,
+// Interface behind a Redland storage: quads that can be found and changed. Terms are text,
 // so that a server's graph and one in this process look the same. One thread at a time, as librdf's objects.
 #ifndef DOCENT_GRAPH_REDLAND_QUAD_STORE_H_
 #define DOCENT_GRAPH_REDLAND_QUAD_STORE_H_

@@ -1,4 +1,4 @@
-// What Rasqal 0.9.33 must not be given: constructs that it does not know or does not execute, those that it
+// Filter of queries for Rasqal 0.9.33: refuses constructs that it does not know or does not execute, those that it
 // is known to answer wrongly without an error, and those whose preparation does not end. Pure function.
 //
 // Measured with the W3C suites; tests/graph/redland/rasqal_differences.txt lists each with a query, and a

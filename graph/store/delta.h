@@ -1,4 +1,4 @@
-// What one stage changed, net: a quad stands in at most one of the two lists, and applying it twice does
+// Net change of one stage: a quad stands in at most one of the two lists, and applying it twice does
 // nothing.
 #ifndef DOCENT_GRAPH_STORE_DELTA_H_
 #define DOCENT_GRAPH_STORE_DELTA_H_

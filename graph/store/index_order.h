@@ -1,4 +1,4 @@
-// How quads are laid out as keys in each index, and which part of an index a pattern's matches are.
+// Key layouts of the indexes, and the range of an index that holds a pattern's matches.
 #ifndef DOCENT_GRAPH_STORE_INDEX_ORDER_H_
 #define DOCENT_GRAPH_STORE_INDEX_ORDER_H_
 

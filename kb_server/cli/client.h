@@ -1,4 +1,4 @@
-// What the client commands of `docent` share: reaching a server, printing errors, exit codes.
+// Helpers of the client commands of `docent`: connecting to a server, printing errors, exit codes.
 #ifndef DOCENT_KB_SERVER_CLI_CLIENT_H_
 #define DOCENT_KB_SERVER_CLI_CLIENT_H_
 

@@ -1,4 +1,4 @@
-// What is deployed, registered and loaded, for the handlers that list it: an immutable picture that the
+// Catalog of deployed workflows, registered services and loaded modules: an immutable picture that the
 // writer thread makes when documents change; the committer publishes it beside the graph version.
 #ifndef DOCENT_KB_SERVER_DOOR_CATALOG_H_
 #define DOCENT_KB_SERVER_DOOR_CATALOG_H_

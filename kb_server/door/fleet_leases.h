@@ -1,4 +1,4 @@
-// Which robots have shown themselves lately. Heartbeats stay here and are not logged; what is told to the
+// Leases of robots, renewed by heartbeats. Heartbeats stay here and are not logged; what is told to the
 // graph is that a robot joined, changed its description, or was lost (docent:status docent:Offline).
 //
 // At most one batch about a robot's presence is under way at a time: what comes next is decided when the

@@ -1,4 +1,4 @@
-// What a handler may reach: the door in, the newest version out, and pictures that the writer publishes.
+// Interfaces that a handler may use: the door in, the newest version out, and pictures that the writer publishes.
 // Handlers never touch a stage. All of it is safe from any thread and outlives the handlers.
 #ifndef DOCENT_KB_SERVER_DOOR_PORTS_H_
 #define DOCENT_KB_SERVER_DOOR_PORTS_H_

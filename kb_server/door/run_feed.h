@@ -1,4 +1,4 @@
-// What happens in runs, handed to everyone who watches. Events are published only after their turn is
+// Event feed of workflow runs, for all watchers. Events are published only after their turn is
 // durable.
 //
 // The newest events are kept (Limits::run_events_kept), each under a number that grows by one, so that a

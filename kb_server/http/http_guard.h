@@ -1,4 +1,4 @@
-// Whom the HTTP server answers: the defence against web pages of other sites that make a visitor's browser
+// Host and Origin checks: the defence against web pages of other sites that make a visitor's browser
 // talk to a server on its own machine (cross-site requests, DNS rebinding). Immutable; any thread.
 #ifndef DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_
 #define DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_

@@ -1,4 +1,4 @@
-// What the SPARQL endpoint says of itself (SPARQL 1.1 Service Description). Any thread.
+// SPARQL 1.1 Service Description of the endpoint. Any thread.
 #ifndef DOCENT_KB_SERVER_HTTP_SERVICE_DESCRIPTION_H_
 #define DOCENT_KB_SERVER_HTTP_SERVICE_DESCRIPTION_H_
 

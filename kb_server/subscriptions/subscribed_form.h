@@ -1,4 +1,4 @@
-// Which queries a StandingConditions can keep the answer of, and how the rows are had from what it tells.
+// Queries whose answer StandingConditions can keep, and how rows are derived from its changes.
 //
 // Conjunctions of triple patterns with filters, EXISTS, NOT EXISTS and MINUS; where rows are not counted (ASK, SELECT
 // DISTINCT) also UNION. A SELECT without DISTINCT counts rows: there every variable is followed, and each

@@ -1,4 +1,4 @@
-// Which robots the graph says offer an operation: docent:offers, docent:incarnation, docent:status,
+// Index of the robots that offer an operation, by the graph: docent:offers, docent:incarnation, docent:status,
 // docent:idempotent. Answers are kept until a change of one of these properties. Writer thread only.
 #ifndef DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_

@@ -1,5 +1,5 @@
-// What a workflow's conditions cost by nature: those that are evaluated whole when something changes, and how long that
-// takes now. They are accepted; whoever deploys them is told.
+// Cost warnings for a workflow's conditions: those that are evaluated whole when something changes, and how long that
+// takes now. They are accepted, with a warning.
 #ifndef DOCENT_KB_SERVER_WORK_CONDITION_COST_H_
 #define DOCENT_KB_SERVER_WORK_CONDITION_COST_H_
 

@@ -1,4 +1,4 @@
-// What a CAWL document is checked against on the server: the words of the live graph's ontologies, the
+// CAWL check environment of the server: the words of the live graph's ontologies, the
 // operations that robots offer, the registered robot services and workflows.
 #ifndef DOCENT_KB_SERVER_WORK_GRAPH_ENVIRONMENT_H_
 #define DOCENT_KB_SERVER_WORK_GRAPH_ENVIRONMENT_H_

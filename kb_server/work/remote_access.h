@@ -1,4 +1,4 @@
-// What the server may fetch from other servers, and the fetching: SERVICE asks SPARQL endpoints, LOAD reads
+// Access to other servers, by an allow-list: SERVICE asks SPARQL endpoints, LOAD reads
 // documents. Only addresses on the allow-list are reached, by default none, so that a query cannot make the
 // server touch what its sender could not. Redirects are followed to such addresses, too. Thread-safe.
 #ifndef DOCENT_KB_SERVER_WORK_REMOTE_ACCESS_H_

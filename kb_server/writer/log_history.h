@@ -1,4 +1,4 @@
-// Who told a fact and when, read from the log, newest record first. Any thread.
+// Origin of a fact (source, time, offset), read from the log, newest record first. Any thread.
 #ifndef DOCENT_KB_SERVER_WRITER_LOG_HISTORY_H_
 #define DOCENT_KB_SERVER_WRITER_LOG_HISTORY_H_
 

@@ -1,4 +1,4 @@
-// What a turn means for those who watch runs. Pure.
+// Run events of a turn, for watchers. Pure.
 #ifndef DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
 #define DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_
 

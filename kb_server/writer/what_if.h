@@ -1,4 +1,4 @@
-// What a batch would do, found out on copies of the stages: the writer lends its state for a moment, a worker runs
+// What-if evaluation of a batch on copies of the stages: the writer lends its state for a moment, a worker runs
 // the same turn (kb_server/turn/turn.h) on private copies over a dictionary of its own, and throws them away.
 #ifndef DOCENT_KB_SERVER_WRITER_WHAT_IF_H_
 #define DOCENT_KB_SERVER_WRITER_WHAT_IF_H_

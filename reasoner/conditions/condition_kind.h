@@ -1,4 +1,4 @@
-// What conditions that differ only in constants have in common, so that each of them is small. Private to this folder.
+// Shared part of conditions that differ only in constants, so that each of them is small. Private to this folder.
 // Writer thread only.
 #ifndef DOCENT_REASONER_CONDITIONS_CONDITION_KIND_H_
 #define DOCENT_REASONER_CONDITIONS_CONDITION_KIND_H_

@@ -1,4 +1,4 @@
-// What a StandingConditions is made of. Private to this folder; split over standing_conditions.cc (who is followed) and
+// Implementation of StandingConditions. Private to this folder; split over standing_conditions.cc (registration) and
 // condition_update.cc (what a change does).
 #ifndef DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_
 #define DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_

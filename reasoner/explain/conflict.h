@@ -1,4 +1,4 @@
-// What keeps an absence from holding, and the changes that would break it.
+// Conflicts: matches that keep an absence from holding, and the changes that would break them.
 //
 // A conflict is one match of what must not be there, with all ways to make just this match go: a told fact under it
 // withdrawn, be it one of its facts or one that they are inferred from; or facts told that an absence in it, or in a

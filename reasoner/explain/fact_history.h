@@ -1,4 +1,4 @@
-// Who told a fact, and when: asked of whoever reads the log. The server's implementation is
+// Interface to the origin of facts (who told one, and when). The server's implementation is
 // kb_server/writer/log_history.h.
 #ifndef DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_
 #define DOCENT_REASONER_EXPLAIN_FACT_HISTORY_H_

@@ -1,4 +1,4 @@
-// What would make a condition true: facts to tell and facts in the way, as they are shown and as they are tried. Pure
+// Repairs of a condition that is false: facts to tell and facts in the way, as they are shown and as they are tried. Pure
 // functions; any thread.
 #ifndef DOCENT_REASONER_EXPLAIN_REPAIR_H_
 #define DOCENT_REASONER_EXPLAIN_REPAIR_H_

@@ -1,4 +1,4 @@
-// What a report of an inconsistency (reasoner/rules/inconsistency.h) was made of: its check, and the solution of that.
+// Origins of an inconsistency report (reasoner/rules/inconsistency.h): its check, and the solution of that.
 //
 // A report does not name the rule set of its check, nor, of a body that is more than triple patterns, all that matched.
 // But check and solution give the report: so the checks of its name are solved, and the solutions taken that report just

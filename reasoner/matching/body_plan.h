@@ -1,4 +1,4 @@
-// How a Body finds its solutions. Private to this folder.
+// Evaluation plan of a Body. Private to this folder.
 #ifndef DOCENT_REASONER_MATCHING_BODY_PLAN_H_
 #define DOCENT_REASONER_MATCHING_BODY_PLAN_H_
 

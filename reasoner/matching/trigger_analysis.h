@@ -1,4 +1,4 @@
-// Which changes of the graph can change the answer of a pattern, and what is known when one does.
+// Trigger analysis: the changes of the graph that can change the answer of a pattern, and what is known when one does.
 //
 // Reads the algebra of a rule body or standing condition and lists its triple patterns, wherever they stand,
 // as triggers. Pure analysis of text-level algebra, no store. Any thread.

@@ -1,4 +1,4 @@
-// What a check of documents finds. Values; any thread.
+// A finding of a check of documents. Values; any thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_FINDING_H_
 #define DOCENT_REASONER_ONTOLOGY_FINDING_H_
 

@@ -1,4 +1,4 @@
-// What is different between two versions of an ontology module, blank nodes compared by what is said of them. Pure
+// Difference between two versions of an ontology module; blank nodes are compared by their triples. Pure
 // functions; any thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_MODULE_DIFF_H_
 #define DOCENT_REASONER_ONTOLOGY_MODULE_DIFF_H_

@@ -1,4 +1,4 @@
-// What a set of documents says of words: classes, properties, how they hang together, which resources are described. Read
+// Vocabulary of a set of documents: classes, properties, their hierarchies, which resources are described. Read
 // from told triples alone; nothing is inferred but along rdfs:subClassOf, rdfs:subPropertyOf and owl:equivalentClass.
 // One thread (it remembers closures that it was asked for).
 #ifndef DOCENT_REASONER_ONTOLOGY_VOCABULARY_H_

@@ -1,4 +1,4 @@
-// Is every word that a document uses one that the vocabulary has, and meant for that? RDF, rules and queries. One thread.
+// Check that every word of a document is in the vocabulary and used as it is declared. RDF, rules and queries. One thread.
 #ifndef DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 #define DOCENT_REASONER_ONTOLOGY_WORD_CHECK_H_
 

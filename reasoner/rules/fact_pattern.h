@@ -1,4 +1,4 @@
-// What a set of facts has in common, as the order of rules with negation follows it (negation_order.h). Private to this
+// Abstraction of a set of facts to a pattern, for the order of rules with negation (negation_order.h). Private to this
 // folder. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_FACT_PATTERN_H_
 #define DOCENT_REASONER_RULES_FACT_PATTERN_H_

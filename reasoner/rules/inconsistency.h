@@ -1,4 +1,4 @@
-// What a check (a rule without head) says of each of its solutions: facts, so that queries, subscriptions and
+// Inconsistency reports: facts that a check (a rule without head) makes of each solution, so that queries, subscriptions and
 // conditions see inconsistencies as they see everything else.
 //
 //   <urn:docent:inconsistency:cax-dw:6f0c…> a docent:Inconsistency ;

@@ -1,4 +1,4 @@
-// Which rules with negation come after which, where the axioms decide.
+// Order of the rules with negation, where the axioms decide it.
 //
 // Rules of OWL such as ?s owl:sameAs ?t . ?s ?p ?o → ?t ?p ?o may make anything of anything, so that every rule with
 // negation would negate what may follow from itself. What they do make depends on the axioms that are there. So the

@@ -1,4 +1,4 @@
-// Whether a fact follows from facts that stay: the backward half of the backward/forward algorithm (Motik,
+// Search for another proof of a fact from facts that stay: the backward half of the backward/forward algorithm (Motik,
 // Nenov, Piro, Horrocks, Incremental Update of Datalog Materialisation: the Backward/Forward Algorithm, AAAI
 // 2015).
 //

@@ -1,4 +1,4 @@
-// What a change of the rules would add and remove, without doing it: the rules are changed in an engine of
+// Preview of a change of the rules: the facts that it would add and remove. The rules are changed in an engine of
 // its own, over a private copy of a graph version. Any thread; the result is the caller's.
 #ifndef DOCENT_REASONER_RULES_RULE_PREVIEW_H_
 #define DOCENT_REASONER_RULES_RULE_PREVIEW_H_

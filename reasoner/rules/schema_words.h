@@ -1,4 +1,4 @@
-// Which patterns and facts speak of the schema (classes, properties, lists of axioms, equality) and not of
+// Tests whether patterns and facts are about the schema (classes, properties, lists of axioms, equality) and not about
 // things. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_SCHEMA_WORDS_H_
 #define DOCENT_REASONER_RULES_SCHEMA_WORDS_H_

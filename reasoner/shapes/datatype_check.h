@@ -1,4 +1,4 @@
-// Whether a literal's text is in the lexical space of its datatype (XML Schema 1.1 part 2). Pure functions.
+// Lexical check of literals against their datatype (XML Schema 1.1 part 2). Pure functions.
 #ifndef DOCENT_REASONER_SHAPES_DATATYPE_CHECK_H_
 #define DOCENT_REASONER_SHAPES_DATATYPE_CHECK_H_
 

@@ -1,4 +1,4 @@
-// Which shape refers to which: are there circles, and how deep does it go. Pure function; private to this folder.
+// References between shapes: cycles and depth. Pure function; private to this folder.
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_ORDER_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_ORDER_H_
 

@@ -1,4 +1,4 @@
-// Where in which file a triple was written, for reports on files. Filled once, then read by any thread.
+// File and line of each triple, for reports on files. Filled once, then read by any thread.
 #ifndef DOCENT_REASONER_SHAPES_SOURCE_MAP_H_
 #define DOCENT_REASONER_SHAPES_SOURCE_MAP_H_
 

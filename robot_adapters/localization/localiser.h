@@ -1,4 +1,4 @@
-// Where is the robot? MRPT's particle filter with our sensor model on the hall's distance field.
+// Localiser: MRPT's particle filter with our sensor model on the hall's distance field.
 //
 // Why not MRPT's own sensor models: COctoMap scores a pose outside the map above the true one, and the likelihood
 // fields on grids cost 8 to 20 times as much per particle (bench/localisation_bench.h shows the figures).

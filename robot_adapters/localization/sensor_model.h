@@ -1,4 +1,4 @@
-// How likely is a scan from a pose? A table of tempered log-likelihoods over the plane of the laser, looked up at
+// Likelihood of a laser scan from a pose: a table of tempered log-likelihoods over the laser's plane, looked up at
 // every beam's end.
 //
 // Honest: a beam that ends outside the map or far from any surface gets log(z_random), never 0, so no pose gains by

@@ -1,4 +1,4 @@
-// What a real robot recorded: its odometry and laser scans (an MRPT rawlog), and the map of its building (an MRPT
+// A real robot's recording: its odometry and laser scans (an MRPT rawlog), and the map of its building (an MRPT
 // simple map: scans at known poses). MRPT reads the files; its types do not show here. Free functions; any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_
 #define DOCENT_ROBOT_ADAPTERS_RAWLOG_RECORDED_DRIVE_H_

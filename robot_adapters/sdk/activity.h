@@ -1,4 +1,4 @@
-// What the robot is doing, as facts: docent:status, docent:currentCommand, docent:progress. Thread-safe.
+// The robot's activity as facts: docent:status, docent:currentCommand, docent:progress. Thread-safe.
 #ifndef DOCENT_ROBOT_ADAPTERS_SDK_ACTIVITY_H_
 #define DOCENT_ROBOT_ADAPTERS_SDK_ACTIVITY_H_
 

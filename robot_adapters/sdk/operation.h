@@ -1,4 +1,4 @@
-// What a robot can do, as functions: one per operation of its description.
+// A robot's operations as functions: one for each operation of its description.
 //
 // The sdk runs each command on a thread of its own; an operation may therefore block, but has to look at
 // `StopRequested` (or wait with `SleepFor`) often enough to end soon after it was cancelled.

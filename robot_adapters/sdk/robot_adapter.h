@@ -1,4 +1,4 @@
-// What a robot maker links: turns a few functions into a robot that the docent server can command.
+// Robot adapter: turns a few functions of a robot maker into a robot that the docent server can command.
 //
 //   #include "robot_adapters/sdk/robot_adapter.h"
 //

@@ -1,4 +1,4 @@
-// Where the simulated robot was and where it thought it was, and what that says about its localiser. A value.
+// Trace of a simulated drive: true and estimated poses, and the localiser's error statistics. A value.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_DRIVE_TRACE_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_DRIVE_TRACE_H_
 

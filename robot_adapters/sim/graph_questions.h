@@ -1,4 +1,4 @@
-// What the guide robot has to know and only the graph knows: where a visitor is, what a booth shows.
+// Queries of the guide robot to the graph: where a visitor is, what a booth shows.
 //
 // A server that is away is waited for, until the command must stop. Any thread.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_GRAPH_QUESTIONS_H_

@@ -1,4 +1,4 @@
-// Where the simulated robot stands, kept in a file: a robot does not jump home because its program was
+// Pose of the simulated robot, kept in a file: a robot does not jump home because its program was
 // restarted.
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_WORLD_STATE_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_WORLD_STATE_H_

@@ -1,4 +1,4 @@
-// What a CAWL document is checked against, beyond its own text: the operations that there are, the application
+// Environment of a CAWL check, beyond the document's own text: the known operations, the application
 // services, and the words of the ontology. The server answers from the live graph, `docent check` from files.
 #ifndef DOCENT_WORKFLOW_CAWL_ENVIRONMENT_H_
 #define DOCENT_WORKFLOW_CAWL_ENVIRONMENT_H_

@@ -1,4 +1,4 @@
-// What must hold between the parts of one CAWL document. Mistakes go to the reader. Any thread.
+// Structural checks between the parts of one CAWL document. Mistakes go to the reader. Any thread.
 #ifndef DOCENT_WORKFLOW_CAWL_STRUCTURE_CHECKS_H_
 #define DOCENT_WORKFLOW_CAWL_STRUCTURE_CHECKS_H_
 

@@ -1,4 +1,4 @@
-// Which names a place in a CAWL document sees: messages and variables of the scopes cawl ⊃ activator and
+// Symbol table: the names that a place in a CAWL document sees, messages and variables of the scopes cawl ⊃ activator and
 // cawl ⊃ flow ⊃ node. Points into the document, which must outlive it. Immutable; any thread.
 #ifndef DOCENT_WORKFLOW_CAWL_SYMBOL_TABLE_H_
 #define DOCENT_WORKFLOW_CAWL_SYMBOL_TABLE_H_

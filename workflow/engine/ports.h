@@ -1,4 +1,4 @@
-// What the engine reads and what it says, as plain values: it never touches the graph, the conditions or a
+// Inputs and outputs of the engine, as plain values: it never touches the graph, the conditions or a
 // robot.
 //
 // One Step per round of a turn: the turn gives a ConditionView (levels and edges of the conditions that the

@@ -1,4 +1,4 @@
-// Which runs are taken further in a Step, and who gets a robot that is free. Private to this folder. Writer
+// Scheduler of runs: which are advanced in a Step, and which gets a free robot. Private to this folder. Writer
 // thread only.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_

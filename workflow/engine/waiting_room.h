@@ -1,4 +1,4 @@
-// Who waits for a robot, oldest run first: invocations that no robot can take now, and runs with a condition
+// Queue for robots, oldest run first: invocations that no robot can take now, and runs with a condition
 // that holds but only with robots that serve other runs. When one robot is freed, one who can use it is
 // woken, not everybody.
 //

@@ -1,4 +1,4 @@
-// What the engine asks one robot to do. Value; any thread.
+// A command of the engine to one robot. Value; any thread.
 #ifndef DOCENT_WORKFLOW_RSEL_ROBOT_COMMAND_H_
 #define DOCENT_WORKFLOW_RSEL_ROBOT_COMMAND_H_
 

@@ -1,4 +1,4 @@
-// What the readers of CAWL and RSEL share: attributes and children against what the language knows, each mistake
+// Reader base of CAWL and RSEL: checks attributes and children against what the language knows, each mistake
 // reported with its place and the nearest known word. One reader a document; one thread.
 #ifndef DOCENT_WORKFLOW_XML_ELEMENT_READER_H_
 #define DOCENT_WORKFLOW_XML_ELEMENT_READER_H_

@@ -1,4 +1,4 @@
-// Is this text XML that we accept? libxml2's answer, with places. Any thread.
+// Well-formedness check of XML texts by libxml2, with places. Any thread.
 #ifndef DOCENT_WORKFLOW_XML_WELL_FORMED_H_
 #define DOCENT_WORKFLOW_XML_WELL_FORMED_H_
 

@@ -1,4 +1,4 @@
-// What all operators of one evaluation share: the version, the computed terms, the limits, the first error.
+// State shared by the operators of one evaluation: the version, the computed terms, the limits, the first error.
 // One thread.
 #ifndef DOCENT_GRAPH_SPARQL_PLAN_EVALUATION_CONTEXT_H_
 #define DOCENT_GRAPH_SPARQL_PLAN_EVALUATION_CONTEXT_H_

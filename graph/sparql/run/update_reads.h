@@ -1,4 +1,4 @@
-// What a WHERE clause depends on, as patterns of quads. One thread.
+// Read set of a WHERE clause, as patterns of quads. One thread.
 #ifndef DOCENT_GRAPH_SPARQL_RUN_UPDATE_READS_H_
 #define DOCENT_GRAPH_SPARQL_RUN_UPDATE_READS_H_
 

@@ -1,4 +1,4 @@
-// Which prefixes a text declares and does not use. Pure; any thread.
+// Unused prefix declarations of a text, with their places. Pure; any thread.
 #ifndef DOCENT_GRAPH_SPARQL_SYNTAX_PREFIX_PLACES_H_
 #define DOCENT_GRAPH_SPARQL_SYNTAX_PREFIX_PLACES_H_
 
