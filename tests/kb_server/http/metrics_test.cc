@@ -46,6 +46,20 @@ TEST(MetricsTest, WholePage) {
             "docent_turns_total 3\n");
 }
 
+TEST(MetricsTest, ADeprecatedNameHasTheSameSeries) {
+  Metrics metrics;
+  metrics.AddCounter("docent_new_total", "New.", {{"code", "200"}}).Add(7);
+  metrics.AddDeprecatedName("docent_old_total", "docent_new_total");
+  metrics.AddDeprecatedName("docent_gone_total", "docent_nothing_total");
+  EXPECT_EQ(metrics.Render(),
+            "# HELP docent_new_total New.\n"
+            "# TYPE docent_new_total counter\n"
+            "docent_new_total{code=\"200\"} 7\n"
+            "# HELP docent_old_total Deprecated: use docent_new_total\n"
+            "# TYPE docent_old_total counter\n"
+            "docent_old_total{code=\"200\"} 7\n");
+}
+
 TEST(MetricsTest, SameNameAndLabelsIsTheSameSeries) {
   Metrics metrics;
   Counter& first = metrics.AddCounter("a_total", "A.", {{"x", "1"}});
