@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""What the pages of docs/ show is true: every whole document is one that `docent check` accepts, and the page on file
-formats has the numbers of this version and a checker that reads what a server writes.
+"""What the pages of docs/ say is true: every whole document is one that `docent check` accepts, files of the tree and limits
+are what they are said to be, and the page on file formats has the numbers of this version and a checker that reads what a
+server writes.
 
 A whole document is a fenced block of
   xml      whose root element is <CAWL> or <rsel>,
@@ -103,6 +104,33 @@ class Examples(unittest.TestCase):
             run = subprocess.run([sys.executable, "-c", checker, data], capture_output=True, text=True, timeout=60)
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertEqual(run.stdout, "3 records, all right\n")
+
+
+class Names(unittest.TestCase):
+    """What the pages name by its name is there, and a limit has the value that stands before its name."""
+
+    FOLDERS = "graph|reasoner|workflow|maps|robot_adapters|kb_server|proto|ontology|scenarios|tests|scripts|bench|docs"
+    PROSE = [ROOT / "ARCHITECTURE.md", *PAGES]
+
+    def test_files_of_the_tree_are_there(self):
+        for page in self.PROSE:
+            for name in re.findall(rf"`((?:{self.FOLDERS})/[\w./-]*)`", page.read_text(encoding="utf-8")):
+                with self.subTest(f"{page.relative_to(ROOT)}: {name}"):
+                    self.assertTrue((ROOT / name).exists())
+
+    def test_limits_have_the_values_that_pages_say(self):
+        table = (ROOT / "docs/reference/limits.md").read_text(encoding="utf-8")
+        limits = dict(re.findall(r"^\| `(\w+)` \| ([^|]+) \|", table, re.MULTILINE))
+        compared = 0
+        for page in PAGES:
+            text = page.read_text(encoding="utf-8")
+            for value, name in re.findall(r"([0-9][\d,]*(?: (?:[GMK]iB|min|m?s)\b)?)[^(|.`\d]{0,60}\(`(\w+)`\)", text):
+                if name not in limits:
+                    continue
+                compared += 1
+                with self.subTest(f"{page.relative_to(ROOT)}: {name}"):
+                    self.assertEqual(re.match(r"[\d,]+(?: (?:[GMK]iB|min|m?s))?", limits[name]).group(), value)
+        self.assertGreater(compared, 20)
 
 
 class Grpc(unittest.TestCase):
