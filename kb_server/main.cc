@@ -9,6 +9,8 @@
 
 #include "graph/base/diagnostic.h"
 #include "graph/base/program_setup.h"
+#include "graph/base/text.h"
+#include "graph/base/version.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 
@@ -71,7 +73,7 @@ int main(int argc, char** argv) {
   setenv("REDLAND_MODULE_PATH", "/dev/null",
          1);  // librdf must not load our own storage module into ourselves
   CLI::App app{"Docent: a semantic context-reasoning server for service robots", "docent"};
-  app.set_version_flag("--version", std::string(DOCENT_VERSION));
+  app.set_version_flag("--version", docent::Concat("docent ", docent::VersionWithCommit()));
   app.require_subcommand(1);
   int exit_code = docent::kExitOk;
   docent::AddServeCommand(&app, &exit_code);

@@ -49,13 +49,15 @@ show_ninja_progress() {
   [ -z "$clear" ] || printf '%s' "$clear" >&2
 }
 
-# build PRESET TARGET...: configures the preset if needed and builds the targets (all of them: "all").
+# build PRESET TARGET...: configures the preset if needed and builds the targets (all of them: "all"). cmake_options: what
+# the preset leaves open, which one script sets as it needs it and the next one may want otherwise.
+cmake_options=(-DDOCENT_BUILD_TESTS=ON -DDOCENT_BUILD_BENCH=ON)
 build() {
   local preset=$1 log
   shift
   log=$(mktemp "${TMPDIR:-/tmp}/docent-cmake.XXXXXX")
   say "build: configuring preset $preset"
-  cmake --preset "$preset" >"$log" 2>&1 || { cat "$log" >&2; die "cmake failed"; }
+  cmake --preset "$preset" "${cmake_options[@]}" >"$log" 2>&1 || { cat "$log" >&2; die "cmake failed"; }
   rm -f "$log"
   say "build: $* (preset $preset, $(nproc) at a time)"
   ninja -C "build/$preset" "$@" 2>&1 | grep --line-buffered -v '^ninja: Entering' | show_ninja_progress || die "the build failed"

@@ -23,6 +23,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "graph/base/version.h"
 
 namespace docent {
 namespace {
@@ -55,7 +56,7 @@ net::awaitable<absl::Status> Exchange(Stream& stream, const FetchRequest& reques
   const bool default_port = url.port == (url.tls ? "443" : "80");
   const std::string host = url.host.find(':') == std::string::npos ? url.host : "[" + url.host + "]";
   message.set(http::field::host, default_port ? host : host + ":" + url.port);
-  message.set(http::field::user_agent, "docent/" DOCENT_VERSION);
+  message.set(http::field::user_agent, Concat("docent/", Version()));
   message.set(http::field::connection, "close");
   for (const auto& [name, value] : request.headers) message.set(name, value);
   message.body() = request.body;

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "graph/base/data_files.h"
 #include "maps/hall_model.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/guide_robot.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct DriveArguments {
   GuideRobotOptions options;
-  std::string hall = DOCENT_DEFAULT_HALL;
+  std::string hall;  // empty: the one of scenario s01
   std::string map;
   std::string start;
 };
@@ -78,6 +79,11 @@ int Drive(DriveArguments arguments) {
   GuideRobotOptions& options = arguments.options;
   if (options.folder.empty()) options.folder = DefaultFolder(options.adapter.robot);
   if (options.adapter.label.empty()) options.adapter.label = FileNameOf(options.adapter.robot);
+  if (arguments.hall.empty()) {
+    auto hall = FindDataFile("scenarios/s01_booth_guide/hall.ttl");
+    if (!hall.ok()) return Fail(hall.status());
+    arguments.hall = *hall;
+  }
   auto layout = maps::HallLayout::FromFile(arguments.hall);
   if (!layout.ok()) return Fail(layout.status());
   if (!arguments.start.empty()) {
@@ -114,8 +120,8 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
       ->capture_default_str();
   app->add_option("--robot", adapter.robot, "IRI of the robot in the graph")->capture_default_str();
   app->add_option("--label", adapter.label, "Its name for people; the end of the IRI if not given");
-  app->add_option("--hall,--layout", arguments->hall, "RDF file of the hall that it drives in")
-      ->capture_default_str();
+  app->add_option("--hall,--layout", arguments->hall,
+                  "RDF file of the hall that it drives in; the hall of scenario s01 if not given");
   app->add_option("--map", arguments->map,
                   "OctoMap (.bt) to localise in; made from the hall, and kept here, if it is not there");
   app->add_option("--start", arguments->start,

@@ -6,6 +6,8 @@
 
 #include "CLI/CLI.hpp"
 #include "graph/base/program_setup.h"
+#include "graph/base/text.h"
+#include "graph/base/version.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/signals.h"
 
@@ -24,7 +26,7 @@ int main(int argc, char** argv) {
   docent::robot::AddDriveCommand(&app, &exit_code);
   docent::robot::AddReplayCommand(&app, &exit_code);
   app.require_subcommand(0, 1);
-  app.set_version_flag("--version", DOCENT_VERSION);
+  app.set_version_flag("--version", docent::Concat("docent-robot ", docent::VersionWithCommit()));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
