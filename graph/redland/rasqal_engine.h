@@ -1,5 +1,7 @@
 // A SPARQL query answered by Rasqal through the storage `docent`, over one graph version: the second engine,
 // for comparing. Joins are done in textual order and answers are kept whole.
+// It runs in the client's process, on a copy of the graph: Rasqal cannot be cancelled and has open memory faults, so
+// the server is not put at risk.
 #ifndef DOCENT_GRAPH_REDLAND_RASQAL_ENGINE_H_
 #define DOCENT_GRAPH_REDLAND_RASQAL_ENGINE_H_
 

@@ -1,5 +1,6 @@
 // Large RDF files into a running server: read and checked whole here, sent in parts, each of which is a batch of its own,
 // so that no message, turn or log record grows with the file. One thread.
+// A load that stops half-way (a full disk) leaves the parts before it; loading again adds the rest.
 #ifndef DOCENT_KB_SERVER_CLI_PART_LOADER_H_
 #define DOCENT_KB_SERVER_CLI_PART_LOADER_H_
 

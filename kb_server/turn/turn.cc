@@ -147,6 +147,7 @@ absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t of
     result.record.time_us = batch.time_us;
     result.record.engine_version = kEngineVersion;
     result.record.batch = std::move(batch);
+    // Before the stages commit: a record that is too large for the log is refused alone, not with its group.
     if (record_bytes != nullptr) status = Encode(result.record, stages->limits, record_bytes);
   }
   if (!status.ok()) {

@@ -1,4 +1,5 @@
-// The terms that the facts of every run are made of, each looked up in the dictionary once.
+// The terms that the facts of every run are made of, each looked up in the dictionary once: made from text at
+// every change they were a third of the writer's work.
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_
 
