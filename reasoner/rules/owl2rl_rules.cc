@@ -1,7 +1,7 @@
 // OWL 2 RL/RDF: W3C OWL 2 Profiles (Second Edition), section 4.3, tables 4 to 9.
 //
 // What follows from a rule for trivial reasons (x sameAs x, x a C from x a C) is not asked again: such
-// filters change no answer. See README.md for what is left out, and why.
+// filters change no answer. See docs/reference/rules.md for what is left out, and why.
 #include "reasoner/rules/owl2rl_rules.h"
 
 #include "absl/strings/str_cat.h"

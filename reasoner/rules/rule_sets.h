@@ -2,7 +2,7 @@
 //
 // They are ordinary documents of the rule language: loaded, replaced, removed, previewed and logged like a
 // user's own. Each rule bears the name that its W3C table gives it; which rules are covered, and how, stands
-// in this folder's README. Pure; any thread.
+// in docs/reference/rules.md. Pure; any thread.
 #ifndef DOCENT_REASONER_RULES_RULE_SETS_H_
 #define DOCENT_REASONER_RULES_RULE_SETS_H_
 
