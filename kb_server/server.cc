@@ -398,7 +398,8 @@ absl::Status Server::LoadOntologies() {
     if (SameGraph(dictionary_, *queries_.Newest(), graph, parsed.quads)) continue;
     WriteBatch batch;
     batch.mode = WriteBatch::Mode::kLoad;
-    batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, name, ""});
+    batch.documents.push_back(
+        {Document::Kind::kOntology, Document::Action::kPut, name, DeclarePrefixes(parsed.prefixes)});
     for (TermQuad& quad : parsed.quads) {
       quad.graph = Term::Iri(graph);
       batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});

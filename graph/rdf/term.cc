@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/text.h"
+#include "graph/rdf/iri_names.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
@@ -69,22 +70,6 @@ void AppendIri(std::string_view iri, std::string* out) {
   *out += '>';
 }
 
-bool IsPlainLocalName(std::string_view local) {
-  for (char c : local) {
-    if (!absl::ascii_isalnum(static_cast<unsigned char>(c)) && c != '_' && c != '-') return false;
-  }
-  return true;
-}
-
-std::string DisplayIri(std::string_view iri) {
-  for (const auto& [prefix, ns] : kWellKnownPrefixes) {
-    if (iri.starts_with(ns) && IsPlainLocalName(iri.substr(ns.size()))) {
-      return Concat(prefix, ":", iri.substr(ns.size()));
-    }
-  }
-  return Concat("<", iri, ">");
-}
-
 }  // namespace
 
 Term Term::Literal(std::string lexical, std::string datatype) {
@@ -136,19 +121,7 @@ std::string ToNTriples(const Term& term) {
 }
 
 std::string ToDisplay(const Term& term) {
-  if (term.IsIri()) return DisplayIri(term.lexical);
-  if (term.IsBlank()) return Concat("_:", term.lexical);
-  const bool number = (term.datatype == kXsdInteger || term.datatype == kXsdDecimal) &&
-                      !term.lexical.empty() &&
-                      term.lexical.find_first_not_of("+-.0123456789") == std::string::npos;
-  const bool truth = term.datatype == kXsdBoolean && (term.lexical == "true" || term.lexical == "false");
-  if (number || truth) return term.lexical;
-  std::string out = "\"";
-  AppendEscapedString(term.lexical, &out);
-  out += '"';
-  if (!term.language.empty()) return absl::StrCat(out, "@", term.language);
-  if (!term.datatype.empty()) return absl::StrCat(out, "^^", DisplayIri(term.datatype));
-  return out;
+  return IriNames::WellKnown().Show(term);
 }
 
 }  // namespace docent

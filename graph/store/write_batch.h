@@ -42,7 +42,8 @@ struct Document {
   Kind kind = Kind::kOntology;
   Action action = Action::kPut;
   std::string name;  // unique within its kind; putting it again replaces it
-  std::string text;  // as the user wrote it. Ontologies: empty, their quads are this batch's `operations`
+  std::string
+      text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
 
   friend bool operator==(const Document&, const Document&) = default;
 };

@@ -29,7 +29,7 @@ struct ModuleEntry {
   uint64_t size = 0;                        // triples, or rules
   uint64_t fingerprint = 0;                 // of the text; equal texts have equal ones within one process
   Revision revision;                        // that put it
-  std::shared_ptr<const std::string> text;  // of a rule set
+  std::shared_ptr<const std::string> text;  // of a rule set; of an ontology its prefix declarations (Turtle)
 };
 
 struct Catalog {

@@ -79,6 +79,7 @@ absl::Status FillProof(const explain::Proof& proof, const explain::Prefixes& pre
 // Those of the question, of the request, and the well-known ones: the first that has a name counts.
 explain::Prefixes PrefixesOf(const v1::ExplainRequest& request, const sparql::Query* query) {
   explain::Prefixes prefixes;
+  if (request.full()) return prefixes;
   const auto add = [&prefixes](const std::string& name, const std::string& iri) {
     const bool known = std::any_of(prefixes.begin(), prefixes.end(),
                                    [&name](const auto& prefix) { return prefix.first == name; });

@@ -90,9 +90,11 @@ grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*,
     told.set_source(request->source());
     auto batch = FromProto(told, ports_.limits);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-    std::vector<std::pair<std::string, std::string>> prefixes(request->prefixes().begin(),
-                                                              request->prefixes().end());
-    for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
+    std::vector<std::pair<std::string, std::string>> prefixes;
+    if (!request->full()) {
+      prefixes.assign(request->prefixes().begin(), request->prefixes().end());
+      for (auto& prefix : sparql::WellKnownPrefixes()) prefixes.push_back(std::move(prefix));
+    }
     ports_.what_if->Ask(
         *std::move(batch), cancellation,
         [reactor, reply, display = Display(std::move(prefixes))](const absl::StatusOr<WhatIfAnswer>& answer) {

@@ -18,6 +18,7 @@
 #include "docent/v1/workflows.grpc.pb.h"
 #include "kb_server/door/fleet_leases.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/work/known_prefixes.h"
 
 namespace docent {
 
@@ -57,6 +58,8 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
   grpc::ServerUnaryReactor* List(grpc::CallbackServerContext* context,
                                  const v1::ListOntologiesRequest* request,
                                  v1::ListOntologiesReply* reply) override;
+  grpc::ServerUnaryReactor* Prefixes(grpc::CallbackServerContext* context, const v1::PrefixesRequest* request,
+                                     v1::PrefixesReply* reply) override;
   grpc::ServerUnaryReactor* Remove(grpc::CallbackServerContext* context,
                                    const v1::RemoveOntologyRequest* request, v1::LoadReply* reply) override;
   grpc::ServerUnaryReactor* PreviewRules(grpc::CallbackServerContext* context,
@@ -65,6 +68,7 @@ class OntologiesService final : public v1::Ontologies::CallbackService {
 
  private:
   const ServicePorts& ports_;
+  KnownPrefixes prefixes_;
 };
 
 class WorkflowsService final : public v1::Workflows::CallbackService {

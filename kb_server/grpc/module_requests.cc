@@ -10,6 +10,7 @@
 #include "graph/rdf/parser.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
+#include "kb_server/work/known_prefixes.h"
 
 namespace docent {
 namespace {
@@ -58,6 +59,7 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   }
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
+  for (Document& document : batch->documents) document.text = DeclarePrefixes(parsed.prefixes);
   batch->operations.reserve(parsed.quads.size());
   for (TermQuad& quad : parsed.quads) {
     if (!add(std::move(quad))) break;

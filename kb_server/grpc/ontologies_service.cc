@@ -125,6 +125,20 @@ grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* c
                   });
 }
 
+grpc::ServerUnaryReactor* OntologiesService::Prefixes(grpc::CallbackServerContext* context,
+                                                      const v1::PrefixesRequest*, v1::PrefixesReply* reply) {
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, reply](grpc::ServerUnaryReactor* reactor) {
+                    const auto names = prefixes_.Of(ports_.catalog->Get());
+                    for (const auto& [prefix, name_space] : names->prefixes()) {
+                      v1::PrefixesReply::Prefix* out = reply->add_prefixes();
+                      out->set_name(prefix);
+                      out->set_namespace_(name_space);
+                    }
+                    reactor->Finish(grpc::Status::OK);
+                  });
+}
+
 grpc::ServerUnaryReactor* OntologiesService::Remove(grpc::CallbackServerContext* context,
                                                     const v1::RemoveOntologyRequest* request,
                                                     v1::LoadReply* reply) {

@@ -174,7 +174,8 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
       continue;
     }
     std::shared_ptr<const std::string> text;
-    if (document.kind == Document::Kind::kRules) text = std::make_shared<const std::string>(document.text);
+    if (document.kind == Document::Kind::kRules || document.kind == Document::Kind::kOntology)
+      text = std::make_shared<const std::string>(document.text);
     entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision,
                                        std::move(text)};
   }

@@ -35,7 +35,8 @@ class Documents {
     uint64_t size = 0;
     uint64_t fingerprint = 0;
     Revision revision;
-    std::shared_ptr<const std::string> text;  // of rules; other stages keep their documents themselves
+    std::shared_ptr<const std::string>
+        text;  // of rules and ontologies; other stages keep their documents themselves
   };
   // What is there, for snapshots; and the same put back into a fresh object, whose rules are given to `rules`.
   const std::map<Key, Entry>& entries() const { return entries_; }

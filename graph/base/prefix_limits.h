@@ -1,0 +1,18 @@
+// How many prefixes of documents the server remembers, by which clients name IRIs for people.
+#ifndef DOCENT_GRAPH_BASE_PREFIX_LIMITS_H_
+#define DOCENT_GRAPH_BASE_PREFIX_LIMITS_H_
+
+#include <cstddef>
+
+namespace docent {
+
+// Prefixes beyond a limit are left out: their IRIs are printed whole.
+struct PrefixLimits {
+  size_t module_prefixes = 256;  // of one ontology module, in the order of their declarations
+  size_t prefix_bytes = 1024;    // of its name and its namespace together
+  size_t known_prefixes = 4096;  // of all modules, rule sets and workflows
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_PREFIX_LIMITS_H_
