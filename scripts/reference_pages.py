@@ -7,8 +7,12 @@ import json
 import os
 import re
 import subprocess
+import sys
 
 from docent_stage import ROOT
+
+sys.path.insert(0, str(ROOT / "packaging"))
+from man_page import Help  # noqa: E402
 
 SHARE = "/usr/share/docent"
 NOTE = "<!-- Made by scripts/reference from the program. Edit the program's own texts, then run scripts/reference. -->\n"
@@ -47,68 +51,55 @@ def help_of(program, arguments):
     return done.stdout.replace(str(ROOT), SHARE)
 
 
-def read_help(text):
-    """The description, and for each section of a help text its (name, description) pairs."""
-    description, sections, section = [], {}, None
-    for line in text.splitlines():
-        heading = re.fullmatch(r"([A-Z][\w ]*):", line)
-        if line.startswith("Usage:"):
-            section = "Usage"
-            sections[section] = line[len("Usage:"):].strip()
-        elif heading:
-            section = heading[1]
-            sections[section] = []
-        elif section is None:
-            description.append(line)
-        elif line.startswith("   ") and sections[section]:
-            name, told = sections[section][-1]
-            sections[section][-1] = (name, f"{told} {line.strip()}".strip())
-        elif line.startswith("  "):
-            name, _, told = line.strip().partition("  ")
-            if not told and len(name) > 28:  # CLI11 leaves one space where a name is long
-                name, told = line.strip(), ""
-            sections[section].append((name, told.strip()))
-    return " ".join(description).strip(), sections
-
-
 def option_row(name, told):
-    """`--data TEXT=/x (Env:Y)`: its name, what it takes, and what it is for."""
-    environment = re.search(r" \(Env:(\w+)\)", name)
-    name = name.replace(environment[0], "") if environment else name
-    flags, _, kind = name.partition(" ")
-    required = "REQUIRED" in kind
-    many = "..." in kind
-    kind = kind.replace("REQUIRED", "").replace("...", "").strip()
-    kind = re.sub(r"\(1x\)", "", kind)
-    kind, has_default, default = kind.partition("=")
-    kind, _, values = kind.partition(":")
-    kind = {"TEXT": "text", "UINT": "number", "INT": "number", "FLOAT": "number"}.get(kind, kind)
-    if values.startswith("{"):
-        kind = ", ".join(f"`{value}`" for value in values.strip("{}").split(","))
-    elif " in [" in values:
-        kind = f"number from {values[values.index('[') + 1:-1].replace(' - ', ' to ')}"
-    told = sentence(cell(told))
-    notes = [f"Default: `{default}`." if has_default and default else "", f"Or the environment variable `{environment[1]}`."
-             if environment else "", "May be given several times." if many and flags.startswith("-") and "may be given" not in told else "",
-             "Required." if required else ""]
-    return [f"`{flags.replace(',', '`, `')}`", kind, " ".join([told, *filter(None, notes)])]
+    """`--data FOLDER` and `Data folder (default: /x) (environment: Y)`: its name, what it takes, and what it is for."""
+    flags, _, kind = name.partition(" ") if not name.startswith("-") or ", " not in name else name.rpartition(", ")[2].partition(" ")
+    if ", " in name:
+        flags = name.removesuffix(f" {kind}").strip()
+    if kind.startswith("{"):
+        kind = ", ".join(f"`{value}`" for value in kind.strip("{}").split(","))
+    kind = "" if kind == "..." else kind
+    notes = []
+    for word, note in (("environment", "Or the environment variable `{}`."), ("default", "Default: `{}`.")):
+        given = re.search(rf" \({word}: ([^)]*)\)$", told)
+        if given:
+            told = told[:given.start()]
+            notes.insert(0, note.format(given[1]))
+    if told.endswith("; may be repeated"):
+        told = told.removesuffix("; may be repeated")
+        notes.append("May be repeated.")
+    return [f"`{flags.replace(', ', '`, `')}`", kind, " ".join([sentence(cell(told)), *notes])]
+
+
+def rows_of(told, title):
+    """Of the section of that title, without --help and --version."""
+    return [option_row(*pair) for name, pairs in told.sections if name == title for pair in pairs
+            if not pair[0].startswith(("-h,", "--version"))]
+
+
+def footer_of(told):
+    """Exit codes as sentences, examples as they are typed."""
+    sentences = [line for line in told.footer if not line.startswith("  ") and not line.startswith("Example")]
+    examples = [line.strip() for line in told.footer if line.startswith("  ")]
+    parts = [" ".join(map(sentence, sentences)) + "\n"] if sentences else []
+    return parts + (["```text\n" + "\n".join(f"$ {line}" for line in examples) + "\n```\n"] if examples else [])
 
 
 def command_section(program, path, level, common):
     name = " ".join([program.name, *path])
-    description, sections = read_help(help_of(program, path))
+    told = Help(help_of(program, path))
     parts = [f"{'#' * level} {name}\n"]
     if path:
-        parts.append(sentence(cell(description)) + "\n")
-        parts.append(f"```text\n{sections.get('Usage', name)}\n```\n")
-    if any(pair[0].startswith("--server") for pair in sections.get("Options", [])):
+        parts.append(sentence(cell(told.description)) + "\n")
+        parts.append(f"```text\n{told.usage}\n```\n")
+    if any(row[0] == "`--server`" for row in rows_of(told, "Options")) and common:
         parts.append("Speaks to a running server: takes the [common options](#common-options), too.\n")
     for title, head in (("Positionals", "argument"), ("Options", "option")):
-        rows = [option_row(*pair) for pair in sections.get(title, []) if not pair[0].startswith(("-h,", "--version"))]
-        rows = [row for row in rows if row not in common]
+        rows = [row for row in rows_of(told, title) if row not in common]
         if rows:
             parts.append(table([head, "takes", "meaning"], rows))
-    for sub, _ in sections.get("Subcommands", []):
+    parts += footer_of(told)
+    for sub in told.commands():
         parts.append(command_section(program, [*path, sub], min(level + 1, 3), common))
     return "\n".join(parts)
 
@@ -117,17 +108,21 @@ def cli_page(programs):
     intro = """# Command line
 
 Every command tells its options with `--help`. The exit code is 0 when all went well, 1 when the answer is no (an ASK is
-false, a check found errors, a run failed), and 2 when the command could not be carried out.
+false, a check found errors, a run failed), and 2 when the command could not be carried out, or its output not written.
+
+What is printed for people names IRIs by prefixes: those of the query or of `--prefix`, the well-known ones, and those that the server's
+ontology modules, rule sets and workflows declare. The same prefixes may be used in facts. JSON, CSV, TSV and XML have whole IRIs.
 """
     # those of the simplest command that speaks to a server
-    common = [option_row(*pair) for pair in read_help(help_of(programs[0], ["robots"]))[1]["Options"] if not pair[0].startswith("-h,")]
+    common = rows_of(Help(help_of(programs[0], ["robots"])), "Options")
     parts = ["## Common options\n\n" + table(["option", "takes", "meaning"], common)]
     for program in programs:
-        description, sections = read_help(help_of(program, []))
-        rows = [[f"[`{name}`](#{program.name}-{name})", sentence(cell(told))] for name, told in sections.get("Subcommands", [])]
+        told = Help(help_of(program, []))
+        rows = [[f"[`{name}`](#{program.name}-{name})", sentence(cell(text))] for title, pairs in told.sections
+                if title not in ("Options", "Positionals") for name, text in pairs]
         section = command_section(program, [], 2, common if program.name == "docent" else [])
         head, _, rest = section.partition("\n")
-        parts.append(f"{head}\n\n{sentence(cell(description))}\n\n{table(['command', 'purpose'], rows)}{rest}")
+        parts.append(f"{head}\n\n{sentence(cell(told.description))}\n\n{table(['command', 'purpose'], rows)}{rest}")
     return NOTE + intro + "\n" + "\n".join(parts)
 
 

@@ -5,18 +5,9 @@
 #include <utility>
 
 #include "graph/rdf/serializer.h"
-#include "graph/rdf/vocabulary.h"
 #include "kb_server/cli/client.h"
 
 namespace docent {
-namespace {
-
-size_t Width(const std::string& text) {
-  return std::count_if(text.begin(), text.end(),
-                       [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-}
-
-}  // namespace
 
 void AnswerPrinter::Begin(std::vector<std::string> variables) {
   if (variables.empty()) return;
@@ -26,7 +17,7 @@ void AnswerPrinter::Begin(std::vector<std::string> variables) {
     return;
   }
   for (std::string& name : variables) name.insert(0, "?");
-  table_.push_back(std::move(variables));
+  table_.emplace(std::move(variables));
 }
 
 void AnswerPrinter::Row(const std::vector<std::optional<Term>>& terms) {
@@ -37,9 +28,10 @@ void AnswerPrinter::Row(const std::vector<std::optional<Term>>& terms) {
     text_.clear();
     return;
   }
-  std::vector<std::string> cells;
-  for (const auto& term : terms) cells.push_back(term ? OneLine(ToDisplay(*term), 120) : "");
-  table_.push_back(std::move(cells));
+  if (!table_) return;
+  std::vector<Table::Cell> cells;
+  for (const auto& term : terms) cells.emplace_back(term ? presenter_.Of(*term) : "");
+  table_->Add(std::move(cells));
 }
 
 int AnswerPrinter::End(uint64_t revision) {
@@ -51,12 +43,10 @@ int AnswerPrinter::End(uint64_t revision) {
     writer_->End();
     std::cout << text_;
   } else if (!triples_.empty()) {
-    std::vector<std::pair<std::string, std::string>> prefixes(kWellKnownPrefixes.begin(),
-                                                              kWellKnownPrefixes.end());
-    auto turtle = SerializeRdf(triples_, RdfFormat::kTurtle, prefixes);
+    auto turtle = SerializeRdf(triples_, RdfFormat::kTurtle, UsedPrefixes());
     if (!turtle.ok()) return Fail(turtle.status());
     std::cout << *turtle;
-  } else if (!table_.empty()) {
+  } else if (table_) {
     PrintTable();
     std::cerr << rows_ << (rows_ == 1 ? " row" : " rows") << ", revision " << revision << "\n";
   }
@@ -70,25 +60,22 @@ void AnswerPrinter::BreakOff() {
   std::cerr << "the answer is not whole: " << rows_ << (rows_ == 1 ? " row" : " rows") << " of it came\n";
 }
 
+PrefixList AnswerPrinter::UsedPrefixes() const {
+  PrefixList used;
+  for (const auto& prefix : presenter_.names().prefixes()) {
+    const auto names = [&](const Term& term) {
+      return (term.IsIri() ? term.lexical : term.datatype).starts_with(prefix.second);
+    };
+    if (std::any_of(triples_.begin(), triples_.end(), [&](const TermQuad& t) {
+          return names(t.subject) || names(t.predicate) || names(t.object);
+        }))
+      used.push_back(prefix);
+  }
+  return used;
+}
+
 void AnswerPrinter::PrintTable() const {
-  std::vector<size_t> widths(table_[0].size(), 0);
-  for (const auto& row : table_) {
-    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
-  }
-  for (size_t r = 0; r < table_.size(); ++r) {
-    std::string line;
-    for (size_t i = 0; i < table_[r].size(); ++i) {
-      line += table_[r][i];
-      if (i + 1 < table_[r].size()) line += std::string(widths[i] - Width(table_[r][i]) + 2, ' ');
-    }
-    std::cout << line << "\n";
-    if (r > 0) continue;
-    std::string rule;
-    for (size_t i = 0; i < widths.size(); ++i) {
-      rule += std::string(widths[i], '-') + (i + 1 < widths.size() ? "  " : "");
-    }
-    std::cout << rule << "\n";
-  }
+  if (table_) std::cout << table_->Render(presenter_.terminal()) << std::flush;
 }
 
 }  // namespace docent

@@ -10,13 +10,16 @@
 
 #include "graph/rdf/term.h"
 #include "graph/sparql/results/results.h"
+#include "kb_server/cli/presenter.h"
+#include "kb_server/cli/table.h"
 
 namespace docent {
 
 class AnswerPrinter {
  public:
   // `format`: json, csv, tsv or xml; anything else is a table for people.
-  explicit AnswerPrinter(const std::string& format) : format_(sparql::ResultFormatOfName(format)) {}
+  AnswerPrinter(const std::string& format, const Presenter& presenter)
+      : format_(sparql::ResultFormatOfName(format)), presenter_(presenter) {}
 
   // The first of an answer: its variables (SELECT; none of a graph), or a truth value.
   void Begin(std::vector<std::string> variables);
@@ -31,11 +34,14 @@ class AnswerPrinter {
 
  private:
   void PrintTable() const;
+  // The prefixes that the triples use.
+  PrefixList UsedPrefixes() const;
 
   const std::optional<sparql::ResultFormat> format_;
   std::string text_;  // made by writer_ and not printed yet
   std::unique_ptr<sparql::ResultWriter> writer_;
-  std::vector<std::vector<std::string>> table_;  // the header first
+  const Presenter& presenter_;
+  std::optional<Table> table_;
   size_t rows_ = 0;
   std::optional<bool> boolean_;
   std::vector<TermQuad> triples_;

@@ -65,6 +65,7 @@ void FileChecker::AddRdf(const std::string& file, const std::string& text, bool 
   LocatedRdf document = ParseLocatedRdf(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);
+    for (const auto& [prefix, name_space] : document.rdf.prefixes) names_.Add(prefix, name_space);
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
     ImportedRules imported = ImportShaclRules(document, text, file, &functions_);

@@ -10,6 +10,7 @@
 
 #include "graph/base/check_limits.h"
 #include "graph/rdf/dictionary.h"
+#include "graph/rdf/iri_names.h"
 #include "graph/rdf/located_parser.h"
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/consistency_check.h"
@@ -37,6 +38,9 @@ class FileChecker {
   std::vector<ontology::Finding> CheckRules(const std::string& file, const std::string& text);
   std::vector<ontology::Finding> CheckQuery(const std::string& file, const std::string& text);
 
+  // By the prefixes of the RDF documents that were added, in their order.
+  const IriNames& names() const { return names_; }
+
  private:
   // The shapes of all documents, read once; each finding with its file.
   void CheckShapes();
@@ -50,6 +54,7 @@ class FileChecker {
   Dictionary dictionary_;
   RuleEngine rules_{dictionary_, {}, &functions_};
   ontology::Vocabulary vocabulary_;
+  IriNames names_ = IriNames::WellKnown();
   std::map<std::string, LocatedRdf> documents_;
   std::set<std::string> cycles_;
   shapes::FileGraph graph_;

@@ -8,10 +8,8 @@
 #include <iostream>
 #include <thread>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "graph/base/limits.h"
 #include "graph/base/text.h"
 #include "graph/rdf/parser.h"
@@ -33,10 +31,27 @@ absl::StatusOr<Term> ParseNTriplesTerm(const std::string& text) {
 }  // namespace
 
 void AddClientOptions(CLI::App* command, ClientOptions* options) {
-  command->add_option("--server", options->server, "gRPC address of the server")
+  command->add_option("--server", options->server, "gRPC address of the server, HOST:PORT")
+      ->type_name("ADDRESS")
       ->envname("DOCENT_SERVER")
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Print JSON for machines");
+  command->add_flag("--json", options->json, "Print JSON, an object a line, with whole IRIs");
+}
+
+void AddShowOptions(CLI::App* command, ClientOptions* options) {
+  command->add_flag("--full", options->full, "Print whole IRIs and whole values, not cut to the terminal");
+  command->add_option("--color", options->colours, "Use colours: on a terminal (auto), always or never")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str();
+}
+
+void AddPrefixOption(CLI::App* command, std::vector<std::string>* prefixes) {
+  command
+      ->add_option(
+          "--prefix", *prefixes,
+          "A prefix beside the well-known ones and those of the server's modules, rules and workflows")
+      ->type_name("NAME=IRI")
+      ->allow_extra_args(false);
 }
 
 std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options) {
@@ -151,18 +166,4 @@ void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& 
 std::string ToNTriples(const v1::Term& term) {
   return ToNTriples(FromProto(term).value_or(Term::Literal("")));
 }
-std::string ToDisplay(const v1::Term& term) {
-  return ToDisplay(FromProto(term).value_or(Term::Literal("")));
-}
-
-std::string OneLine(std::string_view text, size_t width) {
-  std::string out;
-  size_t points = 0;
-  for (char c : text) {
-    if ((static_cast<unsigned char>(c) & 0xC0) != 0x80 && ++points > width) return out + "…";
-    out += (c == '\n' || c == '\r' || c == '\t') ? ' ' : c;
-  }
-  return std::string(absl::StripTrailingAsciiWhitespace(out));
-}
-
 }  // namespace docent

@@ -13,23 +13,24 @@
 #include "absl/status/statusor.h"
 #include "docent/v1/context.pb.h"
 #include "docent/v1/term.pb.h"
+#include "graph/command_line/program.h"
 #include "graph/rdf/term.h"
 
 namespace docent {
 
-// Exit codes of every command.
-inline constexpr int kExitOk = 0;
-inline constexpr int kExitNegative =
-    1;                              // a negative answer: ASK is false, a run failed, a check found errors
-inline constexpr int kExitBad = 2;  // bad usage or input, or no server
-
 struct ClientOptions {
   std::string server = "127.0.0.1:7400";  // also from the environment variable DOCENT_SERVER
   bool json = false;
+  bool full = false;             // IRIs whole, cells uncut
+  std::string colours = "auto";  // auto, always, never
 };
 
 // Adds --server and --json to a command.
 void AddClientOptions(CLI::App* command, ClientOptions* options);
+// Adds --full, and --color, to a command whose result names IRIs to people.
+void AddShowOptions(CLI::App* command, ClientOptions* options);
+// Adds --prefix to a command that takes facts.
+void AddPrefixOption(CLI::App* command, std::vector<std::string>* prefixes);
 
 std::shared_ptr<grpc::Channel> Connect(const ClientOptions& options);
 
@@ -56,12 +57,8 @@ std::string MediaTypeOfFile(const std::string& file);
 // Diagnostics of a server, to standard error.
 void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics);
 
-// A term of the API as N-Triples, or shortened for people.
+// A term of the API as N-Triples.
 std::string ToNTriples(const v1::Term& term);
-std::string ToDisplay(const v1::Term& term);
-
-// `text` cut to `width` code points with an ellipsis, line breaks as spaces.
-std::string OneLine(std::string_view text, size_t width);
 
 }  // namespace docent
 

@@ -40,25 +40,32 @@ void AddBackupCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CopyArguments>();
   arguments->data = DefaultDataFolder();
   CLI::App* command = app->add_subcommand(
-      "backup", "Copy a data folder as of this moment, while its server goes on, and check the copy");
-  command->add_option("target", arguments->place, "A folder that is not there yet, or empty")->required();
-  command->add_option("--data", arguments->data, "The data folder of the server")->capture_default_str();
+      "backup", "Copy a data folder as it is now, while its server runs, and check the copy");
+  command->group(kServerGroup);
+  command->add_option("target", arguments->place, "Folder for the copy; it must be absent or empty")
+      ->required();
+  command->add_option("--data", arguments->data, "The server's data folder")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->footer("Example:\n  docent backup --data /var/lib/docent /backups/docent-monday");
   command->callback([arguments, exit_code] { *exit_code = Copy(arguments->data, arguments->place); });
 }
 
 void AddRestoreCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CopyArguments>();
   arguments->data = DefaultDataFolder();
-  CLI::App* command =
-      app->add_subcommand("restore", "Put a backup into the place of a data folder, and check it");
+  CLI::App* command = app->add_subcommand("restore", "Make a data folder from a backup, and check it");
+  command->group(kServerGroup);
   command->add_option("source", arguments->place, "The backup")->required();
   command
       ->add_option("--data", arguments->data,
-                   "The data folder that a server is to use; not there yet, or empty: move the old one away")
+                   "The data folder to make; it must be absent or empty, so move the old one away first")
+      ->type_name("FOLDER")
       ->capture_default_str();
-  command->add_flag("--from-snapshot", arguments->from_snapshot,
-                    "The source's log is lost or damaged: go on from its newest whole snapshot, without what "
-                    "came after it");
+  command->add_flag(
+      "--from-snapshot", arguments->from_snapshot,
+      "The source's log is lost or damaged: restore its newest whole snapshot, without what came after");
+  command->footer("Example:\n  docent restore --data /var/lib/docent /backups/docent-monday");
   command->callback([arguments, exit_code] {
     const auto restore = arguments->from_snapshot ? GoOnFromSnapshot : Copy;
     *exit_code = restore(arguments->place, arguments->data);

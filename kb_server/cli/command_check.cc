@@ -29,6 +29,7 @@ struct CheckArguments {
   bool ask = false;
   bool json = false;
   bool strict = false;
+  bool full = false;
 };
 
 enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
@@ -121,9 +122,10 @@ class Checker {
         break;
       }
       case Kind::kUnknown:
-        return absl::InvalidArgumentError(absl::StrCat(file,
-                                                       ": I do not know this ending; use .ttl .trig .nt .nq "
-                                                       ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
+        return absl::InvalidArgumentError(
+            absl::StrCat(file,
+                         ": unknown file name extension; use .ttl .trig .nt .nq "
+                         ".rdf .owl .rq .rules .cawl.xml or .rsel.xml"));
     }
     Print(file, findings);
     return absl::OkStatus();
@@ -151,6 +153,11 @@ class Checker {
     return report.diagnostics;
   }
 
+  // A text for people, by the prefixes of the files.
+  std::string Named(const std::string& text) const {
+    return arguments_.full ? text : files_.names().InText(text);
+  }
+
   void Print(const std::string& file, const std::vector<ontology::Finding>& findings) {
     Diagnostics diagnostics;
     for (const ontology::Finding& finding : findings) {
@@ -176,8 +183,11 @@ class Checker {
       return;
     }
     for (const ontology::Finding& finding : findings) {
-      std::cerr << texts_.Render({finding.diagnostic});
-      if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(finding.proof, "    ");
+      Diagnostic shown = finding.diagnostic;
+      shown.message = Named(shown.message);
+      shown.hint = Named(shown.hint);
+      std::cerr << texts_.Render({shown});
+      if (!finding.proof.empty()) std::cerr << "  proof:\n" << Indented(Named(finding.proof), "    ");
     }
     if (!bad && !arguments_.ask) std::cout << file << ": ok\n";
   }
@@ -198,18 +208,25 @@ class Checker {
 void AddCheckCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App* command =
-      app->add_subcommand("check",
-                          "Check RDF, SPARQL, rules, CAWL and RSEL files without a server (exit code 1: they "
-                          "have errors). Words of RDF, "
-                          "rules and queries are checked against the vocabulary of all RDF files named");
-  command->add_option("files", arguments->files, "Files; their kind is told by their ending")->required();
+      app->add_subcommand("check", "Check RDF, SPARQL, rules, CAWL and RSEL files, without a server");
+  command->group(kDocumentsGroup);
   command
-      ->add_option("--ontology", arguments->ontologies,
-                   "Ontology file whose words may be used; may be given several times")
+      ->add_option(
+          "files", arguments->files,
+          "Files; the ending of the name tells what each is. The words of RDF, rules and queries are checked "
+          "against the vocabulary of all RDF files that are named")
+      ->required();
+  command->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used, too")
+      ->type_name("FILE")
       ->allow_extra_args(false);
-  command->add_flag("--ask", arguments->ask, "Print each CAWL condition as the SPARQL ASK that decides it");
-  command->add_flag("--strict", arguments->strict, "Warnings, too, make the exit code 1");
-  command->add_flag("--json", arguments->json, "Print JSON for machines");
+  command->add_flag("--ask", arguments->ask, "Print the SPARQL ASK that each CAWL condition is compiled to");
+  command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
+  command->add_flag("--json", arguments->json, "Print JSON, an object a finding");
+  command->add_flag("--full", arguments->full, "Print whole IRIs, not named by the files' prefixes");
+  command->footer(
+      "Exit code 1: errors were found.\n"
+      "Example:\n"
+      "  docent check hall.ttl guide.rules booth_guide.cawl.xml --ontology place.ttl");
   command->callback([arguments, exit_code] {
     Checker checker(*arguments);
     if (absl::Status status = checker.Prepare(); !status.ok()) {

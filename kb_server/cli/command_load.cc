@@ -19,6 +19,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/part_loader.h"
+#include "nlohmann/json.hpp"
 
 namespace docent {
 namespace {
@@ -51,11 +52,11 @@ class Loader {
     auto text = ReadText(file);
     if (!text.ok()) return Fail(text.status());
     if (kind.empty()) {
-      return Fail(
-          absl::InvalidArgumentError(absl::StrCat(file,
-                                                  ": I do not know this ending; use .ttl .trig .nt .nq .rdf "
-                                                  ".owl .xml .rules .cawl.xml or .rsel.xml, or say "
-                                                  "with --as what it is (data is read as Turtle)")));
+      return Fail(absl::InvalidArgumentError(
+          absl::StrCat(file,
+                       ": unknown file name extension; use .ttl .trig .nt .nq .rdf "
+                       ".owl .xml .rules .cawl.xml or .rsel.xml, or say "
+                       "with --as what it is (data is read as Turtle)")));
     }
     if (kind == "facts" && !arguments_.graph.empty()) {
       return Fail(absl::InvalidArgumentError(
@@ -90,6 +91,9 @@ class Loader {
     grpc::Status status = v1::Workflows::NewStub(channel_)->Deploy(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     PrintDiagnostics(reply.diagnostics());
+    if (arguments_.client.json)
+      return Report(
+          {{"file", file}, {"kind", "cawl"}, {"workflow", reply.workflow()}, {"revision", reply.revision()}});
     std::cout << file << ": workflow " << reply.workflow() << " deployed, revision " << reply.revision()
               << "\n";
     return kExitOk;
@@ -104,6 +108,11 @@ class Loader {
     grpc::Status status = v1::RobotServices::NewStub(channel_)->Register(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     PrintDiagnostics(reply.diagnostics());
+    if (arguments_.client.json) {
+      const std::vector<std::string> services(reply.processes().begin(), reply.processes().end());
+      return Report(
+          {{"file", file}, {"kind", "rsel"}, {"services", services}, {"revision", reply.revision()}});
+    }
     std::cout << file << ": robot services";
     for (const std::string& process : reply.processes()) std::cout << " " << process;
     std::cout << " registered, revision " << reply.revision() << "\n";
@@ -115,14 +124,12 @@ class Loader {
     v1::AssertRequest request;
     request.set_rdf(text);
     request.set_rdf_media_type(MediaTypeOfFile(FormatName(file)));
-    request.set_source(ReadIri({}, arguments_.source));
+    request.set_source(facts_.Iri(arguments_.source));
     v1::AssertReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Context::NewStub(channel_)->Assert(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
-    std::cout << file << ": " << reply.added() << " added, " << reply.removed() << " removed, "
-              << reply.inferred() << " inferred, revision " << reply.offset() << "\n";
-    return kExitOk;
+    return ReportChange(file, "facts", reply, reply.offset());
   }
 
   // A large file: checked whole before anything of it is sent.
@@ -140,7 +147,7 @@ class Loader {
     };
     v1::LoadRequest request;
     request.set_name(NameOf(file));
-    request.set_graph(ReadIri({}, arguments_.graph));
+    request.set_graph(facts_.Iri(arguments_.graph));
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const PartsOutcome outcome = LoadParts(channel_, *document, request, [&](size_t bytes) {
       if (terminal)
@@ -152,9 +159,40 @@ class Loader {
                 << outcome.added << " statements were new); loading the file again adds the rest\n";
       return Fail(outcome.status, arguments_.client);
     }
+    if (arguments_.client.json) {
+      return Report({{"file", file},
+                     {"kind", "data"},
+                     {"added", outcome.added},
+                     {"removed", outcome.removed},
+                     {"inferred", outcome.inferred},
+                     {"revision", outcome.revision},
+                     {"parts", document->parts.size()}});
+    }
     std::cout << file << ": data, " << outcome.added << " added, " << outcome.removed << " removed, "
               << outcome.inferred << " inferred, revision " << outcome.revision << " ("
               << document->parts.size() << " parts, " << rate(document->bytes) << ")\n";
+    return kExitOk;
+  }
+
+  static int Report(const nlohmann::json& object) {
+    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    return kExitOk;
+  }
+
+  // What a reply says of facts.
+  template <typename Reply>
+  int ReportChange(const std::string& file, const std::string& kind, const Reply& reply,
+                   uint64_t revision) const {
+    if (arguments_.client.json) {
+      return Report({{"file", file},
+                     {"kind", kind},
+                     {"added", reply.added()},
+                     {"removed", reply.removed()},
+                     {"inferred", reply.inferred()},
+                     {"revision", revision}});
+    }
+    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
+              << " removed, " << reply.inferred() << " inferred, revision " << revision << "\n";
     return kExitOk;
   }
 
@@ -181,44 +219,49 @@ class Loader {
                                           : v1::LoadRequest::DATA);
     request.set_text(text);
     request.set_media_type(MediaTypeOfFile(FormatName(file)));
-    request.set_graph(ReadIri({}, arguments_.graph));
+    request.set_graph(facts_.Iri(arguments_.graph));
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = v1::Ontologies::NewStub(channel_)->Load(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
     PrintDiagnostics(reply.diagnostics());
-    std::cout << file << ": " << kind << ", " << reply.added() << " added, " << reply.removed()
-              << " removed, " << reply.inferred() << " inferred, revision " << reply.revision() << "\n";
-    return kExitOk;
+    return ReportChange(file, kind, reply, reply.revision());
   }
 
   const LoadArguments& arguments_;
   std::shared_ptr<grpc::Channel> channel_;
+  FactArguments facts_{[this] { return ServerNames(arguments_.client); }};
 };
 
 }  // namespace
 
 void AddLoadCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<LoadArguments>();
-  CLI::App* command = app->add_subcommand("load",
-                                          "Load files into a running server: RDF data, ontologies, .rules, "
-                                          ".cawl.xml workflows, .rsel.xml services");
+  CLI::App* command = app->add_subcommand(
+      "load", "Load RDF data, ontologies, rules, workflows and robot services from files");
+  command->group(kDocumentsGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("files", arguments->files, "Files, in this order; - is standard input")->required();
+  command->add_option("files", arguments->files, "Files, loaded in this order; - is standard input")
+      ->required();
   command
       ->add_option(
           "--as", arguments->as,
-          "What the files are, where the ending does not tell. facts: as a robot or sensor would tell them, "
-          "a new value of a state property replaces the old one")
+          "What the files are. By default the ending of the name tells: .rules, .cawl.xml, .rsel.xml, and "
+          "data for RDF. facts are told as a robot or sensor tells them: a new value of a state property "
+          "replaces the old one")
       ->check(CLI::IsMember({"data", "facts", "ontology", "rules", "cawl", "rsel"}));
   command
       ->add_option(
           "--format", arguments->format,
-          "The syntax of RDF, where the ending does not tell, as for standard input (else read as Turtle)")
+          "Syntax of RDF where the ending of the name does not tell it; Turtle if this is not given either")
       ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
-  command->add_option("--graph", arguments->graph,
-                      "Data: IRI of the named graph to load into, whole or with a well-known prefix");
-  command->add_option("--source", arguments->source, "Facts: IRI of who says it, likewise");
+  command->add_option("--graph", arguments->graph, "Named graph that data is loaded into")->type_name("IRI");
+  command->add_option("--source", arguments->source, "Source that tells the facts (with --as facts)")
+      ->type_name("IRI");
+  command->footer(
+      "Examples:\n"
+      "  docent load hall.ttl guide.rules booth_guide.cawl.xml\n"
+      "  docent load --as ontology place.ttl robot.ttl");
   command->callback([arguments, exit_code] {
     Loader loader(*arguments);
     for (const std::string& file : arguments->files) {

@@ -6,7 +6,6 @@
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "graph/base/text.h"
@@ -14,6 +13,7 @@
 #include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/presenter.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
@@ -40,30 +40,42 @@ std::string VersionText(const std::string& info, const std::string& iri) {
   return Concat("version ", info);
 }
 
+bool IsRules(const v1::ListOntologiesReply::Module& module) {
+  return module.kind() == v1::LoadRequest::RULES;
+}
+
+void PrintModuleJson(const v1::ListOntologiesReply::Module& module) {
+  nlohmann::json object = {
+      {"name", module.name()},           {"kind", IsRules(module) ? "rules" : "ontology"},
+      {"size", module.size()},           {"revision", module.revision()},
+      {"ontology", module.ontology()},   {"version_iri", module.version_iri()},
+      {"version", module.version_info()}};
+  object["missing_imports"] =
+      std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
+  std::cout << object.dump() << "\n";
+}
+
 int List(const OntologyArguments& arguments) {
   v1::ListOntologiesReply reply;
   grpc::ClientContext context;
   grpc::Status status =
       v1::Ontologies::NewStub(Connect(arguments.client))->List(&context, v1::ListOntologiesRequest(), &reply);
   if (!status.ok()) return Fail(status, arguments.client);
+  if (arguments.client.json) {
+    for (const auto& module : reply.modules()) PrintModuleJson(module);
+    return kExitOk;
+  }
+  const Presenter presenter(arguments.client, {}, IriNames::WellKnown());
+  Table table({"module", "size", "since revision", "version", "ontology"});
   for (const auto& module : reply.modules()) {
-    const bool rules = module.kind() == v1::LoadRequest::RULES;
-    if (arguments.client.json) {
-      nlohmann::json object = {{"name", module.name()},           {"kind", rules ? "rules" : "ontology"},
-                               {"size", module.size()},           {"revision", module.revision()},
-                               {"ontology", module.ontology()},   {"version_iri", module.version_iri()},
-                               {"version", module.version_info()}};
-      object["missing_imports"] =
-          std::vector<std::string>(module.missing_imports().begin(), module.missing_imports().end());
-      std::cout << object.dump() << "\n";
-      continue;
-    }
-    std::cout << absl::StreamFormat("%-24s %8d %-8s revision %d  %s%s%s\n", module.name(), module.size(),
-                                    rules ? "rules" : "triples", module.revision(), module.ontology(),
-                                    module.ontology().empty() ? "" : "  ",
-                                    VersionText(module.version_info(), module.version_iri()));
+    table.Add({module.name(), absl::StrCat(module.size(), IsRules(module) ? " rules" : " triples"),
+               absl::StrCat(module.revision()), VersionText(module.version_info(), module.version_iri()),
+               module.ontology()});
+  }
+  if (table.rows() > 0) std::cout << table.Render(presenter.terminal());
+  for (const auto& module : reply.modules()) {
     for (const std::string& iri : module.missing_imports())
-      std::cout << "    imports <" << iri << ">, which is not loaded\n";
+      std::cout << module.name() << " imports <" << iri << ">, which is not loaded\n";
   }
   return kExitOk;
 }
@@ -136,6 +148,13 @@ int Remove(const OntologyArguments& arguments) {
     grpc::ClientContext context;
     grpc::Status status = stub->Remove(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments.client);
+    if (arguments.client.json) {
+      std::cout << nlohmann::json(
+                       {{"name", name}, {"removed", reply.removed()}, {"revision", reply.revision()}})
+                       .dump()
+                << "\n";
+      continue;
+    }
     std::cout << name << ": " << reply.removed() << " removed, revision " << reply.revision() << "\n";
   }
   return kExitOk;
@@ -178,7 +197,8 @@ absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, 
   return quads;
 }
 
-absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file) {
+// The file's prefixes go to the end of `prefixes`.
+absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file, PrefixList* prefixes) {
   auto text = ReadText(file);
   if (!text.ok()) return text.status();
   ParseRdfOptions options;
@@ -186,13 +206,14 @@ absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file) {
   options.blank_node_scope = "file_";
   ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+  prefixes->insert(prefixes->end(), parsed.prefixes.begin(), parsed.prefixes.end());
   return std::move(parsed.quads);
 }
 
-void PrintChanges(char sign, const std::vector<TermQuad>& triples) {
+void PrintChanges(char sign, const std::vector<TermQuad>& triples, const Presenter& presenter) {
   for (const TermQuad& t : triples) {
-    std::cout << sign << " " << ToDisplay(t.subject) << " " << ToDisplay(t.predicate) << " "
-              << ToDisplay(t.object) << "\n";
+    std::cout << sign << " " << presenter.Of(t.subject) << " " << presenter.Of(t.predicate) << " "
+              << presenter.Of(t.object) << "\n";
   }
 }
 
@@ -208,11 +229,12 @@ nlohmann::json AsJson(const std::vector<TermQuad>& triples) {
 // One file: the server's module against it. Two: the first against the second.
 int Diff(const OntologyArguments& arguments) {
   int exit_code = kExitOk;
-  auto after = Parse(arguments.files.back());
+  PrefixList prefixes;
+  auto after = Parse(arguments.files.back(), &prefixes);
   if (!after.ok()) return Fail(after.status());
   auto before = arguments.files.size() == 1
                     ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
-                    : Parse(arguments.files[0]);
+                    : Parse(arguments.files[0], &prefixes);
   if (exit_code != kExitOk) return exit_code;
   if (!before.ok()) return Fail(before.status());
   const ontology::ModuleDiff diff = ontology::DiffModules(*before, *after);
@@ -231,8 +253,11 @@ int Diff(const OntologyArguments& arguments) {
   if (from != to)
     std::cout << "# " << (from.empty() ? "no version" : from) << " → " << (to.empty() ? "no version" : to)
               << "\n";
-  PrintChanges('-', diff.removed);
-  PrintChanges('+', diff.added);
+  const Presenter presenter = arguments.files.size() == 1
+                                  ? Presenter(arguments.client, prefixes)
+                                  : Presenter(arguments.client, prefixes, IriNames::WellKnown());
+  PrintChanges('-', diff.removed, presenter);
+  PrintChanges('+', diff.added, presenter);
   std::cout << "# " << diff.removed.size() << " removed, " << diff.added.size() << " added\n";
   return diff.empty() ? kExitOk : kExitNegative;
 }
@@ -249,34 +274,48 @@ CLI::App* AddPart(CLI::App* command, const std::shared_ptr<OntologyArguments>& a
 
 void AddOntologyCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<OntologyArguments>();
-  CLI::App* command = app->add_subcommand("ontology", "The ontology modules of a running server");
+  CLI::App* command =
+      app->add_subcommand("ontology", "List, load, compare and remove the server's ontology modules");
+  command->group(kDocumentsGroup);
   command->require_subcommand(1);
-  AddPart(command, arguments, "list", "The modules with their sizes, revisions and versions", List,
-          exit_code);
-  const auto with_files = [&arguments](CLI::App* part, const char* help) {
-    part->add_option("files", arguments->files, help)->required();
-    part->add_option("--name", arguments->name, "Name of the module; the file's name otherwise");
+  command->footer(
+      "Examples:\n"
+      "  docent ontology list\n"
+      "  docent ontology replace place.ttl");
+  const auto part = [&](const char* name, const char* help,
+                        const std::function<int(const OntologyArguments&)>& run) {
+    return AddPart(command, arguments, name, help, run, exit_code);
   };
-  with_files(AddPart(
-                 command, arguments, "load", "Load modules that the server does not have",
-                 [](const auto& a) { return Load(a, v1::LoadRequest::ADD); }, exit_code),
-             "RDF files (Turtle, RDF/XML as Protégé writes it …), a module each");
-  with_files(AddPart(
-                 command, arguments, "replace", "Put new versions in the place of modules, while it runs",
-                 [](const auto& a) { return Load(a, v1::LoadRequest::REPLACE); }, exit_code),
-             "RDF files, a module each");
-  with_files(
-      AddPart(command, arguments, "check",
-              "What loading them would violate of the server's shapes (exit code 1)", Check, exit_code),
-      "RDF files, a module each");
-  CLI::App* remove = AddPart(command, arguments, "remove", "Remove modules", Remove, exit_code);
-  remove->add_option("names", arguments->names, "Names as `docent ontology list` shows them")->required();
-  CLI::App* diff =
-      AddPart(command, arguments, "diff",
-              "Triples that are different (exit code 1) between the server's module and a file, or two files",
-              Diff, exit_code);
-  with_files(diff, "One file, or two");
+  const auto with_files = [&arguments](CLI::App* to, const char* help) {
+    to->add_option("files", arguments->files, help)->required();
+    to->add_option("--name", arguments->name, "Name of the module; by default the name of the file")
+        ->type_name("NAME");
+    return to;
+  };
+  CLI::App* list = part("list", "List the modules with size, revision and version", List);
+  AddShowOptions(list, &arguments->client);
+  list->footer("Example:\n  docent ontology list --json");
+  with_files(part("load", "Load new modules; refuses a module that the server already has",
+                  [](const auto& a) { return Load(a, v1::LoadRequest::ADD); }),
+             "RDF files, a module each")
+      ->footer("Example:\n  docent ontology load place.ttl robot.ttl");
+  with_files(part("replace", "Replace modules by new versions while the server runs",
+                  [](const auto& a) { return Load(a, v1::LoadRequest::REPLACE); }),
+             "RDF files, a module each")
+      ->footer("Example:\n  docent ontology replace place.ttl");
+  with_files(part("check", "Tell which of the server's shapes loading the modules would violate", Check),
+             "RDF files, a module each")
+      ->footer("Exit code 1: shapes would be violated.\nExample:\n  docent ontology check place.ttl");
+  CLI::App* remove = part("remove", "Remove modules", Remove);
+  remove->add_option("names", arguments->names, "Names of modules, as `docent ontology list` prints them")
+      ->required();
+  remove->footer("Example:\n  docent ontology remove place.ttl");
+  CLI::App* diff = with_files(
+      part("diff", "Compare the server's module with a file, or two files, triple by triple", Diff),
+      "One file, which is compared with the server's module of that name, or two files");
+  AddShowOptions(diff, &arguments->client);
   diff->get_option("files")->expected(1, 2);
+  diff->footer("Exit code 1: they are different.\nExample:\n  docent ontology diff place.ttl");
 }
 
 }  // namespace docent

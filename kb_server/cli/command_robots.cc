@@ -1,36 +1,46 @@
 // docent robots: the robots that the server knows.
-#include <iomanip>
 #include <iostream>
 
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "docent/v1/fleet.grpc.pb.h"
-#include "graph/rdf/term.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/presenter.h"
 
 namespace docent {
 namespace {
+
+std::string PoseText(const v1::RobotStatus& robot) {
+  if (!robot.has_pose()) return "";
+  return absl::StrFormat("%.2f, %.2f m, %.2f rad", robot.x_m(), robot.y_m(), robot.heading_rad());
+}
 
 int ListRobots(const ClientOptions& options) {
   v1::ListRobotsReply reply;
   grpc::ClientContext context;
   grpc::Status status = v1::Fleet::NewStub(Connect(options))->List(&context, {}, &reply);
   if (!status.ok()) return Fail(status, options);
-  for (const v1::RobotStatus& robot : reply.robots()) {
-    if (options.json) {
-      PrintJson(robot);
-      continue;
-    }
-    std::cout << ToDisplay(Term::Iri(robot.robot())) << "  " << robot.state();
-    if (robot.has_pose()) {
-      std::cout << std::fixed << std::setprecision(2) << "  x " << robot.x_m() << " m  y " << robot.y_m()
-                << " m  heading " << robot.heading_rad() << " rad";
-    }
-    for (const std::string& region : robot.regions()) std::cout << "  in " << ToDisplay(Term::Iri(region));
-    std::cout << "\n  offers";
-    for (const std::string& operation : robot.operations()) std::cout << " " << operation;
-    std::cout << "\n  adapter " << (robot.address().empty() ? "none" : robot.address()) << "\n";
+  if (options.json) {
+    for (const v1::RobotStatus& robot : reply.robots()) PrintJson(robot);
+    return kExitOk;
   }
-  if (reply.robots().empty() && !options.json) std::cerr << "no robot has joined\n";
+  if (reply.robots().empty()) {
+    std::cerr << "no robot has joined\n";
+    return kExitOk;
+  }
+  const Presenter presenter(options);
+  Table table({"robot", "state", "x, y, heading", "in", "operations", "adapter"});
+  for (const v1::RobotStatus& robot : reply.robots()) {
+    const auto named = [&](std::string* out, const std::string& iri) { out->append(presenter.Iri(iri)); };
+    table.Add({presenter.Iri(robot.robot()),
+               {robot.state(), StyleOfState(robot.state())},
+               PoseText(robot),
+               absl::StrJoin(robot.regions(), " ", named),
+               absl::StrJoin(robot.operations(), " "),
+               robot.address()});
+  }
+  std::cout << table.Render(presenter.terminal());
   return kExitOk;
 }
 
@@ -38,8 +48,12 @@ int ListRobots(const ClientOptions& options) {
 
 void AddRobotsCommand(CLI::App* app, int* exit_code) {
   auto options = std::make_shared<ClientOptions>();
-  CLI::App* command = app->add_subcommand("robots", "List robots with state, pose and operations");
+  CLI::App* command =
+      app->add_subcommand("robots", "List the robots with state, pose, region and operations");
+  command->group(kRobotsGroup);
   AddClientOptions(command, options.get());
+  AddShowOptions(command, options.get());
+  command->footer("Example:\n  docent robots --json");
   command->callback([options, exit_code] { *exit_code = ListRobots(*options); });
 }
 

@@ -10,6 +10,8 @@
 #include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/presenter.h"
+#include "nlohmann/json.hpp"
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/rules/shacl_rules_import.h"
 
@@ -60,11 +62,15 @@ class RulesClient {
     grpc::ClientContext context;
     const grpc::Status status = stub_->List(&context, {}, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
+    Table table({"rule set", "rules", "since revision"});
     for (const auto& module : reply.modules()) {
       if (module.kind() != v1::LoadRequest::RULES) continue;
-      std::cout << module.name() << ": " << module.size() << " rules, since revision " << module.revision()
-                << "\n";
+      if (arguments_.client.json)
+        Report({{"name", module.name()}, {"rules", module.size()}, {"revision", module.revision()}});
+      else
+        table.Add({module.name(), absl::StrCat(module.size()), absl::StrCat(module.revision())});
     }
+    if (table.rows() > 0) std::cout << table.Render(Terminal::OfOutput(arguments_.client.colours));
     return kExitOk;
   }
 
@@ -79,6 +85,8 @@ class RulesClient {
     grpc::ClientContext context;
     const grpc::Status status = stub_->Load(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
+    if (arguments_.client.json)
+      return Report({{"name", rules->name}, {"inferred", reply.inferred()}, {"revision", reply.revision()}});
     std::cout << rules->name << ": in use, " << reply.inferred() << " inferred facts changed, revision "
               << reply.revision() << "\n";
     return kExitOk;
@@ -92,6 +100,8 @@ class RulesClient {
     grpc::ClientContext context;
     const grpc::Status status = stub_->Remove(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
+    if (arguments_.client.json)
+      return Report({{"name", name}, {"inferred", reply.inferred()}, {"revision", reply.revision()}});
     std::cout << name << ": removed, " << reply.inferred() << " inferred facts changed, revision "
               << reply.revision() << "\n";
     return kExitOk;
@@ -113,17 +123,27 @@ class RulesClient {
     grpc::ClientContext context;
     const grpc::Status status = stub_->PreviewRules(&context, request, &reply);
     if (!status.ok()) return Fail(status, arguments_.client);
+    if (arguments_.client.json) {
+      PrintJson(reply);
+      return kExitOk;
+    }
+    const IriNames names = arguments_.client.full ? IriNames() : ServerNames(arguments_.client);
     std::cout << request.name() << ": " << reply.added() << " facts would be added, " << reply.removed()
               << " removed (at revision " << reply.revision() << "; nothing is changed)\n";
-    Print("+ ", reply.added_triples(), reply.added());
-    Print("- ", reply.removed_triples(), reply.removed());
+    Print("+ ", reply.added_triples(), reply.added(), names);
+    Print("- ", reply.removed_triples(), reply.removed(), names);
     return kExitOk;
   }
 
  private:
+  static int Report(const nlohmann::json& object) {
+    std::cout << object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    return kExitOk;
+  }
+
   static void Print(const char* sign, const google::protobuf::RepeatedPtrField<std::string>& triples,
-                    uint64_t all) {
-    for (const std::string& triple : triples) std::cout << sign << triple << "\n";
+                    uint64_t all, const IriNames& names) {
+    for (const std::string& triple : triples) std::cout << sign << names.InText(triple) << "\n";
     const auto shown = static_cast<uint64_t>(triples.size());
     if (shown < all) std::cout << sign << "… and " << all - shown << " more\n";
   }
@@ -134,15 +154,11 @@ class RulesClient {
 
 using Action = int (RulesClient::*)(const std::string&);
 
-void AddAction(CLI::App* rules, const std::shared_ptr<RulesArguments>& arguments, int* exit_code,
-               const char* name, const char* what, const char* of, Action action) {
+CLI::App* AddAction(CLI::App* rules, const std::shared_ptr<RulesArguments>& arguments, int* exit_code,
+                    const char* name, const char* what, const char* of, Action action) {
   CLI::App* command = rules->add_subcommand(name, what);
   AddClientOptions(command, &arguments->client);
   command->add_option("names", arguments->names, of)->required();
-  if (std::string(name) == "preview") {
-    command->add_flag("--remove", arguments->remove, "What the removal of the rule set NAME would do");
-    command->add_option("--shown", arguments->shown, "Facts shown of each kind")->capture_default_str();
-  }
   command->callback([arguments, exit_code, action] {
     RulesClient client(*arguments);
     for (const std::string& each : arguments->names) {
@@ -150,25 +166,40 @@ void AddAction(CLI::App* rules, const std::shared_ptr<RulesArguments>& arguments
       if (*exit_code != kExitOk) return;
     }
   });
+  return command;
 }
 
 }  // namespace
 
 void AddRulesCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RulesArguments>();
-  CLI::App* rules = app->add_subcommand("rules", "The rules of a running server: list, use, remove, preview");
+  CLI::App* rules = app->add_subcommand("rules", "List, use, remove and preview the server's rule sets");
+  rules->group(kDocumentsGroup);
   rules->require_subcommand(1);
-  CLI::App* list = rules->add_subcommand("list", "The rule sets in use");
+  rules->footer("Examples:\n  docent rules list\n  docent rules use owl2rl");
+  CLI::App* list = rules->add_subcommand("list", "List the rule sets in use");
   AddClientOptions(list, &arguments->client);
+  AddShowOptions(list, &arguments->client);
+  list->footer("Example:\n  docent rules list");
   list->callback([arguments, exit_code] { *exit_code = RulesClient(*arguments).List(); });
-  constexpr char kNames[] = "rdfs, owl2rl, .rules files, or RDF files with sh:SPARQLRule";
-  AddAction(rules, arguments, exit_code, "use", "Follow these rules, too; a set of the same name is replaced",
-            kNames, &RulesClient::Use);
-  AddAction(rules, arguments, exit_code, "remove", "Follow these rule sets no longer", "Names of rule sets",
-            &RulesClient::Remove);
-  AddAction(rules, arguments, exit_code, "preview",
-            "What using these rules would add to the graph and remove from it; changes nothing", kNames,
-            &RulesClient::Preview);
+  constexpr char kNames[] =
+      "The built-in sets rdfs and owl2rl, .rules files, or RDF files with sh:SPARQLRule";
+  AddAction(rules, arguments, exit_code, "use", "Use rule sets; one of the same name is replaced", kNames,
+            &RulesClient::Use)
+      ->footer("Example:\n  docent rules use owl2rl guide.rules");
+  AddAction(rules, arguments, exit_code, "remove", "Remove rule sets",
+            "Names of rule sets, as `docent rules list` prints them", &RulesClient::Remove)
+      ->footer("Example:\n  docent rules remove guide.rules");
+  CLI::App* preview =
+      AddAction(rules, arguments, exit_code, "preview",
+                "Tell what rule sets would add to the graph and remove from it; nothing is changed", kNames,
+                &RulesClient::Preview);
+  AddShowOptions(preview, &arguments->client);
+  preview->add_flag("--remove", arguments->remove, "Preview the removal of the named rule sets");
+  preview->add_option("--shown", arguments->shown, "Number of facts printed of each kind")
+      ->type_name("N")
+      ->capture_default_str();
+  preview->footer("Example:\n  docent rules preview owl2rl --shown 5");
 }
 
 }  // namespace docent

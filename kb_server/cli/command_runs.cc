@@ -11,9 +11,10 @@
 #include "absl/strings/str_split.h"
 #include "absl/time/time.h"
 #include "docent/v1/workflows.grpc.pb.h"
-#include "graph/rdf/term.h"
+#include "graph/base/text.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/presenter.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
@@ -40,43 +41,45 @@ std::string LocalTime(int64_t time_us, const char* format) {
   return absl::FormatTime(format, absl::FromUnixMicros(time_us), absl::LocalTimeZone());
 }
 
-void PrintEvent(const v1::RunEvent& event) {
+// Details of an event and rows of a run are cut to so many columns.
+constexpr size_t kDetailColumns = 200;
+
+void PrintEvent(const v1::RunEvent& event, const Presenter& presenter) {
   std::cout << LocalTime(event.time_us(), "%H:%M:%E3S") << "  " << event.run();
   if (!event.node().empty()) std::cout << "/" << event.node();
   std::cout << "  " << event.kind() << " ";
   if (!event.from().empty()) std::cout << event.from() << " → ";
-  std::cout << event.to();
-  if (!event.detail().empty()) std::cout << "  " << OneLine(event.detail(), 200);
+  std::cout << presenter.State(event.to());
+  if (!event.detail().empty()) std::cout << "  " << presenter.Text(event.detail(), kDetailColumns);
   std::cout << std::endl;
 }
 
-void Print(const ClientOptions& client, const v1::RunEvent& event) {
+void Print(const ClientOptions& client, const Presenter& presenter, const v1::RunEvent& event) {
   if (client.json)
     PrintJson(event);
   else
-    PrintEvent(event);
+    PrintEvent(event, presenter);
 }
 
-void PrintNode(const v1::Node& node) {
-  std::cout << "  " << node.name() << "  " << node.state();
+void PrintLines(const char* title, const std::string& text, const Presenter& presenter) {
+  if (text.empty()) return;
+  std::cout << "    " << title << "\n";
+  for (absl::string_view line : absl::StrSplit(text, '\n', absl::SkipEmpty())) {
+    if (!absl::StartsWith(line, "PREFIX"))
+      std::cout << "      " << presenter.names().InText(FromAbsl(line)) << "\n";
+  }
+}
+
+void PrintNode(const v1::Node& node, const Presenter& presenter) {
+  std::cout << "  " << node.name() << "  " << presenter.State(node.state());
   if (node.since_us() > 0) std::cout << " since " << LocalTime(node.since_us(), "%H:%M:%S");
-  if (!node.reason().empty()) std::cout << "  (" << node.reason() << ")";
+  if (!node.reason().empty()) std::cout << "  (" << presenter.names().InText(node.reason()) << ")";
   std::cout << "\n";
-  if (!node.waits_for().empty()) {
-    std::cout << "    waits for\n";
-    for (absl::string_view line : absl::StrSplit(node.waits_for(), '\n')) {
-      if (!line.empty() && !absl::StartsWith(line, "PREFIX")) std::cout << "      " << line << "\n";
-    }
-  }
-  if (!node.fired_because().empty()) {
-    std::cout << "    fired because\n";
-    for (absl::string_view line : absl::StrSplit(node.fired_because(), '\n', absl::SkipEmpty())) {
-      std::cout << "      " << line << "\n";
-    }
-  }
+  PrintLines("waits for", node.waits_for(), presenter);
+  PrintLines("fired because", node.fired_because(), presenter);
   for (const v1::Invocation& invocation : node.invocations()) {
-    std::cout << "    " << invocation.operation() << "  " << invocation.state();
-    if (!invocation.robot().empty()) std::cout << "  on " << ToDisplay(Term::Iri(invocation.robot()));
+    std::cout << "    " << invocation.operation() << "  " << presenter.State(invocation.state());
+    if (!invocation.robot().empty()) std::cout << "  on " << presenter.Iri(invocation.robot());
     if (!invocation.step().empty()) std::cout << "  step " << invocation.step();
     if (invocation.state() == "running")
       std::cout << "  " << static_cast<int>(invocation.progress() * 100) << " %";
@@ -85,17 +88,30 @@ void PrintNode(const v1::Node& node) {
   }
 }
 
-void PrintRun(const v1::Run& run, bool nodes) {
-  std::cout << run.id() << "  " << run.state() << "  workflow " << run.workflow() << "  started "
-            << LocalTime(run.started_us(), "%H:%M:%S");
+// One run with its variables and nodes.
+void PrintRun(const v1::Run& run, const Presenter& presenter) {
+  std::cout << run.id() << "  " << presenter.State(run.state()) << "  workflow " << run.workflow()
+            << "  started " << LocalTime(run.started_us(), "%H:%M:%S");
   if (run.ended_us() > 0) std::cout << "  ended " << LocalTime(run.ended_us(), "%H:%M:%S");
-  if (!run.reason().empty()) std::cout << "  (" << run.reason() << ")";
+  if (!run.reason().empty()) std::cout << "  (" << presenter.names().InText(run.reason()) << ")";
   std::cout << "\n";
-  if (!nodes) return;
   for (const v1::NamedTerm& variable : run.variables()) {
-    std::cout << "  $" << variable.name() << " = " << ToDisplay(variable.value()) << "\n";
+    std::cout << "  $" << variable.name() << " = " << presenter.Of(variable.value()) << "\n";
   }
-  for (const v1::Node& node : run.nodes()) PrintNode(node);
+  for (const v1::Node& node : run.nodes()) PrintNode(node, presenter);
+}
+
+void PrintTable(const v1::ListRunsReply& reply, const Presenter& presenter) {
+  Table table({"run", "state", "workflow", "started", "ended", "reason"});
+  for (const v1::Run& run : reply.runs()) {
+    table.Add({run.id(),
+               {run.state(), StyleOfState(run.state())},
+               run.workflow(),
+               LocalTime(run.started_us(), "%Y-%m-%d %H:%M:%S"),
+               LocalTime(run.ended_us(), "%Y-%m-%d %H:%M:%S"),
+               presenter.names().InText(run.reason())});
+  }
+  std::cout << table.Render(presenter.terminal());
 }
 
 int ExitCodeOf(const v1::Run& run) {
@@ -171,8 +187,8 @@ class EventReader {
 };
 
 // Follows events until the run ends; then shows it.
-int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* reader,
-           const std::string& run_id) {
+int Follow(const ClientOptions& client, const Presenter& presenter, v1::Workflows::Stub* stub,
+           EventReader* reader, const std::string& run_id) {
   v1::RunEvent event;
   v1::Run run;
   auto get = [&] {
@@ -191,7 +207,7 @@ int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* 
       continue;
     }
     if (event.run() != run_id) continue;
-    Print(client, event);
+    Print(client, presenter, event);
     if (event.kind() == "run" && event.to() != "running") break;
   }
   if (status.ok()) status = get();
@@ -199,7 +215,7 @@ int Follow(const ClientOptions& client, v1::Workflows::Stub* stub, EventReader* 
   if (client.json)
     PrintJson(run);
   else
-    PrintRun(run, true);
+    PrintRun(run, presenter);
   return ExitCodeOf(run);
 }
 
@@ -229,22 +245,23 @@ int StartRun(const RunArguments& arguments) {
       std::cout << reply.run() << "\n";
     return kExitOk;
   }
-  return Follow(arguments.client, stub.get(), &*reader, reply.run());
+  return Follow(arguments.client, Presenter(arguments.client), stub.get(), &*reader, reply.run());
 }
 
-int Watch(const ClientOptions& client, const std::string& run) {
+int Watch(const ClientOptions& client, const Presenter& presenter, const std::string& run) {
   const std::shared_ptr<grpc::Channel> channel = Connect(client);
   EventReader reader(channel, run);
-  if (!run.empty()) return Follow(client, v1::Workflows::NewStub(channel).get(), &reader, run);
+  if (!run.empty()) return Follow(client, presenter, v1::Workflows::NewStub(channel).get(), &reader, run);
   v1::RunEvent event;
   for (auto next = reader.Read(&event); next != EventReader::Next::kEnd; next = reader.Read(&event)) {
-    if (next == EventReader::Next::kEvent) Print(client, event);
+    if (next == EventReader::Next::kEvent) Print(client, presenter, event);
   }
   return reader.status().ok() ? kExitOk : Fail(reader.status(), client);
 }
 
 int ShowRuns(const RunsArguments& arguments) {
   auto stub = v1::Workflows::NewStub(Connect(arguments.client));
+  const Presenter presenter(arguments.client);
   if (arguments.cancel) {
     if (arguments.run.empty()) return Fail(absl::InvalidArgumentError("--cancel needs the id of a run"));
     grpc::ClientContext context;
@@ -253,10 +270,13 @@ int ShowRuns(const RunsArguments& arguments) {
     v1::Run run;
     grpc::Status status = stub->Cancel(&context, request, &run);
     if (!status.ok()) return Fail(status, arguments.client);
-    PrintRun(run, true);
+    if (arguments.client.json)
+      PrintJson(run);
+    else
+      PrintRun(run, presenter);
     return kExitOk;
   }
-  if (arguments.watch) return Watch(arguments.client, arguments.run);
+  if (arguments.watch) return Watch(arguments.client, presenter, arguments.run);
   grpc::ClientContext context;
   if (!arguments.run.empty()) {
     v1::GetRunRequest request;
@@ -267,7 +287,7 @@ int ShowRuns(const RunsArguments& arguments) {
     if (arguments.client.json)
       PrintJson(run);
     else
-      PrintRun(run, true);
+      PrintRun(run, presenter);
     return ExitCodeOf(run);
   }
   v1::ListRunsRequest request;
@@ -275,13 +295,13 @@ int ShowRuns(const RunsArguments& arguments) {
   v1::ListRunsReply reply;
   grpc::Status status = stub->ListRuns(&context, request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
-  for (const v1::Run& run : reply.runs()) {
-    if (arguments.client.json)
-      PrintJson(run);
-    else
-      PrintRun(run, false);
+  if (arguments.client.json) {
+    for (const v1::Run& run : reply.runs()) PrintJson(run);
+  } else if (reply.runs().empty()) {
+    std::cerr << "no runs\n";
+  } else {
+    PrintTable(reply, presenter);
   }
-  if (reply.runs().empty() && !arguments.client.json) std::cerr << "no runs\n";
   return kExitOk;
 }
 
@@ -290,27 +310,42 @@ int ShowRuns(const RunsArguments& arguments) {
 void AddRunCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command =
-      app->add_subcommand("run", "Start a run of a deployed workflow and follow it (exit code 1: it failed)");
+      app->add_subcommand("run", "Start a run of a deployed workflow, and follow it to its end");
+  command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("workflow", arguments->workflow, "Name of the workflow (CAWL/@name)")->required();
-  command->add_option("--flow", arguments->flow,
-                      "Flow within it (default: the one that its activator starts)");
-  command->add_option("--var", arguments->variables, "NAME=VALUE, a variable of the run; may be repeated")
+  AddShowOptions(command, &arguments->client);
+  command->add_option("workflow", arguments->workflow, "Name of the workflow")->required();
+  command
+      ->add_option("--flow", arguments->flow,
+                   "Flow of the workflow to start; by default the one that its activator starts")
+      ->type_name("NAME");
+  command->add_option("--var", arguments->variables, "A variable of the run")
+      ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  command->add_flag("--detach", arguments->detach, "Print the run's id and do not wait");
+  command->add_flag("--detach", arguments->detach, "Print the run's id and do not follow it");
+  command->footer(
+      "Exit code 1: the run failed or was cancelled.\n"
+      "Example:\n"
+      "  docent run BoothGuide --var booth=https://w3id.org/docent/expo#B03");
   command->callback([arguments, exit_code] { *exit_code = StartRun(*arguments); });
 }
 
 void AddRunsCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<RunsArguments>();
-  CLI::App* command =
-      app->add_subcommand("runs", "List runs; show one: what it waits for and why its steps fired; watch");
+  CLI::App* command = app->add_subcommand(
+      "runs", "List runs; show one with what it waits for and why its nodes fired; follow or cancel it");
+  command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("run", arguments->run, "Id of the run to show");
-  command->add_flag("--live", arguments->live, "Only runs that have not ended");
-  command->add_flag("--watch", arguments->watch,
-                    "Print what happens, as it happens (one run: until it ends)");
-  command->add_flag("--cancel", arguments->cancel, "End the run");
+  AddShowOptions(command, &arguments->client);
+  command->add_option("run", arguments->run, "Id of the run to show; by default all runs are listed");
+  command->add_flag("--live", arguments->live, "List only runs that have not ended");
+  command->add_flag("--watch", arguments->watch, "Print events as they happen; of one run until it ends");
+  command->add_flag("--cancel", arguments->cancel, "Cancel the run");
+  command->footer(
+      "Exit code 1: the run that is shown failed or was cancelled.\n"
+      "Examples:\n"
+      "  docent runs --live\n"
+      "  docent runs BoothGuide-1 --watch");
   command->callback([arguments, exit_code] { *exit_code = ShowRuns(*arguments); });
 }
 

@@ -1,9 +1,13 @@
 // docent services: composite robot services (RSEL processes); list, describe, invoke.
 #include <iostream>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/fact_arguments.h"
+#include "kb_server/cli/presenter.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
@@ -21,27 +25,34 @@ int ListServices(const ClientOptions& options) {
   grpc::ClientContext context;
   grpc::Status status = v1::RobotServices::NewStub(Connect(options))->List(&context, {}, &reply);
   if (!status.ok()) return Fail(status, options);
-  for (const v1::RobotService& service : reply.services()) {
-    if (options.json) {
-      PrintJson(service);
-      continue;
-    }
-    std::cout << service.name() << "(";
-    for (int i = 0; i < service.inputs_size(); ++i) std::cout << (i > 0 ? ", " : "") << service.inputs(i);
-    std::cout << ")  from " << service.document() << " " << service.version() << "\n ";
-    for (int i = 0; i < service.steps_size(); ++i)
-      std::cout << (i > 0 ? " → " : " ") << service.steps(i).operation();
-    std::cout << "\n  robots:";
-    for (const std::string& robot : service.robots()) std::cout << " " << ToDisplay(Term::Iri(robot));
-    std::cout << (service.robots().empty() ? " none offers all of it now\n" : "\n");
+  if (options.json) {
+    for (const v1::RobotService& service : reply.services()) PrintJson(service);
+    return kExitOk;
   }
+  if (reply.services().empty()) {
+    std::cerr << "no robot service is registered\n";
+    return kExitOk;
+  }
+  const Presenter presenter(options);
+  Table table({"service", "steps", "robots that offer all of it", "from"});
+  for (const v1::RobotService& service : reply.services()) {
+    const auto operation = [](std::string* out, const auto& step) { out->append(step.operation()); };
+    const auto named = [&](std::string* out, const std::string& iri) { out->append(presenter.Iri(iri)); };
+    const bool offered = !service.robots().empty();
+    table.Add({absl::StrCat(service.name(), "(", absl::StrJoin(service.inputs(), ", "), ")"),
+               absl::StrJoin(service.steps(), " → ", operation),
+               {offered ? absl::StrJoin(service.robots(), " ", named) : "none now",
+                offered ? Style::kPlain : Style::kFaint},
+               absl::StrCat(service.document(), " ", service.version())});
+  }
+  std::cout << table.Render(presenter.terminal());
   return kExitOk;
 }
 
 int InvokeService(const ServicesArguments& arguments) {
   v1::InvokeServiceRequest request;
   request.set_name(arguments.invoke);
-  request.set_robot(arguments.robot);
+  request.set_robot(FactArguments([&] { return ServerNames(arguments.client); }).Iri(arguments.robot));
   for (const std::string& text : arguments.arguments) {
     auto variable = ParseVariable(text);
     if (!variable.ok()) return Fail(variable.status());
@@ -54,10 +65,14 @@ int InvokeService(const ServicesArguments& arguments) {
   v1::InvokeServiceReply reply;
   std::string state;
   while (reader->Read(&reply)) {
+    if (reply.final()) state = reply.state();
+    if (arguments.client.json) {
+      PrintJson(reply);
+      continue;
+    }
     std::cout << reply.run() << "  " << reply.step() << "  " << reply.state();
     if (!reply.message().empty()) std::cout << "  " << reply.message();
     std::cout << "\n";
-    if (reply.final()) state = reply.state();
   }
   grpc::Status status = reader->Finish();
   if (!status.ok()) return Fail(status, arguments.client);
@@ -68,14 +83,21 @@ int InvokeService(const ServicesArguments& arguments) {
 
 void AddServicesCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<ServicesArguments>();
-  CLI::App* command = app->add_subcommand("services", "List composite robot services, or invoke one");
+  CLI::App* command = app->add_subcommand("services", "List the robot services, or invoke one and follow it");
+  command->group(kRobotsGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("--invoke", arguments->invoke,
-                      "Run this service and follow it (exit code 1: it failed)");
-  command->add_option("--arg", arguments->arguments,
-                      "NAME=VALUE, an argument of the service; may be repeated");
-  command->add_option("--robot", arguments->robot,
-                      "IRI of the robot that shall do it (default: any that can)");
+  AddShowOptions(command, &arguments->client);
+  command->add_option("--invoke", arguments->invoke, "Invoke this service")->type_name("SERVICE");
+  command->add_option("--arg", arguments->arguments, "An argument of the service")->type_name("NAME=VALUE");
+  command
+      ->add_option("--robot", arguments->robot,
+                   "Robot that carries it out; by default any that offers all of it")
+      ->type_name("IRI");
+  command->footer(
+      "Exit code 1: the invoked service failed or was cancelled.\n"
+      "Examples:\n"
+      "  docent services\n"
+      "  docent services --invoke Move2Booth --arg booth=https://w3id.org/docent/expo#B03");
   command->callback([arguments, exit_code] {
     *exit_code = arguments->invoke.empty() ? ListServices(arguments->client) : InvokeService(*arguments);
   });

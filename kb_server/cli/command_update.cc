@@ -39,14 +39,21 @@ int RunUpdate(const UpdateArguments& arguments) {
 void AddUpdateCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<UpdateArguments>();
   CLI::App* command =
-      app->add_subcommand("update", "Change the live graph by a SPARQL Update, all of it or nothing");
+      app->add_subcommand("update", "Change the graph by a SPARQL Update: all of it or nothing");
+  command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option(
-      "update", arguments->update,
-      "SPARQL Update, e.g. 'DELETE WHERE { ?s docent:selected ?o }'; well-known prefixes need no PREFIX");
-  command->add_option("--file,-f", arguments->file, "Read the update from a file, - for standard input");
-  command->add_option("--request-id", arguments->request_id, "A repeat of this id is not applied again");
-  command->add_option("--timeout-ms", arguments->timeout_ms, "Give up evaluating after this time");
+  command->add_option("update", arguments->update, "SPARQL Update; well-known prefixes need no PREFIX");
+  command->add_option("--file,-f", arguments->file, "Read the update from a file; - is standard input")
+      ->type_name("FILE");
+  command
+      ->add_option("--request-id", arguments->request_id,
+                   "Id of the request; a repeated id is not applied again")
+      ->type_name("ID");
+  command->add_option("--timeout-ms", arguments->timeout_ms, "Give up evaluating after this time")
+      ->type_name("MS");
+  command->footer(
+      "Example:\n"
+      "  docent update 'DELETE WHERE { ?who docent:selected ?booth }'");
   command->callback([arguments, exit_code] { *exit_code = RunUpdate(*arguments); });
 }
 

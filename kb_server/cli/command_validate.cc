@@ -196,18 +196,25 @@ int ValidateServer(const ValidateArguments& arguments) {
 
 void AddValidateCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<ValidateArguments>();
-  CLI::App* command = app->add_subcommand(
-      "validate",
-      "Validate data against SHACL Core shapes (exit code 1: they do not conform). DATA files are validated "
-      "here; "
-      "without any, what the server holds, against the shapes given or else those of its ontology modules");
+  CLI::App* command =
+      app->add_subcommand("validate", "Validate files, or the graph of the server, against SHACL shapes");
+  command->group(kDocumentsGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("data", arguments->data, "RDF files to validate; none: the running server");
-  command->add_option("--shapes", arguments->shapes, "RDF file with shapes; may be given several times")
+  command->add_option(
+      "data", arguments->data,
+      "RDF files to validate, without a server. None: the server validates its graph, against --shapes "
+      "or else the shapes of its ontology modules");
+  command->add_option("--shapes", arguments->shapes, "RDF file with shapes; by default those of the data")
+      ->type_name("FILE")
       ->allow_extra_args(false);
-  command->add_flag("--rdf", arguments->rdf, "Print the report as RDF (sh:ValidationReport in Turtle)");
-  command->add_option("--timeout", arguments->timeout_ms, "End it after so many milliseconds")
-      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--rdf", arguments->rdf, "Print the report as RDF: an sh:ValidationReport in Turtle");
+  command->add_option("--timeout-ms,--timeout", arguments->timeout_ms, "Give up after this time")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MS");
+  command->footer(
+      "Exit code 1: the data do not conform.\n"
+      "Example:\n"
+      "  docent validate hall.ttl --shapes shapes.ttl");
   command->callback([arguments, exit_code] {
     *exit_code = arguments->data.empty() ? ValidateServer(*arguments) : FileValidator(*arguments).Run();
   });

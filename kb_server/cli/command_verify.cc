@@ -46,11 +46,13 @@ int Verify(const VerifyArguments& arguments) {
 void AddVerifyCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<VerifyArguments>();
   arguments->folder = DefaultDataFolder();
-  CLI::App* command = app->add_subcommand(
-      "verify", "Check every record and snapshot of a data folder (exit code 1: something is damaged)");
+  CLI::App* command =
+      app->add_subcommand("verify", "Check every record and snapshot of a data folder for damage");
+  command->group(kServerGroup);
   command->add_option("folder", arguments->folder, "The data folder; a server may be using it")
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "For machines");
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->footer("Exit code 1: something is damaged.\nExample:\n  docent verify /var/lib/docent");
   command->callback([arguments, exit_code] { *exit_code = Verify(*arguments); });
 }
 

@@ -9,8 +9,10 @@
 #include "absl/strings/str_join.h"
 #include "docent/v1/context.grpc.pb.h"
 #include "graph/rdf/text_input.h"
+#include "graph/sparql/syntax/parser.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/presenter.h"
 
 namespace docent {
 namespace {
@@ -24,13 +26,17 @@ struct WatchArguments {
   uint64_t count = 0;
 };
 
-std::string RowText(const v1::CountedRow& row, const std::vector<std::string>& names) {
+// A value of a row is cut to so many columns.
+constexpr size_t kValueColumns = 120;
+
+std::string RowText(const v1::CountedRow& row, const std::vector<std::string>& names,
+                    const Presenter& presenter) {
   std::vector<std::string> cells;
   for (int i = 0; i < row.row().values_size(); ++i) {
     const v1::Term& value = row.row().values(i);
     if (value.kind_case() == v1::Term::KIND_NOT_SET) continue;
     cells.push_back(absl::StrCat("?", i < static_cast<int>(names.size()) ? names[i] : "", " = ",
-                                 OneLine(ToDisplay(value), 120)));
+                                 presenter.Cut(presenter.Of(value), kValueColumns)));
   }
   return absl::StrCat(absl::StrJoin(cells, ", "), row.count() > 1 ? absl::StrCat("  ×", row.count()) : "");
 }
@@ -44,7 +50,8 @@ struct Watched {
 };
 
 // `label`: which query, where there are several.
-void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* watched) {
+void Print(const v1::SubscribeReply& reply, const std::string& label, const Presenter& presenter,
+           Watched* watched) {
   if (reply.reset()) {
     const bool again = std::exchange(watched->answered, true);
     watched->names.assign(reply.variables().begin(), reply.variables().end());
@@ -56,7 +63,7 @@ void Print(const v1::SubscribeReply& reply, const std::string& label, Watched* w
   if (reply.is_boolean()) std::cout << label << (reply.boolean() ? "yes" : "no") << when << "\n";
   const auto rows = [&](const char* sign, const auto& changed) {
     for (const v1::CountedRow& row : changed)
-      std::cout << label << sign << RowText(row, watched->names) << when << "\n";
+      std::cout << label << sign << RowText(row, watched->names, presenter) << when << "\n";
   };
   rows("+ ", reply.appeared());
   rows("- ", reply.disappeared());
@@ -84,6 +91,18 @@ absl::StatusOr<std::vector<Watched>> ReadQueries(const WatchArguments& arguments
   return all;
 }
 
+// Those that the queries declare.
+PrefixList PrefixesOf(const std::vector<Watched>& all) {
+  sparql::ParseOptions options;
+  options.prefixes = sparql::WellKnownPrefixes();
+  PrefixList prefixes;
+  for (const Watched& watched : all) {
+    const sparql::ParsedQuery parsed = sparql::ParseQuery(watched.request.query(), options);
+    prefixes.insert(prefixes.end(), parsed.query.prefixes.begin(), parsed.query.prefixes.end());
+  }
+  return prefixes;
+}
+
 // Begins all, each under its place in the list, from 1, as its tag. False: not all of them could be sent.
 bool BeginAll(const std::vector<Watched>& all,
               grpc::ClientReaderWriter<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>* stream) {
@@ -100,6 +119,7 @@ int RunWatch(const WatchArguments& arguments) {
   absl::StatusOr<std::vector<Watched>> all = ReadQueries(arguments);
   if (!all.ok()) return Fail(all.status());
   const bool several = all->size() > 1;
+  const Presenter presenter(arguments.client, PrefixesOf(*all));
   auto stub = v1::Context::NewStub(Connect(arguments.client));
   uint64_t changes = 0;
   bool answered = false, lost = false;
@@ -122,7 +142,7 @@ int RunWatch(const WatchArguments& arguments) {
         if (arguments.client.json) {
           several ? PrintJson(part) : PrintJson(part.reply());
         } else {
-          Print(part.reply(), several ? absl::StrCat(part.tag(), "  ") : "", &watched);
+          Print(part.reply(), several ? absl::StrCat(part.tag(), "  ") : "", presenter, &watched);
         }
         answered = true;
         lost = false;
@@ -145,23 +165,31 @@ int RunWatch(const WatchArguments& arguments) {
 void AddWatchCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WatchArguments>();
   CLI::App* command =
-      app->add_subcommand("watch", "Follow ASK and SELECT queries: first the answer, then each change of it");
+      app->add_subcommand("watch", "Subscribe to queries: print their answers, then every change of them");
+  command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
+  AddShowOptions(command, &arguments->client);
   command->add_option(
       "query", arguments->queries,
-      "SPARQL ASK or SELECT, as many as wanted; well-known prefixes need no PREFIX. The lines of several "
-      "begin with their numbers");
-  command
-      ->add_option("--file,-f", arguments->files,
-                   "Read a query from a file, - for standard input; may be given again")
+      "SPARQL ASK or SELECT queries; well-known prefixes need no PREFIX. With several, each line begins "
+      "with the number of its query");
+  command->add_option("--file,-f", arguments->files, "Read a query from a file; - is standard input")
+      ->type_name("FILE")
       ->allow_extra_args(false);
-  command->add_option("--min-interval-ms", arguments->min_interval_ms,
-                      "At most one change in this time; those between "
-                      "are added up");
-  command->add_option(
-      "--at-least-ms", arguments->at_least_ms,
-      "Only what has been so for this time without a break; with NOT EXISTS, what has been missing");
-  command->add_option("--count", arguments->count, "End after so many changes, the first answer included");
+  command
+      ->add_option("--min-interval-ms", arguments->min_interval_ms,
+                   "Least time between two changes; those in between are merged")
+      ->type_name("MS");
+  command
+      ->add_option("--at-least-ms", arguments->at_least_ms,
+                   "Report only what has held for this time without a break")
+      ->type_name("MS");
+  command->add_option("--count", arguments->count, "End after this number of answers, the first one included")
+      ->type_name("N");
+  command->footer(
+      "Examples:\n"
+      "  docent watch 'SELECT ?who ?where { ?who docent:isAt ?where }'\n"
+      "  docent watch --at-least-ms 5000 'ASK { ?robot a docent:AvailableRobot }'");
   command->callback([arguments, exit_code] { *exit_code = RunWatch(*arguments); });
 }
 

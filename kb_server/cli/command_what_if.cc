@@ -17,31 +17,32 @@ struct WhatIfArguments {
   std::string source;
 };
 
-absl::StatusOr<v1::WhatIfRequest> MakeRequest(const WhatIfArguments& arguments) {
-  auto prologue = FactPrologue(arguments.prefixes);
-  if (!prologue.ok()) return prologue.status();
+absl::StatusOr<v1::WhatIfRequest> MakeRequest(const WhatIfArguments& arguments, FactArguments& facts) {
+  if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return status;
   v1::WhatIfRequest request;
   for (const std::string& text : arguments.with) {
-    auto quads = ParseFacts(*prologue, text, "+fact");
+    auto quads = facts.Parse(text, "+fact");
     if (!quads.ok()) return quads.status();
     AddQuads(*quads, request.mutable_add());
   }
   for (const std::string& text : arguments.without) {
-    auto quads = ParseFacts(*prologue, text, "-fact");
+    auto quads = facts.Parse(text, "-fact");
     if (!quads.ok()) return quads.status();
     AddQuads(*quads, request.mutable_remove());
   }
   if (request.add_size() + request.remove_size() == 0)
     return absl::InvalidArgumentError("no facts given; e.g. docent whatif '+expo:R01 docent:localised true'");
-  request.set_source(ReadIri(arguments.prefixes, arguments.source));
-  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok())
-    return status;
+  request.set_source(facts.Iri(arguments.source));
+  request.set_full(arguments.client.full || arguments.client.json);
   return request;
 }
 
 int RunWhatIf(const WhatIfArguments& arguments) {
-  auto request = MakeRequest(arguments);
+  const IriNames known = ServerNames(arguments.client);
+  FactArguments facts([&] { return known; });
+  auto request = MakeRequest(arguments, facts);
   if (!request.ok()) return Fail(request.status());
+  AddPrefixes(known, facts.given(), request->mutable_prefixes());
   v1::WhatIfReply reply;
   grpc::ClientContext context;
   const auto server = v1::Context::NewStub(Connect(arguments.client));
@@ -50,8 +51,9 @@ int RunWhatIf(const WhatIfArguments& arguments) {
   if (arguments.client.json) {
     PrintJson(reply);
   } else {
-    std::cout << reply.text();
-    if (reply.removed_size() == 0) std::cerr << WhereElse(*server, request->remove());
+    const Presenter presenter(arguments.client, facts.given(), known);
+    std::cout << presenter.names().InText(reply.text());
+    if (reply.removed_size() == 0) std::cerr << WhereElse(*server, request->remove(), presenter);
     std::cerr << "revision " << reply.revision() << "; nothing was written\n";
   }
   return kExitOk;
@@ -76,18 +78,26 @@ std::vector<std::string> WithSignedFacts(std::vector<std::string> arguments) {
 
 void AddWhatIfCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhatIfArguments>();
-  CLI::App* command = app->add_subcommand("whatif",
-                                          "What '+S P O' '-S P O' would do if it were told: what would be "
-                                          "inferred, which conditions would flip, which "
-                                          "steps would fire. Nothing is written");
+  CLI::App* command = app->add_subcommand(
+      "whatif",
+      "Try facts without writing them: what would be inferred, which conditions would change, which steps "
+      "would start");
+  command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("--with", arguments->with, "Turtle: facts that would be told (the same as '+S P O')")
+  AddShowOptions(command, &arguments->client);
+  command->add_option("--with", arguments->with, "Facts in Turtle that would be told; also written '+S P O'")
+      ->type_name("TURTLE")
       ->allow_extra_args(false);
-  command->add_option("--without", arguments->without, "Turtle: facts that would be withdrawn ('-S P O')")
+  command
+      ->add_option("--without", arguments->without,
+                   "Facts in Turtle that would be withdrawn; also written '-S P O'")
+      ->type_name("TURTLE")
       ->allow_extra_args(false);
-  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
-      ->allow_extra_args(false);
-  command->add_option("--source", arguments->source, "IRI of who would say it, whole or with a prefix");
+  AddPrefixOption(command, &arguments->prefixes);
+  command->add_option("--source", arguments->source, "Source that would tell the facts")->type_name("IRI");
+  command->footer(
+      "Example:\n"
+      "  docent whatif '+expo:R01 docent:localised false' '-expo:John docent:selected expo:B03'");
   command->callback([arguments, exit_code] { *exit_code = RunWhatIf(*arguments); });
 }
 

@@ -35,7 +35,7 @@ struct Question {
   TermQuad fact;
 };
 
-absl::StatusOr<Question> Read(const WhyArguments& arguments) {
+absl::StatusOr<Question> Read(const WhyArguments& arguments, FactArguments& facts) {
   const std::vector<std::string>& words = arguments.question;
   Question question;
   if (words.size() == 2 && absl::EqualsIgnoreCase(words[0], "ask")) {
@@ -48,9 +48,7 @@ absl::StatusOr<Question> Read(const WhyArguments& arguments) {
     question.query = words[0];
     return question;
   }
-  auto prologue = FactPrologue(arguments.prefixes);
-  if (!prologue.ok()) return prologue.status();
-  auto quads = ParseFacts(*prologue, words[0], "fact");
+  auto quads = facts.Parse(words[0], "fact");
   if (!quads.ok()) return quads.status();
   if (quads->size() != 1) return absl::InvalidArgumentError("ask about one fact at a time");
   question.fact = (*quads)[0];
@@ -62,22 +60,24 @@ std::string AskOf(const TermQuad& fact) {
                       ToNTriples(fact.object), " }");
 }
 
-int Print(const v1::ExplainReply& reply, const WhyArguments& arguments) {
-  if (arguments.client.json) {
-    PrintJson(reply);
-  } else {
-    std::cout << (arguments.prov && !reply.prov().empty() ? reply.prov() : reply.text());
-    std::cerr << "revision " << reply.revision() << "\n";
-  }
-  return kExitOk;
+void Print(const v1::ExplainReply& reply, const WhyArguments& arguments, const Presenter& presenter) {
+  if (arguments.client.json) return PrintJson(reply);
+  if (arguments.prov && !reply.prov().empty())
+    std::cout << reply.prov();
+  else
+    std::cout << presenter.names().InText(reply.text());
+  std::cerr << "revision " << reply.revision() << "\n";
 }
 
 int RunWhy(const WhyArguments& arguments, bool why) {
-  auto question = Read(arguments);
+  const IriNames known = ServerNames(arguments.client);
+  FactArguments facts([&] { return known; });
+  if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
+  auto question = Read(arguments, facts);
   if (!question.ok()) return Fail(question.status());
   v1::ExplainRequest request;
-  if (absl::Status status = AddPrefixes(arguments.prefixes, request.mutable_prefixes()); !status.ok())
-    return Fail(status);
+  AddPrefixes(known, facts.given(), request.mutable_prefixes());
+  request.set_full(arguments.client.full || arguments.client.json);
   request.set_sets(arguments.sets);
   if (!why) {
     request.set_why_not(question->query.empty() ? AskOf(question->fact) : question->query);
@@ -92,40 +92,51 @@ int RunWhy(const WhyArguments& arguments, bool why) {
   grpc::ClientContext context;
   grpc::Status status = v1::Context::NewStub(Connect(arguments.client))->Explain(&context, request, &reply);
   if (!status.ok()) return Fail(status, arguments.client);
-  if (int code = Print(reply, arguments); code != kExitOk) return code;
+  Print(reply, arguments, Presenter(arguments.client, facts.given(), known));
   const bool answered = why ? reply.holds() : !reply.holds() && reply.sets_size() > 0;
   return answered ? kExitOk : kExitNegative;
 }
 
 void AddCommon(CLI::App* command, WhyArguments* arguments) {
+  command->group(kGraphGroup);
   AddClientOptions(command, &arguments->client);
-  command->add_option("question", arguments->question, "'S P O' in Turtle, or: ask 'ASK { … }'")
+  AddShowOptions(command, &arguments->client);
+  command
+      ->add_option("question", arguments->question,
+                   "A fact in Turtle ('S P O'), or the word ask and a query ('ASK { … }')")
       ->required()
       ->expected(1, 2);
-  command->add_option("--prefix", arguments->prefixes, "NAME=IRI, besides the well-known prefixes")
-      ->allow_extra_args(false);
+  AddPrefixOption(command, &arguments->prefixes);
 }
 
 }  // namespace
 
 void AddWhyCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhyArguments>();
-  CLI::App* command = app->add_subcommand("why",
-                                          "Why a fact or an ASK holds: its rules and facts, down to who told "
-                                          "what when (exit code 1: it does not)");
+  CLI::App* command = app->add_subcommand(
+      "why", "Explain why a fact or an ASK holds: its rules and facts, down to who told what and when");
   AddCommon(command, arguments.get());
-  command->add_flag("--prov", arguments->prov, "The proof as PROV-O in Turtle");
+  command->add_flag("--prov", arguments->prov, "Print the proof as PROV-O in Turtle");
+  command->footer(
+      "Exit code 1: it does not hold.\n"
+      "Examples:\n"
+      "  docent why 'expo:John docent:isNear expo:R01'\n"
+      "  docent why ask 'ASK { ?robot a docent:AvailableRobot }'");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, true); });
 }
 
 void AddWhyNotCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<WhyArguments>();
-  CLI::App* command = app->add_subcommand(
-      "whynot",
-      "Why an ASK does not hold: the smallest sets of facts that are missing or in the way (exit code 1: it "
-      "holds, or none is found)");
+  CLI::App* command = app->add_subcommand("whynot",
+                                          "Explain why a fact or an ASK does not hold: the smallest sets of "
+                                          "facts that are missing or in the way");
   AddCommon(command, arguments.get());
-  command->add_option("--sets", arguments->sets, "How many sets to show at most (default: 3)");
+  command->add_option("--sets", arguments->sets, "Print at most this number of sets (default: 3)")
+      ->type_name("N");
+  command->footer(
+      "Exit code 1: it holds, or no set was found.\n"
+      "Example:\n"
+      "  docent whynot ask 'ASK { ?robot a docent:AvailableRobot }'");
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, false); });
 }
 

@@ -10,6 +10,12 @@
 
 namespace docent {
 
+// Headings of `docent --help`.
+inline constexpr char kServerGroup[] = "Server";
+inline constexpr char kDocumentsGroup[] = "Documents";
+inline constexpr char kGraphGroup[] = "Facts and queries";
+inline constexpr char kRobotsGroup[] = "Workflows and robots";
+
 void AddServeCommand(CLI::App* app, int* exit_code);
 void AddLoadCommand(CLI::App* app, int* exit_code);
 void AddRulesCommand(CLI::App* app, int* exit_code);

@@ -1,6 +1,7 @@
 #include "kb_server/cli/fact_arguments.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -27,27 +28,45 @@ absl::StatusOr<std::pair<std::string, std::string>> SplitPrefix(const std::strin
 
 }  // namespace
 
-absl::StatusOr<std::string> FactPrologue(const std::vector<std::string>& prefixes) {
-  std::string text;
-  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-    absl::StrAppend(&text, "@prefix ", std::string(prefix), ": <", std::string(iri), "> . ");
-  }
-  for (const std::string& given : prefixes) {
-    const auto parts = SplitPrefix(given);
+absl::Status FactArguments::AddPrefixes(const std::vector<std::string>& given) {
+  for (const std::string& each : given) {
+    auto parts = SplitPrefix(each);
     if (!parts.ok()) return parts.status();
-    absl::StrAppend(&text, "@prefix ", parts->first, ": <", parts->second, "> . ");
+    given_.push_back(*std::move(parts));
   }
+  return absl::OkStatus();
+}
+
+// All in one line, so that the columns of diagnostics stay right from the second line on. As in Turtle, the last
+// declaration of a prefix holds.
+std::string FactArguments::Prologue() const {
+  std::string text;
+  for (const auto& [prefix, name_space] : known_.prefixes())
+    absl::StrAppend(&text, "@prefix ", prefix, ": <", name_space, "> . ");
+  for (const auto& [prefix, name_space] : given_)
+    absl::StrAppend(&text, "@prefix ", prefix, ": <", name_space, "> . ");
   return text + "\n";
 }
 
-absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, std::string text,
-                                                 const std::string& name) {
+bool FactArguments::AskServer() {
+  if (std::exchange(asked_, true)) return false;
+  const IriNames names = ask_server_();
+  for (const auto& [prefix, name_space] : names.prefixes()) known_.Add(prefix, name_space);
+  return true;
+}
+
+absl::StatusOr<std::vector<TermQuad>> FactArguments::Parse(std::string text, const std::string& name) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\n')) text.pop_back();
   if (text.empty()) return std::vector<TermQuad>();
   if (text.back() != '.') text += " .";
   ParseRdfOptions options;
   options.file = name;
+  std::string prologue = Prologue();
   ParsedRdf parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
+  if (!parsed.ok() && AskServer()) {
+    prologue = Prologue();
+    parsed = ParseRdf(prologue + text, RdfFormat::kTurtle, options);
+  }
   if (!parsed.ok()) {
     for (Diagnostic& d : parsed.diagnostics) {
       if (d.span.line > 1) --d.span.line;
@@ -58,28 +77,34 @@ absl::StatusOr<std::vector<TermQuad>> ParseFacts(const std::string& prologue, st
   return std::move(parsed.quads);
 }
 
-std::string ReadIri(const std::vector<std::string>& prefixes, const std::string& text) {
+const std::string* FactArguments::NamespaceOf(const std::string& prefix) const {
+  for (auto given = given_.rbegin(); given != given_.rend(); ++given) {
+    if (given->first == prefix) return &given->second;
+  }
+  for (const auto& [name, name_space] : known_.prefixes()) {
+    if (name == prefix) return &name_space;
+  }
+  return nullptr;
+}
+
+std::string FactArguments::Iri(const std::string& text) {
   if (absl::StartsWith(text, "<") && absl::EndsWith(text, ">")) return text.substr(1, text.size() - 2);
   const size_t colon = text.find(':');
   if (colon == std::string::npos) return text;
+  const std::string prefix = text.substr(0, colon);
   const std::string local = text.substr(colon + 1);
-  std::string iri = text;
-  for (const auto& [prefix, name_space] : kWellKnownPrefixes) {
-    if (prefix == text.substr(0, colon)) iri = Concat(name_space, local);
-  }
-  // as in Turtle, the last declaration holds
-  for (const std::string& given : prefixes) {
-    const auto parts = SplitPrefix(given);
-    if (parts.ok() && parts->first == text.substr(0, colon)) iri = parts->second + local;
-  }
-  return iri;
+  const std::string* name_space = NamespaceOf(prefix);
+  const bool whole = absl::StartsWith(local, "//") || prefix == "urn";
+  if (name_space == nullptr && !whole && AskServer()) name_space = NamespaceOf(prefix);
+  return name_space == nullptr ? text : *name_space + local;
 }
 
 void AddQuads(const std::vector<TermQuad>& quads, google::protobuf::RepeatedPtrField<v1::Quad>* out) {
   for (const TermQuad& quad : quads) ToProto(quad, out->Add());
 }
 
-std::string WhereElse(v1::Context::Stub& server, const google::protobuf::RepeatedPtrField<v1::Quad>& facts) {
+std::string WhereElse(v1::Context::Stub& server, const google::protobuf::RepeatedPtrField<v1::Quad>& facts,
+                      const Presenter& presenter) {
   v1::QueryRequest request;
   request.set_default_graph(v1::QueryRequest::UNION);
   for (const v1::Quad& fact : facts) {
@@ -95,7 +120,7 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
   std::string text;
   for (v1::QueryReply reply; reader->Read(&reply);) {
     if (reply.row().values_size() != 4) continue;
-    const auto word = [&reply](int i) { return ToDisplay(reply.row().values(i)); };
+    const auto word = [&](int i) { return presenter.Of(reply.row().values(i)); };
     const std::string graph = reply.row().values(3).iri();
     absl::StrAppend(&text, word(0), " ", word(1), " ", word(2), " ",
                     graph == kInferredGraph ? "is inferred; docent why tells from what"
@@ -107,14 +132,10 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
   return reader->Finish().ok() ? text : "";
 }
 
-absl::Status AddPrefixes(const std::vector<std::string>& prefixes,
-                         google::protobuf::Map<std::string, std::string>* out) {
-  for (const std::string& given : prefixes) {
-    const auto parts = SplitPrefix(given);
-    if (!parts.ok()) return parts.status();
-    (*out)[parts->first] = parts->second;
-  }
-  return absl::OkStatus();
+void AddPrefixes(const IriNames& known, const PrefixList& given,
+                 google::protobuf::Map<std::string, std::string>* out) {
+  for (const auto& [prefix, name_space] : known.prefixes()) (*out)[prefix] = name_space;
+  for (const auto& [prefix, name_space] : given) (*out)[prefix] = name_space;
 }
 
 }  // namespace docent

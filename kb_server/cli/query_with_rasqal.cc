@@ -71,8 +71,9 @@ absl::StatusOr<std::unique_ptr<GraphCopy>> CopyGraph(const std::string& address,
   return copy;
 }
 
-int Print(redland::RasqalAnswer answer, const std::string& format, uint64_t revision) {
-  AnswerPrinter printer(format);
+int Print(redland::RasqalAnswer answer, const std::string& format, const Presenter& presenter,
+          uint64_t revision) {
+  AnswerPrinter printer(format, presenter);
   switch (answer.form) {
     case sparql::Query::Form::kAsk:
       printer.Boolean(answer.boolean);
@@ -90,7 +91,7 @@ int Print(redland::RasqalAnswer answer, const std::string& format, uint64_t revi
 }  // namespace
 
 int QueryWithRasqal(const std::string& query, const std::string& address, const std::string& format,
-                    uint32_t timeout_ms) {
+                    const Presenter& presenter, uint32_t timeout_ms) {
   const Limits limits;
   sparql::ParseOptions options;
   options.prefixes = sparql::WellKnownPrefixes();
@@ -109,7 +110,7 @@ int QueryWithRasqal(const std::string& query, const std::string& address, const 
     answer = redland::RunRasqal(parsed.query, (*copy)->dictionary, (*copy)->version, &cancellation, limits);
   }
   if (!answer.ok()) return Fail(answer.status());
-  return Print(*std::move(answer), format, (*copy)->version->revision().value());
+  return Print(*std::move(answer), format, presenter, (*copy)->version->revision().value());
 }
 
 }  // namespace docent

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "kb_server/cli/presenter.h"
+
 namespace docent {
 
 // Copies the graph of the server at `address` (one revision, at most `rasqal_quads`), runs the query on it in
@@ -12,7 +14,7 @@ namespace docent {
 // 0: query_timeout_ms. The process ends with the limit's name where Rasqal does not end by itself soon after.
 // The exit code (client.h).
 int QueryWithRasqal(const std::string& query, const std::string& address, const std::string& format,
-                    uint32_t timeout_ms);
+                    const Presenter& presenter, uint32_t timeout_ms);
 
 }  // namespace docent
 

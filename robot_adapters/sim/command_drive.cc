@@ -115,36 +115,57 @@ void AddDriveCommand(CLI::App* app, int* exit_code) {
   auto arguments = std::make_shared<DriveArguments>();
   AdapterOptions& adapter = arguments->options.adapter;
   adapter.robot = "https://w3id.org/docent/expo#R01";
-  app->add_option("--server", adapter.server, "HOST:PORT of the docent server")
+  app->add_option("--server", adapter.server, "Address of the docent server, HOST:PORT")
       ->envname("DOCENT_SERVER")
+      ->type_name("ADDRESS")
       ->capture_default_str();
-  app->add_option("--robot", adapter.robot, "IRI of the robot in the graph")->capture_default_str();
-  app->add_option("--label", adapter.label, "Its name for people; the end of the IRI if not given");
+  app->add_option("--robot", adapter.robot, "IRI of the robot in the graph")
+      ->type_name("IRI")
+      ->capture_default_str();
+  app->add_option("--label", adapter.label, "Name of the robot for people; by default the end of the IRI")
+      ->type_name("NAME");
   app->add_option("--hall,--layout", arguments->hall,
-                  "RDF file of the hall that it drives in; the hall of scenario s01 if not given");
+                  "RDF file of the hall that the robot drives in; by default that of scenario s01")
+      ->type_name("FILE");
   app->add_option("--map", arguments->map,
-                  "OctoMap (.bt) to localise in; made from the hall, and kept here, if it is not there");
+                  "OctoMap (.bt) to localise in; made from the hall and written here if the file is absent")
+      ->type_name("FILE");
   app->add_option("--start", arguments->start,
-                  "Where it stands: x,y,heading (metres, radians) or the IRI of a region; otherwise where it "
-                  "was left, or the dock");
+                  "Where the robot stands: x,y,heading in metres and radians, or the IRI of a region. By "
+                  "default where it "
+                  "was left, or its dock")
+      ->type_name("POSE|IRI");
   app->add_option("--out", arguments->options.folder,
-                  "Folder for its journal, pages, sound files and reports; ~/.local/state/docent/robot-NAME "
-                  "if not given");
-  app->add_option("--listen", adapter.listen, "HOST:PORT to serve commands at; port 0 takes a free one")
+                  "Folder for its journal, pages, sound files and reports; by default "
+                  "~/.local/state/docent/robot-NAME")
+      ->type_name("FOLDER");
+  app->add_option("--listen", adapter.listen, "HOST:PORT to take commands at; port 0 takes a free one")
+      ->type_name("ADDRESS")
       ->capture_default_str();
   app->add_option_function<int>(
          "--port",
          [arguments](int port) { arguments->options.adapter.listen = absl::StrCat("127.0.0.1:", port); },
          "Short for --listen 127.0.0.1:PORT")
-      ->check(CLI::Range(0, 65535));
+      ->check(CLI::Range(0, 65535))
+      ->type_name("PORT");
   app->add_option("--screen-port", arguments->options.screen_port,
                   "Port of its screen (HTTP on 127.0.0.1); 0 takes a free one")
-      ->check(CLI::Range(0, 65535));
+      ->check(CLI::Range(0, 65535))
+      ->type_name("PORT");
   app->add_option("--speed,--speed-factor", arguments->options.speed,
-                  "How much faster than real time it lives, 0.1 to 100")
+                  "Simulated seconds in a second, 0.1 to 100")
       ->check(CLI::Range(0.1, 100.0))
+      ->type_name("FACTOR")
       ->capture_default_str();
-  app->add_option("--seed", arguments->options.seed, "Of all simulated noise")->capture_default_str();
+  app->add_option("--seed", arguments->options.seed, "Seed of all simulated noise")
+      ->type_name("N")
+      ->capture_default_str();
+  app->footer(
+      "SIGTERM ends the robot. SIGUSR1 writes a report into the folder of --out: report.json, path.csv, "
+      "path.png.\n"
+      "Exit code 1: there is no report at the end.\n"
+      "Example:\n"
+      "  docent-robot --server 127.0.0.1:7400 --start https://w3id.org/docent/expo#B03 --speed 4");
   app->callback([app, arguments, exit_code] {
     if (app->get_subcommands().empty()) *exit_code = Drive(*arguments);
   });

@@ -152,31 +152,44 @@ void AddReplayCommand(CLI::App* app, int* exit_code) {
   arguments->adapter.robot = "https://w3id.org/docent/s02#RealRobot";
   CLI::App* command = app->add_subcommand(
       "replay", "Replay the recorded log of a real robot through the localiser into the graph");
-  command->add_option("--server", arguments->adapter.server, "HOST:PORT of the docent server")
+  command->add_option("--server", arguments->adapter.server, "Address of the docent server, HOST:PORT")
       ->envname("DOCENT_SERVER")
+      ->type_name("ADDRESS")
       ->capture_default_str();
   command->add_option("--robot", arguments->adapter.robot, "IRI of the robot in the graph")
+      ->type_name("IRI")
       ->capture_default_str();
   command
       ->add_option("--rawlog", arguments->rawlog,
                    "MRPT rawlog: a file, or the name of one of MRPT's data sets")
+      ->type_name("FILE|NAME")
       ->capture_default_str();
   command
       ->add_option("--map", arguments->building,
-                   "MRPT simple map of the building: a file or the name of a data set")
+                   "MRPT simple map of the building: a file, or the name of one of MRPT's data sets")
+      ->type_name("FILE|NAME")
       ->capture_default_str();
   command->add_option("--hall,--layout", arguments->layout, "RDF file with the building's regions")
+      ->type_name("FILE")
       ->required();
-  command->add_option("--out", arguments->folder,
-                      "Folder for replay.csv and replay.png; not written if not given");
   command
-      ->add_option("--speed,--speed-factor", arguments->speed, "How much faster than recorded, 0.1 to 1000")
+      ->add_option("--out", arguments->folder,
+                   "Folder for replay.csv and replay.png; by default none is written")
+      ->type_name("FOLDER");
+  command->add_option("--speed,--speed-factor", arguments->speed, "Recorded seconds in a second, 0.1 to 1000")
       ->check(CLI::Range(0.1, 1000.0))
+      ->type_name("FACTOR")
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Of the particle filter")->capture_default_str();
-  command->add_option("--wait", arguments->wait_s, "Seconds to wait for the server before giving up")
+  command->add_option("--seed", arguments->seed, "Seed of the particle filter")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--wait", arguments->wait_s, "Time to wait for the server")
       ->check(CLI::Range(1, 3600))
+      ->type_name("SECONDS")
       ->capture_default_str();
+  command->footer(
+      "Example:\n"
+      "  docent-robot replay --layout scenarios/s02_real_robot_log/layout.ttl --speed 20");
   command->callback([arguments, exit_code] { *exit_code = Replay(*arguments); });
 }
 

@@ -1,16 +1,13 @@
 // The subcommands of docent-robot. Each adds itself to the command line; what it does runs in its callback,
-// which sets the exit code: 0 ok, 1 a negative answer, 2 bad usage or input.
+// which sets the exit code (graph/command_line/program.h).
 #ifndef DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 #define DOCENT_ROBOT_ADAPTERS_SIM_COMMANDS_H_
 
 #include "CLI/App.hpp"
 #include "absl/status/status.h"
+#include "graph/command_line/program.h"
 
 namespace docent::robot {
-
-inline constexpr int kExitOk = 0;
-inline constexpr int kExitNegative = 1;
-inline constexpr int kExitBad = 2;
 
 // docent-robot without a subcommand: the simulated guide robot.
 void AddDriveCommand(CLI::App* app, int* exit_code);

@@ -2,35 +2,31 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <iostream>
-
-#include "CLI/CLI.hpp"
+#include "CLI/App.hpp"
 #include "graph/base/program_setup.h"
 #include "graph/base/text.h"
 #include "graph/base/version.h"
+#include "graph/command_line/program.h"
 #include "robot_adapters/sim/commands.h"
 #include "robot_adapters/sim/signals.h"
 
 int main(int argc, char** argv) {
+  docent::PrepareStandardStreams();
   docent::SetMutexChecks();
   docent::robot::BlockSignals();
   spdlog::set_default_logger(
       spdlog::stderr_logger_mt("docent-robot"));  // results on stdout, diagnostics on stderr
   CLI::App app(
-      "A simulated guide robot: localises with a particle filter, plans, drives, shows pages and speaks, at "
-      "the command of a "
-      "docent server.\nSIGTERM ends it and SIGUSR1 makes it write a report: report.json, path.csv, path.png "
-      "in --out.",
+      "A simulated guide robot: it localises with a particle filter, plans paths, drives, shows pages and "
+      "speaks, as a docent server commands.",
       "docent-robot");
-  int exit_code = docent::robot::kExitOk;
+  docent::UseHelpLayout(&app);
+  int exit_code = docent::kExitOk;
   docent::robot::AddDriveCommand(&app, &exit_code);
   docent::robot::AddReplayCommand(&app, &exit_code);
   app.require_subcommand(0, 1);
-  app.set_version_flag("--version", docent::Concat("docent-robot ", docent::VersionWithCommit()));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? docent::robot::kExitOk : docent::robot::kExitBad;
-  }
-  return exit_code;
+  app.set_version_flag("--version", docent::Concat("docent-robot ", docent::VersionWithCommit()),
+                       "Print the version and the commit that it was built from");
+  const auto ended = docent::ParseArguments(&app, {argv + 1, argv + argc});
+  return ended ? *ended : docent::EndOutput(app, exit_code);
 }

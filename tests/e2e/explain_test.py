@@ -30,7 +30,7 @@ class Explain(StageTest):
         done = self.server.run("why", *EXPO, "expo:John docent:isNear expo:R01")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("by guide.rules rule 1", done.stdout)
-        self.assertIn("reading of <https://w3id.org/docent/expo#DoorSensor>", done.stdout)
+        self.assertIn("reading of expo:DoorSensor", done.stdout)
         self.assertIn("log offset", done.stdout)
         proof = json.loads(self.server.run("why", "--json", *EXPO, "ask", "ASK { ?v docent:isNear ?r }").stdout)
         self.assertEqual(proof["proof"]["steps"][0]["depth"], 1)
@@ -45,8 +45,7 @@ class Explain(StageTest):
         for command in (("tell", *prefix, "--withdraw", "ex:k ex:bad 1"), ("whatif", *prefix, "-ex:k ex:bad 1")):
             done = self.server.run(*command)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("<http://ex/k> <http://ex/bad> 1 is told by <http://ex/s1>; "
-                          "withdraw it there with --source <http://ex/s1>", done.stderr)
+            self.assertIn("ex:k ex:bad 1 is told by ex:s1; withdraw it there with --source ex:s1", done.stderr)
         done = self.server.run("tell", *prefix, "--source", "ex:s1", "--withdraw", "ex:k ex:bad 1")
         self.assertIn("1 removed", done.stdout)
         self.assertEqual(done.stderr, "")

@@ -1,0 +1,32 @@
+// The layout of --help. Private to this folder.
+#ifndef DOCENT_GRAPH_COMMAND_LINE_HELP_LAYOUT_H_
+#define DOCENT_GRAPH_COMMAND_LINE_HELP_LAYOUT_H_
+
+#include <string>
+
+#include "CLI/App.hpp"
+#include "CLI/Formatter.hpp"
+
+namespace docent {
+
+class HelpLayout : public CLI::Formatter {
+ public:
+  HelpLayout();
+
+  std::string make_usage(const CLI::App* app, std::string name) const override;
+  std::string make_description(const CLI::App* app) const override;
+  std::string make_subcommand(const CLI::App* command) const override;
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
+  std::string make_option_opts(const CLI::Option* option) const override;
+  std::string make_option_desc(const CLI::Option* option) const override;
+
+ private:
+  // Broken at blanks into lines of at most the columns that are left beside `indent`.
+  std::string Wrapped(const std::string& text, size_t indent) const;
+
+  size_t columns_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_COMMAND_LINE_HELP_LAYOUT_H_

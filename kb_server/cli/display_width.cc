@@ -1,0 +1,81 @@
+#include "kb_server/cli/display_width.h"
+
+#include <unicode/uchar.h>
+
+#include <cstdint>
+#include <optional>
+
+#include "graph/base/text.h"
+#include "graph/rdf/utf8.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+constexpr std::string_view kEllipsis = "…";
+
+size_t WidthOf(char32_t c) {
+  if (c < 0x7F) return c < 0x20 ? 0 : 1;
+  switch (u_charType(static_cast<UChar32>(c))) {
+    case U_NON_SPACING_MARK:
+    case U_ENCLOSING_MARK:
+    case U_CONTROL_CHAR:
+    case U_FORMAT_CHAR:
+      return c == 0xAD ? 1 : 0;  // terminals show a soft hyphen
+    default:
+      break;
+  }
+  if (c >= 0x1160 && c <= 0x11FF) return 0;  // Hangul vowels and finals join the consonant before them
+  const int width = u_getIntPropertyValue(static_cast<UChar32>(c), UCHAR_EAST_ASIAN_WIDTH);
+  return width == U_EA_FULLWIDTH || width == U_EA_WIDE ? 2 : 1;
+}
+
+bool ChangesDirection(char32_t c) {
+  return (c >= 0x202A && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069);
+}
+
+}  // namespace
+
+size_t DisplayWidth(std::string_view text) {
+  if (FindInvalidUtf8(text)) return DisplayWidth(Printable(text));
+  size_t width = 0;
+  for (size_t at = 0; at < text.size();) width += WidthOf(NextCodePoint(text, &at));
+  return width;
+}
+
+std::string CutToWidth(std::string_view text, size_t columns) {
+  if (FindInvalidUtf8(text)) return CutToWidth(Printable(text), columns);
+  size_t width = 0;
+  size_t fits = 0;  // bytes that leave room for the ellipsis
+  for (size_t at = 0; at < text.size();) {
+    width += WidthOf(NextCodePoint(text, &at));
+    if (width + 1 <= columns) fits = at;
+    if (width > columns) return columns == 0 ? "" : Concat(text.substr(0, fits), kEllipsis);
+  }
+  return std::string(text);
+}
+
+std::string Printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::optional<size_t> invalid = FindInvalidUtf8(text);
+    const std::string_view good = text.substr(0, invalid.value_or(text.size()));
+    for (size_t at = 0; at < good.size();) {
+      const size_t begin = at;
+      const char32_t c = NextCodePoint(good, &at);
+      if (c == '\n' || c == '\r' || c == '\t') {
+        out += ' ';
+      } else if (c < 0x20 || (c >= 0x7F && c < 0xA0) || ChangesDirection(c)) {
+        out += kReplacement;
+      } else {
+        out += good.substr(begin, at - begin);
+      }
+    }
+    if (!invalid) break;
+    out += kReplacement;
+    text.remove_prefix(*invalid + 1);
+  }
+  return out;
+}
+
+}  // namespace docent

@@ -1,0 +1,31 @@
+// How results are shown to people: colours and the width of the terminal. Any thread.
+#ifndef DOCENT_KB_SERVER_CLI_TERMINAL_H_
+#define DOCENT_KB_SERVER_CLI_TERMINAL_H_
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace docent {
+
+// A colour or weight of text.
+enum class Style { kPlain, kStrong, kGood, kBad, kBusy, kFaint };
+
+struct Terminal {
+  bool colours = false;
+  size_t columns = 0;  // 0: a line may be as long as it is, as it goes to a file or to another program
+
+  // Standard output as it is. `colours`: auto, always or never. auto means on a terminal that knows colours, unless the
+  // environment variable NO_COLOR is there and not empty (no-color.org). The width is the terminal's, else COLUMNS.
+  static Terminal OfOutput(std::string_view colours);
+
+  // The text in that style.
+  std::string In(Style style, std::string_view text) const;
+};
+
+// The style of a state of a run, node, invocation or robot: "done", "failed", "offline".
+Style StyleOfState(std::string_view state);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_CLI_TERMINAL_H_

@@ -1,0 +1,47 @@
+#include "kb_server/cli/display_width.h"
+
+#include "gtest/gtest.h"
+
+namespace docent {
+namespace {
+
+TEST(DisplayWidthTest, WideCharactersTakeTwoColumnsAndMarksNone) {
+  EXPECT_EQ(DisplayWidth(""), 0u);
+  EXPECT_EQ(DisplayWidth("abc"), 3u);
+  EXPECT_EQ(DisplayWidth("Zähler"), 6u);
+  EXPECT_EQ(DisplayWidth("e\xCC\x81"), 1u);  // e and a combining acute accent
+  EXPECT_EQ(DisplayWidth("展示ブース"), 10u);
+  EXPECT_EQ(DisplayWidth("한글"), 4u);
+  EXPECT_EQ(DisplayWidth("ﾊﾝ"), 2u);  // halfwidth
+  EXPECT_EQ(DisplayWidth("🤖"), 2u);
+  EXPECT_EQ(DisplayWidth("a\u200Db"), 2u);  // zero width joiner
+}
+
+TEST(DisplayWidthTest, ATextIsCutToColumns) {
+  EXPECT_EQ(CutToWidth("abcdef", 6), "abcdef");
+  EXPECT_EQ(CutToWidth("abcdef", 5), "abcd…");
+  EXPECT_EQ(CutToWidth("abcdef", 1), "…");
+  EXPECT_EQ(CutToWidth("abcdef", 0), "");
+  EXPECT_EQ(CutToWidth("", 0), "");
+}
+
+TEST(DisplayWidthTest, ACutNeverSplitsAWideCharacterOrAMarkFromItsLetter) {
+  EXPECT_EQ(CutToWidth("展示ブース", 10), "展示ブース");
+  EXPECT_EQ(CutToWidth("展示ブース", 9), "展示ブー…");
+  EXPECT_EQ(CutToWidth("展示ブース", 8), "展示ブ…");
+  EXPECT_EQ(CutToWidth("ae\xCC\x81xyz", 3), "ae\xCC\x81…");
+}
+
+TEST(DisplayWidthTest, WhatIsPrintedCannotCommandATerminal) {
+  EXPECT_EQ(Printable("a\nb\tc\r"), "a b c ");
+  EXPECT_EQ(Printable("\x1b[31mred\x07"), "�[31mred�");
+  EXPECT_EQ(Printable("\xC2\x9B"), "�");    // the one-character form of ESC [
+  EXPECT_EQ(Printable("a\u202Eb"), "a�b");  // right-to-left override
+  EXPECT_EQ(Printable("a\xFF"
+                      "b\xC3"),
+            "a�b�");  // not UTF-8
+  EXPECT_EQ(Printable("Zähler 展"), "Zähler 展");
+}
+
+}  // namespace
+}  // namespace docent

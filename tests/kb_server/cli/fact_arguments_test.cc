@@ -1,0 +1,63 @@
+#include "kb_server/cli/fact_arguments.h"
+
+#include "gmock/gmock.h"
+#include "graph/rdf/vocabulary.h"
+#include "gtest/gtest.h"
+
+namespace docent {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FactArgumentsTest : public testing::Test {
+ protected:
+  FactArguments facts_{[this] {
+    ++asked_;
+    IriNames names = IriNames::WellKnown();
+    names.Add("expo", "https://expo.example/");
+    return names;
+  }};
+  int asked_ = 0;
+};
+
+TEST_F(FactArgumentsTest, KnownPrefixesNeedNoServer) {
+  ASSERT_TRUE(facts_.AddPrefixes({"mine=urn:mine:"}).ok());
+  const auto quads = facts_.Parse("mine:a docent:isAt mine:b", "facts");
+  ASSERT_TRUE(quads.ok()) << quads.status();
+  EXPECT_EQ((*quads)[0].subject.lexical, "urn:mine:a");
+  EXPECT_EQ(facts_.Iri("mine:x"), "urn:mine:x");
+  EXPECT_EQ(facts_.Iri("docent:isAt"), DocentIri("isAt"));
+  EXPECT_EQ(facts_.Iri("https://w3id.org/x"), "https://w3id.org/x");
+  EXPECT_EQ(facts_.Iri("<urn:x:y>"), "urn:x:y");
+  EXPECT_EQ(facts_.Iri("urn:x:y"), "urn:x:y");
+  EXPECT_EQ(facts_.Iri(""), "");
+  EXPECT_EQ(asked_, 0);
+}
+
+TEST_F(FactArgumentsTest, ThePrefixesOfTheServerAreKnownToo) {
+  const auto quads = facts_.Parse("expo:John docent:isAt expo:B03", "facts");
+  ASSERT_TRUE(quads.ok()) << quads.status();
+  EXPECT_EQ((*quads)[0].object.lexical, "https://expo.example/B03");
+  EXPECT_EQ(facts_.Iri("expo:R01"), "https://expo.example/R01");
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(FactArgumentsTest, AGivenPrefixComesBeforeTheServers) {
+  ASSERT_TRUE(facts_.AddPrefixes({"expo:=urn:mine:", ":=urn:empty:"}).ok());
+  EXPECT_EQ(facts_.Iri("expo:R01"), "urn:mine:R01");
+  EXPECT_EQ(facts_.Iri(":x"), "urn:empty:x");
+  EXPECT_EQ(facts_.Iri("nowhere:x"), "nowhere:x");
+  EXPECT_EQ(facts_.Parse("expo:a expo:b other:c", "facts").ok(), false);
+  EXPECT_EQ(facts_.Iri("expo:R01"), "urn:mine:R01");
+  EXPECT_EQ(asked_, 1);
+}
+
+TEST_F(FactArgumentsTest, AMistakeIsToldInTheTextAsItWasGiven) {
+  const absl::Status status = facts_.Parse("docent:a docent:b", "facts").status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("facts:1:"));
+  EXPECT_EQ(facts_.AddPrefixes({"x"}).code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace docent
