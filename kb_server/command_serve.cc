@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/settings_file.h"
 #include "kb_server/grpc/one_callback_thread.h"
 #include "kb_server/server.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
@@ -50,6 +51,17 @@ int Serve(const ServerSettings& settings) {
   return kExitOk;
 }
 
+constexpr char kConfig[] = "--config";
+constexpr char kPrintConfig[] = "--print-config";
+
+// What is not in ServerSettings as it is given.
+struct ServeArguments {
+  std::string default_graph = "union";
+  std::string on_violation = "ignore";
+  std::string config;
+  bool print_config = false;
+};
+
 CLI::Validator AtLeast(uint64_t least) {
   const auto check = [least](const std::string& text) {
     uint64_t number = 0;
@@ -57,6 +69,75 @@ CLI::Validator AtLeast(uint64_t least) {
     return absl::StrCat("give a whole number, ", least, " or more, not ", text);
   };
   return CLI::Validator(check, "");
+}
+
+// Those that a settings file may have.
+void AddServeOptions(CLI::App* command, ServerSettings* settings, ServeArguments* arguments) {
+  command
+      ->add_option("--data", settings->data_folder,
+                   "Data folder: the durable log and snapshots; made if absent")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_option("--grpc", settings->grpc_address, "HOST:PORT of the gRPC API; port 0 takes a free one")
+      ->envname("DOCENT_GRPC")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  command->add_option("--http", settings->http_address, "HOST:PORT of SPARQL, metrics and health over HTTP")
+      ->envname("DOCENT_HTTP")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  command->add_flag("--insecure", settings->insecure,
+                    "Allow addresses other than loopback, although clients are not authenticated");
+  command
+      ->add_option("--http-name", settings->http_names,
+                   "NAME or NAME:PORT that HTTP requests may have as Host, beside localhost and addresses")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--default-graph", arguments->default_graph,
+                   "What queries without GRAPH see: all graphs (union), or docent:default alone (strict)")
+      ->check(CLI::IsMember({"union", "strict"}))
+      ->capture_default_str();
+  command->add_option("--ontology", settings->ontologies, "Ontology files to load at the start")
+      ->type_name("FILE");
+  command
+      ->add_option("--rules", settings->rules,
+                   "Rule sets to use: rdfs, owl2rl, none, and .rules files. Those of an earlier start stay "
+                   "in use, unless "
+                   "none or another built-in set is named")
+      ->type_name("RULES");
+  command
+      ->add_option("--on-violation", arguments->on_violation,
+                   "What to do with a load after which the graph violates SHACL shapes of its ontologies "
+                   "that it did not "
+                   "violate before")
+      ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--allow", settings->allow,
+          "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, file:///…")
+      ->type_name("URL");
+  command
+      ->add_option(
+          "--snapshot-records", settings->limits.snapshot_records,
+          "Number of turns after which a snapshot is written, so that a start replays no more of them")
+      ->check(AtLeast(1))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
+                   "About how much of the log is kept; older records go once a snapshot covers them")
+      ->check(AtLeast(0))
+      ->type_name("BYTES")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--history-bytes", settings->limits.history_bytes,
+          "Memory for past versions of the graph; older ones are made from the log when they are queried")
+      ->check(AtLeast(0))
+      ->type_name("BYTES")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -72,65 +153,37 @@ std::string DefaultDataFolder() {
 void AddServeCommand(CLI::App* app, int* exit_code) {
   auto settings = std::make_shared<ServerSettings>();
   settings->data_folder = DefaultDataFolder();
-  auto default_graph = std::make_shared<std::string>("union");
-  auto on_violation = std::make_shared<std::string>("ignore");
-  CLI::App* command = app->add_subcommand("serve", "Run the server; the first line tells the addresses");
-  command->add_option("--data", settings->data_folder, "Folder of the durable log; made if absent")
-      ->capture_default_str();
-  command->add_option("--grpc", settings->grpc_address, "HOST:PORT of the gRPC API; port 0 takes a free one")
-      ->envname("DOCENT_GRPC")
-      ->capture_default_str();
-  command->add_option("--http", settings->http_address, "HOST:PORT of SPARQL, metrics and health over HTTP")
-      ->envname("DOCENT_HTTP")
-      ->capture_default_str();
+  auto arguments = std::make_shared<ServeArguments>();
+  CLI::App* command =
+      app->add_subcommand("serve", "Run the server; the first line of output tells its addresses");
+  command->group(kServerGroup);
+  AddServeOptions(command, settings.get(), arguments.get());
   command
-      ->add_option("--default-graph", *default_graph,
-                   "union: queries without GRAPH see all graphs; strict: only docent:default")
-      ->check(CLI::IsMember({"union", "strict"}))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--on-violation", *on_violation,
-          "What to do about ontologies and data after whose loading the graph violates shapes (SHACL) of its "
-          "ontologies, as it did not before: ignore, warn, refuse")
-      ->check(CLI::IsMember({"ignore", "warn", "refuse"}))
-      ->capture_default_str();
-  command->add_option("--ontology", settings->ontologies, "Ontology files to have loaded");
-  command->add_option(
-      "--rules", settings->rules,
-      "Rules to follow: rdfs, owl2rl, none, and .rules files; those of an earlier start stay in force unless "
-      "none or another of the built-in sets is named");
-  command->add_option("--allow", settings->allow,
-                      "Addresses that SERVICE and LOAD may reach, with all below them: http://…, https://…, "
-                      "file:///…; none by default");
-  command
-      ->add_option("--snapshot-records", settings->limits.snapshot_records,
-                   "Turns after which the state is written as a snapshot, so that a start replays fewer")
-      ->check(AtLeast(1))
-      ->capture_default_str();
-  command
-      ->add_option("--log-bytes-kept", settings->limits.log_bytes_kept,
-                   "About how much of the log is kept; what is older than that and than a snapshot goes")
-      ->check(AtLeast(0))
-      ->capture_default_str();
-  command
-      ->add_option("--history-bytes", settings->limits.history_bytes,
-                   "Memory of past graph versions for as-of queries; older ones are made again from the log")
-      ->check(AtLeast(0))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--http-name", settings->http_names,
-          "NAME or NAME:PORT under which HTTP is reached, beside localhost and addresses; may be given again")
-      ->allow_extra_args(false);
-  command->add_flag("--insecure", settings->insecure,
-                    "Allow addresses other than loopback although nothing authenticates clients");
-  command->callback([settings, default_graph, on_violation, exit_code] {
-    settings->on_violation = *on_violation == "refuse" ? OnViolation::kRefuse
-                             : *on_violation == "warn" ? OnViolation::kWarn
-                                                       : OnViolation::kIgnore;
+      ->add_option(kConfig, arguments->config,
+                   "Read options from this settings file; those of the command line win")
+      ->type_name("FILE");
+  command->add_flag(kPrintConfig, arguments->print_config, "Print a settings file with all options, and end");
+  command->footer(
+      "Examples:\n"
+      "  docent serve --data /tmp/docent --rules owl2rl\n"
+      "  docent serve --config /etc/docent/docent.toml");
+  command->callback([command, settings, arguments, exit_code] {
+    const std::vector<std::string> not_in_files = {"help", kConfig + 2, kPrintConfig + 2};
+    if (!arguments->config.empty()) {
+      if (absl::Status status = ApplySettings(arguments->config, not_in_files, command); !status.ok()) {
+        *exit_code = Fail(status);
+        return;
+      }
+    }
+    if (arguments->print_config) {
+      std::cout << SettingsText(*command, not_in_files);
+      return;
+    }
+    settings->on_violation = arguments->on_violation == "refuse" ? OnViolation::kRefuse
+                             : arguments->on_violation == "warn" ? OnViolation::kWarn
+                                                                 : OnViolation::kIgnore;
     settings->default_graph =
-        *default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
+        arguments->default_graph == "strict" ? sparql::DefaultGraph::kStrict : sparql::DefaultGraph::kUnion;
     *exit_code = Serve(*settings);
   });
 }
