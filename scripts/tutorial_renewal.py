@@ -3,8 +3,8 @@ import re
 
 from tutorial_blocks import compare, line_matches
 
-VARIES = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?|\b\d\d:\d\d:\d\d(\.\d+)?\b|"
-                    r"\b[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}\b|\b[0-9.]+ (ms|µs)\b")
+VARIES = re.compile(r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(\.\d+)?(Z| UTC|[+-]\d\d:\d\d)?|\b\d\d:\d\d:\d\d(\.\d+)?\b|"
+                    r"(?<=info snapshot at offset )\d+: .*|\b[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}\b|\b[0-9.]+ (ms|µs)\b")
 
 
 def renewed_output(expected, output):

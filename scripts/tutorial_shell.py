@@ -10,6 +10,7 @@ from tutorial_blocks import INTERRUPT, compare
 
 END = "\x01END"
 PATIENCE_S = 120  # for one command
+SILENCE_S = 30    # after which something that goes on printing has printed enough
 
 
 class Terminal:
@@ -43,7 +44,7 @@ class Terminal:
     def _lines(self):
         """What is printed in whole lines, and once the command has ended, what it left in the last one."""
         text = self.output if self._end() else self.output[:self.output.rfind("\n") + 1]
-        text = re.sub(f"{END} \\d+\n", "", text)
+        text = re.sub(f"{END} \\d+\n", "", text).replace("\r\n", "\n")
         return text.removesuffix("\n").split("\n") if text else []
 
     def give(self, command):
@@ -60,16 +61,22 @@ class Terminal:
         for pid in children(self.bash.pid):
             os.kill(pid, signal.SIGINT)
 
-    def expect(self, expected, leave_running, background):
+    def expect(self, expected, leave_running, background, known=True):
         """Waits until the last command has ended and has printed this; the lines that it has printed.
 
-        leave_running: it goes on after the output; background: it has ended at once, and the output comes later."""
+        leave_running: it goes on after the output; background: it has ended at once, and the output comes later.
+        known False: it may print something else; what goes on printing has printed enough after some seconds of silence."""
         deadline = time.monotonic() + PATIENCE_S
+        silent, length = time.monotonic(), 0
         with self.changed:
             while True:
+                if len(self.output) != length:
+                    silent, length = time.monotonic(), len(self.output)
                 right = compare(expected, self._lines()) is None
+                if not known:
+                    right = (right and expected) or time.monotonic() > silent + SILENCE_S
                 if leave_running:
-                    done = right or self._end() is not None
+                    done = right or (known and self._end() is not None)
                 elif background:
                     done = right and self._end() is not None
                 else:

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What builds and checks the documentation finds the faults that it is there for."""
+import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -60,6 +62,38 @@ class Renewal(unittest.TestCase):
         one, two = read_blocks(text)
         self.assertEqual(renewed(text, [(one, ["new", "12:30:01"]), (two, ["at 5", "other"])]),
                          "```console\n$ one\nnew\n…\n$ two\nat …\nother\n```\n")
+
+
+class Running(unittest.TestCase):
+    """scripts/tutorials itself, on tutorials that need no server."""
+
+    def run_tutorial(self, text, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "01-try.md"
+            path.write_text(text)
+            done = subprocess.run([sys.executable, "-B", ROOT / "scripts/tutorials", *options, path], capture_output=True, text=True,
+                                  timeout=120, env={**os.environ, "DOCENT_BINARIES": "/bin"})
+            return done.returncode, done.stdout + done.stderr, path.read_text()
+
+    def test_files_commands_terminals_and_addresses(self):
+        code, output, _ = self.run_tutorial(
+            '```text title="a.txt"\nhello\n127.0.0.1:7400\n```\n'
+            "```console\n$ ls\na.txt\n$ cat a.txt\nhello\n127.0.0.1:7400\n$ cd /\n$ pwd\n/\n$ (sleep 0.1; echo late) &\nlate\n```\n"
+            '```console title="other"\n$ pwd; tail -f a.txt\n…/work\nhello\n127.0.0.1:7400\n```\n'
+            '```console title="other"\n^C\n$ echo over\nover\n```\n')
+        self.assertEqual(code, 0, output)
+
+    def test_the_first_command_that_differs_is_named_with_its_line(self):
+        code, output, _ = self.run_tutorial("# x\n\n```console\n$ echo a\na\n$ printf 'b\\nd\\n'\nb\nc\n$ echo e\n```\n")
+        self.assertEqual(code, 1, output)
+        self.assertIn("01-try.md:8: ", output)
+        self.assertIn("  - c\n", output)
+        self.assertIn("  + d\n", output)
+        self.assertNotIn("echo e", output)
+
+    def test_renewing_writes_what_is_printed_now(self):
+        code, output, text = self.run_tutorial("```console\n$ echo a\nb\n```\n", "--renew")
+        self.assertEqual((code, text), (0, "```console\n$ echo a\na\n```\n"), output)
 
 
 class Navigation(unittest.TestCase):
