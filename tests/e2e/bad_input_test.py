@@ -104,7 +104,7 @@ class Documents(StageTest):
 
     def test_an_ending_that_is_not_known(self):
         file = self.file("data.jsonld", GOOD.replace(":b", ":other"))
-        self.assert_refused(self.server.run("load", file), 2, "data.jsonld: I do not know this ending", ".ttl", "--as")
+        self.assert_refused(self.server.run("load", file), 2, "data.jsonld: unknown file name extension", ".ttl", "--as")
         self.server.command("load", "--as", "data", file)
         self.server.command("load", "-", text=GOOD.replace(":b", ":other"))
 
