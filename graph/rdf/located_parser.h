@@ -14,7 +14,8 @@
 namespace docent {
 
 // Where a quad's terms stand. What the text does not write out (a list's rdf:first, a bracket's node) is placed where it
-// is made. RDF/XML: line and column of the end of the property element, for all three.
+// is made. RDF/XML: the start tag of the node element for the subject, that of the property
+// element or the property attribute for the others.
 struct QuadPlace {
   SourceSpan subject, predicate, object;
 };

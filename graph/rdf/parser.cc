@@ -12,6 +12,7 @@
 #include "graph/rdf/rdf_xml.h"
 #include "graph/rdf/turtle_parser.h"
 #include "graph/rdf/utf8.h"
+#include "graph/rdf/xml_encoding.h"
 
 namespace docent {
 namespace {
@@ -47,23 +48,36 @@ ParsedRdf Mistake(std::string_view text, const ParseRdfOptions& options, size_t 
   return parsed;
 }
 
+// The document in UTF-8.
+struct SourceText {
+  std::string_view text;
+  std::string decoded;  // what `text` points into where it was in another encoding
+};
+
 // What must hold before a parser may look at the text; takes a byte order mark away, which is not part of it.
-std::optional<ParsedRdf> Refused(std::string_view* text, RdfFormat format, const ParseRdfOptions& options) {
-  if (text->size() > options.limits.document_bytes) {
+std::optional<ParsedRdf> Refused(SourceText* document, RdfFormat format, const ParseRdfOptions& options) {
+  std::string_view& text = document->text;
+  if (text.size() > options.limits.document_bytes) {
     return Mistake({}, options, 0,
-                   absl::StrCat("the document has ", text->size(), " bytes, the limit document_bytes is ",
+                   absl::StrCat("the document has ", text.size(), " bytes, the limit document_bytes is ",
                                 options.limits.document_bytes),
                    "load it in parts");
   }
-  if (text->starts_with("\xEF\xBB\xBF")) text->remove_prefix(3);
-  if (std::optional<size_t> at = FindInvalidUtf8(*text)) {
-    return Mistake(
-        *text, options, *at,
-        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>((*text)[*at])),
-        "save the document as UTF-8");
+  if (format == RdfFormat::kRdfXml) {
+    if (std::optional<Diagnostic> mistake = DecodeXml(options.charset, &text, &document->decoded)) {
+      ParsedRdf refused;
+      mistake->file = options.file;
+      refused.diagnostics.push_back(*std::move(mistake));
+      return refused;
+    }
+  } else if (text.starts_with("\xEF\xBB\xBF")) {
+    text.remove_prefix(3);
   }
-  if (size_t at = text->find('\0'); at != std::string_view::npos && format == RdfFormat::kRdfXml) {
-    return Mistake(*text, options, at, "the character U+0000 is not allowed in XML", "is this a text file?");
+  if (std::optional<size_t> at = FindInvalidUtf8(text)) {
+    return Mistake(
+        text, options, *at,
+        absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*at])),
+        "save the document as UTF-8");
   }
   return std::nullopt;
 }
@@ -88,28 +102,31 @@ std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type) {
 }
 
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
-  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return *std::move(refused);
-  if (format == RdfFormat::kRdfXml) return ParseRdfXml(text, options);
-  return ParseTurtleFamily(text, format, options);
+  SourceText document{text};
+  if (std::optional<ParsedRdf> refused = Refused(&document, format, options)) return *std::move(refused);
+  if (format == RdfFormat::kRdfXml) return ParseRdfXml(document.text, options);
+  return ParseTurtleFamily(document.text, format, options);
 }
 
 LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
   LocatedRdf located;
-  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) {
+  SourceText document{text};
+  if (std::optional<ParsedRdf> refused = Refused(&document, format, options)) {
     located.rdf = *std::move(refused);
     return located;
   }
   PlaceRecorder places;
-  located.rdf = format == RdfFormat::kRdfXml ? ParseRdfXml(text, options, &places)
-                                             : ParseTurtleFamily(text, format, options, &places);
-  places.Finish(text, &located);
+  located.rdf = format == RdfFormat::kRdfXml ? ParseRdfXml(document.text, options, &places)
+                                             : ParseTurtleFamily(document.text, format, options, &places);
+  places.Finish(document.text, &located);
   return located;
 }
 
 Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
-                       const std::function<bool(const TermQuad& quad)>& visit) {
-  if (std::optional<ParsedRdf> refused = Refused(&text, format, options)) return refused->diagnostics;
-  return ParseTurtleLines(text, format, options, visit);
+                     const std::function<bool(const TermQuad& quad)>& visit) {
+  SourceText document{text};
+  if (std::optional<ParsedRdf> refused = Refused(&document, format, options)) return refused->diagnostics;
+  return ParseTurtleLines(document.text, format, options, visit);
 }
 
 }  // namespace docent

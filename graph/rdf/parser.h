@@ -1,6 +1,6 @@
 // RDF text → term quads (RDF 1.1 Turtle, TriG, N-Triples, N-Quads, RDF/XML).
 //
-// Raptor2 parses RDF/XML; the Turtle family has its own parser (turtle_parser.h says why). Any thread.
+// Both are read by parsers of our own: turtle_parser.h and rdf_xml.h say why. Any thread.
 #ifndef DOCENT_GRAPH_RDF_PARSER_H_
 #define DOCENT_GRAPH_RDF_PARSER_H_
 
@@ -10,7 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
+#include "graph/base/document_limits.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
 
@@ -26,18 +29,23 @@ struct ParseRdfOptions {
   std::string file;              // for diagnostics
   std::string base_iri;          // relative IRIs resolve against it; empty: a relative IRI is an error
   std::string blank_node_scope;  // prefix for blank node labels so that two documents never share one
-  Limits limits;  // document_bytes, term_bytes, turtle_nesting, xml_nesting, document_diagnostics
+  Limits limits;                 // document_bytes, term_bytes, turtle_nesting, document_diagnostics
+  DocumentLimits document_limits;
+  std::string charset;  // RDF/XML: the encoding where the text itself does not tell, as Content-Type gives it
+  Cancellation* cancellation = nullptr;  // is looked at every few KiB; null: nothing ends it
 };
 
 // All quads of `text`, at most one for each 32 bytes of document_bytes; their graph is empty where the document names
-// none. On an error: no quads, but every mistake found (line, column, message, hint). A document type definition in
-// RDF/XML is refused, nothing is ever fetched; invalid UTF-8 is an error, and so is the character U+0000 but in a
-// literal of the Turtle family, where RDF has it. `prefixes` holds the document's prefix declarations in order.
+// none. On an error: no quads, but every mistake found (line, column, message, hint). Nothing is ever fetched; invalid
+// UTF-8 is an error, and so is the character U+0000 but in a literal of the Turtle family, where RDF has it. RDF/XML may
+// be UTF-16 or in a declared encoding (xml_encoding.h); the places of mistakes are those of the text in UTF-8 then.
+// `prefixes` holds the document's prefix declarations in order.
 struct ParsedRdf {
   std::vector<TermQuad> quads;
   std::vector<std::pair<std::string, std::string>> prefixes;
   Diagnostics diagnostics;
-  bool ok() const { return !HasErrors(diagnostics); }
+  absl::Status stopped;  // what options.cancellation said where it ended the parsing
+  bool ok() const { return stopped.ok() && !HasErrors(diagnostics); }
 };
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});
 

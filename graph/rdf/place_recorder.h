@@ -19,8 +19,6 @@ class PlaceRecorder {
   void AddQuad(size_t subject, size_t predicate, size_t object) {
     offsets_.push_back({subject, predicate, object});
   }
-  // A line and column that the parser knows itself.
-  void AddPlace(const SourceSpan& span) { places_.push_back({span, span, span}); }
   void DeclarePrefix(std::string_view prefix, const std::string& iri, size_t offset);
   void UsePrefix(std::string_view prefix);
 

@@ -29,6 +29,10 @@ Term QuadCollector::NewBlank() {
 }
 
 std::string QuadCollector::Refusal() const {
+  if (bytes_ > most_bytes_) {
+    return absl::StrCat("the terms of this document have more than ", most_bytes_,
+                        " bytes, written out: ", kGrowth, " for each byte of the limit document_bytes");
+  }
   return absl::StrCat("the document has more than ", most_, " triples: one for each ", kBytesOfQuad,
                       " bytes of the limit document_bytes");
 }

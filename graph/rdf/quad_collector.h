@@ -13,6 +13,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
+#include "graph/rdf/text_bytes.h"
 
 namespace docent {
 
@@ -20,7 +21,11 @@ class QuadCollector {
  public:
   // `limits` bounds the document.
   QuadCollector(std::string scope, const Limits& limits)
-      : scope_(std::move(scope)), most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)) {}
+      : scope_(std::move(scope)),
+        most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)),
+        most_bytes_(std::max(kFewBytes, limits.document_bytes > SIZE_MAX / kGrowth
+                                            ? SIZE_MAX
+                                            : limits.document_bytes * kGrowth)) {}
 
   // The blank node that the document calls `label`.
   Term NamedBlank(std::string_view label);
@@ -28,11 +33,17 @@ class QuadCollector {
   // is given by TakeQuads.
   Term NewBlank();
 
-  // False, and it is not taken: it is one too many (see Refusal). A quad takes many times the memory of its shortest text.
+  // False, and it is not taken: it is one too many, or the texts of all have become too long, as those of short names
+  // under a long prefix do (see Refusal). A quad takes many times the memory of its shortest text.
   bool Add(TermQuad quad) {
-    if (quads_.size() == most_) return false;
+    if (quads_.size() == most_ || !Charge(TextBytes(quad))) return false;
     quads_.push_back(std::move(quad));
     return true;
+  }
+  // Counts text that a parser keeps beside the quads.
+  bool Charge(size_t bytes) {
+    bytes_ += bytes;
+    return bytes_ <= most_bytes_;
   }
   std::string Refusal() const;
 
@@ -42,9 +53,12 @@ class QuadCollector {
  private:
   static constexpr size_t kBytesOfQuad = 32;  // of text
   static constexpr size_t kFewQuads = 1000;   // are taken in any case
+  static constexpr size_t kGrowth = 16;       // bytes of all terms for each byte of the limit
+  static constexpr size_t kFewBytes = 1 << 20;
 
   std::string scope_;
-  const size_t most_;
+  const size_t most_, most_bytes_;
+  size_t bytes_ = 0;
   std::vector<TermQuad> quads_;
   absl::flat_hash_set<std::string> named_like_new_;  // labels of the document of the form b[0-9]+
   uint64_t new_blanks_ = 0;

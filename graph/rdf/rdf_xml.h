@@ -1,8 +1,9 @@
-// RDF/XML through Raptor2: reading (parser.cc) and writing (serializer.cc). Nothing of Raptor shows here.
+// RDF/XML: reading, by a reader of our own (rdf_xml_reader.h), and writing, by Raptor2 (rdf_xml_writer.cc). Nothing of
+// libxml2 or Raptor shows here. Any thread.
 //
-// Raptor worlds are kept in a pool: making and freeing one calls libxml2's global initialisation and
-// clean-up, which is not safe beside other threads (helgrind: 63 races; pooled: none), so they are made under
-// a mutex and never freed. Any thread.
+// Why not Raptor for reading: Raptor 2.0.15 collapses white space in attributes, forgets xml:lang of property attributes,
+// resolves wrongly against bases with a query, a fragment or no path, changes XML literals, drops text that may not stand
+// where it does, and refuses entities that name entities, and documents above 10 MB. (Seen November 2026.)
 #ifndef DOCENT_GRAPH_RDF_RDF_XML_H_
 #define DOCENT_GRAPH_RDF_RDF_XML_H_
 
@@ -17,9 +18,8 @@
 
 namespace docent {
 
-// `text` must be well-formed UTF-8. Raptor sees no document type definition: one that only declares entities by their
-// text, as OWL editors write it, is expanded before (xml_entities.h), any other is refused. Refused is any declared
-// encoding but UTF-8, too (another could hide one). `places`: where quads are recorded, if it is not null.
+// `text` must be well-formed UTF-8 without a byte order mark, whatever encoding it declares. `places`: where quads are
+// recorded, if it is not null.
 ParsedRdf ParseRdfXml(std::string_view text, const ParseRdfOptions& options, PlaceRecorder* places = nullptr);
 
 // INVALID_ARGUMENT where RDF/XML cannot say it: a named graph, or a predicate whose end is not an XML name.

@@ -32,7 +32,8 @@ void CheckOne(std::string_view text, RdfFormat format) {
   fuzz::Require(parsed.diagnostics.size() <= options.limits.document_diagnostics, "too many diagnostics");
   for (const Diagnostic& d : parsed.diagnostics) {
     fuzz::Require(!d.message.empty(), "a diagnostic without a message");
-    fuzz::Require(d.span.line > 0 && d.span.offset <= text.size(), "a diagnostic without a place");
+    // RDF/XML in another encoding has its places in UTF-8, which may be longer
+    fuzz::Require(d.span.line > 0 && d.span.offset <= 3 * text.size(), "a diagnostic without a place");
   }
 }
 

@@ -54,8 +54,16 @@ TEST(LocatedParserTest, OtherFormatsHaveAPlaceForEachQuad) {
       "<e:p>2</e:p>\n</rdf:Description></rdf:RDF>",
       RdfFormat::kRdfXml);
   ASSERT_EQ(xml.places.size(), 2u) << Render(xml.rdf.diagnostics, "");
-  EXPECT_EQ(xml.places[0].subject.line, 3);
-  EXPECT_EQ(xml.places[1].subject.line, 4);
+  EXPECT_EQ(At(xml.places[0].subject), Place(2, 1)) << "the node";
+  EXPECT_EQ(At(xml.places[0].predicate), Place(3, 3)) << "the property";
+  EXPECT_EQ(At(xml.places[1].object), Place(4, 3));
+  const LocatedRdf attributes = ParseLocatedRdf(
+      "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n"
+      "<rdf:Description e:a='e:b=' e:aa='1'\n e:b = '2'/></rdf:RDF>",
+      RdfFormat::kRdfXml);
+  ASSERT_EQ(attributes.places.size(), 3u) << Render(attributes.rdf.diagnostics, "");
+  EXPECT_EQ(At(attributes.places[1].predicate), Place(2, 29));
+  EXPECT_EQ(At(attributes.places[2].predicate), Place(3, 2));
   const LocatedRdf bad = ParseLocatedRdf("<http://e/s> <http://e/p> .", RdfFormat::kNTriples);
   EXPECT_FALSE(bad.rdf.ok());
   EXPECT_TRUE(bad.places.empty());

@@ -13,7 +13,6 @@
 namespace docent {
 namespace {
 
-using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -259,54 +258,6 @@ TEST(ParserTest, ANodeIdThatOtherSyntaxesCannotWriteIsStillOneNode) {
   for (const TermQuad& quad : parsed.quads) EXPECT_TRUE(CheckQuad(quad, Limits().term_bytes).ok());
 }
 
-TEST(ParserTest, EntitiesOfTheDocumentTypeGrowToTheLimitAndNoFurther) {
-  const std::string text =
-      "<!DOCTYPE rdf:RDF [<!ENTITY e \"http://e/\">]>" +
-      RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;&other</e:p></rdf:Description>");
-  EXPECT_FALSE(ParseRdf(text, RdfFormat::kRdfXml).ok()) << "&other is no entity";
-  const std::string good = "<!DOCTYPE rdf:RDF [<!-- c --><!ENTITY e 'http://e/' >\n] >" +
-                           RdfXml("<rdf:Description rdf:about=\"&e;s\"><e:p>&e;&lt;</e:p></rdf:Description>");
-  ParsedRdf parsed = ParseRdf(good, RdfFormat::kRdfXml);
-  ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, good);
-  EXPECT_EQ(parsed.quads[0], (TermQuad{E("s"), E("p"), Term::Literal("http://e/<"), kNoGraph}));
-  std::string many = "<!DOCTYPE rdf:RDF [<!ENTITY e \"" + std::string(1000, 'a') + "\">]>";
-  std::string uses;
-  for (int i = 0; i < 500; ++i) uses += "&e;";
-  many += RdfXml("<rdf:Description rdf:about=\"http://e/s\"><e:p>" + uses + "</e:p></rdf:Description>");
-  ParseRdfOptions options;
-  options.limits.document_bytes = 500 * 1000 + 1000;
-  EXPECT_TRUE(ParseRdf(many, RdfFormat::kRdfXml, options).ok());
-  options.limits.document_bytes = 499 * 1000;
-  EXPECT_THAT(Render(ParseRdf(many, RdfFormat::kRdfXml, options).diagnostics, ""),
-              HasSubstr("document_bytes = 499000"));
-}
-
-TEST(ParserTest, RdfXmlMistakes) {
-  const auto with_doctype = [](const std::string& rest) {
-    return Mistakes("<?xml version=\"1.0\"?>\n<!-- c --><!DOCTYPE rdf:RDF " + rest + RdfXml(""),
-                    RdfFormat::kRdfXml);
-  };
-  EXPECT_THAT(
-      with_doctype("SYSTEM \"file:///etc/passwd\">"),
-      HasSubstr("2:29: error: a document type definition is refused where it names an external subset"));
-  EXPECT_THAT(with_doctype("[<!ENTITY x SYSTEM \"file:///etc/passwd\">]>"), HasSubstr("an external entity"));
-  EXPECT_THAT(with_doctype("[<!ENTITY a \"aa\"><!ENTITY b \"&a;&a;\">]>"),
-              HasSubstr("an entity that holds & % or <"));
-  EXPECT_THAT(with_doctype("[<!ENTITY % a \"aa\">]>"), HasSubstr("a parameter entity"));
-  EXPECT_THAT(with_doctype("[<!ELEMENT a (b)>]>"), HasSubstr("holds anything but entities"));
-  EXPECT_THAT(with_doctype("[<!ENTITY a \"a\""), HasSubstr("goes on after an entity's text"));
-  EXPECT_THAT(Mistakes("<?xml version=\"1.0\" encoding='UTF-7'?>" + RdfXml(""), RdfFormat::kRdfXml),
-              HasSubstr("only the encoding UTF-8"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"x\"/>"), RdfFormat::kRdfXml), HasSubstr("<x> is relative"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:about=\"http://e/a b\"/>"), RdfFormat::kRdfXml),
-              HasSubstr("not allowed in an IRI"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T>\n<unclosed></e:T>"), RdfFormat::kRdfXml), HasSubstr("3:"));
-  EXPECT_THAT(Mistakes("not xml", RdfFormat::kRdfXml), HasSubstr("1:1: error"));
-  EXPECT_THAT(Mistakes("", RdfFormat::kRdfXml), HasSubstr("error"));
-  EXPECT_THAT(Mistakes(RdfXml("<e:T rdf:aboutEach=\"http://e/a\"><e:p>x</e:p></e:T>"), RdfFormat::kRdfXml),
-              HasSubstr("aboutEach"));
-}
-
 TEST(ParserTest, ManyThreads) {
   std::vector<std::thread> threads;
   std::atomic<int> good{0};
@@ -321,41 +272,6 @@ TEST(ParserTest, ManyThreads) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(good, 200);
-}
-
-TEST(RdfXmlTest, NestingEndsAtItsLimit) {
-  const auto nested = [](int properties) {  // each property holds a node: two elements
-    std::string text =
-        "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">"
-        "<!-- < < --><rdf:Description e:a=\">/\">";
-    std::string end;
-    for (int i = 0; i < properties; ++i) {
-      text += "<e:p><rdf:Description>";
-      end += "</rdf:Description></e:p>";
-    }
-    return text + "<e:q>1</e:q><e:q/>" + end + "</rdf:Description></rdf:RDF>";
-  };
-  ParseRdfOptions options;
-  options.limits.xml_nesting = 9;
-  EXPECT_TRUE(ParseRdf(nested(3), RdfFormat::kRdfXml, options).ok());
-  const ParsedRdf refused = ParseRdf(nested(4), RdfFormat::kRdfXml, options);
-  ASSERT_EQ(refused.diagnostics.size(), 1u);
-  EXPECT_NE(refused.diagnostics[0].message.find("xml_nesting = 9"), std::string::npos);
-}
-
-TEST(RdfXmlTest, ADeclarationThatNamesNoPrefixIsNotTakenForOne) {
-  const auto with = [](const std::string& attribute) {
-    return ParseRdf(
-        "<rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\" xmlns:e=\"http://e/\">\n<e:T " +
-            attribute + "=\"http://f/\" rdf:about=\"http://e/s\"/></rdf:RDF>",
-        RdfFormat::kRdfXml);
-  };
-  EXPECT_THAT(with("xmlns:\xC3\xA9").prefixes, Contains(Pair("\xC3\xA9", "http://f/")));
-  EXPECT_THAT(with("xmlns\xC3\xA9").prefixes, SizeIs(2));
-  const ParsedRdf colons = with("xmlns:a:b");
-  ASSERT_FALSE(colons.ok());
-  EXPECT_EQ(colons.diagnostics[0].span.line, 2);
-  EXPECT_THAT(colons.diagnostics[0].message, HasSubstr("'xmlns:a:b' declares no prefix"));
 }
 
 }  // namespace

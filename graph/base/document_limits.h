@@ -1,0 +1,21 @@
+// The limits of reading documents beyond those of limits.h, whose rules hold here; apart, because only readers include them.
+#ifndef DOCENT_GRAPH_BASE_DOCUMENT_LIMITS_H_
+#define DOCENT_GRAPH_BASE_DOCUMENT_LIMITS_H_
+
+#include <cstddef>
+
+namespace docent {
+
+struct DocumentLimits {
+  // RDF/XML documents
+  int rdf_xml_nesting = 4096;    // elements inside each other: lists may be written so
+  size_t xml_attributes = 1024;  // of one element, and prefixes in scope
+  int xml_entity_nesting = 16;   // entities inside each other
+  size_t xml_entity_growth =
+      100;  // bytes of entities, written out, for each byte of a document; 1 MiB in any case
+  size_t xml_declarations = 10000;  // entities and attributes in a document type definition
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_BASE_DOCUMENT_LIMITS_H_
