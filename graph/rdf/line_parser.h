@@ -11,9 +11,9 @@ namespace docent {
 
 // Calls `visit` for each statement of `text` as ParseRdf would give it (its graph is empty where none is named), until it
 // returns false. The quad is reused for the next statement. `format` is kNTriples or kNQuads. All mistakes are
-// reported, as by ParseRdf; statements before and between them have been visited.
-Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
-                       const std::function<bool(const TermQuad& quad)>& visit);
+// reported, as by ParseRdf; statements before and between them have been visited. The result has no quads.
+ParsedRdf ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                     const std::function<bool(const TermQuad& quad)>& visit);
 
 }  // namespace docent
 

@@ -108,6 +108,10 @@ ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOption
   return ParseTurtleFamily(document.text, format, options);
 }
 
+absl::Status ToStatus(const ParsedRdf& parsed, std::string_view text) {
+  return parsed.stopped.ok() ? ToStatus(parsed.diagnostics, text) : parsed.stopped;
+}
+
 LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options) {
   LocatedRdf located;
   SourceText document{text};
@@ -122,10 +126,10 @@ LocatedRdf ParseLocatedRdf(std::string_view text, RdfFormat format, const ParseR
   return located;
 }
 
-Diagnostics ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+ParsedRdf ParseLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
                      const std::function<bool(const TermQuad& quad)>& visit) {
   SourceText document{text};
-  if (std::optional<ParsedRdf> refused = Refused(&document, format, options)) return refused->diagnostics;
+  if (std::optional<ParsedRdf> refused = Refused(&document, format, options)) return *std::move(refused);
   return ParseTurtleLines(document.text, format, options, visit);
 }
 

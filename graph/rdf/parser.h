@@ -49,6 +49,9 @@ struct ParsedRdf {
 };
 ParsedRdf ParseRdf(std::string_view text, RdfFormat format, const ParseRdfOptions& options = {});
 
+// What ended the parsing, or INVALID_ARGUMENT with the mistakes as people read them; OK where parsed.ok().
+absl::Status ToStatus(const ParsedRdf& parsed, std::string_view text);
+
 }  // namespace docent
 
 #endif  // DOCENT_GRAPH_RDF_PARSER_H_

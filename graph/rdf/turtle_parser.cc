@@ -2,10 +2,11 @@
 
 #include <utility>
 
-#include "absl/container/flat_hash_map.h"
+#include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
 #include "graph/base/text.h"
 #include "graph/rdf/iri.h"
+#include "graph/rdf/prefix_list.h"
 #include "graph/rdf/quad_collector.h"
 #include "graph/rdf/turtle_scanner.h"
 #include "graph/rdf/vocabulary.h"
@@ -31,7 +32,9 @@ class TurtleParser {
     ParsedRdf parsed;
     scan_.SkipLines();
     while (!scan_.AtEnd() && !too_many_ && parsed.diagnostics.size() < options_.limits.document_diagnostics) {
+      if (!Alive()) break;
       if (!(line_based_ ? LineStatement() : Statement())) {
+        if (!stopped_.ok()) break;
         const TurtleScanner::Failure& f = scan_.failure();
         parsed.diagnostics.push_back({options_.file, SpanAt(text_, f.offset, f.length), f.message, f.hint});
         scan_.SkipToNextStatement();
@@ -40,19 +43,29 @@ class TurtleParser {
       }
       scan_.SkipLines();
     }
-    parsed.prefixes = std::move(declared_);
+    parsed.stopped = stopped_;
+    parsed.prefixes = prefixes_.Take();
     parsed.quads = collector_.TakeQuads();
     if (!parsed.ok()) parsed.quads.clear();
     return parsed;
   }
 
   // The statements of a line-based format, one after the other.
-  Diagnostics RunLines(const std::function<bool(const TermQuad&)>& visit) {
+  ParsedRdf RunLines(const std::function<bool(const TermQuad&)>& visit) {
     visit_ = &visit;
-    return Run().diagnostics;
+    return Run();
   }
 
  private:
+  // False: deadline or cancellation ends the document. They are looked at once in a few KiB.
+  bool Alive() {
+    constexpr size_t kBytesALook = 4096;
+    if (options_.cancellation == nullptr || scan_.position() < next_look_) return true;
+    next_look_ = scan_.position() + kBytesALook;
+    stopped_ = options_.cancellation->CheckNow();
+    return stopped_.ok();
+  }
+
   // N-Triples [2] triple, N-Quads [2] statement: subject predicate object graph? '.' end of line
   bool LineStatement() {
     TermQuad& quad = line_;
@@ -128,10 +141,7 @@ class TurtleParser {
     scan_.SkipSpace();
     if (!ReadResolvedIri(&iri) || !EndDirective(dot)) return false;
     if (places_ != nullptr) places_->DeclarePrefix(prefix, iri, at);
-    std::string& known = prefixes_[std::string(prefix)];
-    std::erase_if(declared_, [&](const auto& entry) { return entry.first == prefix; });
-    declared_.emplace_back(prefix, iri);
-    known = std::move(iri);
+    prefixes_.Declare(prefix, std::move(iri));
     return true;
   }
 
@@ -266,7 +276,7 @@ class TurtleParser {
   bool Object(const Term& subject, const Term& predicate, size_t subject_at, size_t predicate_at) {
     const size_t object_at = scan_.position();
     Term object;
-    if (!ReadObject(&object)) return false;
+    if (!Alive() || !ReadObject(&object)) return false;
     return Add({subject, predicate, std::move(object), graph_}, subject_at, predicate_at, object_at);
   }
 
@@ -395,11 +405,20 @@ class TurtleParser {
     std::string_view prefix;
     std::string local;
     if (!scan_.ReadPrefixedName(&prefix, &local)) return false;
-    auto known = prefixes_.find(std::string(prefix));
-    if (known == prefixes_.end()) return UnknownPrefix(at, prefix);
+    const std::string* known = prefixes_.Find(prefix);
+    if (known == nullptr) return UnknownPrefix(at, prefix);
     if (places_ != nullptr) places_->UsePrefix(prefix);
-    term->lexical = known->second + local;
-    return true;
+    term->lexical = *known + local;
+    return CheckLength(at, term->lexical);
+  }
+
+  // An IRI that is longer than it is written.
+  bool CheckLength(size_t at, const std::string& iri) {
+    const size_t limit = options_.limits.term_bytes;
+    return iri.size() <= limit ||
+           scan_.FailAt(at, 1,
+                        absl::StrCat("this IRI has ", iri.size(),
+                                     " bytes, written out; the limit term_bytes is ", limit));
   }
 
   bool UnknownPrefix(size_t at, std::string_view prefix) {
@@ -407,9 +426,8 @@ class TurtleParser {
     for (const auto& [name, ns] : kWellKnownPrefixes) {
       if (name == prefix) hint = Concat("declare it: @prefix ", prefix, ": <", ns, "> .");
     }
-    std::vector<std::string> candidates;
-    for (const auto& [name, iri] : declared_) candidates.push_back(name);
-    std::string nearest = Nearest(prefix, candidates);
+    constexpr size_t kMostCompared = 1000;
+    std::string nearest = Nearest(prefix, prefixes_.Names(kMostCompared));
     if (!nearest.empty()) hint = Concat("did you mean ", nearest, ":? Else ", hint);
     return scan_.FailAt(at, prefix.size() + 1, Concat("the prefix '", prefix, ":' is not declared"),
                         std::move(hint));
@@ -430,7 +448,7 @@ class TurtleParser {
                           "write the whole IRI, or declare @base <…> .");
     }
     *iri = ResolveIri(reference, base_);
-    return true;
+    return CheckLength(at, *iri);
   }
 
   std::string_view text_;
@@ -445,9 +463,10 @@ class TurtleParser {
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
   Term graph_;  // of the block that we are in; empty outside
-  absl::flat_hash_map<std::string, std::string> prefixes_;
-  std::vector<std::pair<std::string, std::string>> declared_;  // in order of declaration
+  PrefixList prefixes_;
   int depth_ = 0;
+  size_t next_look_ = 0;  // the place at which cancellation is looked at again
+  absl::Status stopped_;  // by it
 };
 
 }  // namespace
@@ -457,8 +476,8 @@ ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const Parse
   return TurtleParser(text, format, options, places).Run();
 }
 
-Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
-                             const std::function<bool(const TermQuad&)>& visit) {
+ParsedRdf ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                           const std::function<bool(const TermQuad&)>& visit) {
   return TurtleParser(text, format, options, nullptr).RunLines(visit);
 }
 

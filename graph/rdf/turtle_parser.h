@@ -21,8 +21,8 @@ namespace docent {
 ParsedRdf ParseTurtleFamily(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
                             PlaceRecorder* places = nullptr);
 // As ParseLines (line_parser.h).
-Diagnostics ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
-                             const std::function<bool(const TermQuad& quad)>& visit);
+ParsedRdf ParseTurtleLines(std::string_view text, RdfFormat format, const ParseRdfOptions& options,
+                           const std::function<bool(const TermQuad& quad)>& visit);
 
 }  // namespace docent
 

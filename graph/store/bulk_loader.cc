@@ -14,10 +14,11 @@ Diagnostics BulkLoader::Add(std::string_view text, RdfFormat format, const Parse
   const size_t before = quads_.size();
   Diagnostics diagnostics;
   if (format == RdfFormat::kNTriples || format == RdfFormat::kNQuads) {
-    diagnostics = ParseLines(text, format, options, [this](const TermQuad& quad) {
+    const auto take = [this](const TermQuad& quad) {
       Take(quad);
       return true;
-    });
+    };
+    diagnostics = ParseLines(text, format, options, take).diagnostics;
   } else {
     ParsedRdf parsed = ParseRdf(text, format, options);
     for (const TermQuad& quad : parsed.quads) Take(quad);

@@ -46,10 +46,11 @@ std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat form
   const bool lines = format == RdfFormat::kNTriples || format == RdfFormat::kNQuads;
   document->media_type = format == RdfFormat::kNTriples ? "application/n-triples" : "application/n-quads";
   if (lines) {
-    document->diagnostics = ParseLines(text, format, options, [&document](const TermQuad&) {
+    const auto count = [&document](const TermQuad&) {
       ++document->statements;
       return true;
-    });
+    };
+    document->diagnostics = ParseLines(text, format, options, count).diagnostics;
   } else {
     ParsedRdf parsed = ParseRdf(text, format, options);
     document->statements = parsed.quads.size();

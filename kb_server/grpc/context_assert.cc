@@ -1,4 +1,5 @@
 // Context.Assert and Context.AssertStream: a message becomes a batch for the door.
+#include <chrono>
 #include <deque>
 
 #include "kb_server/grpc/convert.h"
@@ -56,6 +57,12 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     Pump();
   }
 
+  void OnCancel() override {
+    absl::MutexLock lock(&mutex_);
+    gone_ = true;
+    if (reading_rdf_ != nullptr) reading_rdf_->Cancel();
+  }
+
   void OnDone() override {
     mutex_.Lock();  // the committer thread may still be on its way out of the Answer that finished this
     mutex_.Unlock();
@@ -71,7 +78,17 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
 
   // On gRPC's thread or a worker; nothing is read meanwhile.
   void Push(uint64_t slot) {
-    absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits);
+    Cancellation cancellation{std::chrono::milliseconds(ports_.limits.query_timeout_ms)};
+    {
+      absl::MutexLock lock(&mutex_);
+      reading_rdf_ = &cancellation;
+      if (gone_) cancellation.Cancel();
+    }
+    absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits, &cancellation);
+    {
+      absl::MutexLock lock(&mutex_);
+      reading_rdf_ = nullptr;
+    }
     if (batch.ok()) {
       ports_.inbox->Push(*std::move(batch), [this, slot](const absl::StatusOr<BatchOutcome>& outcome) {
         Answer(slot, outcome);
@@ -129,6 +146,8 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
   bool paused_ ABSL_GUARDED_BY(mutex_) = false;
   bool reading_ended_ ABSL_GUARDED_BY(mutex_) = false;
   bool broken_ ABSL_GUARDED_BY(mutex_) = false;
+  bool gone_ ABSL_GUARDED_BY(mutex_) = false;                    // the client
+  Cancellation* reading_rdf_ ABSL_GUARDED_BY(mutex_) = nullptr;  // of the request that becomes a batch
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
@@ -136,16 +155,20 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
 
 grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* context,
                                                  const v1::AssertRequest* request, v1::AssertReply* reply) {
-  const auto push = [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-    absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits);
+  std::shared_ptr<Cancellation> cancellation;  // of a large one
+  if (IsLarge(*request)) {
+    cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  }
+  const auto push = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<WriteBatch> batch = FromProto(*request, ports_.limits, cancellation.get());
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     ports_.inbox->Push(*std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
       if (outcome.ok()) ToProto(*outcome, reply);
       reactor->Finish(ToGrpc(outcome.status()));
     });
   };
+  if (cancellation) return OnWorker(new CancellableReactor(cancellation), ports_.workers, push);
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  if (IsLarge(*request)) return OnWorker(reactor, ports_.workers, push);
   push(reactor);
   return reactor;
 }

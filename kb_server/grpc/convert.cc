@@ -76,7 +76,8 @@ absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what
   return out;
 }
 
-absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits) {
+absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
+                                     Cancellation* cancellation) {
   if (request.request_id().size() > 256) {
     return absl::InvalidArgumentError("request_id is longer than 256 bytes");
   }
@@ -131,8 +132,9 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     options.file = "rdf";
     options.limits = limits;
     options.blank_node_scope = BlankLabelStart(request.rdf());
+    options.cancellation = cancellation;
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
-    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.rdf());
+    if (!parsed.ok()) return ToStatus(parsed, request.rdf());
     for (TermQuad& quad : parsed.quads)
       batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
   }

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "docent/v1/context.pb.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/term.h"
@@ -32,7 +33,8 @@ absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
 absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
 // The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for
 // `rdf`, line and column; RESOURCE_EXHAUSTED names the limit.
-absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits);
+absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
+                                     Cancellation* cancellation = nullptr);
 
 // Names and values as they came; `what` names the field. INVALID_ARGUMENT, RESOURCE_EXHAUSTED as above.
 absl::StatusOr<std::vector<std::pair<std::string, Term>>> FromProto(

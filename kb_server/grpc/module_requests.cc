@@ -34,11 +34,12 @@ std::optional<RdfFormat> FormatFor(const v1::LoadRequest& request) {
 
 // The quads of an RDF text, each in `graph` unless the text names one.
 absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
-                        WriteBatch* batch) {
+                        Cancellation* cancellation, WriteBatch* batch) {
   const auto format = FormatFor(request);
   if (!format)
     return absl::InvalidArgumentError(absl::StrCat("media type \"", request.media_type(), "\" is not known"));
-  const ParseRdfOptions options = OptionsFor(request, limits);
+  ParseRdfOptions options = OptionsFor(request, limits);
+  options.cancellation = cancellation;
   absl::Status other_graph;
   const auto add = [&](TermQuad quad) {
     if (!graph.empty() && !quad.graph.lexical.empty() && quad.graph.lexical != graph) {
@@ -58,7 +59,7 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
     return status.ok() ? other_graph : status;
   }
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.text());
+  if (!parsed.ok()) return ToStatus(parsed, request.text());
   for (Document& document : batch->documents) document.text = DeclarePrefixes(parsed.prefixes);
   batch->operations.reserve(parsed.quads.size());
   for (TermQuad& quad : parsed.quads) {
@@ -77,7 +78,8 @@ LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
           }};
 }
 
-absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits) {
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
+                                       Cancellation* cancellation) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
   if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
@@ -99,10 +101,10 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
       break;
     case v1::LoadRequest::ONTOLOGY:
       batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
-      status = ParseQuads(request, OntologyGraph(request.name()), limits, &batch);
+      status = ParseQuads(request, OntologyGraph(request.name()), limits, cancellation, &batch);
       break;
     default:
-      status = ParseQuads(request, request.graph(), limits, &batch);
+      status = ParseQuads(request, request.graph(), limits, cancellation, &batch);
       break;
   }
   if (!status.ok()) return status;

@@ -4,6 +4,7 @@
 
 #include "absl/status/statusor.h"
 #include "docent/v1/ontologies.pb.h"
+#include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
 #include "graph/store/write_batch.h"
 #include "kb_server/work/load_judge.h"
@@ -11,7 +12,9 @@
 namespace docent {
 
 // INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
-absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits);
+// CANCELLED, DEADLINE_EXCEEDED: what `cancellation`, which may be null, said meanwhile.
+absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
+                                       Cancellation* cancellation = nullptr);
 
 // Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
 // are not the document's) and rules have no places.

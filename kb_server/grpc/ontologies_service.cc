@@ -83,26 +83,26 @@ void FillVersion(const GraphVersion& version, const Dictionary& dictionary,
 
 }  // namespace
 
-grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext*,
                                                   const v1::LoadRequest* request, v1::LoadReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, request, reply](grpc::ServerUnaryReactor* reactor) {
-        absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits);
-        if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
-        LoadJob job;
-        job.batch = *std::move(batch);
-        job.text = TextOf(*request, ports_.limits);
-        job.prepare = CheckMode(*request, ports_);
-        job.cancellation =
-            std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
-        job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome,
-                                    const Diagnostics& warnings) {
-          if (outcome.ok()) Fill(*outcome, reply);
-          for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
-          reactor->Finish(ToGrpc(outcome.status()));
-        };
-        ports_.loads->Run(std::move(job));
-      });
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
+  const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
+    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits, cancellation.get());
+    if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
+    LoadJob job;
+    job.batch = *std::move(batch);
+    job.text = TextOf(*request, ports_.limits);
+    job.prepare = CheckMode(*request, ports_);
+    job.cancellation = cancellation;
+    job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+      if (outcome.ok()) Fill(*outcome, reply);
+      for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
+      reactor->Finish(ToGrpc(outcome.status()));
+    };
+    ports_.loads->Run(std::move(job));
+  };
+  return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }
 
 grpc::ServerUnaryReactor* OntologiesService::List(grpc::CallbackServerContext* context,

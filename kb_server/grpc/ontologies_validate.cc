@@ -30,7 +30,8 @@ struct GivenShapes {
   shapes::SourceMap places;
 };
 
-absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits, GivenShapes* given) {
+absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits, Cancellation* cancellation,
+                       GivenShapes* given) {
   const TermId graph = given->dictionary.InternIri("urn:docent:shapes");
   int number = 0;
   for (const v1::ShapesText& text : request.shapes()) {
@@ -42,9 +43,10 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
     ParseRdfOptions options;
     options.file = text.name();
     options.limits = limits;
+    options.cancellation = cancellation;
     options.blank_node_scope = absl::StrCat("shapes", number++, "_");
     const LocatedRdf document = ParseLocatedRdf(text.text(), *format, options);
-    if (!document.rdf.ok()) return ToStatus(document.rdf.diagnostics, text.text());
+    if (!document.rdf.ok()) return ToStatus(document.rdf, text.text());
     for (size_t i = 0; i < document.rdf.quads.size(); ++i) {
       const TermQuad& q = document.rdf.quads[i];
       const Quad quad{given->dictionary.Intern(q.subject), given->dictionary.Intern(q.predicate),
@@ -97,7 +99,8 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
 absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& request, absl::Time deadline,
                       Cancellation* cancellation, v1::ValidateReply* reply) {
   GivenShapes given(ports.dictionary);
-  if (absl::Status status = ReadTexts(request, ports.limits, &given); !status.ok()) return status;
+  if (absl::Status status = ReadTexts(request, ports.limits, cancellation, &given); !status.ok())
+    return status;
   auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
   if (!version.ok()) return version.status();
   const bool own = request.shapes().empty();
@@ -125,7 +128,7 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
 
 absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Cancellation* cancellation,
                    v1::CheckModuleReply* reply) {
-  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits);
+  absl::StatusOr<WriteBatch> batch = ToLoadBatch(request, ports.limits, cancellation);
   if (!batch.ok()) return batch.status();
   const GraphVersionPtr version = ports.queries->Newest();
   auto verdict = JudgeLoad(ports, *batch, *version, TextOf(request, ports.limits), cancellation);

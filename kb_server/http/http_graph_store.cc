@@ -157,7 +157,7 @@ struct Content {
 
 // `part`: its number among several.
 void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number,
-              Content* content) {
+              Cancellation* cancellation, Content* content) {
   if ((content->refusal = RefuseCharset(part.content_type))) return;
   const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
@@ -174,9 +174,10 @@ void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph
   options.base_iri = graph.lexical;
   options.blank_node_scope = absl::StrCat("p", number);
   options.limits = ports.limits;
+  options.cancellation = cancellation;
   ParsedRdf parsed = ParseRdf(part.body, *format, options);
   if (!parsed.ok()) {
-    content->refusal = ErrorResponse(ToStatus(parsed.diagnostics, part.body));
+    content->refusal = ErrorResponse(ToStatus(parsed, part.body));
     return;
   }
   for (TermQuad& quad : parsed.quads) {
@@ -195,12 +196,13 @@ void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph
   }
 }
 
-Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph) {
+Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph,
+                    Cancellation* cancellation) {
   Content content;
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
   if (MediaTypeOnly(type) != "multipart/form-data") {
-    ReadPart(ports, {type, "", http.body}, graph, 1, &content);
+    ReadPart(ports, {type, "", http.body}, graph, 1, cancellation, &content);
     return content;
   }
   const std::optional<std::vector<HttpPart>> parts = ParseMultipart(type, http.body);
@@ -209,7 +211,7 @@ Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Te
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
-    ReadPart(ports, (*parts)[i], graph, i + 1, &content);
+    ReadPart(ports, (*parts)[i], graph, i + 1, cancellation, &content);
   }
   return content;
 }
@@ -230,10 +232,17 @@ bool ConditionHolds(const HttpRequest& http, bool exists) {
   return http.Header("if-none-match") != "*" || !exists;
 }
 
+// Ends what is done for the request at the time limit and when the client leaves.
+std::shared_ptr<Cancellation> CancellationOf(const ServicePorts& ports, const Exchange& exchange) {
+  auto cancellation =
+      std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  exchange->OnGone([cancellation] { cancellation->Cancel(); });
+  return cancellation;
+}
+
 void Submit(const ServicePorts& ports, std::shared_ptr<Change> change, Exchange exchange) {
   change->request.timeout = absl::Milliseconds(ports.limits.query_timeout_ms);
-  change->request.cancellation =
-      std::make_shared<Cancellation>(std::chrono::milliseconds(ports.limits.query_timeout_ms));
+  if (change->request.cancellation == nullptr) change->request.cancellation = CancellationOf(ports, exchange);
   const bool must_exist = exchange->request().method == "DELETE" && !change->address.is_default;
   change->request.precondition = [&ports, must_exist, exchange,
                                   weak = std::weak_ptr(change)](const GraphVersion& version) {
@@ -273,9 +282,10 @@ Operation MakeOperation(Operation::Kind kind, const Address& address) {
 // PUT and POST: DROP where it replaces, then LOAD of the body.
 void Write(const ServicePorts& ports, Address address, const Exchange& exchange) {
   const HttpRequest& http = exchange->request();
-  Content content = ReadContent(ports, http, address.graph);
-  if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   auto change = std::make_shared<Change>();
+  change->request.cancellation = CancellationOf(ports, exchange);
+  Content content = ReadContent(ports, http, address.graph, change->request.cancellation.get());
+  if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   std::vector<Operation>& operations = change->request.update.operations;
   if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
   operations.push_back(MakeOperation(Operation::Kind::kLoad, address));

@@ -208,8 +208,9 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   options.file = url;
   options.base_iri = base;
   options.limits = limits_;
+  options.cancellation = cancellation;
   ParsedRdf parsed = ParseRdf(text, *format, options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
+  if (!parsed.ok()) return ToStatus(parsed, text);
   return std::move(parsed.quads);
 }
 

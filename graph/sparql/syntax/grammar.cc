@@ -131,6 +131,20 @@ bool Grammar::CountTriple() {
   return false;
 }
 
+bool Grammar::CountExpanded(const SourceSpan& span, size_t bytes) {
+  expanded_bytes_ += bytes;
+  const size_t limit = options_.limits.update_text_bytes * kGrowth;
+  if (expanded_bytes_ <= limit) return true;
+  if (!too_deep_) {
+    Error(span,
+          Concat({"the IRIs of this text have more than ", std::to_string(limit), " bytes, written out: ",
+                  std::to_string(kGrowth), " for each byte of the limit update_text_bytes"}),
+          "declare shorter prefixes, or send several updates");
+  }
+  too_deep_ = true;
+  return false;
+}
+
 void Grammar::SkipPastBrace() {
   for (int open = 0; Peek().kind != TokenKind::kEnd;) {
     const Token token = Take();
@@ -154,7 +168,7 @@ bool Grammar::ResolveRelative(const Token& iri, std::string* out) {
     return false;
   }
   *out = ResolveIri(iri.text, base_iri_);
-  return true;
+  return CountExpanded(iri.span, out->size());
 }
 
 bool Grammar::Expand(const Token& name, std::string* out) {
@@ -171,7 +185,7 @@ bool Grammar::Expand(const Token& name, std::string* out) {
   out->reserve(iri->size() + name.text.size());
   out->append(*iri);
   out->append(name.text.data(), name.text.size());
-  return true;
+  return CountExpanded(name.span, out->size());
 }
 
 bool Grammar::Undeclared(const Token& name) {
@@ -179,7 +193,10 @@ bool Grammar::Undeclared(const Token& name) {
   for (const auto& [prefix, iri] : options_.prefixes) names.push_back(prefix);
   std::set<std::string_view> declared;
   for (const auto& [prefix, iri] : prefixes_) declared.insert(prefix);
-  names.insert(names.end(), declared.begin(), declared.end());
+  constexpr size_t kMostCompared = 1000;
+  for (const std::string_view prefix : declared) {
+    if (names.size() < kMostCompared) names.emplace_back(prefix);
+  }
   std::string hint;
   if (const std::string near = Nearest(name.prefix, names); !near.empty()) {
     hint = "did you mean " + near + ":?";

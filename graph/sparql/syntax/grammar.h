@@ -106,6 +106,8 @@ class Grammar {
   bool CountElement(const SourceSpan& span);
   // Counts a triple, which takes many times the memory of its shortest text. False beyond the limit.
   bool CountTriple();
+  // Counts an IRI that is longer than it is written, under a prefix or a base. False beyond the limit.
+  bool CountExpanded(const SourceSpan& span, size_t bytes);
 
   // grammar_query.cc
   struct SelectItem {
@@ -276,6 +278,8 @@ class Grammar {
   size_t elements_ = 0;
   static constexpr size_t kBytesOfTriple = 16, kFewTriples = 1000;
   size_t triples_ = 0;
+  static constexpr size_t kGrowth = 16;
+  size_t expanded_bytes_ = 0;
   bool too_deep_ = false;
   int counter_ = 0;                               // hidden variables
   int bgp_ = 0;                                   // number of the current basic graph pattern

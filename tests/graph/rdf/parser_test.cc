@@ -7,6 +7,7 @@
 #include <atomic>
 #include <thread>
 
+#include "graph/rdf/line_parser.h"
 #include "graph/rdf/term_check.h"
 #include "graph/rdf/vocabulary.h"
 
@@ -203,6 +204,88 @@ TEST(ParserTest, TriplesAreBoundedByTheLimitOfTheDocument) {
   };
   EXPECT_EQ(ParseRdf(xml(1000), RdfFormat::kRdfXml, options).quads.size(), 1000u);
   EXPECT_THAT(Mistakes(xml(1001), RdfFormat::kRdfXml, options), HasSubstr("more than 1000 triples"));
+}
+
+TEST(ParserTest, APrefixThatIsDeclaredAgainCountsAtItsLastPlace) {
+  const ParsedRdf parsed =
+      ParseRdf("@prefix a: <urn:1:> . @prefix b: <urn:2:> . a:s a:p 1 . @prefix a: <urn:3:> . a:s a:p 1 .",
+               RdfFormat::kTurtle);
+  ASSERT_TRUE(parsed.ok());
+  EXPECT_THAT(parsed.prefixes, ElementsAre(Pair("b", "urn:2:"), Pair("a", "urn:3:")));
+  EXPECT_EQ(parsed.quads[0].subject, Term::Iri("urn:1:s"));
+  EXPECT_EQ(parsed.quads[1].subject, Term::Iri("urn:3:s"));
+}
+
+// With time that grows with their square these would take many minutes.
+TEST(ParserTest, ManyPrefixesAreRead) {
+  std::string text;
+  for (int i = 0; i < 150000; ++i) {
+    text += "@prefix p" + std::to_string(i % 100000) + ": <urn:" + std::to_string(i) + ":> .\n";
+  }
+  const ParsedRdf parsed = ParseRdf(text + "p7:s p7:p p99999:o .", RdfFormat::kTurtle);
+  ASSERT_TRUE(parsed.ok());
+  EXPECT_THAT(parsed.prefixes, SizeIs(100000));
+  EXPECT_EQ(parsed.quads[0].subject, Term::Iri("urn:100007:s"));
+  EXPECT_THAT(Mistakes(text + "q:s q:p 1 . "), HasSubstr("the prefix 'q:' is not declared"));
+}
+
+TEST(ParserTest, ShortNamesUnderLongPrefixesDoNotGrowWithoutEnd) {
+  ParseRdfOptions options;
+  options.limits.document_bytes = 100000;  // 1.6 MB of terms
+  const std::string iri = "urn:" + std::string(10000, 'x') + ":";
+  std::string names, references;
+  for (int i = 0; i < 300; ++i) {
+    names += "a:s a:p a:o .\n";
+    references += "<s> <p> <o> .\n";
+  }
+  EXPECT_THAT(Mistakes("@prefix a: <" + iri + "> .\n" + names, RdfFormat::kTurtle, options),
+              HasSubstr("16 for each byte of the limit document_bytes"));
+  options.base_iri = iri + "/";
+  EXPECT_THAT(Mistakes("@base <http://e/" + iri + "/> .\n" + references, RdfFormat::kTurtle, options),
+              HasSubstr("16 for each byte of the limit document_bytes"));
+  options.limits.term_bytes = iri.size() + 1;
+  EXPECT_TRUE(ParseRdf("@prefix a: <" + iri + "> . a:s a:p a:o .", RdfFormat::kTurtle, options).ok());
+  EXPECT_THAT(Mistakes("@prefix a: <" + iri + "> . a:ss a:p a:o .", RdfFormat::kTurtle, options),
+              HasSubstr("written out; the limit term_bytes is 10006"));
+  EXPECT_THAT(
+      Mistakes("@base <http://e/" + std::string(9900, 'x') + "/> . <" + std::string(200, 'y') + "> a 1 .",
+               RdfFormat::kTurtle, options),
+      HasSubstr("written out; the limit term_bytes is 10006"));
+}
+
+TEST(ParserTest, TheTimeLimitAndACallerWhoLeavesEndEveryFormat) {
+  std::string lines, objects = "<urn:s> <urn:p> 0";
+  for (int i = 0; i < 100000; ++i) {
+    lines += "<urn:s> <urn:p> \"" + std::to_string(i) + "\" .\n";
+    objects += "," + std::to_string(i);
+  }
+  for (const RdfFormat format :
+       {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads}) {
+    for (const std::string& text : {lines, format == RdfFormat::kTurtle ? objects + " ." : lines}) {
+      Cancellation cancelled, late(std::chrono::milliseconds(1));
+      cancelled.Cancel();
+      ParseRdfOptions options;
+      options.cancellation = &cancelled;
+      EXPECT_EQ(ToStatus(ParseRdf(text, format, options), text).code(), absl::StatusCode::kCancelled);
+      options.cancellation = &late;
+      const ParsedRdf parsed = ParseRdf(text, format, options);
+      EXPECT_EQ(ToStatus(parsed, text).code(), absl::StatusCode::kDeadlineExceeded);
+      EXPECT_FALSE(parsed.ok());
+      EXPECT_THAT(parsed.quads, IsEmpty());
+      EXPECT_THAT(parsed.diagnostics, IsEmpty());
+    }
+  }
+  Cancellation cancelled;
+  ParseRdfOptions options;
+  options.cancellation = &cancelled;
+  size_t seen = 0;
+  const auto visit = [&](const TermQuad&) {
+    if (++seen == 500) cancelled.Cancel();
+    return true;
+  };
+  EXPECT_EQ(ParseLines(lines, RdfFormat::kNTriples, options, visit).stopped.code(),
+            absl::StatusCode::kCancelled);
+  EXPECT_LT(seen, 1500u);
 }
 
 TEST(ParserTest, DeepNestingIsRefusedNotACrash) {

@@ -87,6 +87,31 @@ TEST(UpdateParser, SeveralMistakesAreReportedTogether) {
   EXPECT_GE(parsed.diagnostics.size(), 4u);
 }
 
+TEST(UpdateParser, ShortNamesUnderALongPrefixDoNotGrowWithoutEnd) {
+  Limits limits;
+  limits.update_text_bytes = 24000;  // 384,000 bytes of IRIs
+  const std::string iri = "urn:" + std::string(10000, 'x') + ":";
+  const auto data = [&](const std::string& prologue, const std::string& name, int count) {
+    std::string text = prologue + " INSERT DATA { <urn:s> <urn:p> 0";
+    for (int i = 0; i < count; ++i) text += "," + name;
+    return text + " }";
+  };
+  EXPECT_TRUE(Parse(data("PREFIX a: <" + iri + ">", "a:o", 38), limits).ok());
+  for (const ParsedUpdate& refused : {Parse(data("PREFIX a: <" + iri + ">", "a:o", 500), limits),
+                                      Parse(data("BASE <http://e/" + iri + "/>", "<o>", 500), limits)}) {
+    ASSERT_EQ(refused.diagnostics.size(), 1u);
+    EXPECT_THAT(refused.diagnostics[0].message, HasSubstr("more than 384000 bytes, written out"));
+  }
+}
+
+TEST(UpdateParser, ManyPrefixesAreRead) {
+  std::string text;
+  for (int i = 0; i < 100000; ++i)
+    text += "PREFIX p" + std::to_string(i) + ": <urn:" + std::to_string(i) + ":>\n";
+  EXPECT_TRUE(Parse(text + "INSERT DATA { p7:s p99999:p p0:o }", {}).ok());
+  EXPECT_FALSE(Parse(text + "INSERT DATA { q:s p99999:p p0:o }", {}).ok());
+}
+
 TEST(UpdateParser, TriplesAreBoundedByTheLimitOfTheText) {
   Limits limits;
   limits.update_text_bytes = 24000;  // 1500 triples
