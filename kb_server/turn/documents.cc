@@ -90,12 +90,12 @@ absl::Status Documents::ApplyOntology(const Document& document, const Dictionary
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRules(const Document& document, RuleEngine* rules) {
+absl::Status Documents::ApplyRules(const Document& document, RuleTextOrigin origin, RuleEngine* rules) {
   if (document.action == Document::Action::kRemove) {
     if (rules->RemoveRules(document.name)) return absl::OkStatus();
     return absl::NotFoundError(absl::StrCat("there is no rule set \"", document.name, "\""));
   }
-  const Diagnostics diagnostics = rules->PutRules(document.name, document.text);
+  const Diagnostics diagnostics = rules->PutRules(document.name, document.text, origin);
   if (!HasErrors(diagnostics)) return absl::OkStatus();
   SourceTexts texts;
   for (const auto& [key, entry] : entries_) {
@@ -145,7 +145,7 @@ absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, cons
 
 absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
                               const GraphVersion& version, RuleEngine* rules, Engine* engine,
-                              const Limits& limits) {
+                              const Limits& limits, RuleTextOrigin origin) {
   if (batch->documents.empty()) return absl::OkStatus();
   if (!undo_) undo_ = entries_;
   for (const Document& document : batch->documents) {
@@ -158,7 +158,7 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
         status = ApplyOntology(document, dictionary, version, batch);
         break;
       case Document::Kind::kRules:
-        status = ApplyRules(document, rules);
+        status = ApplyRules(document, origin, rules);
         size = rules->rule_count(document.name);
         break;
       case Document::Kind::kCawl:
@@ -186,7 +186,7 @@ absl::Status Documents::Restore(std::map<Key, Entry> entries, RuleEngine* rules)
   for (auto& [key, entry] : entries) {
     if (key.first != Document::Kind::kRules) continue;
     entry.fingerprint = std::hash<std::string>()(*entry.text);
-    const Diagnostics diagnostics = rules->PutRules(key.second, *entry.text);
+    const Diagnostics diagnostics = rules->PutRules(key.second, *entry.text, RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *entry.text);
   }
   entries_ = std::move(entries);

@@ -23,9 +23,10 @@ class Documents {
  public:
   // Gives each document of `batch` to its stage, and extends batch->operations by what that means for the
   // graph: an ontology's graph is replaced; workflows and services are described in the graph
-  // docent:documents. On an error the caller rolls the stages back.
+  // docent:documents. On an error the caller rolls the stages back. `origin`: of all documents.
   absl::Status Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
-                     const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits);
+                     const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits,
+                     RuleTextOrigin origin);
 
   void Commit() { undo_.reset(); }
   void Rollback();
@@ -48,7 +49,7 @@ class Documents {
  private:
   absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary,
                              const GraphVersion& version, WriteBatch* batch);
-  absl::Status ApplyRules(const Document& document, RuleEngine* rules);
+  absl::Status ApplyRules(const Document& document, RuleTextOrigin origin, RuleEngine* rules);
   absl::Status ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
                          std::string* name);
   absl::Status ApplyRsel(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,

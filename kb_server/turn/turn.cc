@@ -25,9 +25,12 @@ void Record(const EngineOutput& output, TurnResult* result) {
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
   if (batch.documents.empty()) return stages->applier.Apply(batch, stages->writer);
   WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
+  // Without a cancellation the log is replayed, whose texts were accepted.
+  const RuleTextOrigin origin =
+      stages->cancellation != nullptr ? RuleTextOrigin::kNew : RuleTextOrigin::kAccepted;
   absl::Status documents =
       stages->documents.Apply(&input, Revision(offset), stages->dictionary, stages->writer.current(),
-                              &stages->rules, &stages->engine, stages->limits);
+                              &stages->rules, &stages->engine, stages->limits, origin);
   if (!documents.ok()) return documents;
   return stages->applier.Apply(input, stages->writer);
 }

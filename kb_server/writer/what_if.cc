@@ -122,7 +122,7 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   Stages stages(dictionary, functions, limits, copy.version);
   stages.cancellation = cancellation;
   for (const explain::RuleText& set : copy.rules) {
-    const Diagnostics diagnostics = stages.rules.PutRules(set.name, *set.text);
+    const Diagnostics diagnostics = stages.rules.PutRules(set.name, *set.text, RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *set.text);
   }
   stages.rules.Adopt();

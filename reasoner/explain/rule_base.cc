@@ -47,7 +47,8 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
   auto base = std::make_shared<RuleBase>();
   base->type_ = dictionary.InternIri(kRdfType);
   for (const RuleText& set : sets) {
-    auto parsed = std::make_shared<const ParsedRules>(ParseRules(*set.text, set.name, limits));
+    auto parsed = std::make_shared<const ParsedRules>(
+        ParseRules(*set.text, set.name, limits, nullptr, RuleTextOrigin::kAccepted));
     if (!parsed->ok()) return ToStatus(parsed->diagnostics, *set.text);
     base->sets_[set.name] = std::move(parsed);
   }

@@ -59,8 +59,8 @@ RuleEngine::RuleEngine(Dictionary& dictionary, const Limits& limits,
     : impl_(std::make_unique<Impl>(dictionary, limits, functions)) {}
 RuleEngine::~RuleEngine() = default;
 
-Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text) {
-  ParsedRules parsed = ParseRules(text, name, impl_->limits, impl_->functions);
+Diagnostics RuleEngine::PutRules(std::string_view name, std::string_view text, RuleTextOrigin origin) {
+  ParsedRules parsed = ParseRules(text, name, impl_->limits, impl_->functions, origin);
   Diagnostics diagnostics = std::move(parsed.diagnostics);
   if (HasErrors(diagnostics)) return diagnostics;
   RuleSets sets = impl_->state.sets;

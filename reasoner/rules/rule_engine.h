@@ -30,6 +30,7 @@
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_writer.h"
+#include "reasoner/rules/rule_text_origin.h"
 
 namespace docent {
 
@@ -46,7 +47,8 @@ class RuleEngine {
   // Puts the rules of `text` (a `.rules` document, rule_parser.h) in the place of those that have the same
   // name. Takes effect at the next Update. On errors (syntax, an unsafe rule, negation through recursion
   // together with the other rule sets): all of them with place and hint, and nothing changes.
-  Diagnostics PutRules(std::string_view name, std::string_view text);
+  Diagnostics PutRules(std::string_view name, std::string_view text,
+                       RuleTextOrigin origin = RuleTextOrigin::kNew);
   // False if there are none of that name.
   bool RemoveRules(std::string_view name);
 

@@ -430,8 +430,9 @@ std::string RuleLabel(std::string_view set, const Rule& rule, int number) {
 }
 
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits,
-                       const sparql::FunctionRegistry* functions) {
+                       const sparql::FunctionRegistry* functions, RuleTextOrigin origin) {
   sparql::ParseOptions options = sparql::ParseOptionsWith(limits, functions);
+  options.check_patterns = origin == RuleTextOrigin::kNew;
   options.file = std::string(file);
   options.rule_elements = true;
   options.limits.query_text_bytes = limits.document_bytes;

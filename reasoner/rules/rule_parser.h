@@ -27,6 +27,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/base/limits.h"
 #include "graph/sparql/syntax/algebra.h"
+#include "reasoner/rules/rule_text_origin.h"
 
 namespace docent::sparql {
 class FunctionRegistry;
@@ -63,9 +64,11 @@ std::string RuleLabel(std::string_view set, const Rule& rule, int number);
 // or BIND uses is bound; no blank node or impossible triple in a head; nothing in the body that cannot be
 // kept up to date incrementally (OPTIONAL, GRAPH, recursive paths, sub-SELECTs that do not aggregate), no
 // NOW() or RAND(). All errors, not the first. `file` names the text in diagnostics. The well-known prefixes
-// need no declaration. `functions`: what calls are held to (parser.h).
+// need no declaration. `functions`: what calls are held to (parser.h). Constant regular expressions that can't be evaluated
+// are errors of new texts alone.
 ParsedRules ParseRules(std::string_view text, std::string_view file, const Limits& limits = {},
-                       const sparql::FunctionRegistry* functions = nullptr);
+                       const sparql::FunctionRegistry* functions = nullptr,
+                       RuleTextOrigin origin = RuleTextOrigin::kNew);
 
 }  // namespace docent
 

@@ -34,7 +34,8 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
   SourceTexts texts;
   for (const RuleSetText& set : current) {
     texts.Put(set.name, set.text);
-    if (absl::Status status = texts.ToStatus(engine.PutRules(set.name, set.text)); !status.ok())
+    if (absl::Status status = texts.ToStatus(engine.PutRules(set.name, set.text, RuleTextOrigin::kAccepted));
+        !status.ok())
       return status;
   }
   engine.Adopt();

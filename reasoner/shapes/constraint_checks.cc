@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 
+#include "absl/functional/function_ref.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/sparql/values/text.h"
@@ -162,6 +163,41 @@ void Evaluation::CheckRange(const Place& place) {
   }
 }
 
+namespace {
+
+// Counts the work and the memory of a search by functions of the evaluation.
+class PatternGuard : public sparql::MatchGuard {
+ public:
+  PatternGuard(absl::FunctionRef<bool()> poll, absl::FunctionRef<bool(size_t)> charge, size_t* memory)
+      : poll_(poll), charge_(charge), memory_(*memory) {}
+  bool Worked(size_t) override { return poll_(); }
+  bool Charge(size_t bytes) override { return charge_(bytes); }
+  void Release(size_t bytes) override { memory_ -= bytes; }
+
+ private:
+  absl::FunctionRef<bool()> poll_;
+  absl::FunctionRef<bool(size_t)> charge_;
+  size_t& memory_;
+};
+
+}  // namespace
+
+bool Evaluation::MatchesPattern(TermId value, const Constraint& constraint) {
+  if (value.IsBlank()) return false;
+  std::unique_ptr<sparql::Regex>& regex = regexes_[&constraint];
+  if (regex == nullptr)  // the reader of shapes has looked for mistakes
+    sparql::Regex::Compile(constraint.pattern.lexical, constraint.flags.lexical, false, &regex);
+  if (regex == nullptr) return false;
+  const std::string text = dictionary_.Decode(value).lexical;
+  const auto poll = [this] { return Poll(); };
+  const auto charge = [this](size_t bytes) { return Charge(bytes); };
+  PatternGuard guard(poll, charge, &memory_);
+  sparql::Regex::Searches searches(regex.get(), text, &guard);
+  const absl::StatusOr<bool> found = searches.Find(0, {});
+  if (!found.ok() && status_.ok()) status_ = found.status();
+  return found.ok() && *found;
+}
+
 // 4.4.1 sh:minLength, 4.4.2 sh:maxLength, 4.4.3 sh:pattern, 4.4.4 sh:languageIn
 void Evaluation::CheckString(const Place& place) {
   const Constraint& constraint = place.constraint;
@@ -177,8 +213,7 @@ void Evaluation::CheckString(const Place& place) {
       continue;
     }
     if (constraint.component == Component::kPattern) {
-      const bool matches = !value.IsBlank() && RegexOf(constraint).Matches(value);
-      if (!matches)
+      if (!MatchesPattern(value, constraint) && status_.ok())
         Report(place, value, Concat("does not match the pattern \"", constraint.pattern.lexical, "\""));
       continue;
     }

@@ -12,7 +12,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
-#include "reasoner/shapes/regex_test.h"
+#include "graph/sparql/regex/regex.h"
 #include "reasoner/shapes/validator.h"
 
 namespace docent::shapes {
@@ -76,7 +76,8 @@ class Evaluation {
 
   bool IsInstance(TermId node, TermId cls);
   const absl::flat_hash_set<TermId>& ClassAndSubclasses(TermId cls);
-  RegexTest& RegexOf(const Constraint& constraint);
+  // Whether the value matches sh:pattern; false, too, where the evaluation must end.
+  bool MatchesPattern(TermId value, const Constraint& constraint);
   TermId Id(std::string_view iri) const { return dictionary_.FindIri(iri).value_or(kAbsentTerm); }
   std::string Show(TermId id) const { return ToDisplay(dictionary_.Decode(id)); }
   std::string ShowPath(const Shape& shape) const;
@@ -96,7 +97,7 @@ class Evaluation {
   absl::flat_hash_set<TermId> nodes_;  // that a shape was held against
   absl::flat_hash_map<std::pair<ShapeIndex, TermId>, bool> conforms_;
   std::map<TermId, absl::flat_hash_set<TermId>> classes_;
-  absl::flat_hash_map<const Constraint*, std::unique_ptr<RegexTest>> regexes_;
+  absl::flat_hash_map<const Constraint*, std::unique_ptr<sparql::Regex>> regexes_;
 };
 
 }  // namespace docent::shapes

@@ -12,8 +12,8 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/regex/regex_parser.h"
 #include "reasoner/shapes/path_reader.h"
-#include "reasoner/shapes/regex_test.h"
 #include "reasoner/shapes/shape_order.h"
 
 namespace docent::shapes {
@@ -390,12 +390,19 @@ class ShapeReader {
     out->pattern = dictionary_.Decode(value);
     const std::vector<TermId> flags = Values(node, "flags");
     if (flags.size() > 1) Report(node, "flags", "has several sh:flags; one is allowed", "keep one");
-    out->flags = flags.empty() ? Term::Literal("") : dictionary_.Decode(flags[0]);
-    if (RegexTest(out->pattern, out->flags, dictionary_).valid()) return true;
-    Report(node, "pattern",
-           Concat("sh:pattern ", Show(value), " with flags \"", out->flags.lexical,
-                  "\" is no regular expression that can be evaluated"),
-           "check its brackets and flags (smixq); back-references and look-around are not available");
+    if (!flags.empty()) {
+      if (!flags[0].IsLiteral() || dictionary_.Datatype(flags[0]) != kXsdString)
+        return Wrong(node, "flags", flags[0], "a plain text");
+      out->flags = dictionary_.Decode(flags[0]);
+    }
+    sparql::RegexTree tree;
+    const auto mistake = sparql::ParseRegex(out->pattern.lexical, out->flags.lexical, &tree);
+    if (!mistake) return true;
+    const bool of_flags = mistake->where == sparql::RegexMistake::Where::kFlags;
+    Report(node, of_flags ? "flags" : "pattern",
+           Concat(of_flags ? "sh:flags " : "sh:pattern ", Show(of_flags ? flags[0] : value),
+                  " cannot be evaluated: ", mistake->message),
+           mistake->hint);
     return false;
   }
 

@@ -151,13 +151,6 @@ bool Evaluation::IsInstance(TermId node, TermId cls) {
   return found;
 }
 
-RegexTest& Evaluation::RegexOf(const Constraint& constraint) {
-  std::unique_ptr<RegexTest>& regex = regexes_[&constraint];
-  if (regex == nullptr)
-    regex = std::make_unique<RegexTest>(constraint.pattern, constraint.flags, dictionary_);
-  return *regex;
-}
-
 std::string Evaluation::ShowPath(const Shape& shape) const {
   return PathText(shape.path, dictionary_);
 }

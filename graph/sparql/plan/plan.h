@@ -13,14 +13,11 @@
 #include "graph/sparql/syntax/algebra.h"
 #include "graph/sparql/values/value.h"
 
-namespace re2 {
-class RE2;
-}
-
 namespace docent::sparql {
 
 struct PlanNode;
 class Operator;
+class Regex;
 
 // A slot, or a constant, or (both negative) nothing.
 struct PlanTerm {
@@ -59,7 +56,7 @@ struct PlanExpression {
   std::unique_ptr<Operator> exists_operator;
   std::vector<TermId> exists_base, exists_row;
   // REGEX and REPLACE: the expression compiled last, and what it was compiled from.
-  std::shared_ptr<re2::RE2> regex;
+  std::shared_ptr<Regex> regex;
   std::string regex_source;
 
   PlanExpression();

@@ -15,7 +15,7 @@ constexpr size_t kMaxErrors = 20;  // more in one text are of no use to a person
 }  // namespace
 
 Grammar::Grammar(std::string_view text, const ParseOptions& options)
-    : options_(options), lexer_(text), base_iri_(options.base_iri) {}
+    : options_(options), text_(text), lexer_(text), base_iri_(options.base_iri) {}
 
 const Token* Grammar::Read(Token* place) {
   for (lexer_.Next(place); place->kind == TokenKind::kError; lexer_.Next(place)) ReportError(*place);

@@ -266,6 +266,7 @@ class Grammar {
   std::string Describe(const Token& token) const;
 
   const ParseOptions& options_;
+  const std::string_view text_;
   Lexer lexer_;
   std::array<Token, 2> ahead_;   // tokens read but not taken
   const Token* now_ = nullptr;   // the first of them; null: not read yet

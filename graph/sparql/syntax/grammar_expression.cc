@@ -3,6 +3,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/builtins.h"
 #include "graph/sparql/syntax/grammar.h"
+#include "graph/sparql/syntax/regex_arguments.h"
 #include "graph/sparql/values/function_registry.h"
 #include "graph/sparql/values/text.h"
 
@@ -193,6 +194,11 @@ ExpressionPtr Grammar::BuiltinCall() {
   if (info->builtin == Builtin::kBound && e->arguments[0]->kind != Kind::kVariable) {
     Error(word.span, "BOUND takes a variable");
     return nullptr;
+  }
+  if (options_.check_patterns && !in_service_) {
+    if (auto mistake = FindRegexMistake(*e, text_)) {
+      Error(mistake->span, std::move(mistake->message), std::move(mistake->hint));
+    }
   }
   return e;
 }

@@ -33,6 +33,9 @@ struct ParseOptions {
   bool rule_elements = false;
   // Calls are held to these and the casts; null: they are left to whoever prepares the query. Read while parsing.
   const FunctionRegistry* functions = nullptr;
+  // Constant regular expressions that can't be evaluated are errors; false: calls with them have no value. For texts that
+  // have been accepted before, by whatever rules.
+  bool check_patterns = true;
 };
 
 // kWellKnownPrefixes of the vocabulary, in the shape that ParseOptions takes.

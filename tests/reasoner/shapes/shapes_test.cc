@@ -96,6 +96,40 @@ TEST_F(ShapesTest, IllFormedShapesAreAllSaidAtOnce) {
   }
 }
 
+TEST_F(ShapesTest, PatternsAreThoseOfXPath) {
+  Add("shapes.ttl",
+      ":S a sh:NodeShape ; sh:targetClass :C ; sh:property [ sh:path :twice ; sh:pattern \"^(.+) \\\\1$\" ] "
+      ",\n"
+      "  [ sh:path :name ; sh:pattern \"^[\\\\i-[:]]\\\\c*$\" ; sh:flags \"i\" ] .");
+  Add("data.ttl", ":a a :C ; :twice \"so so\" , \"so la\" ; :name \"n1\" , \"1n\" .");
+  auto report = Run();
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->total, 2u);
+  EXPECT_THAT(Text(*report), HasSubstr("\"so la\": does not match the pattern"));
+  EXPECT_THAT(Text(*report), HasSubstr("\"1n\": does not match the pattern"));
+}
+
+TEST_F(ShapesTest, APatternThatCannotBeEvaluatedIsRefusedWithItsMistake) {
+  const std::string text = Mistakes(
+      ":A sh:targetNode :x ; sh:pattern \"(?i)a\" .\n:B sh:targetNode :x ; sh:pattern \"[[:alpha:]]\" .\n"
+      ":C sh:targetNode :x ; sh:pattern \"a\" ; sh:flags \"iz\" .\n"
+      ":D sh:targetNode :x ; sh:pattern \"a\" ; sh:flags 5 .");
+  for (const char* part :
+       {"sh:pattern \"(?i)a\" cannot be evaluated: '(?i' is no group", "third argument of REGEX",
+        "sh:pattern \"[[:alpha:]]\" cannot be evaluated: '[' inside a class",
+        "sh:flags \"iz\" cannot be evaluated: 'z' is no flag", "sh:flags is 5, not a plain text"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+TEST_F(ShapesTest, APatternThatTakesTooLongIsAnErrorOfTheValidation) {
+  Add("shapes.ttl", ":S sh:targetSubjectsOf :p ; sh:property [ sh:path :p ; sh:pattern \"^(a+)+\\\\1$\" ] .");
+  Add("data.ttl", ":a :p \"" + std::string(40, 'a') + "b\" .");
+  const auto report = Run();
+  EXPECT_EQ(report.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(report.status().message(), HasSubstr("regex_backtracking_steps = "));
+}
+
 TEST_F(ShapesTest, APathAndAListThatGoInCirclesAreRefused) {
   EXPECT_THAT(
       Mistakes(":A sh:targetNode :x ; sh:path _:p ; sh:minCount 1 . _:p sh:inversePath _:p .\n"

@@ -124,9 +124,7 @@ TEST_F(SparqlEvaluator, RegexTakesXPathFlagsAndLinearTime) {
   EXPECT_FALSE(g_.Ask("ASK { ?v ex:name ?n FILTER REGEX(?n, \"^jo\") }"));
   EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REPLACE(\"abcd\", \"b(.)\", \"[$1]\") AS ?y) }"),
               ElementsAre("a[c]d"));
-  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"a\", \"(\") AS ?y) }"), ElementsAre("-"));
-  // RE2 has no class subtraction, and would read this as the class of a to z, '-', '[' and 'b', and a ']'.
-  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"acd\", \"[a-z-[b]]{3}\") AS ?y) }"), ElementsAre("-"));
+  EXPECT_THAT(g_.Rows("SELECT ?y { BIND(REGEX(\"acd\", \"[a-z-[b]]{3}\") AS ?y) }"), ElementsAre("true"));
   EXPECT_TRUE(
       g_.Ask("ASK { FILTER(REGEX(\"é٣\", \"^\\\\w\\\\d$\") && REGEX(\"é-٣\", \"^[\\\\w-]+$\") && "
              "!REGEX(\"é٣\", \"[\\\\W\\\\D-]{2}\")) }"));
@@ -413,11 +411,44 @@ TEST_F(SparqlEvaluator, ReplacementsNameGroupsOfTwoDigits) {
               ElementsAre("l-jm a3ai9abcdefghijklm a2$ a<>"));
 }
 
+TEST_F(SparqlEvaluator, ComputedPatternsThatAreWrongAreErrorsOfTheirCall) {
+  EXPECT_THAT(
+      g_.Rows("SELECT ?p (REGEX(\"a\", ?p) AS ?y) { VALUES ?p { \"(\" \"a\" \"(?i)A\" \"a\"@en 5 } }"),
+      ElementsAre("\"a\"@en -", "( -", "(?i)A -", "5 -", "a true"));
+  EXPECT_THAT(g_.Rows("SELECT ?f (REGEX(\"a\", \"A\", ?f) AS ?y) { VALUES ?f { \"i\" \"z\" \"\" } }"),
+              ElementsAre("false", "i true", "z -"));
+  EXPECT_THAT(g_.Rows("SELECT ?p (REPLACE(\"abc\", ?p, \"x\") AS ?y) { VALUES ?p { \"b\" \"b*\" \"[\" } }"),
+              ElementsAre("[ -", "b axc", "b* -"));
+  EXPECT_THAT(g_.Rows("SELECT ?r (REPLACE(\"abc\", \"(b)\", ?r) AS ?y) { VALUES ?r { \"$1$1\" \"$\" "
+                      "\"\\\\a\" \"$x\" } }"),
+              ElementsAre("$ -", "$1$1 abbc", "$x -", "\\a -"));
+  EXPECT_THAT(g_.Rows("SELECT (COALESCE(REGEX(\"a\", CONCAT(\"(\", \"\")), \"none\") AS ?y) {}"),
+              ElementsAre("none"));
+}
+
+TEST_F(SparqlEvaluator, BackReferencesClassesAndBlocksOfXPath) {
+  EXPECT_TRUE(
+      g_.Ask("ASK { FILTER(REGEX(\"abab\", \"^(ab)\\\\1$\") && !REGEX(\"abba\", \"^(ab)\\\\1$\")) }"));
+  EXPECT_TRUE(
+      g_.Ask("ASK { FILTER(REGEX(\"α\", \"^\\\\p{IsGreek}$\") && REGEX(\"a1_\", \"^\\\\i\\\\c*$\")) }"));
+  EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"aa b cc\", \"(.)\\\\1\", \"<$1>\") AS ?y) {}"),
+              ElementsAre("<a> b <c>"));
+  EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"a\\nb\\n\", \"^(.)$\", \"<$1>\", \"m\") AS ?y) {}"),
+              ElementsAre("<a>\n<b>\n"));
+  EXPECT_THAT(g_.Rows("SELECT (REPLACE(\"a\\nb\\n\", \"\\\\n(^|b)\", \"<$1>\", \"m\") AS ?y) {}"),
+              ElementsAre("a<>b\n"));
+  const absl::StatusOr<bool> costly =
+      g_.Prepare("ASK { FILTER REGEX(\"" + std::string(40, 'a') + "b\", \"^(a+)+\\\\1$\") }")->Ask(g_.Run());
+  EXPECT_EQ(costly.status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_NE(costly.status().message().find("regex_backtracking_steps = "), std::string::npos)
+      << costly.status();
+}
+
 TEST_F(SparqlEvaluator, ReplaceGoesOnBehindEachMatch) {
   EXPECT_THAT(
-      g_.Rows("SELECT (REPLACE(\"ab cd\",\"\\\\b\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|\\\\b\",\"-\") AS ?b) "
+      g_.Rows("SELECT (REPLACE(\"ab cd\",\"(^| ).\",\"|\") AS ?a) (REPLACE(\"äböc\",\"b|c$\",\"-\") AS ?b) "
               "(REPLACE(\"abcab\",\"(a)(b)\",\"$2$1\") AS ?c) (REPLACE(\"abc\",\"x\",\"y\") AS ?d) {}"),
-      ElementsAre("|ab| |cd| ä-ö-c- bacba abc"));
+      ElementsAre("|b|d ä-ö- bacba abc"));
 }
 
 TEST_F(SparqlEvaluator, RoundedDoublesKeepTheSignOfZero) {
