@@ -34,20 +34,22 @@ struct Entry {
 };
 static_assert(sizeof(Entry) == 16);
 
-// What an entry is found by.
+// What an entry is found by: its datatype as the number that Entry has, or its language tag as text, in any case.
 struct EntryKey {
   Tag tag = Tag::kNone;
   std::string_view text;
   uint32_t qualifier = 0;
-  bool is_language = false;
+  std::string_view language;
 
-  bool Is(const Entry& e) const {
-    return e.tag == static_cast<uint32_t>(tag) && e.qualifier == qualifier && e.is_language == is_language &&
-           e.view() == text;
+  bool IsButForLanguage(const Entry& e) const {
+    return e.tag == static_cast<uint32_t>(tag) && e.is_language == (language.empty() ? 0 : 1) &&
+           (e.is_language != 0 || e.qualifier == qualifier) && e.view() == text;
   }
   uint32_t Hash() const {
-    return static_cast<uint32_t>(absl::HashOf(static_cast<int>(tag), ToAbsl(text), qualifier, is_language) >>
-                                 16);
+    const size_t hash = language.empty()
+                            ? absl::HashOf(static_cast<int>(tag), ToAbsl(text), qualifier)
+                            : absl::HashOf(static_cast<int>(tag), ToAbsl(text), LowerLanguage(language));
+    return static_cast<uint32_t>(hash >> 16);
   }
 };
 
@@ -237,18 +239,25 @@ struct Dictionary::Impl {
   const Entry& At(uint64_t id) const { return entries[id - first]; }
 
   std::optional<uint64_t> Find(const EntryKey& key) const {
-    return table.Find(key.Hash(), [&](uint64_t index) { return key.Is(entries[index]); });
+    return table.Find(key.Hash(), [&](uint64_t index) {
+      const Entry& entry = entries[index];
+      return key.IsButForLanguage(entry) &&
+             (key.language.empty() || SameLanguage(entries[entry.qualifier - 1].view(), key.language));
+    });
   }
 
   uint64_t Intern(const EntryKey& key) {
     if (std::optional<uint64_t> known = Find(key)) return *known;
-    uint64_t index = count.load(std::memory_order_relaxed);
     Entry entry;
+    entry.qualifier = key.qualifier;
+    if (!key.language.empty()) {  // the tag comes before its literal
+      entry.qualifier = static_cast<uint32_t>(Intern(EntryKey{Tag::kLiteral, key.language}) + 1);
+      entry.is_language = 1;
+    }
+    uint64_t index = count.load(std::memory_order_relaxed);
     size_t grown = 0;
     entry.text = arena.Put(key.text, &grown);
     entry.length = static_cast<uint32_t>(key.text.size());
-    entry.qualifier = key.qualifier;
-    entry.is_language = key.is_language ? 1 : 0;
     entry.tag = static_cast<uint32_t>(key.tag);
     grown += entries.Put(index, entry);
     table.Insert(key.Hash(), index);
@@ -257,7 +266,7 @@ struct Dictionary::Impl {
     return index;
   }
 
-  // The key of `term` when its datatype or language is known; `qualify(key)` finds or makes their entries.
+  // The key of `term` when its datatype is known; `qualify(key)` finds or makes its entry.
   template <typename Qualify>
   static std::optional<EntryKey> KeyOf(const Term& term, Qualify qualify) {
     switch (term.kind) {
@@ -269,15 +278,9 @@ struct Dictionary::Impl {
         break;
     }
     EntryKey key{Tag::kLiteral, term.lexical};
-    std::optional<uint64_t> qualifier;
-    if (!term.language.empty()) {
-      key.is_language = true;
-      qualifier = qualify(EntryKey{Tag::kLiteral, term.language});
-    } else if (!term.datatype.empty() && term.datatype != kXsdString) {
-      qualifier = qualify(EntryKey{Tag::kIri, term.datatype});
-    } else {
-      return key;
-    }
+    key.language = term.language;
+    if (!term.language.empty() || term.datatype.empty() || term.datatype == kXsdString) return key;
+    const std::optional<uint64_t> qualifier = qualify(EntryKey{Tag::kIri, term.datatype});
     if (!qualifier) return std::nullopt;
     key.qualifier = static_cast<uint32_t>(*qualifier + 1);
     return key;
@@ -384,8 +387,13 @@ Dictionary::EntryView Dictionary::EntryAt(uint64_t index) const {
 }
 
 TermId Dictionary::InternEntry(const EntryView& entry) {
-  return TermId::Make(entry.tag,
-                      impl_->Intern(EntryKey{entry.tag, entry.text, entry.qualifier, entry.is_language}));
+  EntryKey key{entry.tag, entry.text};
+  if (entry.is_language) {
+    key.language = impl_->entries[entry.qualifier - 1].view();
+  } else {
+    key.qualifier = entry.qualifier;
+  }
+  return TermId::Make(entry.tag, impl_->Intern(key));
 }
 
 size_t Dictionary::size() const {

@@ -4,6 +4,9 @@
 // without locks: entries, text and hash slots never move once they are published. Ids are given in order of
 // first interning (a literal's datatype or language before the literal), so replaying the same log gives the
 // same ids. At most 2^29 entries.
+//
+// Language tags count without case, and a literal keeps the tag that it was first interned with: "a"@en-GB, then
+// "a"@en-gb, are one entry that says en-GB.
 #ifndef DOCENT_GRAPH_RDF_DICTIONARY_H_
 #define DOCENT_GRAPH_RDF_DICTIONARY_H_
 

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/text.h"
@@ -72,13 +73,22 @@ void AppendIri(std::string_view iri, std::string* out) {
 
 }  // namespace
 
+std::string LowerLanguage(std::string_view tag) {
+  std::string lower(tag);
+  absl::AsciiStrToLower(&lower);
+  return lower;
+}
+
+bool SameLanguage(std::string_view a, std::string_view b) {
+  return a == b || absl::EqualsIgnoreCase(ToAbsl(a), ToAbsl(b));
+}
+
 Term Term::Literal(std::string lexical, std::string datatype) {
   if (datatype == kXsdString) datatype.clear();
   return {TermKind::kLiteral, std::move(lexical), std::move(datatype), ""};
 }
 
 Term Term::LangString(std::string lexical, std::string language) {
-  absl::AsciiStrToLower(&language);
   return {TermKind::kLiteral, std::move(lexical), "", std::move(language)};
 }
 
@@ -93,8 +103,10 @@ Term Term::Boolean(bool value) {
 bool operator<(const Term& a, const Term& b) {
   int rank_a = KindRank(a.kind);
   int rank_b = KindRank(b.kind);
-  return std::tie(rank_a, a.lexical, a.datatype, a.language) <
-         std::tie(rank_b, b.lexical, b.datatype, b.language);
+  const int order = std::tie(rank_a, a.lexical, a.datatype) < std::tie(rank_b, b.lexical, b.datatype)   ? -1
+                    : std::tie(rank_b, b.lexical, b.datatype) < std::tie(rank_a, a.lexical, a.datatype) ? 1
+                                                                                                        : 0;
+  return order != 0 ? order < 0 : LowerLanguage(a.language) < LowerLanguage(b.language);
 }
 
 std::string ToNTriples(const Term& term) {

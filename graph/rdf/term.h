@@ -11,13 +11,17 @@ namespace docent {
 
 enum class TermKind : uint8_t { kIri, kBlank, kLiteral };
 
+// A language tag with its ASCII letters in lower case: what it is compared by.
+std::string LowerLanguage(std::string_view tag);
+bool SameLanguage(std::string_view a, std::string_view b);
+
 struct Term {
   TermKind kind = TermKind::kIri;
   std::string
       lexical;  // the IRI (absolute), the blank node label (without "_:"), or the lexical form (UTF-8)
   std::string
       datatype;  // literals only: the datatype IRI; empty means xsd:string, or rdf:langString with a language
-  std::string language;  // literals only: the language tag in lower case, or empty
+  std::string language;  // literals only: the language tag as written, or empty
 
   static Term Iri(std::string iri) { return {TermKind::kIri, std::move(iri), {}, {}}; }
   static Term Blank(std::string label) { return {TermKind::kBlank, std::move(label), {}, {}}; }
@@ -31,13 +35,18 @@ struct Term {
   bool IsBlank() const { return kind == TermKind::kBlank; }
   bool IsLiteral() const { return kind == TermKind::kLiteral; }
 
-  friend bool operator==(const Term&, const Term&) = default;
+  // Language tags compare without case (RDF 1.1 Concepts section 3.3), here and below: "a"@en-GB and "a"@en-gb are one term.
+  friend bool operator==(const Term& a, const Term& b) {
+    return a.kind == b.kind && a.lexical == b.lexical && a.datatype == b.datatype &&
+           SameLanguage(a.language, b.language);
+  }
   // Blank nodes < IRIs < literals, then by text: a total order that does not depend on ids
   // (SPARQL 1.1 section 15.1 orders the kinds so). "First in term order" in CAWL means this.
   friend bool operator<(const Term& a, const Term& b);
   template <typename H>
   friend H AbslHashValue(H h, const Term& t) {
-    return H::combine(std::move(h), static_cast<int>(t.kind), t.lexical, t.datatype, t.language);
+    return H::combine(std::move(h), static_cast<int>(t.kind), t.lexical, t.datatype,
+                      LowerLanguage(t.language));
   }
 };
 

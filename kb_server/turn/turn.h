@@ -29,7 +29,7 @@
 namespace docent {
 
 // Changes when the same log may lead to other decisions than before.
-inline constexpr char kEngineVersion[] = "7";
+inline constexpr char kEngineVersion[] = "8";
 
 // The state of the stages, in the order in which a batch passes them.
 struct Stages {

@@ -69,7 +69,7 @@ std::optional<Term> ToTerm(const nlohmann::json& value) {
   if (type == "bnode") return Term::Blank(text("value"));
   if (type != "literal" && type != "typed-literal") return std::nullopt;
   const std::string language = text("xml:lang");
-  if (!language.empty()) return Term::LangString(text("value"), absl::AsciiStrToLower(language));
+  if (!language.empty()) return Term::LangString(text("value"), language);
   return Term::Literal(text("value"), text("datatype"));
 }
 

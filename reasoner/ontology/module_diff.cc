@@ -47,7 +47,9 @@ class Colours {
   static constexpr int kRounds = 16;
 
   uint64_t ColourOf(const Term& term) const {
-    return term.IsBlank() ? colours_.at(term.lexical) : Fingerprint(ToNTriples(term));
+    if (term.IsBlank()) return colours_.at(term.lexical);
+    return Fingerprint(term.language.empty() ? ToNTriples(term)
+                                             : Concat(term.lexical, "@", LowerLanguage(term.language)));
   }
 
   void Refine(const std::vector<TermQuad>& quads) {

@@ -35,10 +35,11 @@ std::string SeverityText(TermId severity, const Dictionary& dictionary) {
 
 // What a person who reads English is told: that, or a text without language, or the first.
 std::string MessageText(const std::vector<Term>& messages) {
+  const auto english = [](const Term& message) { return SameLanguage(message.language.substr(0, 2), "en"); };
   const Term* best = &messages[0];
   for (const Term& message : messages) {
-    if (message.language.empty() && best->language.substr(0, 2) != "en") best = &message;
-    if (message.language.substr(0, 2) == "en") best = &message;
+    if (message.language.empty() && !english(*best)) best = &message;
+    if (english(message)) best = &message;
   }
   return best->lexical;
 }

@@ -106,7 +106,7 @@ Value WithDatatype(const Value& text, const Value& datatype, EvaluationContext& 
 
 Value WithLanguage(const Value& text, const Value& language) {
   if (text.type() != Type::kString || language.type() != Type::kString) return Value::Error();
-  std::string tag = LowerAscii(language.text());
+  std::string tag(language.text());
   return IsLanguageTag(tag) ? Value::LangString(std::string(text.text()), std::move(tag)) : Value::Error();
 }
 

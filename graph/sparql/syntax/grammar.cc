@@ -236,7 +236,7 @@ std::optional<std::string> Grammar::String() {
 
 std::optional<Term> Grammar::LiteralTail(const Token& string) {
   if (Peek().kind == TokenKind::kLanguage)
-    return Term::LangString(std::string(string.text), LowerAscii(Take().text));
+    return Term::LangString(std::string(string.text), std::string(Take().text));
   if (!Accept("^^")) return Term::Literal(std::string(string.text));
   std::optional<Term> datatype = Iri();
   if (!datatype) return std::nullopt;

@@ -193,7 +193,7 @@ int CompareForOrder(const Value& a, const Value& b) {
       return CompareForOrder(a.duration(), b.duration());
     case Type::kLangString: {
       const int text = CompareText(a.text(), b.text());
-      return text != 0 ? text : CompareText(a.language(), b.language());
+      return text != 0 ? text : CompareText(LowerAscii(a.language()), LowerAscii(b.language()));
     }
     case Type::kOther: {
       const int type = CompareText(a.datatype(), b.datatype());

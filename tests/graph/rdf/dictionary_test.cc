@@ -91,6 +91,44 @@ TEST(DictionaryTest, DatatypeAndLanguage) {
   EXPECT_EQ(dictionary.Language(dictionary.Intern(Term::Literal("x"))), "");
 }
 
+TEST(DictionaryTest, LanguageTagsCountWithoutCaseAndStayAsFirstTold) {
+  Dictionary dictionary;
+  const TermId british = dictionary.Intern(Term::LangString("colour", "en-GB"));
+  const size_t size = dictionary.size();
+  for (const char* const tag : {"en-gb", "EN-gb", "en-GB"}) {
+    EXPECT_EQ(dictionary.Find(Term::LangString("colour", tag)), british);
+    EXPECT_EQ(dictionary.Intern(Term::LangString("colour", tag)), british);
+  }
+  EXPECT_EQ(dictionary.size(), size);
+  EXPECT_EQ(dictionary.Language(british), "en-GB");
+  EXPECT_EQ(dictionary.Decode(british).language, "en-GB");
+  EXPECT_EQ(dictionary.Find(Term::LangString("colour", "en")), std::nullopt);
+  EXPECT_EQ(dictionary.Find(Term::LangString("Colour", "en-GB")), std::nullopt);
+  // another literal keeps a spelling of its own
+  EXPECT_EQ(dictionary.Language(dictionary.Intern(Term::LangString("grey", "en-gb"))), "en-gb");
+
+  Dictionary over(&dictionary);
+  EXPECT_EQ(over.Intern(Term::LangString("colour", "EN-GB")), british);
+  const TermId own = over.Intern(Term::LangString("theatre", "EN-GB"));
+  EXPECT_EQ(over.Intern(Term::LangString("theatre", "en-gb")), own);
+  EXPECT_EQ(over.Language(own), "EN-GB");
+}
+
+TEST(DictionaryTest, EntriesMakeTheSameDictionaryWithItsTags) {
+  Dictionary a, b;
+  for (const char* const tag : {"en-GB", "en", "EN", "de-at", "en-gb"}) {
+    a.Intern(Term::LangString(tag, tag));
+    a.Intern(Term::LangString("x", tag));
+  }
+  for (uint64_t i = 0; i < a.size(); ++i) b.InternEntry(a.EntryAt(i));
+  ASSERT_EQ(b.size(), a.size());
+  for (const char* const tag : {"en-GB", "EN", "DE-AT"}) {
+    const TermId id = *a.Find(Term::LangString("x", tag));
+    EXPECT_EQ(b.Find(Term::LangString("x", tag)), id);
+    EXPECT_EQ(b.Language(id), a.Language(id));
+  }
+}
+
 TEST(DictionaryTest, SameOrderGivesTheSameIds) {
   Dictionary a, b;
   for (int i = 0; i < 5000; ++i) {

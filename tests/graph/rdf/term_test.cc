@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "absl/hash/hash.h"
+
 #include <algorithm>
 #include <vector>
 
@@ -13,6 +15,13 @@ namespace {
 TEST(TermTest, EqualTermsAreEqualStructs) {
   EXPECT_EQ(Term::Literal("x", std::string(kXsdString)), Term::Literal("x"));
   EXPECT_EQ(Term::LangString("x", "EN-gb"), Term::LangString("x", "en-GB"));
+  EXPECT_EQ(absl::HashOf(Term::LangString("x", "EN-gb")), absl::HashOf(Term::LangString("x", "en-GB")));
+  EXPECT_FALSE(Term::LangString("x", "EN") < Term::LangString("x", "en") ||
+               Term::LangString("x", "en") < Term::LangString("x", "EN"));
+  EXPECT_LT(Term::LangString("x", "DE"), Term::LangString("x", "en"));
+  EXPECT_LT(Term::LangString("w", "fr"), Term::LangString("x", "DE"));
+  EXPECT_EQ(Term::LangString("x", "en-GB").language, "en-GB");
+  EXPECT_EQ(ToNTriples(Term::LangString("x", "en-GB")), "\"x\"@en-GB");
   EXPECT_NE(Term::LangString("x", "en"), Term::Literal("x"));
   EXPECT_EQ(Term::Integer(-5), Term::Literal("-5", std::string(kXsdInteger)));
 }

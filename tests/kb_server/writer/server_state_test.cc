@@ -100,6 +100,29 @@ TEST_P(ServerStateTest, RestoredStagesDecideAsTheOriginal) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, ServerStateTest, ::testing::Range(1u, 9u));
 
+// A literal that no fact has any more keeps its tag, so that a start from a snapshot says what the log says.
+TEST(ServerStateTest, LanguageTagsStayAsFirstToldOverASnapshot) {
+  const auto tell = [](const char* tag, QuadOperation::Kind kind) {
+    WriteBatch batch;
+    TermQuad fact = Fact("a", "label", "x");
+    fact.object = Term::LangString("colour", tag);
+    batch.operations.push_back({kind, fact});
+    return batch;
+  };
+  Side one({});
+  ASSERT_TRUE(one.Turn(tell("en-GB", QuadOperation::Kind::kAdd)).ok());
+  ASSERT_TRUE(one.Turn(tell("EN-gb", QuadOperation::Kind::kRemove)).ok());
+  EXPECT_EQ(one.stages->writer.current().size(), 0u);
+  Side two({});
+  ASSERT_TRUE(two.Become(one.Encode(1), {}).ok());
+  for (Side* side : {&one, &two}) {
+    ASSERT_TRUE(side->Turn(tell("en-gb", QuadOperation::Kind::kAdd)).ok());
+    const std::optional<TermId> label = side->dictionary.Find(Term::LangString("colour", "en-gb"));
+    ASSERT_TRUE(label.has_value());
+    EXPECT_EQ(side->dictionary.Language(*label), "en-GB");
+  }
+}
+
 TEST(ServerStateTest, RequestIdsAreRememberedInTheirOrder) {
   Side one({});
   WriteBatch batch = Tell({Fact("a", "b", "c")});
