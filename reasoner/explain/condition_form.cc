@@ -152,6 +152,14 @@ class Builder {
     return atom;
   }
 
+  // Any fact, of the graph that is looked at.
+  Atom AnyFact(Clause& clause) {
+    const std::string prefix = absl::StrCat(".s", ++fresh_, ".");
+    const Scope own{prefix, {}, nullptr};
+    const auto any = [](const char* name) { return PatternTerm::Of(sparql::Variable{name}); };
+    return MakeAtom(clause, any("s"), any("p"), any("o"), own);
+  }
+
   Clauses ExpandBgp(const Algebra& node, const Scope& scope) {
     Clause clause;
     for (const sparql::TriplePattern& t : node.triples) {
@@ -390,6 +398,10 @@ class Builder {
       graph_ = {dictionary_.Intern(node.name.term()), AtomTerm::kConstant};
     }
     auto all = Expand(*node.children[0], scope);
+    if (all.ok() &&
+        !sparql::NeedsTripleOfGraph(*node.children[0])) {  // that there is the graph, is a fact of it
+      for (Clause& clause : *all) clause.atoms.push_back(AnyFact(clause));
+    }
     graph_ = graph;
     graph_name_ = name;
     graph_written_ = written;

@@ -69,7 +69,7 @@ class Analyser {
     result_.triggers.push_back(std::move(trigger));
   }
 
-  // GRAPH ?g {}: there is such a graph as soon as it holds anything.
+  // GRAPH ?g {} and the like: there is such a graph as soon as it holds anything.
   void AddGraphTrigger(Place place) {
     place.seeds = Place::Seeds::kNone;
     place.required = false;
@@ -117,9 +117,7 @@ class Analyser {
         return WalkExpressionIn(CertainVariables(*node.children[0]), *node.expression, place);
       case Algebra::Kind::kGraph:
         place.graph = node.name;
-        if (node.children[0]->kind == Algebra::Kind::kBgp && node.children[0]->triples.empty()) {
-          return AddGraphTrigger(place);
-        }
+        if (!sparql::NeedsTripleOfGraph(*node.children[0])) AddGraphTrigger(place);
         return Walk(*node.children[0], place);
       case Algebra::Kind::kValues:
         for (const sparql::Variable& v : node.variables) blocked_.insert(v.name);

@@ -19,6 +19,51 @@
 namespace docent {
 namespace {
 
+std::string RandomGroup(RandomWorld& random, int depth);
+
+// GRAPH around something that may have solutions without a triple of the graph, of graphs that come and go.
+std::string RandomGraph(RandomWorld& random, const std::string& triple, int depth) {
+  const std::vector<std::string> names = {":g0", ":g1", ":g1", ":none", "?g"};
+  std::string inside;
+  switch (random.Pick(12)) {
+    case 0:
+      break;
+    case 1:
+      inside = "BIND(1 AS ?k) ";
+      break;
+    case 2:
+      inside = "VALUES ?x { :n1 :n2 3 } ";
+      break;
+    case 3:
+      inside = "FILTER(true) ";
+      break;
+    case 4:
+      inside = "OPTIONAL { " + triple + "} ";
+      break;
+    case 5:
+      inside = "{ " + triple + "} UNION { VALUES ?y { :n0 } } ";
+      break;
+    case 6:
+      inside = "VALUES ?x { :n1 :n2 } MINUS { " + triple + "} ";
+      break;
+    case 7:
+      inside = "SELECT (COUNT(*) AS ?m) { " + triple + "} ";
+      break;
+    case 8:
+      inside = ":n1 :p0* ?y . ";
+      break;
+    case 9:
+      inside = "GRAPH ?h { " + triple + "} ";
+      break;
+    case 10:
+      inside = "FILTER NOT EXISTS { " + triple + "} ";
+      break;
+    default:
+      inside = RandomGroup(random, depth - 1);
+  }
+  return "GRAPH " + names[static_cast<size_t>(random.Pick(5))] + " { " + inside + "} ";
+}
+
 std::string RandomGroup(RandomWorld& random, int depth) {
   const std::vector<std::string> variables = {"?x", "?y", "?z"};
   const auto node = [&] { return random.Chance(75) ? variables[random.Pick(3)] : ":" + random.Node(); };
@@ -26,7 +71,9 @@ std::string RandomGroup(RandomWorld& random, int depth) {
     return node() + (random.Chance(95) ? " :" + random.Predicate() : " ?v") + " " + node() + " . ";
   };
   std::string body;
-  const int patterns = 1 + random.Pick(3);
+  const bool graph_alone = depth > 0 && random.Chance(7);
+  if (graph_alone) body += RandomGraph(random, triple(), depth);
+  const int patterns = graph_alone ? random.Pick(2) : 1 + random.Pick(3);
   for (int i = 0; i < patterns; ++i) body += triple();
   if (random.Chance(20)) {
     body += "FILTER(" + variables[random.Pick(3)] + (random.Chance(50) ? " > " : " <= ") +
@@ -45,6 +92,7 @@ std::string RandomGroup(RandomWorld& random, int depth) {
   }
   if (random.Chance(8)) body += "GRAPH ?g { " + triple() + "} ";
   if (random.Chance(5)) body += "GRAPH :g1 { " + triple() + "} ";
+  if (random.Chance(8)) body += RandomGraph(random, triple(), depth);
   if (random.Chance(6)) body += "VALUES ?x { :n1 :n2 3 } ";
   if (random.Chance(6)) body += "{ " + RandomGroup(random, depth - 1) + "} ";
   if (random.Chance(6)) body += "BIND(?x AS ?b) ";
@@ -304,6 +352,8 @@ std::vector<Asked> RandomShapes(RandomWorld& random, int count) {
                                            "?x :p0 ?y . ?y :p1 @1 FILTER(?x != @2)",
                                            "?x :p0 ?v . ?x :p1 @1 FILTER(?v > 2)",
                                            "GRAPH ?g { ?x :p0 ?y . ?y :p1 @1 }",
+                                           "?x :p0 @1 GRAPH :g1 { VALUES ?k { 1 } }",
+                                           "?x :p0 @1 FILTER NOT EXISTS { GRAPH :g0 { FILTER(true) } }",
                                            "@1 :p0 ?y . ?y :p1 ?z . ?z :p2 @2",
                                            "{ ?x :p0 ?y . ?y :p1 @1 } { ?x :p1 ?z }",
                                            "?x :p0 ?y . ?y :p1 ?x . ?x :p2 @1"};

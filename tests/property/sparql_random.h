@@ -58,7 +58,7 @@ class RandomQueries {
     return inner;
   }
   Piece Element(int depth) {
-    switch (depth > 0 ? Below(wide_ ? 14 : 9) : 0) {
+    switch (depth > 0 ? Below(wide_ ? 14 : 10) : 0) {
       case 0:
       case 1:
       case 2:
@@ -77,15 +77,18 @@ class RandomQueries {
         return Of("FILTER(" + Condition() + ") ");
       case 7:
         return Group(depth - 1);
-      case 9:
+      case 9: {
+        static const char* const kNames[] = {"<urn:g>", "<urn:h>", "<urn:none>", "<urn:g>"};
+        const std::string name = Below(2) ? Variable() : kNames[Below(4)];
+        return Around("GRAPH " + name + " ", Group(depth - 1));
+      }
+      case 11:
         return Around(Below(2) ? "FILTER EXISTS " : "FILTER NOT EXISTS ", Group(depth - 1));
       case 10: {
         std::string path = Variable() + " " + Path(2) + " ";
         path += (Below(3) ? Variable() : Node()) + " . ";
         return Of(path);
       }
-      case 11:
-        return Around("GRAPH " + (Below(2) ? Variable() : std::string("<urn:g>")) + " ", Group(depth - 1));
       case 12: {
         std::string select = "{ SELECT DISTINCT " + Variable() + " ";
         select += Variable() + " ";
@@ -156,7 +159,7 @@ struct RandomCase {
   static constexpr int kSteps = 3;
   Piece query;
   std::vector<RandomQuad> quads;
-  bool wide = false;  // the query may hold paths, EXISTS, GRAPH and sub-SELECTs
+  bool wide = false;  // the query may hold paths, EXISTS and sub-SELECTs
 
   static RandomCase Of(uint32_t seed) {
     RandomCase c;
@@ -169,7 +172,7 @@ struct RandomCase {
       quad.subject = bare(random.Node());
       quad.predicate = bare(random.Predicate());
       quad.object = bare(random.Node());
-      quad.graph = random.Below(3) ? std::string(kDefaultGraph) : "urn:g";
+      quad.graph = random.Below(3) ? std::string(kDefaultGraph) : random.Below(8) ? "urn:g" : "urn:h";
       quad.step = i / 12;
       c.quads.push_back(std::move(quad));
     }

@@ -320,8 +320,7 @@ PlanNodePtr Lowering::LowerGraph(const Algebra& a, Scope& scope) {
   graph.kind = GraphRef::Kind::kNamed;
   if (!a.name.IsVariable()) {
     graph.name = TermOf(a.name, scope);
-    const Algebra& only = *a.children[0];
-    if (only.kind != Kind::kBgp || !only.triples.empty()) return Lower(only, scope, graph, false);
+    if (NeedsTripleOfGraph(*a.children[0])) return Lower(*a.children[0], scope, graph, false);
   } else if (a.children[0]->kind == Kind::kBgp && !a.children[0]->triples.empty()) {
     // GRAPH ?g { triples }: the variable is simply the fourth position of each
     graph.name = TermOf(a.name, scope);
@@ -331,7 +330,7 @@ PlanNodePtr Lowering::LowerGraph(const Algebra& a, Scope& scope) {
     node->mentions.Add(graph.name.slot);
     return node;
   }
-  // Anything else runs once for each graph, with the graph in a slot of its own: ?g has no value inside
+  // Anything else runs once for each graph that there is, with the graph in a slot of its own: ?g has no value inside
   // (section 18.6).
   PlanNodePtr node = Node(Plan::kGraph);
   node->name = TermOf(a.name, scope);

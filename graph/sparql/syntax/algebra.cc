@@ -1,5 +1,7 @@
 #include "graph/sparql/syntax/algebra.h"
 
+#include <algorithm>
+
 #include "graph/sparql/syntax/name_numbers.h"
 
 namespace docent::sparql {
@@ -224,6 +226,60 @@ std::vector<PatternOccurrence> AllTriplePatterns(const Algebra& algebra) {
   std::vector<PatternOccurrence> out;
   AddPatterns(algebra, true, &out);
   return out;
+}
+
+namespace {
+
+bool NeedsTriple(const Path& path) {
+  const auto needs = [](const Path& child) { return NeedsTriple(child); };
+  switch (path.kind) {
+    case Path::Kind::kIri:
+    case Path::Kind::kNegatedSet:
+      return true;
+    case Path::Kind::kZeroOrMore:
+    case Path::Kind::kZeroOrOne:
+      return false;
+    case Path::Kind::kInverse:
+    case Path::Kind::kOneOrMore:
+    case Path::Kind::kSequence:
+      return std::any_of(path.children.begin(), path.children.end(), needs);
+    case Path::Kind::kAlternative:
+      return std::all_of(path.children.begin(), path.children.end(), needs);
+  }
+  return false;
+}
+
+}  // namespace
+
+bool NeedsTripleOfGraph(const Algebra& inside) {
+  const auto needs = [](const AlgebraPtr& child) { return NeedsTripleOfGraph(*child); };
+  switch (inside.kind) {
+    case Algebra::Kind::kBgp:
+      return !inside.triples.empty();
+    case Algebra::Kind::kPath:
+      return NeedsTriple(inside.path);
+    case Algebra::Kind::kJoin:
+      return std::any_of(inside.children.begin(), inside.children.end(), needs);
+    case Algebra::Kind::kUnion:
+      return std::all_of(inside.children.begin(), inside.children.end(), needs);
+    case Algebra::Kind::kGroup:  // without keys there is one group, of no rows if need be
+      return !inside.group_keys.empty() && needs(inside.children[0]);
+    case Algebra::Kind::kGraph:
+    case Algebra::Kind::kValues:
+    case Algebra::Kind::kService:
+      return false;
+    case Algebra::Kind::kLeftJoin:
+    case Algebra::Kind::kMinus:
+    case Algebra::Kind::kFilter:
+    case Algebra::Kind::kExtend:
+    case Algebra::Kind::kOrderBy:
+    case Algebra::Kind::kProject:
+    case Algebra::Kind::kDistinct:
+    case Algebra::Kind::kReduced:
+    case Algebra::Kind::kSlice:
+      return needs(inside.children[0]);
+  }
+  return false;
 }
 
 bool HasPath(const Algebra& algebra) {

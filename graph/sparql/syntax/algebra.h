@@ -323,6 +323,10 @@ struct PatternOccurrence {
   bool monotone;  // true: more triples can only add solutions
 };
 std::vector<PatternOccurrence> AllTriplePatterns(const Algebra& algebra);
+// Whether each solution of `inside`, evaluated in one graph, needs a triple of that graph. Where not ({ }, BIND, VALUES, an
+// aggregate, OPTIONAL alone, a path of length zero, another GRAPH), GRAPH has solutions only if it is known besides that the
+// dataset has the graph.
+bool NeedsTripleOfGraph(const Algebra& inside);
 // True if `algebra` holds a property path anywhere.
 bool HasPath(const Algebra& algebra);
 

@@ -265,6 +265,101 @@ TEST(SparqlDataset, GraphOverMoreThanPatterns) {
               ElementsAre("g1 true", "g2 false"));
 }
 
+// What has solutions of its own, whatever the graph holds.
+constexpr const char* kInsides[] = {"",
+                                    "BIND(1 AS ?y)",
+                                    "VALUES ?y { 1 2 }",
+                                    "FILTER(true)",
+                                    "OPTIONAL { ?s ex:p ?o }",
+                                    "OPTIONAL { ?s ex:p ?o FILTER(false) }",
+                                    "{ ?s ex:p ?o } UNION { BIND(1 AS ?y) }",
+                                    "{} MINUS { ?s ex:p ?o }",
+                                    "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }",
+                                    "SELECT (MAX(?o) AS ?n) (GROUP_CONCAT(?o) AS ?m) { ?s ?p ?o }",
+                                    "SELECT DISTINCT ?y { BIND(1 AS ?y) } ORDER BY ?y LIMIT 5",
+                                    "ex:n ex:p* ?y",
+                                    "ex:n (ex:p|ex:q)? ?y",
+                                    "ex:n ex:p*/ex:q? ?y",
+                                    "ex:n ^(ex:p*) ex:n",
+                                    "GRAPH ex:g1 { ex:a ex:p ?o }",
+                                    "GRAPH ?h { ?s ex:p ?o }",
+                                    "FILTER NOT EXISTS { ?s ex:none ?o }",
+                                    "FILTER EXISTS { BIND(1 AS ?y) }",
+                                    "{ { BIND(1 AS ?x) } { VALUES ?y { 2 } } }"};
+
+TEST(SparqlDataset, AGraphThatIsNotThereHasNoSolutions) {
+  const TestGraph g(kGraphs);
+  const PrepareOptions strict{.default_graph = DefaultGraph::kStrict};
+  for (const std::string inside : kInsides) {
+    for (const PrepareOptions& options : {strict, PrepareOptions{}}) {
+      for (const bool reorder : {true, false}) {
+        PrepareOptions o = options;
+        o.reorder_joins = reorder;
+        const auto rows = [&](const std::string& text) { return g.Rows(text, o).size(); };
+        // ex:p is known as a term, ex:none is not
+        for (const std::string name : {"ex:none", "ex:p", "<urn:unknown>"}) {
+          EXPECT_EQ(rows("SELECT * { GRAPH " + name + " {" + inside + "} }"), 0u) << inside;
+          EXPECT_EQ(rows("SELECT * { GRAPH ex:g1 { GRAPH " + name + " {" + inside + "} } }"), 0u) << inside;
+          EXPECT_EQ(rows("SELECT * { GRAPH " + name + " { GRAPH ex:g1 {" + inside + "} } }"), 0u) << inside;
+          EXPECT_EQ(rows("SELECT * { VALUES ?g {" + name + "} GRAPH ?g {" + inside + "} }"), 0u) << inside;
+          EXPECT_EQ(rows("SELECT * { ex:a ex:p ?v FILTER EXISTS { GRAPH " + name + " {" + inside + "} } }"),
+                    0u);
+          EXPECT_GT(rows("SELECT * { GRAPH ex:g1 { ex:a ex:p ?v } FILTER NOT EXISTS { GRAPH " + name + " {" +
+                         inside + "} } }"),
+                    0u)
+              << inside;
+          EXPECT_GT(rows("SELECT * { GRAPH ex:g1 { ex:a ex:p ?v } OPTIONAL { GRAPH " + name + " {" + inside +
+                         "} } }"),
+                    0u);
+          EXPECT_EQ(rows("SELECT * FROM NAMED " + name + " { GRAPH " + name + " {" + inside + "} }"), 0u)
+              << inside;
+          EXPECT_EQ(rows("SELECT * FROM NAMED " + name + " { GRAPH ?g {" + inside + "} }"), 0u) << inside;
+        }
+        EXPECT_GT(rows("SELECT * { GRAPH ex:g1 {" + inside + "} }"), 0u) << inside;
+        EXPECT_EQ(rows("SELECT * FROM NAMED ex:g2 { GRAPH ex:g1 {" + inside + "} }"), 0u) << inside;
+        EXPECT_EQ(rows("SELECT * FROM ex:g1 { GRAPH ex:g1 {" + inside + "} }"), 0u) << inside;
+        EXPECT_EQ(rows("SELECT * FROM ex:g1 { GRAPH ?g {" + inside + "} }"), 0u) << inside;
+        EXPECT_EQ(rows("SELECT * FROM NAMED ex:g2 { VALUES ?g { ex:g1 } GRAPH ?g {" + inside + "} }"), 0u)
+            << inside;
+        // docent:default is a graph with a name where the default graph is the union
+        EXPECT_EQ(rows("SELECT * { GRAPH docent:default {" + inside + "} }") == 0,
+                  o.default_graph == DefaultGraph::kStrict)
+            << inside;
+      }
+    }
+  }
+}
+
+TEST(SparqlDataset, AVariableOfGraphRangesOverTheGraphsThatThereAre) {
+  const TestGraph g(kGraphs);
+  const PrepareOptions strict{.default_graph = DefaultGraph::kStrict};
+  for (const std::string inside : kInsides) {
+    if (inside.find("GRAPH ") != std::string::npos) continue;
+    EXPECT_THAT(g.Rows("SELECT DISTINCT ?g { GRAPH ?g {" + inside + "} }", strict), ElementsAre("g1", "g2"))
+        << inside;
+    EXPECT_THAT(
+        g.Rows("SELECT DISTINCT ?g FROM NAMED ex:g2 FROM NAMED ex:none { GRAPH ?g {" + inside + "} }"),
+        ElementsAre("g2"))
+        << inside;
+    EXPECT_THAT(g.Rows("SELECT DISTINCT ?g { VALUES ?g { ex:g2 ex:none 5 } GRAPH ?g {" + inside + "} }"),
+                ElementsAre("g2"))
+        << inside;
+    EXPECT_EQ(g.Rows("SELECT DISTINCT ?g { GRAPH ?g {" + inside + "} }").size(), 3u) << inside;
+  }
+  EXPECT_THAT(g.Rows("SELECT ?g ?o { GRAPH ?g { GRAPH ex:g1 { ex:b ex:p ?o } } }", strict),
+              ElementsAre("g1 1", "g2 1"));
+  EXPECT_THAT(g.Rows("SELECT ?g ?n { GRAPH ?g { SELECT (COUNT(*) AS ?n) { ?s ex:none ?o } } }", strict),
+              ElementsAre("g1 0", "g2 0"));
+}
+
+TEST(SparqlDataset, AGraphIsThereWhileItHoldsATriple) {
+  TestGraph g(kGraphs);
+  const auto prepared = g.Prepare("ASK { GRAPH ex:g3 { BIND(1 AS ?y) } }");
+  EXPECT_EQ(*prepared->Ask(g.Run()), false);
+  g.Add("ex:g3 { ex:a ex:p 1 }");
+  EXPECT_EQ(*prepared->Ask(g.Run()), true);
+}
+
 TEST(SparqlLimits, CancellationEndsEveryOperator) {
   std::string text;
   for (int i = 0; i < 400; ++i) text += "ex:s" + std::to_string(i) + " ex:p " + std::to_string(i) + " .\n";

@@ -123,6 +123,38 @@ TEST(Update, UsingReplacesTheDataSet) {
   EXPECT_THAT(store.Quads(), SizeIs(4));
 }
 
+TEST(Update, AGraphThatIsNotThereSelectsNothing) {
+  Store store("ex:a ex:p 1 . ex:g { ex:a ex:p 2 }");
+  const std::vector<std::string> before = store.Quads();
+  for (const char* const where :
+       {"GRAPH ex:none { BIND(1 AS ?x) }", "GRAPH ex:none { VALUES ?x { 1 } }",
+        "GRAPH ex:none { ex:n ex:p* ?x }", "GRAPH ex:none { SELECT (COUNT(*) AS ?x) { ?s ?p ?o } }",
+        "VALUES ?g { ex:none } GRAPH ?g { BIND(1 AS ?x) }"}) {
+    ASSERT_TRUE(store.Update(std::string("INSERT { ex:new ex:p ?x } WHERE { ") + where + " }").ok());
+    ASSERT_TRUE(store
+                    .Update(std::string("DELETE WHERE { ?s ?p ?o } ; INSERT DATA { ex:a ex:p 1 } ; DELETE { "
+                                        "ex:a ex:p 1 } WHERE { ") +
+                            where + " }")
+                    .ok());
+    EXPECT_EQ(store.Quads(), before) << where;
+  }
+  for (const char* const dataset :
+       {"USING NAMED ex:none", "USING ex:g", "USING NAMED ex:other USING NAMED ex:none"}) {
+    ASSERT_TRUE(store
+                    .Update(std::string("INSERT { ex:new ex:p 1 } ") + dataset +
+                            " WHERE { GRAPH ex:g { BIND(1 AS ?x) } }")
+                    .ok());
+    ASSERT_TRUE(store
+                    .Update(std::string("INSERT { ex:new ex:p 1 } ") + dataset +
+                            " WHERE { GRAPH ?g { BIND(1 AS ?x) } }")
+                    .ok());
+    EXPECT_EQ(store.Quads(), before) << dataset;
+  }
+  ASSERT_TRUE(
+      store.Update("INSERT { ex:new ex:p ?x } USING NAMED ex:g WHERE { GRAPH ex:g { BIND(1 AS ?x) } }").ok());
+  EXPECT_THAT(store.Quads(), ElementsAre("a p 1 -", "a p 2 g", "new p 1 -"));
+}
+
 TEST(Update, BlankNodesAreNewForEachSolutionAndEachUpdate) {
   Store store("ex:a ex:p 1 . ex:b ex:p 2 .");
   const std::string text =
