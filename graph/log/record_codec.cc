@@ -168,7 +168,7 @@ void EncodeDecisions(const TurnRecord& record, TermTable* terms, log::Turn* turn
     entry->set_to(transition.to);
     entry->set_cause(transition.cause);
   }
-  for (const CommandEntry& command : record.commands) {
+  for (const RobotCommand& command : record.commands) {
     log::Command* entry = turn->add_commands();
     entry->set_id(command.id.value());
     entry->set_robot(command.robot.value());

@@ -44,7 +44,7 @@ std::string ToDisplay(const Transition& transition) {
                       transition.cause.empty() ? "" : absl::StrCat(" (because ", transition.cause, ")"));
 }
 
-std::string ToDisplay(const CommandEntry& command) {
+std::string ToDisplay(const RobotCommand& command) {
   std::string arguments;
   for (const auto& [name, value] : command.arguments) {
     absl::StrAppend(&arguments, arguments.empty() ? "" : ", ", name, "=", ToDisplay(value));

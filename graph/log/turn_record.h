@@ -16,34 +16,10 @@
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/term.h"
+#include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
 namespace docent {
-
-// One change of state of a run, a node of a run or an invocation of a node.
-struct Transition {
-  std::string subject;  // "BoothGuide-1", "BoothGuide-1/Move2Booth" or "BoothGuide-1/Move2Booth/0"
-  std::string from;     // state words of the vocabulary: "waiting", "running", …; empty: it did not exist
-  std::string to;
-  std::string cause;  // for people: what made it happen
-
-  friend bool operator==(const Transition&, const Transition&) = default;
-};
-
-// One command that the turn decided to send to a robot, with everything needed to send it again after a
-// restart.
-struct CommandEntry {
-  CommandId id;
-  RobotId robot;
-  std::string operation;
-  std::vector<std::pair<std::string, Term>> arguments;  // parameter name → value, in the operation's order
-  std::string expected_incarnation;                     // empty: any incarnation of the adapter will do
-  Revision guard_revision;                              // the command's guard held as of this revision
-  TimeMicros deadline_us = 0;
-  bool idempotent = false;  // may be sent again to another incarnation
-
-  friend bool operator==(const CommandEntry&, const CommandEntry&) = default;
-};
 
 struct TurnRecord {
   uint64_t offset = 0;         // place in the log, from 1; given by the log, not stored in the record's bytes
@@ -51,7 +27,7 @@ struct TurnRecord {
   std::string engine_version;  // of the code that decided
   WriteBatch batch;
   std::vector<Transition> transitions;  // in the order in which they were decided
-  std::vector<CommandEntry> commands;   // likewise
+  std::vector<RobotCommand> commands;   // likewise
 
   friend bool operator==(const TurnRecord&, const TurnRecord&) = default;
 };
@@ -64,7 +40,7 @@ std::optional<std::string> DecisionDifference(const TurnRecord& recorded, const 
 // For people, on one line: "BoothGuide-1/Move2Booth waiting → running (because …)".
 std::string ToDisplay(const Transition& transition);
 // For people, on one line: id, robot, operation(arguments), guard, deadline.
-std::string ToDisplay(const CommandEntry& command);
+std::string ToDisplay(const RobotCommand& command);
 
 }  // namespace docent
 

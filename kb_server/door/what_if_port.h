@@ -12,6 +12,7 @@
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/term.h"
+#include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
 namespace docent {
@@ -28,16 +29,12 @@ struct ConditionFlip {
   TimeMicros lasting_us = 0;  // what rises or appears counts only when it has held for so long
 };
 
-struct WhatIfTransition {
-  std::string subject, from, to, cause;  // as TurnRecord keeps them
-};
-
 struct WhatIfAnswer {
   Revision revision;            // that it was asked of
   std::vector<TermQuad> added;  // told and inferred, run facts left out
   std::vector<TermQuad> removed;
   std::vector<ConditionFlip> flips;
-  std::vector<WhatIfTransition> transitions;
+  std::vector<Transition> transitions;
   std::vector<std::string> commands;  // for people
 };
 

@@ -46,7 +46,7 @@ std::string ToText(const WhatIfAnswer& answer, const Display& display) {
     for (const auto& binding : flip.disappeared)
       absl::StrAppend(&out, flip.place, ": gone ", BindingText(binding, display), "\n");
   }
-  for (const WhatIfTransition& t : answer.transitions)
+  for (const Transition& t : answer.transitions)
     absl::StrAppend(&out, t.subject, ": ", t.from.empty() ? "" : absl::StrCat(t.from, " → "), t.to, "\n");
   for (const std::string& command : answer.commands) absl::StrAppend(&out, "command ", command, "\n");
   if (out.empty()) out = "nothing would change\n";
@@ -66,7 +66,7 @@ void Fill(const WhatIfAnswer& answer, const Display& display, v1::WhatIfReply* r
     for (const auto& binding : flip.appeared) out->add_appeared(BindingText(binding, display));
     for (const auto& binding : flip.disappeared) out->add_disappeared(BindingText(binding, display));
   }
-  for (const WhatIfTransition& t : answer.transitions) {
+  for (const Transition& t : answer.transitions) {
     v1::WhatIfTransition* out = reply->add_transitions();
     out->set_subject(t.subject);
     out->set_from(t.from);

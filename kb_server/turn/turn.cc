@@ -1,6 +1,7 @@
 #include "kb_server/turn/turn.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,16 +11,16 @@
 namespace docent {
 namespace {
 
-void Record(const EngineOutput& output, TurnResult* result) {
-  for (const EngineTransition& t : output.transitions) {
-    result->record.transitions.push_back({t.subject, t.from, t.to, t.cause});
-  }
-  for (const RobotCommand& c : output.commands) {
-    result->record.commands.push_back({c.id, c.robot, c.operation, c.arguments, c.expected_incarnation,
-                                       c.guard_revision, c.deadline_us, c.idempotent});
-  }
-  result->cancels.insert(result->cancels.end(), output.cancels.begin(), output.cancels.end());
-  result->started.insert(result->started.end(), output.started.begin(), output.started.end());
+template <typename T>
+void Append(std::vector<T>&& from, std::vector<T>* to) {
+  to->insert(to->end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+void Record(EngineOutput* output, TurnResult* result) {
+  Append(std::move(output->transitions), &result->record.transitions);
+  Append(std::move(output->commands), &result->record.commands);
+  Append(std::move(output->cancels), &result->cancels);
+  Append(std::move(output->started), &result->started);
 }
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
@@ -82,13 +83,14 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     if (stages->cancellation != nullptr) {            // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
     }
-    Record(output, result);
+    const bool quiet = output.quiet();
+    Record(&output, result);
     stages->conditions.Disarm(output.disarm);
     if (absl::Status armed = stages->conditions.Arm(output.arm, graph, batch.time_us, stages->cancellation);
         !armed.ok()) {
       return armed;
     }
-    if (output.quiet()) break;
+    if (quiet) break;
     delta =
         stages->writer.Apply(output.add, output.remove);  // seen by rules and conditions in this same turn
   }

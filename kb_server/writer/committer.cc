@@ -13,17 +13,6 @@
 namespace docent {
 namespace {
 
-RobotCommand ToCommand(const CommandEntry& entry) {
-  return {entry.id,
-          entry.robot,
-          entry.operation,
-          entry.arguments,
-          entry.expected_incarnation,
-          entry.guard_revision,
-          entry.deadline_us,
-          entry.idempotent};
-}
-
 std::vector<History::Step> StepsOf(const DecidedGroup& group) {
   std::vector<History::Step> steps;
   steps.reserve(group.turns.size());
@@ -196,7 +185,7 @@ void Committer::Send(const TurnResult& result) {
     if (quad.predicate == address_) TellAddress(quad);
   }
   for (const CommandId& id : result.cancels) ports_.proxies->Cancel(id);
-  for (const CommandEntry& entry : result.record.commands) ports_.proxies->Send(ToCommand(entry));
+  for (const RobotCommand& command : result.record.commands) ports_.proxies->Send(command);
 }
 
 void Committer::Tell(DecidedTurn* turn) {

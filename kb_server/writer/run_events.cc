@@ -31,7 +31,7 @@ std::vector<RunEvent> EventsOf(const TurnRecord& record) {
     event.detail = transition.cause;
     if (event.kind == "invocation") event.detail = absl::StrCat(transition.subject, ": ", transition.cause);
   }
-  for (const CommandEntry& command : record.commands) {
+  for (const RobotCommand& command : record.commands) {
     RunEvent& event = events.emplace_back(NewEvent(record, command.id.value()));
     event.kind = "command";
     event.to = "sent";

@@ -145,9 +145,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
     (added ? answer.added : answer.removed) = *std::move(facts);
   }
   answer.flips = watch.Flips();
-  for (const Transition& t : turn->record.transitions)
-    answer.transitions.push_back({t.subject, t.from, t.to, t.cause});
-  for (const CommandEntry& command : turn->record.commands) answer.commands.push_back(ToDisplay(command));
+  answer.transitions = std::move(turn->record.transitions);
+  for (const RobotCommand& command : turn->record.commands) answer.commands.push_back(ToDisplay(command));
   return answer;
 }
 

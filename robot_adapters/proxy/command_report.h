@@ -3,8 +3,8 @@
 #define DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_
 
 #include "docent/v1/robot_adapter.pb.h"
+#include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
-#include "workflow/rsel/robot_command.h"
 
 namespace docent {
 

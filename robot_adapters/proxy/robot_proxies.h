@@ -25,8 +25,8 @@
 
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
+#include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
-#include "workflow/rsel/robot_command.h"
 
 namespace docent {
 

@@ -15,8 +15,8 @@
 #include "graph/base/clock.h"
 #include "graph/base/ids.h"
 #include "graph/rdf/term.h"
+#include "graph/store/decisions.h"
 #include "graph/store/quad.h"
-#include "workflow/rsel/robot_command.h"
 
 namespace docent {
 
@@ -88,22 +88,12 @@ class RobotDirectory {
   virtual bool changed() const = 0;
 };
 
-// A change of state, for the log (replay compares it), for Watch, and for people.
-struct EngineTransition {
-  std::string subject;  // "RUN", "RUN/NODE" or "RUN/NODE/ITERATION/OPERATION"
-  std::string from;
-  std::string to;
-  std::string cause;
-
-  friend bool operator==(const EngineTransition&, const EngineTransition&) = default;
-};
-
 struct EngineOutput {
   std::vector<Quad> add;  // run facts, in graph docent:runs
   std::vector<Quad> remove;
   std::vector<ConditionRequest> arm;
   std::vector<ConditionHandle> disarm;
-  std::vector<EngineTransition> transitions;
+  std::vector<Transition> transitions;
   std::vector<RobotCommand> commands;
   std::vector<CommandId> cancels;
   std::vector<RunId> started;  // by this turn's RunRequests, in their order

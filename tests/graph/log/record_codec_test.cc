@@ -144,7 +144,7 @@ TEST(TurnRecordTest, DifferenceNamesPlaceAndBothSides) {
 TEST(TurnRecordTest, EachFieldOfACommandCounts) {
   for (int field = 0; field < 8; ++field) {
     TurnRecord derived = FullRecord();
-    CommandEntry& command = derived.commands[0];
+    RobotCommand& command = derived.commands[0];
     if (field == 0) command.id = CommandId("other");
     if (field == 1) command.robot = RobotId("other");
     if (field == 2) command.operation = "other";

@@ -141,7 +141,7 @@ TEST(TurnTest, AReadingARuleAConstraintAndAWorkflowActInOneTurn) {
   EXPECT_TRUE(world.Has(Fact("John", "docent:isNear", "R1")));
   EXPECT_THAT(Steps(result), Contains("Greet-1/Hello waiting>running"));
   ASSERT_EQ(result.record.commands.size(), 1u);
-  const CommandEntry& command = result.record.commands[0];
+  const RobotCommand& command = result.record.commands[0];
   EXPECT_EQ(command.operation, "greet");
   EXPECT_EQ(command.robot, RobotId("urn:w:R1"));
   EXPECT_EQ(command.expected_incarnation, "i1");
