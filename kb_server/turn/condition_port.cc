@@ -8,6 +8,16 @@
 #include "graph/sparql/syntax/parser.h"
 
 namespace docent {
+namespace {
+
+// What is kept of a request: texts, not queries.
+ConditionRequest WithoutQueries(ConditionRequest request) {
+  request.query.reset();
+  for (LastingPart& part : request.lasting) part.query.reset();
+  return request;
+}
+
+}  // namespace
 
 ConditionPort::ConditionPort(Dictionary* dictionary, StandingConditions* standing)
     : dictionary_(dictionary), standing_(standing) {}
@@ -39,22 +49,31 @@ absl::StatusOr<ConditionId> ConditionPort::Register(const sparql::Query& query, 
   return absl::Status(id.status().code(), absl::StrCat(id.status().message(), "\nin the condition\n", text));
 }
 
+absl::StatusOr<std::shared_ptr<const sparql::Query>> ConditionPort::QueryOf(
+    const std::string& ask, const std::shared_ptr<const sparql::Query>& query) {
+  if (query != nullptr) return query;
+  sparql::ParsedQuery parsed = sparql::ParseQuery(ask);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, ask);
+  return std::make_shared<const sparql::Query>(std::move(parsed.query));
+}
+
 absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
                                 TimeMicros now_us, Cancellation* cancellation) {
   for (const ConditionRequest& request : requests) {
     if (cancellation != nullptr) {
       if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
     }
-    sparql::ParsedQuery parsed = sparql::ParseQuery(request.ask);
-    if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.ask);
-    const sparql::Query& query = parsed.query;
+    auto parsed = QueryOf(request.ask, request.query);
+    if (!parsed.ok()) return parsed.status();
+    const sparql::Query& query = **parsed;
     std::shared_ptr<Lasting> lasting;
     if (!request.lasting.empty()) lasting = std::make_shared<Lasting>(request.handle, request);
     auto id = Register(query, request.ask, lasting ? lasting->condition.variables() : request.key_variables,
                        version, now_us, cancellation);
     if (!id.ok()) return id.status();
     conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
-                                   std::make_shared<const ConditionRequest>(request), lasting};
+                                   std::make_shared<const ConditionRequest>(WithoutQueries(request)),
+                                   lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
     if (lasting) {

@@ -18,6 +18,7 @@
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/types/span.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "kb_server/turn/condition_evidence.h"
@@ -86,6 +87,9 @@ class ConditionPort final : public ConditionView {
     std::shared_ptr<Lasting> lasting;  // null: it has no such parts
   };
 
+  // `query`, or what `ask` says where it is null.
+  static absl::StatusOr<std::shared_ptr<const sparql::Query>> QueryOf(
+      const std::string& ask, const std::shared_ptr<const sparql::Query>& query);
   TermBinding Decode(const Binding& binding) const;
   std::vector<TermBinding> Decode(const std::vector<Binding>& bindings) const;
   absl::StatusOr<ConditionId> Register(const sparql::Query& query, const std::string& text,

@@ -3,7 +3,6 @@
 #include <tuple>
 #include <utility>
 
-#include "graph/sparql/syntax/parser.h"
 #include "kb_server/turn/condition_port.h"
 
 namespace docent {
@@ -38,9 +37,9 @@ absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Cond
   changed_.push_back(condition.lasting);
   for (size_t i = 0; i < request.lasting.size(); ++i) {
     const LastingPart& part = request.lasting[i];
-    sparql::ParsedQuery parsed = sparql::ParseQuery(part.ask);
-    if (!parsed.ok()) return ToStatus(parsed.diagnostics, part.ask);
-    auto id = Register(parsed.query, part.ask, part.variables, version, now_us, cancellation);
+    auto query = QueryOf(part.ask, part.query);
+    if (!query.ok()) return query.status();
+    auto id = Register(**query, part.ask, part.variables, version, now_us, cancellation);
     if (!id.ok()) return id.status();
     lasting.parts.push_back(*id);
     for (const Binding& key : standing_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);

@@ -121,7 +121,7 @@ absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, cons
   if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
   *name = parsed.document->name.value;
   std::set<Fact> before = Facts(*engine, document.kind, *name);
-  engine->Deploy(parsed.document);
+  if (absl::Status status = engine->Deploy(parsed.document); !status.ok()) return status;
   Describe(before, Facts(*engine, document.kind, *name), batch);
   return absl::OkStatus();
 }

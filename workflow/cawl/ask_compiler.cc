@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "graph/sparql/syntax/parser.h"
 #include "workflow/cawl/ask_writer.h"
 #include "workflow/cawl/formula.h"
 #include "workflow/cawl/lasting_rules.h"
@@ -28,10 +29,11 @@ CompiledAsk Written(AskWriter writer, std::string name, int priority) {
 }
 
 absl::StatusOr<CompiledAsk> Compile(const Document& document, const Formula& formula,
-                                    const VariableValues& values, std::string name, int priority) {
+                                    const VariableValues& values, const Limits& limits, std::string name,
+                                    int priority) {
   absl::StatusOr<std::vector<Conjunction>> alternatives = ToAlternatives(formula);
   if (!alternatives.ok()) return alternatives.status();
-  AskWriter writer(document, values);
+  AskWriter writer(document, values, limits);
   absl::Status status = writer.Write(*alternatives);
   if (!status.ok()) return status;
   return Written(std::move(writer), std::move(name), priority);
@@ -43,14 +45,14 @@ std::string NameOr(const Text& name, std::string otherwise) {
 
 // The rules of `context` that must have held for some time become parts of `ask`, and its text says so.
 absl::Status AddLasting(const Document& document, const Context& context, const VariableValues& values,
-                        CompiledAsk* ask) {
+                        const Limits& limits, CompiledAsk* ask) {
   std::string notes;
   for (size_t i = 0; i < context.rules.size(); ++i) {
     const Rule& rule = context.rules[i];
     if (!rule.at_least_ms) continue;
-    absl::StatusOr<CompiledAsk> part = Compile(document, FormulaOf(rule), values, "", 0);
+    absl::StatusOr<CompiledAsk> part = Compile(document, FormulaOf(rule), values, limits, "", 0);
     if (!part.ok()) return part.status();
-    LastingAsk lasting{std::move(part->ask), {}, *rule.at_least_ms};
+    LastingAsk lasting{std::move(part->ask), nullptr, {}, *rule.at_least_ms};
     const std::set<std::string> bound = CertainVariables(rule);
     std::copy_if(part->free_variables.begin(), part->free_variables.end(),
                  std::back_inserter(lasting.variables),
@@ -63,17 +65,43 @@ absl::Status AddLasting(const Document& document, const Context& context, const 
   return absl::OkStatus();
 }
 
+absl::Status Parse(const std::string& text, const Limits& limits, std::shared_ptr<const sparql::Query>* out) {
+  sparql::ParseOptions options;
+  options.limits = limits;
+  sparql::ParsedQuery parsed = sparql::ParseQuery(text, options);
+  if (parsed.ok()) {
+    *out = std::make_shared<const sparql::Query>(std::move(parsed.query));
+    return absl::OkStatus();
+  }
+  const Diagnostic& first = parsed.diagnostics.front();
+  return absl::InvalidArgumentError(absl::StrCat("the condition is not valid as SPARQL: ", first.message,
+                                                 first.hint.empty() ? "" : absl::StrCat("; ", first.hint)));
+}
+
+SourceSpan PlaceOf(const Text& name, const SourceSpan& element) {
+  return name.empty() ? element : name.span;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
                                                           const Condition& condition,
-                                                          const VariableValues& values) {
+                                                          const VariableValues& values, const Limits& limits,
+                                                          SourceSpan* refused) {
   std::vector<CompiledAsk> out;
+  const auto add = [&](const Formula& formula, std::string name, int priority, const SourceSpan& place) {
+    absl::StatusOr<CompiledAsk> ask = Compile(document, formula, values, limits, std::move(name), priority);
+    if (ask.ok()) {
+      out.push_back(*std::move(ask));
+    } else if (refused != nullptr) {
+      *refused = place;
+    }
+    return ask.status();
+  };
   if (condition.expression) {
-    absl::StatusOr<CompiledAsk> ask =
-        Compile(document, FormulaOf(condition), values, ToText(*condition.expression), 0);
-    if (!ask.ok()) return ask.status();
-    out.push_back(*std::move(ask));
+    absl::Status status = add(FormulaOf(condition), ToText(*condition.expression), 0,
+                              PlaceOf(condition.expression_text, condition.span));
+    if (!status.ok()) return status;
     return out;
   }
   std::vector<const Context*> contexts;
@@ -81,28 +109,36 @@ absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& docume
   std::stable_sort(contexts.begin(), contexts.end(),
                    [](const Context* a, const Context* b) { return a->priority < b->priority; });
   for (const Context* context : contexts) {
-    absl::StatusOr<CompiledAsk> ask =
-        Compile(document, FormulaOf(*context), values,
-                NameOr(context->name, absl::StrCat("context ", out.size() + 1)), context->priority);
-    if (!ask.ok()) return ask.status();
-    absl::Status lasting = AddLasting(document, *context, values, &*ask);
-    if (!lasting.ok()) return lasting;
-    out.push_back(*std::move(ask));
+    const SourceSpan place = PlaceOf(context->name, context->span);
+    absl::Status status =
+        add(FormulaOf(*context), NameOr(context->name, absl::StrCat("context ", out.size() + 1)),
+            context->priority, place);
+    if (status.ok()) status = AddLasting(document, *context, values, limits, &out.back());
+    if (!status.ok() && refused != nullptr) *refused = place;
+    if (!status.ok()) return status;
   }
   for (const Case& c : condition.cases) {
-    absl::StatusOr<CompiledAsk> ask = Compile(document, FormulaOf(c), values, NameOr(c.name, "case"), 0);
-    if (!ask.ok()) return ask.status();
-    out.push_back(*std::move(ask));
+    absl::Status status =
+        add(FormulaOf(c), NameOr(c.name, "case"), 0, PlaceOf(c.expression_text, PlaceOf(c.name, c.span)));
+    if (!status.ok()) return status;
   }
   return out;
 }
 
 absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Constraint& constraint,
-                                              const VariableValues& values) {
+                                              const VariableValues& values, const Limits& limits) {
   Formula formula;
   formula.kind = Formula::Kind::kConstraint;
   formula.constraint = &constraint;
-  return Compile(document, formula, values, NameOr(constraint.name, "while"), 0);
+  return Compile(document, formula, values, limits, NameOr(constraint.name, "while"), 0);
+}
+
+absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask) {
+  absl::Status status = Parse(ask->ask, limits, &ask->query);
+  for (LastingAsk& part : ask->lasting) {
+    if (status.ok()) status = Parse(part.ask, limits, &part.query);
+  }
+  return status;
 }
 
 std::vector<std::string> KeyVariables(const Activator& activator, const CompiledAsk& ask) {
@@ -115,48 +151,81 @@ std::vector<std::string> KeyVariables(const Activator& activator, const Compiled
   return out;
 }
 
-std::vector<ConditionText> ConditionTexts(const Document& document) {
-  std::vector<ConditionText> out;
-  VariableValues none = [](const std::string&) { return std::nullopt; };
-  SourceSpan span;
-  auto add = [&](const std::string& place, const absl::StatusOr<CompiledAsk>& ask, const std::string& what) {
-    if (!ask.ok()) {
-      out.push_back({place, absl::StrCat("# cannot be compiled: ", ask.status().message()), span});
-      return;
+namespace {
+
+constexpr char kSplit[] = "split it into several contexts, or into several nodes";
+
+class TextWriter {
+ public:
+  TextWriter(const Document& document, const Limits& limits, xml::ElementReader* reader)
+      : document_(document), limits_(limits), reader_(*reader) {}
+
+  void Add(const std::string& place, const Condition& condition) {
+    SourceSpan refused = condition.span;
+    absl::StatusOr<std::vector<CompiledAsk>> asks =
+        CompileCondition(document_, condition, NoValues, limits_, &refused);
+    if (!asks.ok()) return Refuse(refused, asks.status(), kSplit);
+    for (CompiledAsk& ask : *asks) {
+      Add(place,
+          condition.expression ? "condition"
+          : ask.by_event()     ? "case"
+                               : "context",
+          condition.span, &ask);
     }
+  }
+
+  void Add(const std::string& place, const Link& link) {
+    absl::StatusOr<CompiledAsk> ask = CompileConstraint(document_, *link.while_constraint, NoValues, limits_);
+    if (!ask.ok()) return Refuse(link.while_text.span, ask.status(), "");
+    Add(place, "while", link.while_text.span, &*ask);
+  }
+
+  std::vector<ConditionText> Take() { return std::move(out_); }
+
+ private:
+  static std::optional<Term> NoValues(const std::string&) { return std::nullopt; }
+
+  void Add(const std::string& place, const std::string& what, const SourceSpan& span, CompiledAsk* ask) {
+    if (absl::Status status = ParseAsks(limits_, ask); !status.ok()) return Refuse(span, status, kSplit);
     std::string notes;
     for (const std::string& name : ask->unset)
       absl::StrAppend(&notes, "# ?", name, " is the value of $", name, " at run time\n");
     bool says_so = absl::StartsWith(ask->name, what);  // "context 2"
-    out.push_back({absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask, span});
-  };
-  auto add_condition = [&](const std::string& place, const Condition& condition) {
-    span = condition.span;
-    absl::StatusOr<std::vector<CompiledAsk>> asks = CompileCondition(document, condition, none);
-    if (!asks.ok()) return add(place, asks.status(), "");
-    for (const CompiledAsk& ask : *asks)
-      add(place, ask, condition.expression ? "condition" : ask.by_event() ? "case" : "context");
-  };
+    out_.push_back(
+        {absl::StrCat(place, " / ", says_so ? "" : what + " ", ask->name), notes + ask->ask, span});
+  }
+
+  void Refuse(const SourceSpan& span, const absl::Status& status, const char* hint) {
+    reader_.Error(span, std::string(status.message()), hint);
+  }
+
+  const Document& document_;
+  const Limits& limits_;
+  xml::ElementReader& reader_;
+  std::vector<ConditionText> out_;
+};
+
+}  // namespace
+
+std::vector<ConditionText> ConditionTexts(const Document& document, const Limits& limits,
+                                          xml::ElementReader* reader) {
+  TextWriter writer(document, limits, reader);
   if (document.activator) {
-    add_condition(document.activator->name.empty()
-                      ? "activator"
-                      : absl::StrCat("activator ", document.activator->name.value),
-                  document.activator->condition);
+    writer.Add(document.activator->name.empty() ? "activator"
+                                                : absl::StrCat("activator ", document.activator->name.value),
+               document.activator->condition);
   }
   for (const Flow& flow : document.flows) {
-    std::string flow_place = absl::StrCat("flow ", flow.name.value);
+    const std::string place = absl::StrCat("flow ", flow.name.value);
     for (const Node& node : flow.nodes) {
-      if (node.condition)
-        add_condition(absl::StrCat(flow_place, " / node ", node.name.value), *node.condition);
+      if (node.condition) writer.Add(absl::StrCat(place, " / node ", node.name.value), *node.condition);
     }
     for (const Link& link : flow.links) {
       if (!link.while_constraint) continue;
-      span = link.while_text.span;
-      add(absl::StrCat(flow_place, " / link ", link.from.value, " → ", link.to.value),
-          CompileConstraint(document, *link.while_constraint, none), "while");
+      writer.Add(absl::StrCat(place, " / link ", link.from.value, " → ", link.to.value), link);
     }
   }
-  return out;
+  return writer.Take();
 }
 
 }  // namespace docent::cawl

@@ -7,17 +7,23 @@
 // event        ?_event_1 rdf:type docent:Event . ?_event_1 docent:operation "NAME" .
 //
 // `$name` is replaced by its value; without a value it is the free variable ?name (see ast.h on how bindings flow).
-// Texts are self-contained: they declare the prefixes that they use. Functions without state; any thread.
+// The text is what people see and what is kept (docent:waitsFor, snapshots). It is self-contained: it declares the prefixes
+// that it uses. Functions without state; any thread.
 #ifndef DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_
 #define DOCENT_WORKFLOW_CAWL_ASK_COMPILER_H_
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "graph/base/limits.h"
+#include "graph/sparql/syntax/algebra.h"
 #include "workflow/cawl/ast.h"
+#include "workflow/xml/element_reader.h"
 
 namespace docent::cawl {
 
@@ -27,6 +33,7 @@ using VariableValues = std::function<std::optional<Term>(const std::string&)>;
 // A rule with ext:for, as an ASK of its own.
 struct LastingAsk {
   std::string ask;
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null until ParseAsks
   // What tells its solutions apart: the variables that each of them binds, without "?".
   std::vector<std::string> variables;
   int64_t at_least_ms = 0;
@@ -36,6 +43,7 @@ struct CompiledAsk {
   std::string
       name;         // of the context or case ("context 2", "case" without one), or the condition's expression
   std::string ask;  // SPARQL
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null until ParseAsks
   int priority = 0;
   // What a solution binds, without "?", in order of first use. A variable that stands only in some alternatives of
   // an `or` may be left unbound. Names beginning with "_" and event variables are not among them.
@@ -54,14 +62,20 @@ struct CompiledAsk {
 
 // The alternatives in the order in which they are to be tried; none: the condition holds at once.
 // INVALID_ARGUMENT: a variable's value is a blank node (SPARQL cannot name one) or a literal where a resource has to
-// stand, or the expression has more than 256 alternatives.
+// stand, or beyond the limits condition_alternatives, condition_parts and query_text_bytes. `refused` (null: not asked for)
+// is then the place of the context, case or expression.
 absl::StatusOr<std::vector<CompiledAsk>> CompileCondition(const Document& document,
                                                           const Condition& condition,
-                                                          const VariableValues& values);
+                                                          const VariableValues& values, const Limits& limits,
+                                                          SourceSpan* refused = nullptr);
 
 // The ASK of one constraint (ext:while).
 absl::StatusOr<CompiledAsk> CompileConstraint(const Document& document, const Constraint& constraint,
-                                              const VariableValues& values);
+                                              const VariableValues& values, const Limits& limits);
+
+// Sets the queries of what was compiled. INVALID_ARGUMENT: SPARQL does not take a text; what is armed must not come to
+// that. Apart from compiling, because most texts are compared and thrown away.
+absl::Status ParseAsks(const Limits& limits, CompiledAsk* ask);
 
 // The variables of which each new binding starts a run: those of the activator's own variables that `ask` binds; all
 // of ask.free_variables if it declares none; ask.event_variables in front when there are any.
@@ -73,8 +87,10 @@ struct ConditionText {
   std::string ask;    // SPARQL after comment lines that name the $variables shown as ?name
   SourceSpan span;    // of the condition, or of the link's condition
 };
-// All conditions of the document, in its order, no variable having a value.
-std::vector<ConditionText> ConditionTexts(const Document& document);
+// All conditions of the document, in its order, no variable having a value. One that can never be asked is an error at its
+// place.
+std::vector<ConditionText> ConditionTexts(const Document& document, const Limits& limits,
+                                          xml::ElementReader* reader);
 
 }  // namespace docent::cawl
 

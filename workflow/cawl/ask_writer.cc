@@ -54,17 +54,14 @@ void AppendLine(int indent, std::string_view line, std::string* out) {
   out->push_back('\n');
 }
 
-void AddOnce(std::string line, std::vector<std::string>* lines) {
-  if (std::find(lines->begin(), lines->end(), line) == lines->end()) lines->push_back(std::move(line));
-}
-
 absl::Status Refused(const std::string& why) {
   return absl::InvalidArgumentError(why);
 }
 
 }  // namespace
 
-AskWriter::AskWriter(const Document& document, const VariableValues& values) : values_(values) {
+AskWriter::AskWriter(const Document& document, const VariableValues& values, const Limits& limits)
+    : values_(values), limits_(limits) {
   std::set<std::string> taken;
   auto add = [&](std::string_view prefix, std::string_view iri) {
     if (iri.find(':') == std::string_view::npos || !IsPlainPrefix(prefix) ||
@@ -108,10 +105,12 @@ absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int ind
   for (const Event* event : conjunction.events) AddEvent(*event, negated, &group);
   for (const Constraint* constraint : conjunction.constraints) {
     absl::Status status = AddConstraint(*constraint, negated, &group);
+    if (status.ok()) status = CheckLength(out->size() + group.bytes);
     if (!status.ok()) return status;
   }
   for (const std::string& line : group.triples) AppendLine(indent, line, out);
   for (const std::string& line : group.filters) AppendLine(indent, line, out);
+  if (absl::Status status = CheckLength(out->size()); !status.ok()) return status;
   for (const Formula& absent : conjunction.absent) {
     absl::StatusOr<std::vector<Conjunction>> inner = ToAlternatives(absent);
     if (!inner.ok()) return inner.status();
@@ -124,6 +123,18 @@ absl::Status AskWriter::WriteConjunction(const Conjunction& conjunction, int ind
     }
   }
   return absl::OkStatus();
+}
+
+absl::Status AskWriter::CheckLength(size_t bytes) const {
+  if (bytes <= limits_.query_text_bytes) return absl::OkStatus();
+  return Refused(absl::StrCat("the condition as SPARQL has more than ", limits_.query_text_bytes,
+                              " bytes; the limit query_text_bytes is ", limits_.query_text_bytes));
+}
+
+void AskWriter::Group::Add(std::string line, std::vector<std::string>* lines) {
+  if (std::find(lines->begin(), lines->end(), line) != lines->end()) return;
+  bytes += line.size();
+  lines->push_back(std::move(line));
 }
 
 absl::Status AskWriter::AddConstraint(const Constraint& constraint, bool negated, Group* group) {
@@ -141,10 +152,9 @@ absl::Status AskWriter::AddConstraint(const Constraint& constraint, bool negated
   if (compares) {
     int number = compared_.emplace(&constraint, static_cast<int>(compared_.size()) + 1).first->second;
     found = absl::StrCat("?_", number);
-    AddOnce(Concat("FILTER (", found, " ", Symbol(constraint.object.comparison), " ", *object, ")"),
-            &group->filters);
+    group->AddFilter(Concat("FILTER (", found, " ", Symbol(constraint.object.comparison), " ", *object, ")"));
   }
-  AddOnce(Concat(*subject, " ", *verb, " ", found, " ."), &group->triples);
+  group->AddTriple(Concat(*subject, " ", *verb, " ", found, " ."));
   absl::Status status = AddType(constraint.subject, *subject, group);
   if (!status.ok()) return status;
   return AddType(constraint.object, found, group);
@@ -154,11 +164,11 @@ absl::Status AskWriter::AddType(const Word& word, const std::string& value, Grou
   if (!word.type_term) return absl::OkStatus();
   std::string type = Short(word.type_term->lexical);
   if (word.type_term->lexical.starts_with(kXsdNs)) {
-    AddOnce(Concat("FILTER (DATATYPE(", value, ") = ", type, ")"), &group->filters);
+    group->AddFilter(Concat("FILTER (DATATYPE(", value, ") = ", type, ")"));
   } else if (std::optional<Term> known = ValueOf(word); known && known->IsLiteral()) {
     return Refused(Concat("$", word.name, " is the literal ", value, " and cannot be of type ", type));
   } else {
-    AddOnce(Concat(value, " ", Short(std::string(kRdfType)), " ", type, " ."), &group->triples);
+    group->AddTriple(Concat(value, " ", Short(std::string(kRdfType)), " ", type, " ."));
   }
   return absl::OkStatus();
 }
@@ -167,11 +177,10 @@ void AskWriter::AddEvent(const Event& event, bool negated, Group* group) {
   int number = events_.emplace(&event, static_cast<int>(events_.size()) + 1).first->second;
   std::string name = absl::StrCat("_event_", number);
   if (!negated) Note(name, &event_variables_);
-  AddOnce(Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."),
-          &group->triples);
-  AddOnce(Concat("?", name, " ", Short(DocentIri("operation")), " ",
-                 ToNTriples(Term::Literal(event.operation.value)), " ."),
-          &group->triples);
+  group->AddTriple(
+      Concat("?", name, " ", Short(std::string(kRdfType)), " ", Short(DocentIri("Event")), " ."));
+  group->AddTriple(Concat("?", name, " ", Short(DocentIri("operation")), " ",
+                          ToNTriples(Term::Literal(event.operation.value)), " ."));
 }
 
 std::optional<Term> AskWriter::ValueOf(const Word& word) const {

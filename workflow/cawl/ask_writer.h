@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "graph/base/limits.h"
 #include "workflow/cawl/ask_compiler.h"
 #include "workflow/cawl/formula.h"
 
@@ -16,9 +17,10 @@ namespace docent::cawl {
 
 class AskWriter {
  public:
-  // Both must outlive the writer.
-  AskWriter(const Document& document, const VariableValues& values);
+  // All must outlive the writer.
+  AskWriter(const Document& document, const VariableValues& values, const Limits& limits);
 
+  // INVALID_ARGUMENT: see CompileCondition.
   absl::Status Write(const std::vector<Conjunction>& alternatives);
 
   // Prefix declarations and the query.
@@ -33,7 +35,17 @@ class AskWriter {
   struct Group {
     std::vector<std::string> triples;
     std::vector<std::string> filters;
+    size_t bytes = 0;
+
+    // Once each.
+    void AddTriple(std::string line) { Add(std::move(line), &triples); }
+    void AddFilter(std::string line) { Add(std::move(line), &filters); }
+
+   private:
+    void Add(std::string line, std::vector<std::string>* lines);
   };
+
+  absl::Status CheckLength(size_t bytes) const;
 
   absl::Status WriteAlternatives(const std::vector<Conjunction>& alternatives, int indent, bool negated,
                                  std::string* out);
@@ -50,6 +62,7 @@ class AskWriter {
   void Note(const std::string& name, std::vector<std::string>* list);
 
   const VariableValues& values_;
+  const Limits& limits_;
   std::vector<std::pair<std::string, std::string>> prefixes_;  // namespace → prefix, longest namespace first
   std::set<std::pair<std::string, std::string>> used_prefixes_;  // prefix, namespace
   std::map<const Constraint*, int> compared_;  // number of the ?_N that stands for a compared object

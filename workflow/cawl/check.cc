@@ -15,14 +15,14 @@ CheckReport CheckDocument(std::string_view text, const std::string& file, const 
   out.document = std::move(parsed.document);
   out.diagnostics = std::move(parsed.diagnostics);
   if (out.document == nullptr) return out;
-  if (environment != nullptr) {
-    xml::ElementReader reader(out.document->source, file, kExtensionNs);
-    CheckAgainst(*out.document, *environment, &reader);
-    for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
-    std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),
-                     [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
-  }
-  if (out.ok()) out.conditions = ConditionTexts(*out.document);
+  xml::ElementReader reader(out.document->source, file, kExtensionNs);
+  if (environment != nullptr) CheckAgainst(*out.document, *environment, &reader);
+  // What is wrong in the text alone may leave words out of conditions.
+  if (!HasErrors(out.diagnostics)) out.conditions = ConditionTexts(*out.document, limits, &reader);
+  for (Diagnostic& d : reader.TakeDiagnostics()) out.diagnostics.push_back(std::move(d));
+  std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
+  if (!out.ok()) out.conditions.clear();
   return out;
 }
 

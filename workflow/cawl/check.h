@@ -21,7 +21,8 @@ struct CheckReport {
   bool ok() const { return document != nullptr && !HasErrors(diagnostics); }
 };
 
-// `environment` null: operations, services and ontology words are not checked. With one:
+// Beyond ParseCawl, an error for each condition that can never be asked: one that is too long, or has too many
+// alternatives. `environment` null: operations, services and ontology words are not checked. With one:
 //  error    an `invoke` that names neither an RSEL process nor an operation, or no flow
 //  error    an input part of an operation for which no variable of that name can have a value
 //  warning  a class, property or resource that the ontology does not have, with the nearest that it has

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
+#include "graph/base/workflow_limits.h"
 
 namespace docent::cawl {
 namespace {
@@ -40,11 +42,28 @@ Formula Combine(const std::optional<Expression>& expression, const std::vector<c
   });
 }
 
-absl::Status TooMany() {
-  return absl::InvalidArgumentError(
-      absl::StrCat("the condition has more than ", kMaxAlternatives,
-                   " alternatives when its `or`s are carried to the outside; split it into "
-                   "several contexts"));
+absl::Status TooMany(std::string_view what, std::string_view limit, size_t value) {
+  return absl::InvalidArgumentError(absl::StrCat("the condition has more than ", value, " ", ToAbsl(what),
+                                                 " when its `or`s are carried to the outside; the limit ",
+                                                 ToAbsl(limit), " is ", value));
+}
+
+size_t Leaves(const Formula& formula) {
+  size_t leaves = formula.children.empty() ? 1 : 0;
+  for (const Formula& child : formula.children) leaves += Leaves(child);
+  return leaves;
+}
+
+size_t Parts(const Conjunction& conjunction) {
+  size_t parts = conjunction.constraints.size() + conjunction.events.size();
+  for (const Formula& absent : conjunction.absent) parts += Leaves(absent);
+  return parts;
+}
+
+size_t Parts(const std::vector<Conjunction>& alternatives) {
+  size_t parts = 0;
+  for (const Conjunction& alternative : alternatives) parts += Parts(alternative);
+  return parts;
 }
 
 void Append(const Conjunction& from, Conjunction* to) {
@@ -56,6 +75,28 @@ void Append(const Conjunction& from, Conjunction* to) {
     if (std::find(to->events.begin(), to->events.end(), e) == to->events.end()) to->events.push_back(e);
   }
   to->absent.insert(to->absent.end(), from.absent.begin(), from.absent.end());
+}
+
+// Each of `left` with each of `right`.
+absl::Status Multiply(std::vector<Conjunction>* left, const std::vector<Conjunction>& right) {
+  if (left->size() * right.size() > WorkflowLimits::condition_alternatives)
+    return TooMany("alternatives", "condition_alternatives", WorkflowLimits::condition_alternatives);
+  if (Parts(*left) * right.size() + Parts(right) * left->size() > WorkflowLimits::condition_parts)
+    return TooMany("constraints and events", "condition_parts", WorkflowLimits::condition_parts);
+  if (right.size() == 1) {
+    for (Conjunction& l : *left) Append(right[0], &l);
+    return absl::OkStatus();
+  }
+  std::vector<Conjunction> product;
+  product.reserve(left->size() * right.size());
+  for (const Conjunction& l : *left) {
+    for (const Conjunction& r : right) {
+      product.push_back(l);
+      Append(r, &product.back());
+    }
+  }
+  *left = std::move(product);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -125,7 +166,8 @@ absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula) 
         absl::StatusOr<std::vector<Conjunction>> part = ToAlternatives(child);
         if (!part.ok()) return part.status();
         out.insert(out.end(), part->begin(), part->end());
-        if (out.size() > kMaxAlternatives) return TooMany();
+        if (out.size() > WorkflowLimits::condition_alternatives)
+          return TooMany("alternatives", "condition_alternatives", WorkflowLimits::condition_alternatives);
       }
       return out;
     case Formula::Kind::kAnd:
@@ -133,15 +175,7 @@ absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula) 
       for (const Formula& child : formula.children) {
         absl::StatusOr<std::vector<Conjunction>> part = ToAlternatives(child);
         if (!part.ok()) return part.status();
-        if (out.size() * part->size() > kMaxAlternatives) return TooMany();
-        std::vector<Conjunction> product;
-        for (const Conjunction& left : out) {
-          for (const Conjunction& right : *part) {
-            product.push_back(left);
-            Append(right, &product.back());
-          }
-        }
-        out = std::move(product);
+        if (absl::Status status = Multiply(&out, *part); !status.ok()) return status;
       }
       return out;
   }

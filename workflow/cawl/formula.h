@@ -34,9 +34,8 @@ struct Conjunction {
   std::vector<Formula> absent;
 };
 
-inline constexpr size_t kMaxAlternatives = 256;
-
-// The disjunctive normal form; `not not` is dropped. INVALID_ARGUMENT beyond kMaxAlternatives.
+// The disjunctive normal form; `not not` is dropped. INVALID_ARGUMENT beyond the limits condition_alternatives and
+// condition_parts.
 absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula);
 
 }  // namespace docent::cawl

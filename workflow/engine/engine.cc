@@ -41,11 +41,17 @@ void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* value
 
 ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
                            std::vector<std::string> key_variables) {
-  ConditionRequest request{handle, ask.ask, std::move(key_variables), ask.by_event(), {}};
+  ConditionRequest request{handle, ask.ask, ask.query, std::move(key_variables), ask.by_event(), {}};
   for (const cawl::LastingAsk& part : ask.lasting) {
-    request.lasting.push_back({part.ask, part.variables, part.at_least_ms * 1000});
+    request.lasting.push_back({part.ask, part.query, part.variables, part.at_least_ms * 1000});
   }
   return request;
+}
+
+ArmedCondition Armed(ConditionHandle handle, cawl::CompiledAsk ask) {
+  ask.query.reset();
+  for (cawl::LastingAsk& part : ask.lasting) part.query.reset();
+  return {handle, std::move(ask), {}};
 }
 
 Run* Engine::Core::Mutable(const RunId& id) {
@@ -275,7 +281,18 @@ Diagnostics Engine::CheckSupported(const cawl::Document& document) {
   return diagnostics;
 }
 
-void Engine::Deploy(cawl::DocumentPtr document) {
+absl::Status Engine::Deploy(cawl::DocumentPtr document) {
+  std::vector<cawl::CompiledAsk> asks;
+  if (document->activator) {
+    auto compiled = cawl::CompileCondition(
+        *document, document->activator->condition, [](const std::string&) { return std::nullopt; },
+        core_->limits);
+    if (!compiled.ok()) return compiled.status();
+    asks = *std::move(compiled);
+    for (cawl::CompiledAsk& ask : asks) {
+      if (absl::Status status = cawl::ParseAsks(core_->limits, &ask); !status.ok()) return status;
+    }
+  }
   Deployment& deployment = core_->MutableDeployment(document->name.value);
   for (const ArmedCondition& armed : deployment.armed) {
     core_->owners.erase(armed.handle);
@@ -284,19 +301,14 @@ void Engine::Deploy(cawl::DocumentPtr document) {
   Deployment fresh;
   fresh.document = document;
   for (const auto& [key, count] : deployment.active) fresh.carried.insert(key);
-  if (document->activator) {
-    auto asks = cawl::CompileCondition(*document, document->activator->condition,
-                                       [](const std::string&) { return std::nullopt; });
-    if (asks.ok()) {
-      for (cawl::CompiledAsk& ask : *asks) {
-        ConditionHandle handle = core_->next_handle++;
-        core_->owners[handle] = {RunId(), 0, document->name.value};
-        core_->deploy_arm.push_back(RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
-        fresh.armed.push_back({handle, std::move(ask)});
-      }
-    }
+  for (cawl::CompiledAsk& ask : asks) {
+    ConditionHandle handle = core_->next_handle++;
+    core_->owners[handle] = {RunId(), 0, document->name.value};
+    core_->deploy_arm.push_back(RequestOf(handle, ask, cawl::KeyVariables(*document->activator, ask)));
+    fresh.armed.push_back(Armed(handle, std::move(ask)));
   }
   deployment = std::move(fresh);
+  return absl::OkStatus();
 }
 
 bool Engine::Undeploy(const std::string& workflow) {

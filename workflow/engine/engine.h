@@ -55,8 +55,8 @@ class Engine {
 
   // Arms the document's activator; replaces the document of the same name, whose live runs go on unchanged
   // and whose bindings that already started a run do not start another. `document` is correct
-  // (cawl::ParseCawl).
-  void Deploy(cawl::DocumentPtr document);
+  // (cawl::ParseCawl). INVALID_ARGUMENT: the activator's condition can never be asked; nothing has changed.
+  absl::Status Deploy(cawl::DocumentPtr document);
   // False: no such workflow. Live runs go on.
   bool Undeploy(const std::string& workflow);
   // Registers robot services; with errors nothing changed.

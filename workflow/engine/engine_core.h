@@ -37,6 +37,9 @@ struct Deployment {
 ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
                            std::vector<std::string> key_variables);
 
+// What is kept of a condition once it is asked for: its text, not its query.
+ArmedCondition Armed(ConditionHandle handle, cawl::CompiledAsk ask);
+
 // Why an invocation is pending: all robots that could do it are held by other runs.
 inline constexpr std::string_view kAllServeOthers = "every robot that offers it serves another run";
 

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@
 
 namespace docent {
 
+namespace sparql {
+struct Query;
+}
+
 // Chosen by the engine, unique within a data folder.
 using ConditionHandle = uint64_t;
 
@@ -28,8 +33,9 @@ using TermBinding = std::map<std::string, Term>;
 
 // A part of a condition that must have held for some time, with the same values of its variables.
 struct LastingPart {
-  std::string ask;                     // SPARQL ASK
-  std::vector<std::string> variables;  // that every solution of it binds
+  std::string ask;                             // SPARQL ASK
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed
+  std::vector<std::string> variables;          // that every solution of it binds
   TimeMicros at_least_us = 0;
 
   friend bool operator==(const LastingPart&, const LastingPart&) = default;
@@ -38,7 +44,8 @@ struct LastingPart {
 // A condition to be kept true or false from now on.
 struct ConditionRequest {
   ConditionHandle handle = 0;
-  std::string ask;  // SPARQL ASK
+  std::string ask;                             // SPARQL ASK
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed (it comes from a snapshot)
   // Not empty: also tell which bindings of these variables appear and disappear.
   std::vector<std::string> key_variables;
   // Bindings that are there already when it is armed do not count as appeared (events).

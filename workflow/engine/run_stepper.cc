@@ -162,20 +162,25 @@ std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask) {
 
 void RunStepper::ArmNode(size_t index) {
   NodeState& node = run_.nodes[index];
-  auto asks = cawl::CompileCondition(*run_.document, *flow_.nodes[index].condition,
-                                     [this](const std::string& name) { return Value(name, nullptr); });
+  auto asks = cawl::CompileCondition(
+      *run_.document, *flow_.nodes[index].condition,
+      [this](const std::string& name) { return Value(name, nullptr); }, core_.limits);
   if (!asks.ok()) return NodeFailed(index, std::string(asks.status().message()));
   bool same = std::equal(
       asks->begin(), asks->end(), node.armed.begin(), node.armed.end(),
       [](const cawl::CompiledAsk& ask, const ArmedCondition& armed) { return ask.ask == armed.ask.ask; });
   if (same) return;  // other variables changed
+  for (cawl::CompiledAsk& ask : *asks) {
+    if (absl::Status status = cawl::ParseAsks(core_.limits, &ask); !status.ok())
+      return NodeFailed(index, std::string(status.message()));
+  }
   DisarmNode(index);
   node.waits_for.clear();
   for (cawl::CompiledAsk& ask : *asks) {
     if (!node.waits_for.empty()) node.waits_for += "\n# or\n";
     node.waits_for += ask.ask;
     ConditionHandle handle = core_.Arm(ask, NodeKeys(ask), {run_.id, index, ""});
-    node.armed.push_back({handle, std::move(ask)});
+    node.armed.push_back(Armed(handle, std::move(ask)));
   }
 }
 
@@ -309,9 +314,12 @@ void RunStepper::NodeDone(size_t index) {
       plain.push_back(i);
       continue;
     }
-    auto ask = cawl::CompileConstraint(*run_.document, *link.while_constraint,
-                                       [this](const std::string& name) { return Value(name, nullptr); });
-    if (!ask.ok()) return NodeFailed(index, std::string(ask.status().message()));
+    auto ask = cawl::CompileConstraint(
+        *run_.document, *link.while_constraint,
+        [this](const std::string& name) { return Value(name, nullptr); }, core_.limits);
+    absl::Status status = ask.status();
+    if (status.ok()) status = cawl::ParseAsks(core_.limits, &*ask);
+    if (!status.ok()) return NodeFailed(index, std::string(status.message()));
     node.pending_links.push_back({i, core_.Arm(*ask, {}, {run_.id, index, ""})});
   }
   if (!node.pending_links.empty()) {

@@ -6,6 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/text.h"
+#include "graph/rdf/term_check.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent::xml {
@@ -83,8 +84,7 @@ std::optional<Term> ParseQuoted(std::string_view text, const Prefixes& prefixes,
     return Fail(error, 0, text.size(), Concat(text, " has no closing ", text.substr(0, 1)), "");
   std::string_view rest = text.substr(i + 1);
   if (rest.empty()) return Term::Literal(std::move(value));
-  if (rest[0] == '@' && rest.size() > 1 &&
-      std::all_of(rest.begin() + 1, rest.end(), [](char c) { return absl::ascii_isalnum(c) || c == '-'; })) {
+  if (rest[0] == '@' && IsLanguageTag(rest.substr(1))) {
     return Term::LangString(std::move(value), absl::AsciiStrToLower(ToAbsl(rest.substr(1))));
   }
   if (rest.starts_with("^^")) {

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "graph/base/workflow_limits.h"
 #include "graph/sparql/syntax/parser.h"
 #include "tests/workflow/cawl/documents.h"
 #include "workflow/cawl/check.h"
@@ -38,7 +39,7 @@ TEST(AskCompiler, PutsValuesInPlaceOfVariables) {
   DocumentPtr document = Parse(WithNode(ConditionOf(ConstraintText("c", "$robot", "docent:isAt", "?place") +
                                                     ConstraintText("d", "$user", "docent:isAt", "?place"))));
   auto asks = CompileCondition(*document, ConditionOfNode(*document),
-                               Values({{"robot", Term::Iri("https://w3id.org/docent/expo#R01")}}));
+                               Values({{"robot", Term::Iri("https://w3id.org/docent/expo#R01")}}), {});
   ASSERT_TRUE(asks.ok());
   ASSERT_THAT(*asks, SizeIs(1));
   const CompiledAsk& ask = asks->front();
@@ -57,7 +58,7 @@ TEST(AskCompiler, PutsValuesInPlaceOfVariables) {
 TEST(AskCompiler, LiteralValuesAreEscaped) {
   DocumentPtr document = Parse(WithNode(ConditionOf(ConstraintText("c", "?x", "schema:name", "$user"))));
   auto asks = CompileCondition(*document, ConditionOfNode(*document),
-                               Values({{"user", Term::Literal("a\"} ?s ?p ?o #\n")}}));
+                               Values({{"user", Term::Literal("a\"} ?s ?p ?o #\n")}}), {});
   ASSERT_TRUE(asks.ok());
   EXPECT_THAT(asks->front().ask, HasSubstr("?x schema:name \"a\\\"} ?s ?p ?o #\\n\" ."));
   EXPECT_TRUE(sparql::ParseQuery(asks->front().ask).ok());
@@ -65,11 +66,12 @@ TEST(AskCompiler, LiteralValuesAreEscaped) {
 
 TEST(AskCompiler, WhatCannotBeSaidIsAnError) {
   DocumentPtr document = Parse(WithNode(ConditionOf(ConstraintText("c", "?x", "$robot", "$user"))));
-  auto blank = CompileCondition(*document, ConditionOfNode(*document), Values({{"user", Term::Blank("b")}}));
+  auto blank =
+      CompileCondition(*document, ConditionOfNode(*document), Values({{"user", Term::Blank("b")}}), {});
   EXPECT_EQ(blank.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(blank.status().message()), HasSubstr("$user is a blank node"));
   auto literal =
-      CompileCondition(*document, ConditionOfNode(*document), Values({{"robot", Term::Literal("l")}}));
+      CompileCondition(*document, ConditionOfNode(*document), Values({{"robot", Term::Literal("l")}}), {});
   EXPECT_THAT(std::string(literal.status().message()), HasSubstr("cannot be a verb"));
 }
 
@@ -78,7 +80,7 @@ TEST(AskCompiler, NegatedVariablesAreNotBound) {
       Parse(WithNode(ConditionOf(ConstraintText("a", "?r", "docent:isAt", "?p") +
                                      ConstraintText("b", "?r", "docent:currentCommand", "?c"),
                                  "a and not b")));
-  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}));
+  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}), {});
   ASSERT_TRUE(asks.ok());
   EXPECT_THAT(asks->front().free_variables, ElementsAre("r", "p"));
 }
@@ -91,7 +93,7 @@ TEST(AskCompiler, ContextsAreTriedByPriorityThenOrderAndCasesLast) {
   DocumentPtr document =
       Parse(WithNode("<condition><case name=\"E\"><event operation=\"bell\"/></case>" + context("B", "2") +
                      context("A", "1") + context("B2", "2") + "</condition>"));
-  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}));
+  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}), {});
   ASSERT_TRUE(asks.ok());
   ASSERT_THAT(*asks, SizeIs(4));
   EXPECT_EQ((*asks)[0].name, "A");
@@ -104,7 +106,7 @@ TEST(AskCompiler, ContextsAreTriedByPriorityThenOrderAndCasesLast) {
 
 TEST(AskCompiler, AConditionWithoutChildrenHoldsAtOnce) {
   DocumentPtr document = Parse(WithNode("<condition/>"));
-  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}));
+  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}), {});
   ASSERT_TRUE(asks.ok());
   EXPECT_THAT(*asks, IsEmpty());
 }
@@ -121,9 +123,61 @@ TEST(AskCompiler, AlternativesAreLimited) {
     return Parse(WithNode(ConditionOf(constraints, expression)));
   };
   DocumentPtr fits = document_of(8), over = document_of(9);  // 2^8 = 256
-  EXPECT_TRUE(CompileCondition(*fits, ConditionOfNode(*fits), Values({})).ok());
-  auto refused = CompileCondition(*over, ConditionOfNode(*over), Values({}));
+  EXPECT_TRUE(CompileCondition(*fits, ConditionOfNode(*fits), Values({}), {}).ok());
+  auto refused = CompileCondition(*over, ConditionOfNode(*over), Values({}), {});
   EXPECT_THAT(std::string(refused.status().message()), HasSubstr("more than 256 alternatives"));
+}
+
+// `names` of constraints, each "?r docent:x NUMBER"; all must hold.
+DocumentPtr DocumentOfConstraints(int count) {
+  std::string constraints;
+  for (int i = 0; i < count; ++i) constraints += ConstraintText("", "?r", "docent:x", std::to_string(i));
+  return Parse(WithNode(ConditionOf(constraints)));
+}
+
+TEST(AskCompiler, PartsOfAllAlternativesAreLimited) {
+  constexpr int kMost = WorkflowLimits::condition_parts;
+  const DocumentPtr fits = DocumentOfConstraints(kMost), over = DocumentOfConstraints(kMost + 1);
+  EXPECT_TRUE(CompileCondition(*fits, ConditionOfNode(*fits), Values({}), {}).ok());
+  const auto refused = CompileCondition(*over, ConditionOfNode(*over), Values({}), {});
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("the limit condition_parts is 10000"));
+}
+
+TEST(AskCompiler, TheTextIsLimited) {
+  const DocumentPtr document = DocumentOfConstraints(40);
+  Limits limits;
+  limits.query_text_bytes =
+      CompileCondition(*document, ConditionOfNode(*document), Values({}), {})->front().ask.size();
+  EXPECT_TRUE(CompileCondition(*document, ConditionOfNode(*document), Values({}), limits).ok());
+  limits.query_text_bytes /= 2;
+  const auto refused = CompileCondition(*document, ConditionOfNode(*document), Values({}), limits);
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("the limit query_text_bytes is"));
+}
+
+TEST(AskCompiler, ALongValueInManyPlacesDoesNotGrowBeyondTheLimit) {
+  std::string constraints;
+  for (int i = 0; i < 1000; ++i)
+    constraints += ConstraintText("", "?r", "docent:x" + std::to_string(i), "$user");
+  const DocumentPtr document = Parse(WithNode(ConditionOf(constraints)));
+  const auto refused = CompileCondition(*document, ConditionOfNode(*document),
+                                        Values({{"user", Term::Literal(std::string(600'000, 'x'))}}), {});
+  EXPECT_THAT(std::string(refused.status().message()), HasSubstr("the limit query_text_bytes is"));
+}
+
+TEST(AskCompiler, WhatSparqlDoesNotTakeIsRefusedBeforeItIsArmed) {
+  const std::string constraint = ConstraintText("c", "?r", "docent:isAt", "expo:B01");
+  const DocumentPtr document =
+      Parse(WithNode(ConditionOf(constraint, "not (c and not (c and not (c and not c)))")));
+  auto asks = CompileCondition(*document, ConditionOfNode(*document), Values({}), {});
+  ASSERT_TRUE(asks.ok()) << asks.status();
+  Limits limits;
+  limits.query_nesting = 3;
+  const absl::Status refused = ParseAsks(limits, &asks->front());
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("the limit query_nesting"));
+  EXPECT_EQ(asks->front().query, nullptr);
+  EXPECT_TRUE(ParseAsks({}, &asks->front()).ok());
+  EXPECT_NE(asks->front().query, nullptr);
 }
 
 TEST(AskCompiler, KeyVariablesAreTheActivatorsOwn) {
@@ -136,7 +190,7 @@ TEST(AskCompiler, KeyVariablesAreTheActivatorsOwn) {
   for (const auto& [variables, keys] : std::map<std::string, std::vector<std::string>>{
            {"", {"user", "place"}}, {"<variable name=\"user\"/>", {"user"}}}) {
     DocumentPtr document = with(variables);
-    auto asks = CompileCondition(*document, document->activator->condition, Values({}));
+    auto asks = CompileCondition(*document, document->activator->condition, Values({}), {});
     ASSERT_TRUE(asks.ok());
     EXPECT_EQ(KeyVariables(*document->activator, asks->front()), keys);
   }

@@ -28,7 +28,8 @@ class EngineTest : public ::testing::Test {
         body + "</CAWL>";
     cawl::ParsedCawl parsed = cawl::ParseCawl(text, "w.xml");
     ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, text);
-    engine_.Deploy(parsed.document);
+    const absl::Status deployed = engine_.Deploy(parsed.document);
+    ASSERT_TRUE(deployed.ok()) << deployed;
   }
   static std::string Condition(const std::string& word) {
     return "<condition><context name=\"" + word +

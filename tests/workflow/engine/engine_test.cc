@@ -286,7 +286,7 @@ TEST_F(EngineTest, FactsOfEndedRunsLeaveTheGraphAfterALimit) {
   limits.runs_kept = 2;
   Engine small(&dictionary_, limits);
   Deploy(Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
-  small.Deploy(engine_.FindWorkflow("W"));
+  ASSERT_TRUE(small.Deploy(engine_.FindWorkflow("W")).ok());
   std::vector<Quad> facts;
   std::vector<CommandReport> reports;
   std::vector<RunRequest> requests = {{RunRequest::Kind::kStart, "W/F", {}}};
@@ -413,6 +413,48 @@ TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
   EXPECT_THAT(Fact("urn:docent:run:G-3/B/0", "reason"), HasSubstr("serves another run"));
 }
 
+// A condition of nine rules, each of two alternatives: 2^9.
+std::string TooManyAlternatives() {
+  std::string rules;
+  for (int i = 0; i < 9; ++i) {
+    const auto constraint = [](const std::string& name, int object) {
+      return "<constraint name=\"" + name + "\"><subject>?v</subject><verb>&lt;urn:at&gt;</verb><object>" +
+             std::to_string(object) + "</object></constraint>";
+    };
+    rules += "<rule expression=\"a or b\">" + constraint("a", i) + constraint("b", i + 100) + "</rule>";
+  }
+  return "<condition><context name=\"C\">" + rules + "</context></condition>";
+}
+
+TEST_F(EngineTest, AnActivatorThatCanNeverBeAskedIsRefusedAndLeavesTheOneBefore) {
+  const std::string flow = Flow(Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t"));
+  Deploy("<activator name=\"a\"><activate flow=\"F\"/>" + Condition("before") + "</activator>" + flow);
+  Turn();
+  const std::string text = "<CAWL name=\"W\"><activator name=\"a\"><activate flow=\"F\"/>" +
+                           TooManyAlternatives() + "</activator>" + flow + "</CAWL>";
+  cawl::ParsedCawl parsed = cawl::ParseCawl(text, "w.xml");
+  ASSERT_TRUE(parsed.ok());
+  const absl::Status refused = engine_.Deploy(parsed.document);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("the limit condition_alternatives is 256"));
+  engine_.Rollback();
+  conditions_.Set("before", {{{"s", Term::Iri("urn:s")}, {"o", Term::Iri("urn:o")}}});
+  Turn();
+  EXPECT_TRUE(Says("F-1 >running"));
+}
+
+TEST_F(EngineTest, ANodeWhoseConditionBecomesTooLongWithItsValuesFailsAlone) {
+  Deploy(Flow("<variable name=\"v\"/>" +
+              std::string("<node name=\"A\"><condition><context name=\"C\"><rule name=\"r\"><constraint "
+                          "name=\"c\"><subject>?s</subject><verb>&lt;urn:p&gt;</verb><object>$v</object>"
+                          "</constraint></rule></context></condition></node>") +
+              "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Turn({}, {{RunRequest::Kind::kStart, "W/F", {{"v", Term::Literal(std::string(1u << 20, 'x'))}}}});
+  EXPECT_TRUE(Says("F-1 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-1", "reason"), HasSubstr("query_text_bytes"));
+  EXPECT_EQ(conditions_.armed(), 0u);
+}
+
 TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
   Deploy(Flow(Node("A", "", "<invoke subflow=\"X\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
               Link("A", "t")));
@@ -422,7 +464,7 @@ TEST_F(EngineTest, ASubflowThatContainsItselfFailsAtItsLimit) {
       "</flow></CAWL>";
   cawl::ParsedCawl parsed = cawl::ParseCawl(other, "x.xml");
   ASSERT_TRUE(parsed.ok()) << Render(parsed.diagnostics, other);
-  engine_.Deploy(parsed.document);
+  ASSERT_TRUE(engine_.Deploy(parsed.document).ok());
   Start();
   EXPECT_EQ(engine_.live_runs(), 0u);
   EXPECT_TRUE(Says("F-1 running>failed"));

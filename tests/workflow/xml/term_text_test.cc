@@ -40,8 +40,9 @@ TEST(TermText, TellsWhereAndWhat) {
   EXPECT_EQ(error.message, "unknown prefix exp:");
   EXPECT_EQ(error.hint, "did you mean expo:? Or declare it on the root element: xmlns:exp=\"…\"");
   for (const char* bad :
-       {"",   "x", "<x>", "<urn:a b>", "<urn:a", "\"a", "\"a\"b",  "\"a\"@",  "\"a\"^^5", "1.",
-        "1e", "+", "--1", "expo:a b",  "_:b",    ":x",  "ex po:a", "expo:a<", "rel:a",    "odd:a"}) {
+       {"",         "x",         "<x>",      "<urn:a b>", "<urn:a", "\"a",  "\"a\"b", "\"a\"@",
+        "\"a\"@12", "\"a\"@en-", "\"a\"^^5", "1.",        "1e",     "+",    "--1",    "expo:a b",
+        "_:b",      ":x",        "ex po:a",  "expo:a<",   "rel:a",  "odd:a"}) {
     EXPECT_FALSE(Parse(bad)) << bad;
   }
 }
