@@ -41,9 +41,9 @@ void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* value
 
 ConditionRequest RequestOf(ConditionHandle handle, const cawl::CompiledAsk& ask,
                            std::vector<std::string> key_variables) {
-  ConditionRequest request{handle, ask.ask, ask.query, std::move(key_variables), ask.by_event(), {}};
+  ConditionRequest request{handle, ask.ask, std::move(key_variables), ask.by_event(), {}, ask.query};
   for (const cawl::LastingAsk& part : ask.lasting) {
-    request.lasting.push_back({part.ask, part.query, part.variables, part.at_least_ms * 1000});
+    request.lasting.push_back({part.ask, part.variables, part.at_least_ms * 1000, part.query});
   }
   return request;
 }

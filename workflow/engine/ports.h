@@ -33,10 +33,10 @@ using TermBinding = std::map<std::string, Term>;
 
 // A part of a condition that must have held for some time, with the same values of its variables.
 struct LastingPart {
-  std::string ask;                             // SPARQL ASK
-  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed
-  std::vector<std::string> variables;          // that every solution of it binds
+  std::string ask;                     // SPARQL ASK
+  std::vector<std::string> variables;  // that every solution of it binds
   TimeMicros at_least_us = 0;
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed
 
   friend bool operator==(const LastingPart&, const LastingPart&) = default;
 };
@@ -44,8 +44,7 @@ struct LastingPart {
 // A condition to be kept true or false from now on.
 struct ConditionRequest {
   ConditionHandle handle = 0;
-  std::string ask;                             // SPARQL ASK
-  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed (it comes from a snapshot)
+  std::string ask;  // SPARQL ASK
   // Not empty: also tell which bindings of these variables appear and disappear.
   std::vector<std::string> key_variables;
   // Bindings that are there already when it is armed do not count as appeared (events).
@@ -53,6 +52,7 @@ struct ConditionRequest {
   // It holds, and has a solution, only while all these parts of the solution have held for their time. Time is
   // counted from the turn in which the condition is armed.
   std::vector<LastingPart> lasting;
+  std::shared_ptr<const sparql::Query> query;  // of `ask`; null: to be parsed (it comes from a snapshot)
 };
 
 // An edge since the last Step, at most one a condition. A condition that was armed since then and holds

@@ -9,6 +9,7 @@
 #include "kb_server/turn/turn.h"
 #include "tests/kb_server/test_world.h"
 #include "workflow/cawl/check.h"
+#include "workflow/cawl/parser.h"
 
 namespace docent {
 namespace {
