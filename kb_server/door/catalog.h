@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct Catalog {
   std::vector<std::pair<cawl::DocumentPtr, Revision>> workflows;  // by name
   rsel::ServiceRegistry services;
   std::vector<explain::RuleText> rules;  // by name
+
+  // Null: none of that name is deployed.
+  cawl::DocumentPtr FindWorkflow(std::string_view name) const;
 };
 
 // The newest catalog; any thread.

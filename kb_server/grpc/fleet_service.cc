@@ -1,8 +1,8 @@
 // Fleet: which robots are there, from leases and the graph.
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -11,8 +11,6 @@
 
 namespace docent {
 namespace {
-
-constexpr std::string_view kOperationPrefix = "urn:docent:operation:";
 
 // What joining means for the graph: who the robot is, what it offers, where its adapter listens.
 WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
@@ -45,7 +43,7 @@ WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
     say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
   }
   for (const v1::OperationDescription& operation : description.operations()) {
-    std::string iri = Concat(kOperationPrefix, operation.name());
+    std::string iri = OperationIri(operation.name());
     say(robot, DocentIri("offers"), Term::Iri(iri));
     say(iri, kRdfType, Term::Iri(DocentIri("Operation")));
     say(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
@@ -110,7 +108,7 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
                          : status == DocentIri("Busy")  ? "busy"
                                                         : "offline");
           for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
-            out->add_operations(std::string(absl::StripPrefix(operation.lexical, ToAbsl(kOperationPrefix))));
+            out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
           }
           double x = 0, y = 0, heading = 0;
           if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
@@ -21,7 +22,7 @@ std::vector<std::string> Able(const GraphReader& graph, const rsel::Plan& plan) 
   std::optional<std::vector<std::string>> able;
   for (const rsel::PlanStep& step : plan.steps) {
     std::vector<std::string> offering =
-        graph.Subjects(DocentIri("offers"), Term::Iri(absl::StrCat("urn:docent:operation:", step.operation)));
+        graph.Subjects(DocentIri("offers"), Term::Iri(OperationIri(step.operation)));
     if (!able) {
       able = std::move(offering);
       continue;

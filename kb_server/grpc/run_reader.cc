@@ -4,15 +4,13 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
 namespace {
-
-constexpr std::string_view kRunPrefix = "urn:docent:run:";
 
 void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invocation* out) {
   out->set_operation(graph.Object(iri, DocentIri("operation")));
@@ -40,7 +38,7 @@ void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
 }  // namespace
 
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
-  std::string iri = Concat(kRunPrefix, id);
+  std::string iri = RunIri(RunId(id));
   std::string state = graph.Object(iri, DocentIri("runState"));
   if (state.empty()) return false;
   run->set_id(id);
@@ -50,8 +48,8 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
   run->set_reason(graph.Object(iri, DocentIri("reason")));
   run->set_started_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "startedAtTime"))));
   run->set_ended_us(MicrosOfDateTime(graph.Object(iri, Concat(kProvNs, "endedAtTime"))));
-  run->set_parent(
-      std::string(absl::StripPrefix(graph.Object(iri, DocentIri("parentRun")), ToAbsl(kRunPrefix))));
+  if (const std::optional<RunId> parent = RunOfIri(graph.Object(iri, DocentIri("parentRun"))))
+    run->set_parent(parent->value());
   for (const Term& variable : graph.Objects(iri, DocentIri("hasVariable"))) {
     std::vector<Term> values = graph.Objects(variable.lexical, DocentIri("variableValue"));
     if (values.empty()) continue;
@@ -68,9 +66,9 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
 std::vector<std::string> RunIds(const GraphReader& graph, bool live_only) {
   std::vector<std::pair<std::string, std::string>> by_time;
   for (const std::string& iri : graph.Subjects(kRdfType, Term::Iri(DocentIri("Run")))) {
-    if (live_only && graph.Object(iri, DocentIri("runState")) != "running") continue;
-    by_time.emplace_back(graph.Object(iri, Concat(kProvNs, "startedAtTime")),
-                         std::string(absl::StripPrefix(iri, ToAbsl(kRunPrefix))));
+    const std::optional<RunId> run = RunOfIri(iri);
+    if (!run || (live_only && graph.Object(iri, DocentIri("runState")) != "running")) continue;
+    by_time.emplace_back(graph.Object(iri, Concat(kProvNs, "startedAtTime")), run->value());
   }
   std::sort(by_time.begin(), by_time.end());
   std::vector<std::string> ids;

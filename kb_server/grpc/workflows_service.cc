@@ -5,7 +5,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
@@ -25,14 +24,12 @@ cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, 
   return report;
 }
 
-// Whether the flow that `target` names ("name" or "name/flow") declares each of the variables. What names none is left to
-// the engine to say.
-absl::Status CheckVariables(const Catalog& catalog, const std::string& target, const RunRequest& start) {
-  const std::pair<std::string, std::string> parts = absl::StrSplit(target, absl::MaxSplits('/', 1));
-  for (const auto& [document, revision] : catalog.workflows) {
-    if (document->name.value != parts.first) continue;
-    const cawl::Flow* flow = document->FlowToStart(parts.second);
-    if (flow == nullptr) return absl::OkStatus();
+// Whether the flow that `start` asks for declares each of the variables. What names none is left to the engine to say.
+absl::Status CheckVariables(const Catalog& catalog, const RunRequest& start) {
+  for (const auto& [workflow, flow_name] : cawl::StartTargets(start.target)) {
+    const cawl::DocumentPtr document = catalog.FindWorkflow(workflow);
+    const cawl::Flow* flow = document != nullptr ? document->FlowToStart(flow_name) : nullptr;
+    if (flow == nullptr) continue;
     std::vector<std::string> names;
     const auto add = [&names](const std::vector<cawl::Variable>& variables) {
       for (const cawl::Variable& variable : variables) names.push_back(variable.name.value);
@@ -50,6 +47,7 @@ absl::Status CheckVariables(const Catalog& catalog, const std::string& target, c
                        : names.empty() ? "; it has none"
                                        : absl::StrCat("; it has ", absl::StrJoin(names, ", "))));
     }
+    return absl::OkStatus();
   }
   return absl::OkStatus();
 }
@@ -122,7 +120,7 @@ grpc::ServerUnaryReactor* WorkflowsService::Start(grpc::CallbackServerContext* c
   auto arguments = FromProto(request->variables(), "variables", ports_.limits);
   if (!arguments.ok()) return FinishNow(context, ToGrpc(arguments.status()));
   start.arguments = *std::move(arguments);
-  if (absl::Status known = CheckVariables(*ports_.catalog->Get(), start.target, start); !known.ok()) {
+  if (absl::Status known = CheckVariables(*ports_.catalog->Get(), start); !known.ok()) {
     return FinishNow(context, ToGrpc(known));
   }
   batch.run_requests.push_back(std::move(start));

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/source_texts.h"
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
-#include "kb_server/turn/robot_directory.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
@@ -31,7 +31,7 @@ std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::strin
   if (kind == Document::Kind::kRsel) {
     for (const rsel::PlanPtr& plan : engine.services().Plans()) {
       if (plan->document != name) continue;
-      std::string iri = absl::StrCat("urn:docent:service:", plan->process);
+      std::string iri = ServiceIri(plan->process);
       facts.insert({iri, type, Term::Iri(DocentIri("RobotService"))});
       facts.insert({iri, label, Term::Literal(plan->process)});
       for (const rsel::PlanStep& step : plan->steps) {
@@ -41,7 +41,7 @@ std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::strin
   }
   if (kind == Document::Kind::kCawl) {
     if (cawl::DocumentPtr document = engine.FindWorkflow(name)) {
-      std::string iri = absl::StrCat("urn:docent:workflow:", name);
+      std::string iri = WorkflowIri(name);
       facts.insert({iri, type, Term::Iri(DocentIri("Workflow"))});
       facts.insert({iri, label, Term::Literal(name)});
       for (const cawl::Flow& flow : document->flows)

@@ -2,14 +2,10 @@
 
 #include <algorithm>
 
-#include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
-
-std::string OperationIri(std::string_view name) {
-  return Concat("urn:docent:operation:", name);
-}
 
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate) {

@@ -37,9 +37,6 @@ class GraphRobotDirectory final : public RobotDirectory {
   mutable std::map<std::string, std::vector<RobotOffer>> known_;
 };
 
-// "urn:docent:operation:NAME".
-std::string OperationIri(std::string_view name);
-
 // The lexical form of the first object of (subject, predicate, ?) in term order; empty: none.
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate);

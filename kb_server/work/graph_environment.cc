@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {
-
-constexpr std::string_view kOperationPrefix = "urn:docent:operation:";
 
 class LiveEnvironment final : public cawl::Environment {
  public:
@@ -27,7 +26,7 @@ class LiveEnvironment final : public cawl::Environment {
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
     if (rsel::PlanPtr plan = catalog_->services.Find(name))
       return cawl::OperationSignature{plan->process, plan->inputs, true};
-    if (Has({}, DocentIri("offers"), Concat(kOperationPrefix, name)))
+    if (Has({}, DocentIri("offers"), OperationIri(name)))
       return cawl::OperationSignature{std::string(name), {}, false};
     return std::nullopt;
   }
@@ -36,8 +35,7 @@ class LiveEnvironment final : public cawl::Environment {
     auto offers = dictionary_.FindIri(DocentIri("offers"));
     if (!offers) return names;
     version_->ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
-      std::string iri = dictionary_.Decode(quad.object).lexical;
-      if (iri.rfind(kOperationPrefix, 0) == 0) names.push_back(iri.substr(kOperationPrefix.size()));
+      if (auto name = OperationOfIri(dictionary_.Decode(quad.object).lexical)) names.push_back(*std::move(name));
       return true;
     });
     return names;

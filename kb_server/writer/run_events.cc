@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "graph/rdf/docent_iris.h"
 
 namespace docent {
 namespace {
@@ -15,7 +16,7 @@ RunEvent NewEvent(const TurnRecord& record, const std::string& subject) {
   event.revision = Revision(record.offset);
   event.time_us = record.time_us;
   event.run = parts[0];
-  if (parts.size() > 1) event.node = parts[1];
+  if (parts.size() > 1) event.node = NameOfSegment(parts[1]);
   event.kind = parts.size() == 1 ? "run" : parts.size() == 2 ? "node" : "invocation";
   return event;
 }

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/archive.h"
 #include "graph/rdf/term_archive.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/run_facts.h"
 

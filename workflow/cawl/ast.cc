@@ -2,13 +2,6 @@
 
 namespace docent::cawl {
 
-const Node* Flow::FindNode(std::string_view node_name) const {
-  for (const Node& node : nodes) {
-    if (node.name.value == node_name) return &node;
-  }
-  return nullptr;
-}
-
 const Flow* Document::FindFlow(std::string_view flow_name) const {
   for (const Flow& flow : flows) {
     if (flow.name.value == flow_name) return &flow;
@@ -20,6 +13,14 @@ const Flow* Document::FlowToStart(std::string_view flow_name) const {
   if (flow_name.empty() && activator) flow_name = activator->flow.value;
   if (!flow_name.empty()) return FindFlow(flow_name);
   return flows.empty() ? nullptr : &flows.front();
+}
+
+std::vector<std::pair<std::string, std::string>> StartTargets(std::string_view text) {
+  std::vector<std::pair<std::string, std::string>> targets = {{std::string(text), ""}};
+  for (size_t slash = text.find('/'); slash != std::string_view::npos; slash = text.find('/', slash + 1)) {
+    targets.emplace_back(text.substr(0, slash), text.substr(slash + 1));
+  }
+  return targets;
 }
 
 }  // namespace docent::cawl

@@ -18,6 +18,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "graph/base/diagnostic.h"
@@ -230,8 +232,6 @@ struct Flow {
   std::vector<Node> nodes;
   std::vector<Link> links;
   SourceSpan span;
-
-  const Node* FindNode(std::string_view node_name) const;
 };
 
 // <activator name="OnChoice"> message* variable* <activate flow="BoothGuide"/> condition </activator>
@@ -271,6 +271,10 @@ struct Document {
 };
 
 using DocumentPtr = std::shared_ptr<const Document>;
+
+// What a text that asks for a start may mean, in the order in which it is tried: (workflow, flow), flow empty for the one of
+// FlowToStart. "A/B" is the workflow A/B, or flow B of the workflow A: names may have slashes.
+std::vector<std::pair<std::string, std::string>> StartTargets(std::string_view text);
 
 }  // namespace docent::cawl
 

@@ -22,7 +22,7 @@ Constraint ReadConstraint(const xml::Element& element, xml::ElementReader* reade
     reader->Error(time.span, "for stands at a <constraint>",
                   "write it at the <rule>, which may have this constraint alone");
   }
-  out.name = reader->Attribute(element, "name");
+  out.name = reader->OptionalName(element, "name");
   int subjects = 0, verbs = 0, objects = 0;
   auto once = [&](int* count, Word* word, WordRole role) {
     return [count, word, role, reader, &element](const xml::Element& child) {
@@ -50,7 +50,7 @@ Rule ReadRule(const xml::Element& element, const Limits& limits, xml::ElementRea
   Rule out;
   out.span = element.span;
   reader->CheckAttributes(element, {"name", "expression"}, {"for"});
-  out.name = reader->Attribute(element, "name");
+  out.name = reader->OptionalName(element, "name");
   out.for_text = reader->Extension(element, "for");
   out.at_least_ms = reader->Duration(element, "for");
   out.expression_text = reader->Attribute(element, "expression");
@@ -65,7 +65,7 @@ Context ReadContext(const xml::Element& element, const Limits& limits, xml::Elem
   Context out;
   out.span = element.span;
   reader->CheckAttributes(element, {"name", "priority"});
-  out.name = reader->Attribute(element, "name");
+  out.name = reader->OptionalName(element, "name");
   out.priority_text = reader->Attribute(element, "priority");
   if (out.priority_text.given() && !absl::SimpleAtoi(out.priority_text.value, &out.priority)) {
     reader->Error(out.priority_text.span,
@@ -82,12 +82,12 @@ Case ReadCase(const xml::Element& element, const Limits& limits, xml::ElementRea
   Case out;
   out.span = element.span;
   reader->CheckAttributes(element, {"name", "expression"});
-  out.name = reader->Attribute(element, "name");
+  out.name = reader->OptionalName(element, "name");
   out.expression_text = reader->Attribute(element, "expression");
   out.expression = ReadExpression(out.expression_text, limits, reader);
   reader->ReadChildren(element, {{"event", [&](const xml::Element& child) {
                                     reader->CheckAttributes(child, {"operation"});
-                                    out.events.push_back({reader->Required(child, "operation"), child.span});
+                                    out.events.push_back({reader->Name(child, "operation"), child.span});
                                     reader->ReadChildren(child, {});
                                   }}});
   if (out.events.empty()) {

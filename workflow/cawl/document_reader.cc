@@ -20,7 +20,7 @@ class DocumentReader {
     if (root.namespaces != nullptr) out->prefixes = *root.namespaces;
     out->prefixes.erase("");
     reader_.CheckAttributes(root, {"name", "namespace", "version"});
-    out->name = reader_.Required(root, "name");
+    out->name = reader_.Name(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
     reader_.ReadChildren(
@@ -45,7 +45,7 @@ class DocumentReader {
 
   // A variable's or part's name: it must be usable as $name.
   Text ReadVariableName(const xml::Element& element) {
-    Text name = reader_.Required(element, "name");
+    Text name = reader_.Name(element, "name");
     if (!name.empty() && !xml::IsVariableName(name.value)) {
       reader_.Error(name.span, Concat("\"", name.value, "\" cannot name a ", element.name),
                     "use letters (a-z), digits and _, beginning with a letter");
@@ -57,7 +57,7 @@ class DocumentReader {
     Message out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     reader_.ReadChildren(element, {{"part", [&](const xml::Element& e) {
                                       reader_.CheckAttributes(e, {"name", "type", "element"});
                                       out.parts.push_back({ReadVariableName(e), reader_.Attribute(e, "type"),
@@ -131,11 +131,11 @@ class DocumentReader {
     ServiceProvider out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name", "location"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     out.location = reader_.Attribute(element, "location");
     reader_.ReadChildren(element, {{"service", [&](const xml::Element& e) {
                                       reader_.CheckAttributes(e, {"operation"});
-                                      out.services.push_back({reader_.Required(e, "operation"), e.span});
+                                      out.services.push_back({reader_.Name(e, "operation"), e.span});
                                       Nothing(e);
                                     }}});
     return out;
@@ -145,7 +145,7 @@ class DocumentReader {
     Activator out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
-    out.name = reader_.Attribute(element, "name");
+    out.name = reader_.OptionalName(element, "name");
     bool has_condition = false;
     int activates = 0;
     reader_.ReadChildren(
@@ -176,12 +176,12 @@ class DocumentReader {
     Flow out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     auto end = [&](Text* name) {
       return [this, name, &element](const xml::Element& e) {
         if (name->given()) return Second(e, element);
         reader_.CheckAttributes(e, {"name"});
-        *name = reader_.Required(e, "name");
+        *name = reader_.Name(e, "name");
         Nothing(e);
       };
     };
@@ -201,7 +201,7 @@ class DocumentReader {
     Node out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name", "state"}, {"timeout", "retry", "compensate", "forEach"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     out.state = reader_.Attribute(element, "state");
     if (out.state.given() && out.state.value != "Activate" && out.state.value != "deActivate") {
       reader_.Error(out.state.span, Concat("state \"", out.state.value, "\" is unknown"),
@@ -263,8 +263,8 @@ class DocumentReader {
     Invoke out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"operation", "subflow"}, {"timeout", "retry"});
-    out.operation = reader_.Attribute(element, "operation");
-    out.subflow = reader_.Attribute(element, "subflow");
+    out.operation = reader_.OptionalName(element, "operation");
+    out.subflow = reader_.OptionalName(element, "subflow");
     out.timeout_ms = reader_.Timeout(element);
     out.retry = reader_.Retry(element);
     Nothing(element);

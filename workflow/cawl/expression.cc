@@ -1,5 +1,6 @@
 #include "workflow/cawl/expression.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/ascii.h"
@@ -8,6 +9,8 @@
 
 namespace docent::cawl {
 namespace {
+
+constexpr char kQuote = '\'';
 
 class Parser {
  public:
@@ -27,7 +30,7 @@ class Parser {
 
  private:
   bool IsWord(std::string_view word) const {
-    return absl::AsciiStrToLower(ToAbsl(token_)) == std::string(word);
+    return !quoted() && absl::AsciiStrToLower(ToAbsl(token_)) == std::string(word);
   }
 
   void Advance() {
@@ -36,6 +39,8 @@ class Parser {
     end_ = at_;
     if (at_ < text_.value.size() && (text_.value[at_] == '(' || text_.value[at_] == ')')) {
       ++end_;
+    } else if (at_ < text_.value.size() && text_.value[at_] == kQuote) {
+      SkipQuoted();
     } else {
       while (end_ < text_.value.size() && !absl::ascii_isspace(text_.value[end_]) &&
              text_.value[end_] != '(' && text_.value[end_] != ')') {
@@ -43,6 +48,28 @@ class Parser {
       }
     }
     token_ = std::string_view(text_.value).substr(at_, end_ - at_);
+  }
+
+  bool quoted() const { return !token_.empty() && token_[0] == kQuote; }
+
+  // Past the closing quote, or to the end.
+  void SkipQuoted() {
+    for (++end_; end_ < text_.value.size() && text_.value[end_] != kQuote; ++end_) {
+      if (text_.value[end_] == '\\' && end_ + 1 < text_.value.size()) ++end_;
+    }
+    if (end_ < text_.value.size()) ++end_;
+  }
+
+  // What stands in the quotes of the token; nullopt: the closing one is missing.
+  std::optional<std::string> Unquoted() const {
+    std::string out;
+    size_t i = 1;
+    for (; i < token_.size() && token_[i] != kQuote; ++i) {
+      if (token_[i] == '\\' && i + 1 < token_.size()) ++i;
+      out += token_[i];
+    }
+    if (i >= token_.size()) return std::nullopt;
+    return out;
   }
 
   std::optional<Expression> Fail(std::string message, std::string hint = "") {
@@ -81,6 +108,11 @@ class Parser {
     }
     Expression name;
     name.name = token_;
+    if (quoted()) {
+      std::optional<std::string> text = Unquoted();
+      if (!text) return Fail(Concat("the closing quote is missing after ", token_), "write 'NAME'");
+      name.name = *std::move(text);
+    }
     name.span = reader_->Within(text_, at_, token_.size());
     Advance();
     return name;
@@ -134,6 +166,19 @@ void Collect(const Expression& expression, std::vector<const Expression*>* out) 
   for (const Expression& child : expression.children) Collect(child, out);
 }
 
+std::string NameText(const std::string& name) {
+  const std::string lower = absl::AsciiStrToLower(name);
+  const bool plain = !name.empty() && name[0] != kQuote && lower != "and" && lower != "or" && lower != "not" &&
+                     std::none_of(name.begin(), name.end(), [](char c) { return absl::ascii_isspace(c) || c == '(' || c == ')'; });
+  if (plain) return name;
+  std::string out(1, kQuote);
+  for (const char c : name) {
+    if (c == kQuote || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + kQuote;
+}
+
 }  // namespace
 
 std::optional<Expression> ParseExpression(const xml::Text& text, int max_nesting,
@@ -168,7 +213,7 @@ std::vector<const Expression*> NamesIn(const Expression& expression) {
 }
 
 std::string ToText(const Expression& expression) {
-  if (expression.kind == Expression::Kind::kName) return expression.name;
+  if (expression.kind == Expression::Kind::kName) return NameText(expression.name);
   std::string out = expression.kind == Expression::Kind::kNot ? "not " : "";
   std::string_view between = expression.kind == Expression::Kind::kAnd ? " and " : " or ";
   for (size_t i = 0; i < expression.children.size(); ++i) {

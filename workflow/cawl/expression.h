@@ -2,10 +2,11 @@
 //
 //   expression ::= conjunction ("or" conjunction)*
 //   conjunction ::= negation ("and" negation)*
-//   negation ::= "not" negation | "(" expression ")" | NAME
+//   negation ::= "not" negation | "(" expression ")" | NAME | "'" TEXT "'"
 //
 // `not` binds tighter than `and`, `and` tighter than `or`; the three words are reserved (any case). A NAME is
-// anything without blanks and parentheses. Values; any thread.
+// anything without blanks and parentheses that does not begin with a quote. Any other name stands in quotes, in which \' and
+// \\ stand for ' and \. Values; any thread.
 #ifndef DOCENT_WORKFLOW_CAWL_EXPRESSION_H_
 #define DOCENT_WORKFLOW_CAWL_EXPRESSION_H_
 
@@ -37,7 +38,7 @@ bool Evaluate(const Expression& expression, const std::function<bool(const std::
 // Every kName of the expression, in order of writing.
 std::vector<const Expression*> NamesIn(const Expression& expression);
 
-// With the fewest parentheses that keep its meaning.
+// With the fewest parentheses and quotes that keep its meaning.
 std::string ToText(const Expression& expression);
 
 }  // namespace docent::cawl

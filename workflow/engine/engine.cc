@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
+#include "graph/rdf/docent_iris.h"
 #include "workflow/engine/engine_core.h"
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_scheduler.h"
@@ -163,19 +163,20 @@ std::optional<std::pair<cawl::DocumentPtr, size_t>> Engine::Core::FindFlow(const
   if (from != nullptr) {
     if (const cawl::Flow* flow = from->FindFlow(name)) return found(from, flow);
   }
-  const std::pair<std::string, std::string> parts = absl::StrSplit(name, absl::MaxSplits('/', 1));
-  auto it = deployments.find(parts.first);
-  if (it == deployments.end()) return std::nullopt;
-  const cawl::Flow* flow = it->second.document->FlowToStart(parts.second);
-  if (flow == nullptr) return std::nullopt;
-  return found(it->second.document, flow);
+  for (const auto& [workflow, flow_name] : cawl::StartTargets(name)) {
+    const auto it = deployments.find(workflow);
+    if (it == deployments.end()) continue;
+    if (const cawl::Flow* flow = it->second.document->FlowToStart(flow_name))
+      return found(it->second.document, flow);
+  }
+  return std::nullopt;
 }
 
 RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBinding variables,
                           const std::string& cause, const CommandOwner* parent) {
   Run run;
   run.number = next_run++;
-  run.id = RunId(absl::StrCat(document->flows[flow].name.value, "-", run.number));
+  run.id = RunId(absl::StrCat(IriSegment(document->flows[flow].name.value), "-", run.number));
   run.document = document;
   run.flow = flow;
   run.started_us = input->now_us;

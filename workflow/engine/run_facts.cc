@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
@@ -88,7 +89,7 @@ void WriteInvocation(const InvocationState& invocation, const cawl::Node& node, 
 void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t index, Writer* out) {
   const NodeState& state = run.nodes[index];
   const cawl::Node& node = run.Flow().nodes[index];
-  const std::string iri = absl::StrCat(run_iri, "/", node.name.value);
+  const std::string iri = absl::StrCat(run_iri, "/", IriSegment(node.name.value));
   const TermId id = out->Iri(iri);
   out->About(id);
   out->Say(RunTerm::kType, RunTerm::kNodeInstance);
@@ -129,10 +130,6 @@ std::string_view ToString(WorkState state) {
   return "";
 }
 
-std::string RunIri(const RunId& run) {
-  return absl::StrCat("urn:docent:run:", run.value());
-}
-
 std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
   Writer out(terms);
   const std::string run_iri = RunIri(run.id);
@@ -148,7 +145,7 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
   if (!run.parent.empty()) out.Say(RunTerm::kParentRun, out.Iri(RunIri(run.parent)));
   for (const RobotId& robot : run.robots) out.Say(RunTerm::kUsesRobot, out.Iri(robot.value()));
   for (const auto& [name, value] : run.variables) {
-    const TermId variable = out.Iri(absl::StrCat(run_iri, "/$", name));
+    const TermId variable = out.Iri(absl::StrCat(run_iri, "/$", IriSegment(name)));
     out.About(id);
     out.Say(RunTerm::kHasVariable, variable);
     out.About(variable);

@@ -3,7 +3,6 @@
 #ifndef DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 #define DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_
 
-#include <string>
 #include <vector>
 
 #include "graph/store/quad.h"
@@ -12,10 +11,7 @@
 
 namespace docent {
 
-// urn:docent:run:ID and, beneath it, /NODE and /NODE/N (N: invocation, from 0).
-std::string RunIri(const RunId& run);
-
-// All facts of a run, sorted, none twice. New terms are interned: writer thread only.
+// All facts of a run (urn:docent:run:ID and, beneath it, /NODE, /NODE/N for invocations from 0, and /$VARIABLE), sorted, none twice. New terms are interned: writer thread only.
 std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
 
 // What to add and what to remove to come from `before` to `after`, both sorted.

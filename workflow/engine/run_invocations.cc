@@ -16,7 +16,7 @@ constexpr int kResendLimit = 3;
 }  // namespace
 
 std::string RunStepper::Subject(size_t node, size_t invocation) const {
-  return absl::StrCat(run_.id.value(), "/", flow_.nodes[node].name.value, "/", invocation);
+  return absl::StrCat(Subject(node), "/", invocation);
 }
 
 std::optional<Term> RunStepper::Value(const std::string& name, const TermBinding* overlay) const {
@@ -115,8 +115,7 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
   RobotCommand command;
   // With the time: a server whose older backup was put back counts its runs anew, and an adapter that remembers an id
   // does not execute it again.
-  command.id = CommandId(absl::StrCat(run_.id.value(), "/", flow_.nodes[node].name.value, "/",
-                                      run_.nodes[node].iteration, "/", index, ".", invocation.attempt, "/",
+  command.id = CommandId(absl::StrCat(Subject(node), "/", run_.nodes[node].iteration, "/", index, ".", invocation.attempt, "/",
                                       instruction.step, "/", instruction.attempt, "@", core_.input->now_us));
   command.robot = invocation.robot;
   command.operation = instruction.operation;

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/flow_graph.h"
 
@@ -28,10 +29,13 @@ bool HasNot(const cawl::Expression& expression) {
 
 }  // namespace
 
+std::string RunStepper::Subject(size_t node) const {
+  return absl::StrCat(run_.id.value(), "/", IriSegment(flow_.nodes[node].name.value));
+}
+
 void RunStepper::SetNode(size_t index, WorkState state, const std::string& cause) {
   NodeState& node = run_.nodes[index];
-  core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[index].name.value), ToString(node.state),
-            ToString(state), cause);
+  core_.Say(Subject(index), ToString(node.state), ToString(state), cause);
   node.state = state;
   node.since_us = core_.input->now_us;
   node.deadline_us.reset();
@@ -134,8 +138,7 @@ void RunStepper::Reenter(size_t index) {
                  outside);
     std::copy_if(node.dead.begin(), node.dead.end(), std::inserter(fresh.dead, fresh.dead.end()), outside);
     node = std::move(fresh);
-    core_.Say(absl::StrCat(run_.id.value(), "/", flow_.nodes[i].name.value), from, "inactive",
-              "the loop begins again");
+    core_.Say(Subject(i), from, "inactive", "the loop begins again");
   }
   run_.sink_reached = false;
   Activate(index);
@@ -378,7 +381,7 @@ void RunStepper::NodeFailed(size_t index, const std::string& reason) {
     CancelInvocation(index, i, "another invocation of the node failed");
   if (node.state == WorkState::kRunning && node.attempt <= syntax.retry) {
     ++node.attempt;
-    core_.Say(absl::StrCat(run_.id.value(), "/", syntax.name.value), "running", "running",
+    core_.Say(Subject(index), "running", "running",
               absl::StrCat("attempt ", node.attempt, " after: ", reason));
     if (syntax.timeout_ms) node.deadline_us = core_.input->now_us + *syntax.timeout_ms * 1000;
     for (InvocationState& old : node.invocations) {

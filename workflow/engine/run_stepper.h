@@ -60,6 +60,8 @@ class RunStepper {
   void SetVariables(const TermBinding& binding);
 
   // run_invocations.cc: invocations
+  // As transitions name it: RUN/NODE, RUN/NODE/INVOCATION, of segments (graph/rdf/docent_iris.h).
+  std::string Subject(size_t node) const;
   std::string Subject(size_t node, size_t invocation) const;
   void SetInvocation(size_t node, size_t invocation, WorkState state, const std::string& cause);
   bool TryDispatch(size_t node, size_t invocation);

@@ -12,8 +12,9 @@ cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
   document->name.value = absl::StrCat("service ", process);
   cawl::Flow flow;
   flow.name.value = process;
-  flow.source.value = "source";
-  flow.sink.value = "sink";
+  // No process has the name of its own source or sink.
+  flow.source.value = absl::StrCat(process, " begins");
+  flow.sink.value = absl::StrCat(process, " ends");
   cawl::Node node;
   node.name.value = process;
   cawl::Invoke invoke;
@@ -21,10 +22,10 @@ cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
   node.invokes.push_back(std::move(invoke));
   flow.nodes.push_back(std::move(node));
   cawl::Link in, out;
-  in.from.value = "source";
+  in.from.value = flow.source.value;
   in.to.value = process;
   out.from.value = process;
-  out.to.value = "sink";
+  out.to.value = flow.sink.value;
   flow.links.push_back(std::move(in));
   flow.links.push_back(std::move(out));
   document->flows.push_back(std::move(flow));

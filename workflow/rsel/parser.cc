@@ -19,7 +19,7 @@ class DocumentReader {
   void Read(const xml::Element& root, Document* out) {
     out->span = root.span;
     reader_.CheckAttributes(root, {"name", "namespace", "version"});
-    out->name = reader_.Required(root, "name");
+    out->name = reader_.Name(root, "name");
     out->namespace_iri = reader_.Attribute(root, "namespace");
     out->version = reader_.Attribute(root, "version");
     reader_.ReadChildren(
@@ -30,7 +30,7 @@ class DocumentReader {
 
  private:
   Text ReadPartName(const xml::Element& element, std::string_view attribute) {
-    Text name = reader_.Required(element, attribute);
+    Text name = reader_.Name(element, attribute);
     if (!name.empty() && !xml::IsVariableName(name.value)) {
       reader_.Error(name.span, Concat("\"", name.value, "\" cannot name a part"),
                     "use letters (a-z), digits and _, beginning with a letter");
@@ -42,7 +42,7 @@ class DocumentReader {
     Message out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     reader_.ReadChildren(element,
                          {{"part", [&](const xml::Element& e) {
                              reader_.CheckAttributes(e, {"name", "type"});
@@ -58,7 +58,7 @@ class DocumentReader {
     Process out;
     out.span = element.span;
     reader_.CheckAttributes(element, {"name", "input", "output"});
-    out.name = reader_.Required(element, "name");
+    out.name = reader_.Name(element, "name");
     out.input = reader_.Attribute(element, "input");
     out.output = reader_.Attribute(element, "output");
     reader_.ReadChildren(element,
@@ -75,8 +75,8 @@ class DocumentReader {
     Invoke out;
     out.span = element.start_tag;
     reader_.CheckAttributes(element, {"operation", "service"}, {"parallel", "retry", "timeout", "onFailure"});
-    out.operation = reader_.Required(element, "operation");
-    out.service = reader_.Attribute(element, "service");
+    out.operation = reader_.Name(element, "operation");
+    out.service = reader_.OptionalName(element, "service");
     out.parallel = reader_.Flag(element, "parallel");
     out.retry = reader_.Retry(element);
     out.timeout_ms = reader_.Timeout(element);

@@ -6,6 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
+#include "graph/rdf/docent_iris.h"
 
 namespace docent::xml {
 namespace {
@@ -150,6 +151,23 @@ Text ElementReader::Required(const Element& element, std::string_view name) {
     Error(text.span, Concat("attribute ", name, " of <", element.name, "> is empty"));
   }
   return text;
+}
+
+Text ElementReader::Name(const Element& element, std::string_view attribute) {
+  Text name = Required(element, attribute);
+  CheckName(attribute, name);
+  return name;
+}
+
+Text ElementReader::OptionalName(const Element& element, std::string_view attribute) {
+  Text name = Attribute(element, attribute);
+  CheckName(attribute, name);
+  return name;
+}
+
+void ElementReader::CheckName(std::string_view attribute, const Text& name) {
+  if (const std::optional<std::string> fault = NameFault(name.value))
+    Error(name.span, Concat("the ", attribute, " ", *fault), "choose another one");
 }
 
 Text ElementReader::Extension(const Element& element, std::string_view name) const {

@@ -51,6 +51,10 @@ class ElementReader {
   // The attribute, trimmed; not given() when absent. Required: absent or blank is an error.
   Text Attribute(const Element& element, std::string_view name) const;
   Text Required(const Element& element, std::string_view name);
+  // The same for what is a name: an error, too, where it is longer than the limit name_bytes or holds control characters.
+  // Anything else may stand in a name.
+  Text Name(const Element& element, std::string_view attribute);
+  Text OptionalName(const Element& element, std::string_view attribute);
   Text Extension(const Element& element, std::string_view name) const;
   // ext:NAME, a duration, as milliseconds; ext:timeout; ext:retry (0..100); ext:NAME="true|false"; malformed is an error.
   std::optional<int64_t> Duration(const Element& element, std::string_view name);
@@ -71,6 +75,7 @@ class ElementReader {
 
  private:
   Text Trimmed(const Text& text) const;
+  void CheckName(std::string_view attribute, const Text& name);
   void Add(Diagnostic::Severity severity, const SourceSpan& span, std::string message, std::string hint);
 
   std::string_view source_;
