@@ -20,6 +20,7 @@
 #include "graph/rdf/parser.h"
 #include "graph/rdf/text_input.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/grpc/robot_facts.h"
 #include "kb_server/http/http_graph_store.h"
 #include "kb_server/http/http_health.h"
 #include "kb_server/http/http_sparql.h"
@@ -481,13 +482,9 @@ void Server::ExpectRobots() {
 }
 
 bool Server::Tend() {
-  for (const std::string& robot : leases_.TakeLost()) {
-    WriteBatch batch;
-    batch.source = robot;
-    batch.operations.push_back(
-        {QuadOperation::Kind::kAdd,
-         {Term::Iri(robot), Term::Iri(DocentIri("status")), Term::Iri(DocentIri("Offline")), Term()}});
-    inbox_.Push(std::move(batch), [this, robot](const absl::StatusOr<BatchOutcome>& outcome) {
+  for (const auto& [robot, seen_us] : leases_.TakeLost()) {
+    WriteBatch batch = FactsOfLoss(robot, seen_us, dictionary_, *queries_.Newest());
+    inbox_.Push(std::move(batch), [this, robot = robot](const absl::StatusOr<BatchOutcome>& outcome) {
       if (outcome.ok()) spdlog::warn("{} has not renewed its lease: offline", robot);
       leases_.ToldLost(robot, outcome.ok());
     });

@@ -60,8 +60,8 @@ std::string NameOfSegment(std::string_view segment) {
 }
 
 std::optional<std::string> NameFault(std::string_view name) {
-  if (name.size() > WorkflowLimits::name_bytes) {
-    return absl::StrCat("has ", name.size(), " bytes; the limit name_bytes is ", WorkflowLimits::name_bytes);
+  if (name.size() > kWorkflowLimits.name_bytes) {
+    return absl::StrCat("has ", name.size(), " bytes; the limit name_bytes is ", kWorkflowLimits.name_bytes);
   }
   if (FindInvalidUtf8(name)) return "is not UTF-8";
   for (size_t at = 0, end = 0; at < name.size(); at = end) {

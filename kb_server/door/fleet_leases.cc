@@ -9,7 +9,8 @@ void FleetLeases::Renew(const std::string& robot, const std::string& description
   {
     absl::MutexLock lock(&mutex_);
     Lease& lease = leases_[robot];
-    lease.until_us = clock_.Now() + int64_t{kLeaseMs} * 1000;
+    lease.seen_us = clock_.Now();
+    lease.until_us = lease.seen_us + int64_t{kLeaseMs} * 1000;
     if (lease.under_way) {
       lease.waiting.push_back({description, std::move(decided)});
       return;
@@ -34,16 +35,16 @@ void FleetLeases::Expect(const std::string& robot) {
   lease.online = true;
 }
 
-std::vector<std::string> FleetLeases::TakeLost() {
+std::vector<FleetLeases::Lost> FleetLeases::TakeLost() {
   absl::MutexLock lock(&mutex_);
-  std::vector<std::string> lost;
+  std::vector<Lost> lost;
   for (auto it = leases_.begin(); it != leases_.end();) {
     Lease& lease = it->second;
     if (lease.under_way || lease.until_us > clock_.Now()) {
       ++it;
     } else if (lease.online) {
       lease.under_way = true;
-      lost.push_back(it->first);
+      lost.push_back({it->first, lease.seen_us});
       ++it;
     } else {
       it = leases_.erase(it);

@@ -39,7 +39,11 @@ class FleetLeases {
   void Expect(const std::string& robot);
   // Robots that the graph has as online and whose lease ran out. For each: tell the graph, then call
   // `ToldLost`.
-  std::vector<std::string> TakeLost();
+  struct Lost {
+    std::string robot;
+    TimeMicros seen_us = 0;  // when it last showed itself; 0: not to this server
+  };
+  std::vector<Lost> TakeLost();
   // Whether the graph took it; if not, the robot is lost again one lease later.
   void ToldLost(const std::string& robot, bool taken);
 
@@ -50,6 +54,7 @@ class FleetLeases {
   };
   struct Lease {
     TimeMicros until_us = 0;
+    TimeMicros seen_us = 0;
     bool online = false;           // so the graph says, as far as known here
     std::string told;              // the description that the graph has, as far as known here
     bool under_way = false;        // a batch about the robot

@@ -6,51 +6,13 @@
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/robot_facts.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/graph_reader.h"
+#include "spdlog/spdlog.h"
 
 namespace docent {
 namespace {
-
-// What joining means for the graph: who the robot is, what it offers, where its adapter listens.
-WriteBatch JoinFacts(const v1::JoinRequest& request, const GraphReader& graph) {
-  const v1::RobotDescription& description = request.description();
-  WriteBatch batch;
-  batch.source = description.robot();
-  auto say = [&batch](const std::string& subject, std::string_view predicate, Term object,
-                      QuadOperation::Kind kind = QuadOperation::Kind::kAdd) {
-    batch.operations.push_back(
-        {kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
-  };
-  const std::string& robot = description.robot();
-  // in the place of what was told before, whether or not an ontology says that there is one value only
-  auto replace = [&](std::string_view predicate, const Term& object) {
-    for (const Term& old : graph.Objects(robot, predicate)) {
-      if (old != object) say(robot, predicate, old, QuadOperation::Kind::kRemove);
-    }
-    say(robot, predicate, object);
-  };
-  say(robot, kRdfType, Term::Iri(DocentIri("Robot")));
-  if (!description.type().empty()) say(robot, kRdfType, Term::Iri(description.type()));
-  if (!description.label().empty()) replace(Concat(kRdfsNs, "label"), Term::Literal(description.label()));
-  replace(DocentIri("incarnation"), Term::Literal(description.incarnation()));
-  replace(DocentIri("adapterAddress"), Term::Literal(request.address()));
-  std::string status = graph.Object(robot, DocentIri("status"));
-  if (status.empty() || status == DocentIri("Offline")) {
-    replace(DocentIri("status"), Term::Iri(DocentIri("Standby")));
-  }
-  for (const Term& offered : graph.Objects(robot, DocentIri("offers"))) {
-    say(robot, DocentIri("offers"), offered, QuadOperation::Kind::kRemove);
-  }
-  for (const v1::OperationDescription& operation : description.operations()) {
-    std::string iri = OperationIri(operation.name());
-    say(robot, DocentIri("offers"), Term::Iri(iri));
-    say(iri, kRdfType, Term::Iri(DocentIri("Operation")));
-    say(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
-    say(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent()));
-  }
-  return batch;
-}
 
 bool Number(const GraphReader& graph, const std::string& robot, std::string_view local, double* value) {
   return absl::SimpleAtod(graph.Object(robot, DocentIri(local)), value);
@@ -75,16 +37,23 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
   if (description.incarnation().empty())
     return refuse("description.incarnation is empty; it must change at every start");
   reply->set_lease_ms(FleetLeases::kLeaseMs);
+  std::vector<std::string> warnings;
+  v1::JoinRequest join = *request;
+  *join.mutable_description() = AcceptedDescription(description, &warnings);
+  for (const std::string& warning : warnings) reply->add_warnings(warning);
   std::string text = absl::StrCat(request->address(), "\n", description.SerializeAsString());
-  leases_.Renew(description.robot(), text, [this, reactor, request, reply, text](bool tell) {
+  leases_.Renew(description.robot(), text, [this, reactor, reply, text, join = std::move(join)](bool tell) {
     GraphVersionPtr version = ports_.queries->Newest();
     reply->set_revision(version->revision().value());
     if (!tell) return reactor->Finish(grpc::Status::OK);
-    ports_.inbox->Push(JoinFacts(*request, GraphReader(*ports_.dictionary, *version)),
-                       [this, reactor, reply, robot = request->description().robot(),
+    reply->set_tell_states(true);
+    ports_.inbox->Push(FactsOfJoin(join, *ports_.dictionary, *version),
+                       [this, reactor, reply, robot = join.description().robot(),
                         text](const absl::StatusOr<BatchOutcome>& outcome) {
                          if (outcome.ok()) reply->set_revision(outcome->offset);
                          leases_.Told(robot, text, outcome.ok());
+                         for (const std::string& warning : reply->warnings())
+                           spdlog::warn("{} joined, but for: {}", robot, warning);
                          reactor->Finish(ToGrpc(outcome.status()));
                        });
   });
@@ -110,6 +79,7 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
           for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
             out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
           }
+          out->set_last_seen_us(MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt"))));
           double x = 0, y = 0, heading = 0;
           if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
             out->set_has_pose(true);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
+#include "graph/rdf/docent_iris.h"
 #include "graph/wire/term_proto.h"
 
 namespace docent::robot {
@@ -152,6 +154,9 @@ absl::StatusOr<std::unique_ptr<CommandTable>> CommandTable::Create(std::vector<O
     if (operation.name.empty() || !operation.run) {
       return absl::InvalidArgumentError(
           absl::StrCat("operation \"", operation.name, "\" lacks a name or function"));
+    }
+    if (const std::optional<std::string> fault = NameFault(operation.name)) {
+      return absl::InvalidArgumentError(absl::StrCat("the name of operation \"", operation.name, "\" ", *fault));
     }
     if (!names.insert(operation.name).second) {
       return absl::InvalidArgumentError(

@@ -35,6 +35,13 @@ bool FleetMember::joined() const {
   return joined_;
 }
 
+// Once each, though every repetition brings them.
+void FleetMember::SayWarnings(const v1::JoinReply& reply) {
+  for (const std::string& warning : reply.warnings()) {
+    if (warnings_.insert(warning).second) spdlog::warn("the server took the description but for: {}", warning);
+  }
+}
+
 void FleetMember::Run() {
   absl::Duration retry = kFirstRetry;
   bool said = false;
@@ -47,13 +54,14 @@ void FleetMember::Run() {
       pause = std::max(kShortestPause, absl::Milliseconds(reply.lease_ms()) / kJoinsPerLease);
       retry = kFirstRetry;
       said = false;
+      SayWarnings(reply);
     } else {
       retry = std::min(2 * retry, kLastRetry);
     }
     {
       absl::MutexLock lock(&mutex_);
       if (stopped_) return;
-      returned = status.ok() && !joined_;
+      returned = status.ok() && (!joined_ || reply.tell_states());
       joined_ = status.ok();
     }
     if (returned) {

@@ -4,6 +4,8 @@
 #define DOCENT_ROBOT_ADAPTERS_SDK_FLEET_MEMBER_H_
 
 #include <functional>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "absl/base/thread_annotations.h"
@@ -15,8 +17,8 @@ namespace docent::robot {
 
 class FleetMember {
  public:
-  // `link` must outlive it. `on_return` is called after each Join that follows a failed one (and after the
-  // first).
+  // `link` must outlive it. `on_return` is called after the first Join, after each that follows a failed one, and where the
+  // server says that it wants all states.
   FleetMember(ServerLink* link, v1::JoinRequest request, std::function<void()> on_return);
   ~FleetMember() { Stop(); }
   // Joins no more. The link should have been shut down, or a call may keep this waiting for its timeout.
@@ -26,6 +28,7 @@ class FleetMember {
 
  private:
   void Run();
+  void SayWarnings(const v1::JoinReply& reply);
 
   ServerLink* const link_;
   const v1::JoinRequest request_;
@@ -33,6 +36,7 @@ class FleetMember {
   mutable absl::Mutex mutex_;
   bool joined_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
+  std::set<std::string> warnings_;  // that were logged; the thread's
   std::thread thread_;
 };
 

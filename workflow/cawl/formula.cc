@@ -79,10 +79,10 @@ void Append(const Conjunction& from, Conjunction* to) {
 
 // Each of `left` with each of `right`.
 absl::Status Multiply(std::vector<Conjunction>* left, const std::vector<Conjunction>& right) {
-  if (left->size() * right.size() > WorkflowLimits::condition_alternatives)
-    return TooMany("alternatives", "condition_alternatives", WorkflowLimits::condition_alternatives);
-  if (Parts(*left) * right.size() + Parts(right) * left->size() > WorkflowLimits::condition_parts)
-    return TooMany("constraints and events", "condition_parts", WorkflowLimits::condition_parts);
+  if (left->size() * right.size() > kWorkflowLimits.condition_alternatives)
+    return TooMany("alternatives", "condition_alternatives", kWorkflowLimits.condition_alternatives);
+  if (Parts(*left) * right.size() + Parts(right) * left->size() > kWorkflowLimits.condition_parts)
+    return TooMany("constraints and events", "condition_parts", kWorkflowLimits.condition_parts);
   if (right.size() == 1) {
     for (Conjunction& l : *left) Append(right[0], &l);
     return absl::OkStatus();
@@ -166,8 +166,8 @@ absl::StatusOr<std::vector<Conjunction>> ToAlternatives(const Formula& formula) 
         absl::StatusOr<std::vector<Conjunction>> part = ToAlternatives(child);
         if (!part.ok()) return part.status();
         out.insert(out.end(), part->begin(), part->end());
-        if (out.size() > WorkflowLimits::condition_alternatives)
-          return TooMany("alternatives", "condition_alternatives", WorkflowLimits::condition_alternatives);
+        if (out.size() > kWorkflowLimits.condition_alternatives)
+          return TooMany("alternatives", "condition_alternatives", kWorkflowLimits.condition_alternatives);
       }
       return out;
     case Formula::Kind::kAnd:

@@ -5,21 +5,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/time/time.h"
+#include "graph/rdf/date_time.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {
 namespace {
-
-Term DateTime(TimeMicros time_us) {
-  std::string text =
-      absl::FormatTime("%Y-%m-%dT%H:%M:%E3S", absl::FromUnixMicros(time_us), absl::UTCTimeZone());
-  // the canonical form has no trailing zeros in the fraction
-  while (text.back() == '0' && text.find('.') != std::string::npos) text.pop_back();
-  if (text.back() == '.') text.pop_back();
-  return Term::Literal(text + "Z", std::string(kXsdDateTime));
-}
 
 Term Decimal(double value) {
   std::string text = absl::StrFormat("%.2f", value);
@@ -54,7 +45,7 @@ class Writer {
   TermId Time(TimeMicros time_us) {
     if (time_us != time_us_ || time_.IsNone()) {  // most are that of the turn
       time_us_ = time_us;
-      time_ = dictionary_.Intern(DateTime(time_us));
+      time_ = dictionary_.Intern(DateTimeTerm(time_us));
     }
     return time_;
   }

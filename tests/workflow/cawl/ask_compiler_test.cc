@@ -136,7 +136,7 @@ DocumentPtr DocumentOfConstraints(int count) {
 }
 
 TEST(AskCompiler, PartsOfAllAlternativesAreLimited) {
-  constexpr int kMost = WorkflowLimits::condition_parts;
+  constexpr int kMost = kWorkflowLimits.condition_parts;
   const DocumentPtr fits = DocumentOfConstraints(kMost), over = DocumentOfConstraints(kMost + 1);
   EXPECT_TRUE(CompileCondition(*fits, ConditionOfNode(*fits), Values({}), {}).ok());
   const auto refused = CompileCondition(*over, ConditionOfNode(*over), Values({}), {});

@@ -1,0 +1,180 @@
+#include "kb_server/grpc/robot_facts.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
+#include "graph/rdf/date_time.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/iri.h"
+#include "graph/rdf/vocabulary.h"
+#include "kb_server/work/graph_reader.h"
+
+namespace docent {
+namespace {
+
+constexpr std::string_view kKeptOfOffline[] = {"x", "y", "heading", "status", "incarnation", "adapterAddress"};
+
+// Changes of what one robot tells, beside what it told before.
+class RobotFacts {
+ public:
+  RobotFacts(const std::string& robot, const Dictionary& dictionary, const GraphVersion& version)
+      : robot_(robot), dictionary_(dictionary), version_(version) {
+    batch_.source = robot;
+  }
+
+  // The object, and of those that were told before nothing else.
+  void Replace(const std::string& subject, std::string_view predicate, const Term& object) {
+    Replace(subject, predicate, std::vector<Term>{object});
+  }
+  void Replace(const std::string& subject, std::string_view predicate, const std::vector<Term>& objects) {
+    for (const Term& told : Told(subject, predicate)) {
+      if (std::find(objects.begin(), objects.end(), told) == objects.end())
+        Change(QuadOperation::Kind::kRemove, subject, predicate, told);
+    }
+    for (const Term& object : objects) Change(QuadOperation::Kind::kAdd, subject, predicate, object);
+  }
+  void Add(const std::string& subject, std::string_view predicate, Term object) {
+    Change(QuadOperation::Kind::kAdd, subject, predicate, std::move(object));
+  }
+  void RemoveStates() {
+    const std::optional<TermId> robot = dictionary_.FindIri(robot_);
+    const std::optional<TermId> type = dictionary_.FindIri(kRdfType);
+    const std::optional<TermId> state = dictionary_.FindIri(DocentIri("StateProperty"));
+    if (!robot || !type || !state) return;
+    version_.ForEach({*robot, {}, {}, *robot}, [&](const Quad& quad) {
+      const std::string predicate = dictionary_.Decode(quad.predicate).lexical;
+      const bool kept = std::any_of(std::begin(kKeptOfOffline), std::end(kKeptOfOffline),
+                                    [&](std::string_view local) { return predicate == DocentIri(local); });
+      if (!kept && version_.ContainsMatch({quad.predicate, *type, *state, {}}))
+        Change(QuadOperation::Kind::kRemove, robot_, predicate, dictionary_.Decode(quad.object));
+      return true;
+    });
+  }
+  WriteBatch Take() { return std::move(batch_); }
+
+  // In the robot's own graph.
+  std::vector<Term> Told(const std::string& subject, std::string_view predicate) const {
+    std::vector<Term> objects;
+    const auto s = dictionary_.FindIri(subject), p = dictionary_.FindIri(predicate),
+               graph = dictionary_.FindIri(robot_);
+    if (!s || !p || !graph) return objects;
+    version_.ForEach({*s, *p, {}, *graph}, [&](const Quad& quad) {
+      objects.push_back(dictionary_.Decode(quad.object));
+      return true;
+    });
+    return objects;
+  }
+
+ private:
+  void Change(QuadOperation::Kind kind, const std::string& subject, std::string_view predicate, Term object) {
+    batch_.operations.push_back(
+        {kind, {Term::Iri(subject), Term::Iri(std::string(predicate)), std::move(object), Term()}});
+  }
+
+  const std::string& robot_;
+  const Dictionary& dictionary_;
+  const GraphVersion& version_;
+  WriteBatch batch_;
+};
+
+// Why the name cannot be taken; nullopt: it can, and is new among `names`.
+std::optional<std::string> FaultOf(const std::string& name, std::set<std::string>* names) {
+  if (name.find_first_not_of(" \t\r\n") == std::string::npos) return "is empty";
+  if (std::optional<std::string> fault = NameFault(name)) return fault;
+  if (name.front() == ' ' || name.back() == ' ') return "begins or ends with a blank, which documents do not keep";
+  if (!names->insert(name).second) return "stands twice";
+  return std::nullopt;
+}
+
+// Of what is too long to be shown, the beginning.
+std::string Shown(const std::string& name) {
+  constexpr size_t kShown = 60;
+  return Concat("\"", name.size() <= kShown ? name : name.substr(0, kShown) + "…", "\"");
+}
+
+void TakeParts(const std::string& operation, std::string_view what,
+               google::protobuf::RepeatedPtrField<std::string>* parts, std::vector<std::string>* warnings) {
+  std::set<std::string> names;
+  google::protobuf::RepeatedPtrField<std::string> good;
+  for (const std::string& part : *parts) {
+    if (const auto fault = FaultOf(part, &names)) {
+      warnings->push_back(absl::StrCat(ToAbsl(what), " ", Shown(part), " of operation ", operation, " ", *fault,
+                                       "; it is left out"));
+    } else {
+      *good.Add() = part;
+    }
+  }
+  *parts = std::move(good);
+}
+
+}  // namespace
+
+v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description, std::vector<std::string>* warnings) {
+  v1::RobotDescription out = description;
+  out.clear_operations();
+  std::set<std::string> names;
+  for (const v1::OperationDescription& operation : description.operations()) {
+    if (const auto fault = FaultOf(operation.name(), &names)) {
+      warnings->push_back(absl::StrCat("the name of operation ", Shown(operation.name()), " ", *fault,
+                                       "; the operation is left out"));
+      continue;
+    }
+    v1::OperationDescription* good = out.add_operations();
+    *good = operation;
+    TakeParts(operation.name(), "input", good->mutable_inputs(), warnings);
+    TakeParts(operation.name(), "output", good->mutable_outputs(), warnings);
+  }
+  if (!out.type().empty() && !IsValidTermIri(out.type())) {
+    warnings->push_back(
+        absl::StrCat("the type ", Shown(out.type()), " is not an absolute IRI; docent:Robot is taken"));
+    out.clear_type();
+  }
+  return out;
+}
+
+WriteBatch FactsOfJoin(const v1::JoinRequest& request, const Dictionary& dictionary,
+                       const GraphVersion& version) {
+  const v1::RobotDescription& description = request.description();
+  const std::string& robot = description.robot();
+  RobotFacts facts(robot, dictionary, version);
+  facts.Add(robot, kRdfType, Term::Iri(DocentIri("Robot")));
+  if (!description.type().empty()) facts.Add(robot, kRdfType, Term::Iri(description.type()));
+  if (!description.label().empty())
+    facts.Replace(robot, Concat(kRdfsNs, "label"), Term::Literal(description.label()));
+  facts.Replace(robot, DocentIri("incarnation"), Term::Literal(description.incarnation()));
+  facts.Replace(robot, DocentIri("adapterAddress"), Term::Literal(request.address()));
+  facts.Replace(robot, DocentIri("lastSeenAt"), std::vector<Term>());
+  const std::string status = GraphReader(dictionary, version).Object(robot, DocentIri("status"));
+  if (status.empty() || status == DocentIri("Offline"))
+    facts.Replace(robot, DocentIri("status"), Term::Iri(DocentIri("Standby")));
+  std::vector<Term> offers;
+  for (const v1::OperationDescription& operation : description.operations()) {
+    const std::string iri = OperationIri(operation.name());
+    offers.push_back(Term::Iri(iri));
+    facts.Add(iri, kRdfType, Term::Iri(DocentIri("Operation")));
+    facts.Add(iri, Concat(kRdfsNs, "label"), Term::Literal(operation.name()));
+    facts.Replace(iri, DocentIri("idempotent"), Term::Boolean(operation.idempotent()));
+    std::vector<Term> inputs;
+    for (const std::string& part : operation.inputs()) inputs.push_back(Term::Literal(part));
+    facts.Replace(iri, DocentIri("input"), inputs);
+    facts.Replace(iri, DocentIri("inputsKnown"), Term::Boolean(true));
+  }
+  facts.Replace(robot, DocentIri("offers"), offers);
+  return facts.Take();
+}
+
+WriteBatch FactsOfLoss(const std::string& robot, TimeMicros seen_us, const Dictionary& dictionary,
+                       const GraphVersion& version) {
+  RobotFacts facts(robot, dictionary, version);
+  facts.Replace(robot, DocentIri("status"), Term::Iri(DocentIri("Offline")));
+  if (seen_us != 0) facts.Replace(robot, DocentIri("lastSeenAt"), DateTimeTerm(seen_us));
+  facts.RemoveStates();
+  return facts.Take();
+}
+
+}  // namespace docent
