@@ -35,8 +35,8 @@ std::string IriSegment(std::string_view name) {
   out.reserve(name.size());
   for (const char c : name) {
     const auto byte = static_cast<unsigned char>(c);
-    const bool stands =
-        byte >= 0x80 || (!IsForbiddenInIri(byte) && byte != 0x7F && std::string_view("%/?#$@").find(c) == std::string_view::npos);
+    const bool stands = byte >= 0x80 || (!IsForbiddenInIri(byte) && byte != 0x7F &&
+                                         std::string_view("%/?#$@").find(c) == std::string_view::npos);
     if (stands)
       out += c;
     else
@@ -48,7 +48,8 @@ std::string IriSegment(std::string_view name) {
 std::string NameOfSegment(std::string_view segment) {
   std::string out;
   for (size_t i = 0; i < segment.size(); ++i) {
-    const bool encoded = segment[i] == '%' && i + 2 < segment.size() && IsHex(segment[i + 1]) && IsHex(segment[i + 2]);
+    const bool encoded =
+        segment[i] == '%' && i + 2 < segment.size() && IsHex(segment[i + 1]) && IsHex(segment[i + 2]);
     if (encoded) {
       out += absl::HexStringToBytes(ToAbsl(segment.substr(i + 1, 2)));
       i += 2;
@@ -66,8 +67,7 @@ std::optional<std::string> NameFault(std::string_view name) {
   if (FindInvalidUtf8(name)) return "is not UTF-8";
   for (size_t at = 0, end = 0; at < name.size(); at = end) {
     const char32_t c = NextCodePoint(name, &end);
-    if (IsControl(c))
-      return absl::StrFormat("holds the control character U+%04X", static_cast<uint32_t>(c));
+    if (IsControl(c)) return absl::StrFormat("holds the control character U+%04X", static_cast<uint32_t>(c));
   }
   return std::nullopt;
 }

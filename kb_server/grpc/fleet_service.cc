@@ -62,35 +62,36 @@ grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* contex
 
 grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* context,
                                              const v1::ListRobotsRequest*, v1::ListRobotsReply* reply) {
-  return OnWorker(
-      context->DefaultReactor(), ports_.workers, [this, reply](grpc::ServerUnaryReactor* reactor) {
-        GraphVersionPtr version = ports_.queries->Newest();
-        GraphReader graph(*ports_.dictionary, *version);
-        for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
-          v1::RobotStatus* out = reply->add_robots();
-          out->set_robot(robot);
-          out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
-          out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
-          out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
-          std::string status = graph.Object(robot, DocentIri("status"));
-          out->set_state(status == DocentIri("Standby") ? "standby"
-                         : status == DocentIri("Busy")  ? "busy"
-                                                        : "offline");
-          for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
-            out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
-          }
-          out->set_last_seen_us(MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt"))));
-          double x = 0, y = 0, heading = 0;
-          if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
-            out->set_has_pose(true);
-            out->set_x_m(x);
-            out->set_y_m(y);
-            if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
-          }
-          for (const Term& region : graph.Objects(robot, DocentIri("isAt"))) out->add_regions(region.lexical);
-        }
-        reactor->Finish(grpc::Status::OK);
-      });
+  return OnWorker(context->DefaultReactor(), ports_.workers,
+                  [this, reply](grpc::ServerUnaryReactor* reactor) {
+                    GraphVersionPtr version = ports_.queries->Newest();
+                    GraphReader graph(*ports_.dictionary, *version);
+                    for (const std::string& robot : graph.Subjects(kRdfType, Term::Iri(DocentIri("Robot")))) {
+                      v1::RobotStatus* out = reply->add_robots();
+                      out->set_robot(robot);
+                      out->set_label(graph.Object(robot, Concat(kRdfsNs, "label")));
+                      out->set_address(graph.Object(robot, DocentIri("adapterAddress")));
+                      out->set_incarnation(graph.Object(robot, DocentIri("incarnation")));
+                      std::string status = graph.Object(robot, DocentIri("status"));
+                      out->set_state(status == DocentIri("Standby") ? "standby"
+                                     : status == DocentIri("Busy")  ? "busy"
+                                                                    : "offline");
+                      for (const Term& operation : graph.Objects(robot, DocentIri("offers"))) {
+                        out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
+                      }
+                      out->set_last_seen_us(MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt"))));
+                      double x = 0, y = 0, heading = 0;
+                      if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
+                        out->set_has_pose(true);
+                        out->set_x_m(x);
+                        out->set_y_m(y);
+                        if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
+                      }
+                      for (const Term& region : graph.Objects(robot, DocentIri("isAt")))
+                        out->add_regions(region.lexical);
+                    }
+                    reactor->Finish(grpc::Status::OK);
+                  });
 }
 
 }  // namespace docent

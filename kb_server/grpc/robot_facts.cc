@@ -17,7 +17,8 @@
 namespace docent {
 namespace {
 
-constexpr std::string_view kKeptOfOffline[] = {"x", "y", "heading", "status", "incarnation", "adapterAddress"};
+constexpr std::string_view kKeptOfOffline[] = {"x",      "y",           "heading",
+                                               "status", "incarnation", "adapterAddress"};
 
 // Changes of what one robot tells, beside what it told before.
 class RobotFacts {
@@ -86,7 +87,8 @@ class RobotFacts {
 std::optional<std::string> FaultOf(const std::string& name, std::set<std::string>* names) {
   if (name.find_first_not_of(" \t\r\n") == std::string::npos) return "is empty";
   if (std::optional<std::string> fault = NameFault(name)) return fault;
-  if (name.front() == ' ' || name.back() == ' ') return "begins or ends with a blank, which documents do not keep";
+  if (name.front() == ' ' || name.back() == ' ')
+    return "begins or ends with a blank, which documents do not keep";
   if (!names->insert(name).second) return "stands twice";
   return std::nullopt;
 }
@@ -103,8 +105,8 @@ void TakeParts(const std::string& operation, std::string_view what,
   google::protobuf::RepeatedPtrField<std::string> good;
   for (const std::string& part : *parts) {
     if (const auto fault = FaultOf(part, &names)) {
-      warnings->push_back(absl::StrCat(ToAbsl(what), " ", Shown(part), " of operation ", operation, " ", *fault,
-                                       "; it is left out"));
+      warnings->push_back(absl::StrCat(ToAbsl(what), " ", Shown(part), " of operation ", operation, " ",
+                                       *fault, "; it is left out"));
     } else {
       *good.Add() = part;
     }
@@ -114,7 +116,8 @@ void TakeParts(const std::string& operation, std::string_view what,
 
 }  // namespace
 
-v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description, std::vector<std::string>* warnings) {
+v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description,
+                                         std::vector<std::string>* warnings) {
   v1::RobotDescription out = description;
   out.clear_operations();
   std::set<std::string> names;

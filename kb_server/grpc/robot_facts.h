@@ -16,7 +16,8 @@ namespace docent {
 
 // A description without what cannot be taken: operations without a name that can stand in documents and IRIs, or named
 // twice; parts likewise; a class that is no IRI. `warnings` say what was left out, each on one line.
-v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description, std::vector<std::string>* warnings);
+v1::RobotDescription AcceptedDescription(const v1::RobotDescription& description,
+                                         std::vector<std::string>* warnings);
 
 // Told by the robot itself: who it is, what it offers, where its adapter listens. Replaces what an earlier join told.
 // `request.description()` is one that AcceptedDescription gave.

@@ -11,6 +11,7 @@
 #include "kb_server/grpc/run_reader.h"
 #include "kb_server/grpc/stream_reactor.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/work/graph_environment.h"
 #include "kb_server/work/graph_reader.h"
 #include "workflow/rsel/parser.h"
 
@@ -46,6 +47,14 @@ void Fill(const GraphReader& graph, const rsel::Plan& plan, v1::RobotService* ou
     service_step->set_service(step.service);
   }
   for (const std::string& robot : Able(graph, plan)) out->add_robots(robot);
+}
+
+// Warnings about what the robots that are here cannot do. What the registry refuses is left to the writer's turn to say.
+Diagnostics Feasibility(const ServicePorts& ports, const rsel::ParsedRsel& parsed) {
+  rsel::ServiceRegistry registry = ports.catalog->Get()->services;
+  if (HasErrors(registry.Put(parsed.document))) return {};
+  return rsel::CheckFeasibility(*parsed.document, registry,
+                                OfferedOperations(*ports.dictionary, *ports.queries->Newest()));
 }
 
 // Follows one run for one client. Events may come before the run's id is known; they are kept until then.
@@ -140,6 +149,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
         }
         rsel::ParsedRsel parsed = rsel::ParseRsel(request->rsel(), request->name(), ports_.limits);
         if (!parsed.ok()) return reactor->Finish(ToGrpc(ToStatus(parsed.diagnostics, request->rsel())));
+        for (const Diagnostic& warning : Feasibility(ports_, parsed)) parsed.diagnostics.push_back(warning);
         for (const Diagnostic& diagnostic : parsed.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
         for (const rsel::Process& process : parsed.document->processes)
           reply->add_processes(process.name.value);

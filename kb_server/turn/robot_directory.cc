@@ -21,10 +21,12 @@ std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, 
 }
 
 GraphRobotDirectory::GraphRobotDirectory(Dictionary* dictionary)
-    : dictionary_(*dictionary),
-      properties_{dictionary->InternIri(DocentIri("offers")), dictionary->InternIri(DocentIri("incarnation")),
-                  dictionary->InternIri(DocentIri("status")),
-                  dictionary->InternIri(DocentIri("idempotent"))} {}
+    : dictionary_(*dictionary), properties_{dictionary->InternIri(DocentIri("offers")),
+                                            dictionary->InternIri(DocentIri("incarnation")),
+                                            dictionary->InternIri(DocentIri("status")),
+                                            dictionary->InternIri(DocentIri("idempotent")),
+                                            dictionary->InternIri(DocentIri("input")),
+                                            dictionary->InternIri(DocentIri("inputsKnown"))} {}
 
 void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delta) {
   auto concerns = [this](const Quad& quad) {
@@ -40,6 +42,22 @@ const std::vector<RobotOffer>& GraphRobotDirectory::Offers(const std::string& op
   auto it = known_.find(operation);
   if (it == known_.end()) it = known_.emplace(operation, Read(operation)).first;
   return it->second;
+}
+
+// What the robot says in its own graph; other robots may do an operation of that name otherwise.
+std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId operation, TermId robot) const {
+  const std::optional<TermId> known = dictionary_.FindIri(DocentIri("inputsKnown")),
+                              input = dictionary_.FindIri(DocentIri("input")),
+                              yes = dictionary_.Find(Term::Boolean(true));
+  if (!known || !input || !yes || !version_->ContainsMatch({operation, *known, *yes, robot}))
+    return std::nullopt;
+  std::vector<std::string> inputs;
+  version_->ForEach({operation, *input, {}, robot}, [&](const Quad& quad) {
+    inputs.push_back(dictionary_.Decode(quad.object).lexical);
+    return true;
+  });
+  std::sort(inputs.begin(), inputs.end());
+  return inputs;
 }
 
 std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) const {
@@ -58,6 +76,7 @@ std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) 
     offer.idempotent = idempotent;
     offer.offline =
         OneValue(dictionary_, *version_, quad.subject, DocentIri("status")) == DocentIri("Offline");
+    offer.inputs = InputsOf(*operation_id, quad.subject);
     offers.push_back(std::move(offer));
     return true;
   });

@@ -1,9 +1,10 @@
 // Index of the robots that offer an operation, by the graph: docent:offers, docent:incarnation, docent:status,
-// docent:idempotent. Answers are kept until a change of one of these properties. Writer thread only.
+// docent:idempotent, docent:input. Answers are kept until a change of one of these properties. Writer thread only.
 #ifndef DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
 #define DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ class GraphRobotDirectory final : public RobotDirectory {
 
  private:
   std::vector<RobotOffer> Read(const std::string& operation) const;
+  std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
 
   const Dictionary& dictionary_;
   const std::vector<TermId> properties_;  // what an offer is read from

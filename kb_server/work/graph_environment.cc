@@ -26,18 +26,13 @@ class LiveEnvironment final : public cawl::Environment {
   std::optional<cawl::OperationSignature> FindOperation(std::string_view name) const override {
     if (rsel::PlanPtr plan = catalog_->services.Find(name))
       return cawl::OperationSignature{plan->process, plan->inputs, true};
-    if (Has({}, DocentIri("offers"), OperationIri(name)))
-      return cawl::OperationSignature{std::string(name), {}, false};
-    return std::nullopt;
+    return Described(name);
   }
   std::vector<std::string> OperationNames() const override {
     std::vector<std::string> names = catalog_->services.ProcessNames();
-    auto offers = dictionary_.FindIri(DocentIri("offers"));
-    if (!offers) return names;
-    version_->ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
-      if (auto name = OperationOfIri(dictionary_.Decode(quad.object).lexical)) names.push_back(*std::move(name));
-      return true;
-    });
+    for (const rsel::OfferedOperation& offered : Offered()) names.push_back(offered.name);
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }
   std::vector<std::string> ApplicationServices() const override {
@@ -70,6 +65,28 @@ class LiveEnvironment final : public cawl::Environment {
   }
 
  private:
+  // The inputs that every robot takes that describes the operation; nullopt: no robot offers it.
+  std::optional<cawl::OperationSignature> Described(std::string_view name) const {
+    std::optional<cawl::OperationSignature> out;
+    for (const rsel::OfferedOperation& offered : Offered()) {
+      if (offered.name != name) continue;
+      if (!out) out = cawl::OperationSignature{offered.name, {}, false, true};
+      if (!offered.inputs_known) continue;
+      if (!out->inputs_known) {
+        out->inputs = offered.inputs;
+      } else {
+        std::erase_if(out->inputs, [&](const std::string& part) {
+          return std::find(offered.inputs.begin(), offered.inputs.end(), part) == offered.inputs.end();
+        });
+      }
+      out->inputs_known = true;
+    }
+    return out;
+  }
+  const std::vector<rsel::OfferedOperation>& Offered() const {
+    if (!offered_) offered_ = OfferedOperations(dictionary_, *version_);
+    return *offered_;
+  }
   // Empty text is a wildcard.
   bool Has(const std::string& subject, const std::string& predicate, const std::string& object) const {
     QuadPattern pattern;
@@ -113,9 +130,36 @@ class LiveEnvironment final : public cawl::Environment {
   const std::shared_ptr<const Catalog> catalog_;
   const std::vector<std::string> class_types_;
   const std::vector<std::string> property_types_;
+  mutable std::optional<std::vector<rsel::OfferedOperation>> offered_;
 };
 
 }  // namespace
+
+std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
+                                                      const GraphVersion& version) {
+  std::vector<rsel::OfferedOperation> offered;
+  const auto offers = dictionary.FindIri(DocentIri("offers")),
+             known = dictionary.FindIri(DocentIri("inputsKnown")),
+             input = dictionary.FindIri(DocentIri("input")), yes = dictionary.Find(Term::Boolean(true));
+  if (!offers) return offered;
+  version.ForEach({{}, *offers, {}, {}}, [&](const Quad& quad) {
+    std::optional<std::string> name = OperationOfIri(dictionary.Decode(quad.object).lexical);
+    if (!name) return true;
+    rsel::OfferedOperation operation;
+    operation.robot = RobotId(dictionary.Decode(quad.subject).lexical);
+    operation.name = *std::move(name);
+    operation.inputs_known = known && yes && version.ContainsMatch({quad.object, *known, *yes, quad.subject});
+    if (operation.inputs_known && input) {
+      version.ForEach({quad.object, *input, {}, quad.subject}, [&](const Quad& part) {
+        operation.inputs.push_back(dictionary.Decode(part.object).lexical);
+        return true;
+      });
+    }
+    offered.push_back(std::move(operation));
+    return true;
+  });
+  return offered;
+}
 
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
                                                     std::shared_ptr<const Catalog> catalog) {

@@ -8,8 +8,8 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/archive.h"
-#include "graph/rdf/term_archive.h"
 #include "graph/rdf/docent_iris.h"
+#include "graph/rdf/term_archive.h"
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/run_facts.h"
 

@@ -156,7 +156,8 @@ absl::StatusOr<std::unique_ptr<CommandTable>> CommandTable::Create(std::vector<O
           absl::StrCat("operation \"", operation.name, "\" lacks a name or function"));
     }
     if (const std::optional<std::string> fault = NameFault(operation.name)) {
-      return absl::InvalidArgumentError(absl::StrCat("the name of operation \"", operation.name, "\" ", *fault));
+      return absl::InvalidArgumentError(
+          absl::StrCat("the name of operation \"", operation.name, "\" ", *fault));
     }
     if (!names.insert(operation.name).second) {
       return absl::InvalidArgumentError(

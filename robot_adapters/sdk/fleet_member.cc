@@ -38,7 +38,8 @@ bool FleetMember::joined() const {
 // Once each, though every repetition brings them.
 void FleetMember::SayWarnings(const v1::JoinReply& reply) {
   for (const std::string& warning : reply.warnings()) {
-    if (warnings_.insert(warning).second) spdlog::warn("the server took the description but for: {}", warning);
+    if (warnings_.insert(warning).second)
+      spdlog::warn("the server took the description but for: {}", warning);
   }
 }
 

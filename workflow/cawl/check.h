@@ -23,8 +23,10 @@ struct CheckReport {
 
 // Beyond ParseCawl, an error for each condition that can never be asked: one that is too long, or has too many
 // alternatives. `environment` null: operations, services and ontology words are not checked. With one:
-//  error    an `invoke` that names neither an RSEL process nor an operation, or no flow
-//  error    an input part of an operation for which no variable of that name can have a value
+//  warning  an `invoke` that names neither an RSEL process nor an operation that a robot offers now
+//  error    an `invoke` of a flow that is not there
+//  error    an input part of an RSEL process for which no variable of that name can have a value; of a robot's own
+//           operation a warning
 //  warning  a class, property or resource that the ontology does not have, with the nearest that it has
 CheckReport CheckDocument(std::string_view text, const std::string& file, const Environment* environment,
                           const Limits& limits = {});

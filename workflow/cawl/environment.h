@@ -19,6 +19,7 @@ struct OperationSignature {
   std::string name;
   std::vector<std::string> inputs;  // part names
   bool inputs_known = true;         // false: `inputs` says nothing
+  bool of_robot = false;            // an operation that robots describe now; others may come
 };
 
 // Must not change while a check reads it.

@@ -39,11 +39,14 @@ class EnvironmentChecker {
     if (name.empty()) return std::nullopt;
     std::optional<OperationSignature> found = environment_.FindOperation(name.value);
     if (!found && !reader_.full()) {
-      reader_.Error(name.span, Concat("there is no robot service or operation ", name.value),
-                    reader_.DidYouMean(name.value, operations_,
-                                       operations_.empty()
-                                           ? "no robot offers anything and no RSEL process is registered"
-                                           : Concat("there are: ", xml::ListOf(operations_))));
+      const std::string known = operations_.empty()
+                                    ? "no robot offers anything now and no RSEL process is registered"
+                                    : Concat("there are: ", xml::ListOf(operations_));
+      reader_.Warning(
+          name.span,
+          Concat("no robot offers operation ", name.value, " now, and no robot service has this name"),
+          Concat(reader_.DidYouMean(name.value, operations_, known),
+                 "; an invoke of it waits until a robot joins that offers it"));
     }
     return found;
   }
@@ -101,12 +104,16 @@ class EnvironmentChecker {
                              [&](const Variable& v) { return v.name.value == input; });
       if (own) continue;
       std::vector<std::string> known(keys.begin(), keys.end());
-      reader_.Error(invoke.operation.span,
-                    Concat("operation ", operation.name, " needs ", input, ", but no variable ", input,
-                           " is declared in flow ", flow.name.value, " and no condition binds ?", input),
-                    reader_.DidYouMean(
-                        input, known,
-                        Concat("write <variable name=\"", input, "\"> or bind ?", input, " in a condition")));
+      std::string message =
+          Concat("operation ", operation.name, " needs ", input, ", but no variable ", input,
+                 " is declared in flow ", flow.name.value, " and no condition binds ?", input);
+      std::string hint = reader_.DidYouMean(
+          input, known, Concat("write <variable name=\"", input, "\"> or bind ?", input, " in a condition"));
+      if (operation.of_robot) {
+        reader_.Warning(invoke.operation.span, std::move(message), std::move(hint));
+      } else {
+        reader_.Error(invoke.operation.span, std::move(message), std::move(hint));
+      }
     }
   }
 

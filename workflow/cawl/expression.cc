@@ -168,8 +168,10 @@ void Collect(const Expression& expression, std::vector<const Expression*>* out) 
 
 std::string NameText(const std::string& name) {
   const std::string lower = absl::AsciiStrToLower(name);
-  const bool plain = !name.empty() && name[0] != kQuote && lower != "and" && lower != "or" && lower != "not" &&
-                     std::none_of(name.begin(), name.end(), [](char c) { return absl::ascii_isspace(c) || c == '(' || c == ')'; });
+  const bool plain = !name.empty() && name[0] != kQuote && lower != "and" && lower != "or" &&
+                     lower != "not" && std::none_of(name.begin(), name.end(), [](char c) {
+                       return absl::ascii_isspace(c) || c == '(' || c == ')';
+                     });
   if (plain) return name;
   std::string out(1, kQuote);
   for (const char c : name) {

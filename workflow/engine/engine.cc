@@ -200,13 +200,9 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   return id;
 }
 
-rsel::PlanPtr Engine::Core::PlanOf(const std::string& operation, const TermBinding& variables) const {
+rsel::PlanPtr Engine::Core::PlanOf(const std::string& operation) const {
   if (rsel::PlanPtr plan = services.Find(operation)) return plan;
-  std::vector<std::string> inputs;
-  for (const auto& [name, value] : variables) {
-    if (name != "robot") inputs.push_back(name);
-  }
-  return rsel::OperationPlan(operation, std::move(inputs));
+  return rsel::OperationPlan(operation, {});
 }
 
 std::vector<RobotId> Engine::Core::RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted,

@@ -118,9 +118,8 @@ struct Engine::Core {
   // `root`. `wanted`: only this one. None: `*why_not` says why.
   std::vector<RobotId> RobotsFor(const rsel::Plan& plan, const std::optional<Term>& wanted, const RunId& root,
                                  std::string* why_not) const;
-  // The plan of an invoke's operation: a registered process, or the robot's own operation with these
-  // variables.
-  rsel::PlanPtr PlanOf(const std::string& operation, const TermBinding& variables) const;
+  // The plan of an invoke's operation: a registered process, or the robots' own operation, without inputs.
+  rsel::PlanPtr PlanOf(const std::string& operation) const;
 
   // How many runs a run is nested in as a subflow.
   int DepthOf(const Run& run) const;

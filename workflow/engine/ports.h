@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,8 @@ struct RobotOffer {
   std::string incarnation;  // of the robot's adapter
   bool idempotent = false;  // the operation may be done twice
   bool offline = false;     // its lease ran out
+  // The parts that the operation takes, in order; nullopt: the robot did not describe them.
+  std::optional<std::vector<std::string>> inputs;
 };
 
 class RobotDirectory {

@@ -37,6 +37,29 @@ void RunStepper::SetInvocation(size_t node, size_t index, WorkState state, const
   if (state == WorkState::kDone) invocation.reason.clear();
 }
 
+// What the invocation's robot takes with an operation of its own. What it did not describe is asked of the messages that
+// the node sees: of their parts, those that have a value.
+std::vector<std::string> RunStepper::InputsOf(size_t node, size_t index) const {
+  const InvocationState& invocation = run_.nodes[node].invocations[index];
+  const cawl::Node& syntax = flow_.nodes[node];
+  for (const RobotOffer& offer :
+       core_.input->robots->Offers(syntax.invokes[invocation.invoke].operation.value)) {
+    if (offer.robot == invocation.robot && offer.inputs) return *offer.inputs;
+  }
+  std::vector<std::string> inputs;
+  for (const std::vector<cawl::Message>* messages :
+       {&syntax.messages, &flow_.messages, &run_.document->messages}) {
+    for (const cawl::Message& message : *messages) {
+      for (const cawl::Part& part : message.parts) {
+        const std::string& name = part.name.value;
+        if (std::find(inputs.begin(), inputs.end(), name) == inputs.end() && Value(name, &invocation.binding))
+          inputs.push_back(name);
+      }
+    }
+  }
+  return inputs;
+}
+
 // True if something changed: it was sent to a robot, or it failed.
 bool RunStepper::TryDispatch(size_t node, size_t index) {
   InvocationState& invocation = run_.nodes[node].invocations[index];
@@ -45,7 +68,7 @@ bool RunStepper::TryDispatch(size_t node, size_t index) {
   if (!invocation.deadline_us) invocation.deadline_us = core_.input->now_us + timeout_ms * 1000;
   if (!invoke.subflow.value.empty()) return StartSubflow(node, index);
 
-  rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value, run_.variables);
+  rsel::PlanPtr plan = core_.PlanOf(invoke.operation.value);
   std::string why_not;
   std::vector<RobotId> robots = core_.RobotsFor(
       *plan, Value(std::string(kRobotVariable), &invocation.binding), core_.RootOf(run_), &why_not);
@@ -56,6 +79,8 @@ bool RunStepper::TryDispatch(size_t node, size_t index) {
     return false;
   }
   invocation.robot = robots.front();
+  if (core_.services.Find(invoke.operation.value) == nullptr)
+    plan = rsel::OperationPlan(invoke.operation.value, InputsOf(node, index));
   rsel::Arguments arguments;
   for (const std::string& input : plan->inputs) {
     if (auto value = Value(input, &invocation.binding)) arguments.emplace(input, *value);
@@ -115,8 +140,9 @@ void RunStepper::SendInstruction(size_t node, size_t index, const rsel::Instruct
   RobotCommand command;
   // With the time: a server whose older backup was put back counts its runs anew, and an adapter that remembers an id
   // does not execute it again.
-  command.id = CommandId(absl::StrCat(Subject(node), "/", run_.nodes[node].iteration, "/", index, ".", invocation.attempt, "/",
-                                      instruction.step, "/", instruction.attempt, "@", core_.input->now_us));
+  command.id = CommandId(absl::StrCat(Subject(node), "/", run_.nodes[node].iteration, "/", index, ".",
+                                      invocation.attempt, "/", instruction.step, "/", instruction.attempt,
+                                      "@", core_.input->now_us));
   command.robot = invocation.robot;
   command.operation = instruction.operation;
   command.arguments = instruction.arguments;

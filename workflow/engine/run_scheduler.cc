@@ -40,7 +40,7 @@ void Offer(Engine::Core* core, std::map<RobotId, uint64_t>* freed) {
     const RobotId& robot = it->first;
     auto offers = [core, &robot](const std::string& operation) {
       std::string why_not;
-      rsel::PlanPtr plan = core->PlanOf(operation, {});
+      rsel::PlanPtr plan = core->PlanOf(operation);
       return !core->RobotsFor(*plan, Term::Iri(robot.value()), RunId(), &why_not).empty();
     };
     std::optional<std::pair<uint64_t, RunId>> next;
@@ -62,7 +62,7 @@ void ReconsiderWaiting(Engine::Core* core) {
     std::optional<Term> wanted;
     if (!wish.robot.empty()) wanted = Term::Iri(wish.robot.value());
     std::string why_not;
-    size_t able = core->RobotsFor(*core->PlanOf(wish.operation, {}), wanted, RunId(), &why_not).size();
+    size_t able = core->RobotsFor(*core->PlanOf(wish.operation), wanted, RunId(), &why_not).size();
     if (able > 0) why_not = std::string(kAllServeOthers);
     std::vector<CommandOwner> oldest = core->waiting.Oldest(wish, 1);
     const Run& first = core->runs.at(oldest[0].run);

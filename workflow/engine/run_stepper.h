@@ -65,6 +65,7 @@ class RunStepper {
   std::string Subject(size_t node, size_t invocation) const;
   void SetInvocation(size_t node, size_t invocation, WorkState state, const std::string& cause);
   bool TryDispatch(size_t node, size_t invocation);
+  std::vector<std::string> InputsOf(size_t node, size_t invocation) const;
   bool StartSubflow(size_t node, size_t invocation);
   void SendReady(size_t node, size_t invocation);
   void SendInstruction(size_t node, size_t invocation, const rsel::Instruction& instruction);

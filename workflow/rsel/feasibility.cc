@@ -24,11 +24,13 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
     for (const auto& [name, unused] : offers) names.push_back(name);
     std::string near = Nearest(invoke.operation.value, names);
     warn(invoke.operation.span, Concat("no robot offers operation ", invoke.operation.value, " now"),
-         !near.empty()   ? Concat("did you mean ", near, "?")
-         : names.empty() ? "no robot is here"
-                         : Concat("robots offer ", xml::ListOf(names)));
+         Concat(!near.empty()   ? Concat("did you mean ", near, "?")
+                : names.empty() ? "no robot offers anything"
+                                : Concat("robots offer ", xml::ListOf(names)),
+                "; an invocation waits until a robot joins that offers it"));
     return;
   }
+  if (!it->second->inputs_known) return;
   std::vector<std::string> given;
   for (const Input& input : invoke.inputs) given.push_back(input.part.value);
   const Message* message = document.FindMessage(process.input.value);

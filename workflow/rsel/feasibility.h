@@ -19,6 +19,7 @@ struct OfferedOperation {
   std::vector<std::string> outputs;
   bool idempotent = false;
   std::string description;
+  bool inputs_known = true;  // false: `inputs` says nothing
 };
 
 // The robots that offer every operation of the plan, in order of their IRIs.

@@ -11,9 +11,10 @@ namespace {
 
 TEST(DocentIris, AnyNameIsOneSegmentAndComesBack) {
   std::set<std::string> segments;
-  const std::string names[] = {"BoothGuide", "Tour A",   "Tour/A", "Tour%20A", "100 %",  "a#b?c",  "say \"hi\"",
-                               "Führung",    "안내",     "$user",  "a@b",      "a:b(c)", "%",      "%4",
-                               "<x>{y}|^`\\", "tab\there", ".",     "..",       "\x7f",   "it's me"};
+  const std::string names[] = {"BoothGuide", "Tour A",     "Tour/A",  "Tour%20A", "100 %",
+                               "a#b?c",      "say \"hi\"", "Führung", "안내",     "$user",
+                               "a@b",        "a:b(c)",     "%",       "%4",       "<x>{y}|^`\\",
+                               "tab\there",  ".",          "..",      "\x7f",     "it's me"};
   for (const std::string& name : names) {
     const std::string segment = IriSegment(name);
     EXPECT_EQ(NameOfSegment(segment), name) << segment;
@@ -29,7 +30,8 @@ TEST(DocentIris, AnyNameIsOneSegmentAndComesBack) {
 }
 
 TEST(DocentIris, NamesAreAnyTextWithoutControlCharacters) {
-  for (const std::string& good : {std::string("Tour A/B #1 100%"), std::string("안내"), std::string(256, 'x'), std::string()})
+  for (const std::string& good :
+       {std::string("Tour A/B #1 100%"), std::string("안내"), std::string(256, 'x'), std::string()})
     EXPECT_EQ(NameFault(good), std::nullopt) << good;
   EXPECT_EQ(NameFault(std::string(257, 'x')), "has 257 bytes; the limit name_bytes is 256");
   EXPECT_EQ(NameFault("a\nb"), "holds the control character U+000A");
