@@ -1,6 +1,8 @@
 #include "kb_server/grpc/run_reader.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -23,6 +25,26 @@ void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invoca
   if (absl::SimpleAtod(graph.Object(iri, DocentIri("progress")), &progress)) out->set_progress(progress);
 }
 
+// 0: it is no number.
+int64_t NumberIn(const std::string& text) {
+  int64_t number = 0;
+  return absl::SimpleAtoi(text, &number) ? number : 0;
+}
+
+// "urn:docent:run:ID/NODE/12" → 12.
+int64_t NumberAtEnd(const std::string& iri) {
+  return NumberIn(iri.substr(iri.rfind('/') + 1));
+}
+
+template <typename NumberOf>
+std::vector<std::string> Ordered(std::vector<std::string> iris, const NumberOf& number_of) {
+  std::vector<std::pair<int64_t, std::string>> numbered;
+  for (const std::string& iri : iris) numbered.emplace_back(number_of(iri), iri);
+  std::sort(numbered.begin(), numbered.end());
+  for (size_t i = 0; i < iris.size(); ++i) iris[i] = std::move(numbered[i].second);
+  return iris;
+}
+
 void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
   out->set_name(graph.Object(iri, DocentIri("nodeName")));
   out->set_state(graph.Object(iri, DocentIri("nodeState")));
@@ -30,7 +52,8 @@ void ReadNode(const GraphReader& graph, const std::string& iri, v1::Node* out) {
   out->set_fired_because(graph.Object(iri, DocentIri("firedBecause")));
   out->set_reason(graph.Object(iri, DocentIri("reason")));
   out->set_since_us(MicrosOfDateTime(graph.Object(iri, DocentIri("since"))));
-  for (const std::string& invocation : graph.Subjects(DocentIri("ofNode"), Term::Iri(iri))) {
+  for (const std::string& invocation :
+       Ordered(graph.Subjects(DocentIri("ofNode"), Term::Iri(iri)), NumberAtEnd)) {
     ReadInvocation(graph, invocation, out->add_invocations());
   }
 }
@@ -57,7 +80,10 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run) {
     named->set_name(graph.Object(variable.lexical, DocentIri("variableName")));
     ToProto(values.front(), named->mutable_value());
   }
-  for (const std::string& node : graph.Subjects(DocentIri("ofRun"), Term::Iri(iri))) {
+  const auto position = [&graph](const std::string& node) {
+    return NumberIn(graph.Object(node, DocentIri("position")));
+  };
+  for (const std::string& node : Ordered(graph.Subjects(DocentIri("ofRun"), Term::Iri(iri)), position)) {
     ReadNode(graph, node, run->add_nodes());
   }
   return true;

@@ -25,6 +25,16 @@ RunEvent NewEvent(const TurnRecord& record, const std::string& subject) {
 
 std::vector<RunEvent> EventsOf(const TurnRecord& record) {
   std::vector<RunEvent> events;
+  // What the turn was told, then what it decided.
+  for (const CommandReport& report : record.batch.reports) {
+    if (report.outcome == CommandReport::Outcome::kProgress) continue;
+    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
+                                                "cancelled", "unknown",  "unreachable"};
+    RunEvent& event = events.emplace_back(NewEvent(record, report.command.value()));
+    event.kind = "report";
+    event.to = kOutcomes[static_cast<int>(report.outcome)];
+    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
+  }
   for (const Transition& transition : record.transitions) {
     RunEvent& event = events.emplace_back(NewEvent(record, transition.subject));
     event.from = transition.from;
@@ -37,15 +47,6 @@ std::vector<RunEvent> EventsOf(const TurnRecord& record) {
     event.kind = "command";
     event.to = "sent";
     event.detail = ToDisplay(command);
-  }
-  for (const CommandReport& report : record.batch.reports) {
-    if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
-                                                "cancelled", "unknown",  "unreachable"};
-    RunEvent& event = events.emplace_back(NewEvent(record, report.command.value()));
-    event.kind = "report";
-    event.to = kOutcomes[static_cast<int>(report.outcome)];
-    event.detail = absl::StrCat(report.command.value(), report.message.empty() ? "" : ": ", report.message);
   }
   return events;
 }

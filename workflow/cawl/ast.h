@@ -207,6 +207,7 @@ struct Node {
   Text compensate;     // ext:compensate: operation to invoke when the run fails after this node was done
   Text for_each_text;  // ext:forEach="?booth ?visitor": the invokes once for each binding of these
   std::vector<std::string> for_each;  // without "?"
+  size_t position = 0;                // in the order of the flow, from 1 (flow_order.h)
   SourceSpan span;
 };
 

@@ -6,6 +6,7 @@
 #include "absl/strings/match.h"
 #include "graph/base/text.h"
 #include "workflow/cawl/condition_reader.h"
+#include "workflow/cawl/flow_order.h"
 #include "workflow/cawl/word_reader.h"
 
 namespace docent::cawl {
@@ -192,6 +193,7 @@ class DocumentReader {
                   {"node", [&](const xml::Element& e) { out.nodes.push_back(ReadNode(e)); }},
                   {"sink", end(&out.sink)},
                   {"link", [&](const xml::Element& e) { out.links.push_back(ReadLink(e)); }}});
+    OrderNodes(&out);
     if (!out.source.given()) reader_.Error(element.name_span, "<flow> has no <source name=\"…\"/>");
     if (!out.sink.given()) reader_.Error(element.name_span, "<flow> has no <sink name=\"…\"/>");
     return out;

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "graph/rdf/docent_iris.h"
+#include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/engine_core.h"
 #include "workflow/engine/run_facts.h"
 #include "workflow/engine/run_scheduler.h"
@@ -21,18 +22,14 @@ std::string KeyOf(const TermBinding& binding) {
   });
 }
 
-void Initialise(const std::vector<cawl::Variable>& variables, TermBinding* values) {
-  for (const cawl::Variable& variable : variables) {
-    for (const cawl::Initialize& initialize : variable.initializers) {
-      std::string name = initialize.part.value.empty()
-                             ? variable.name.value
-                             : absl::StrCat(variable.name.value, ".", initialize.part.value);
-      if (initialize.value) {
-        values->try_emplace(name, *initialize.value);
-      } else if (auto from = values->find(initialize.copy_of); from != values->end()) {
-        Term copy = from->second;
-        values->try_emplace(name, std::move(copy));
-      }
+// Sets what has no value yet.
+void Initialise(const cawl::Scope& scope, TermBinding* values) {
+  for (const cawl::InitialValue& initial : cawl::InitialValues(scope)) {
+    if (initial.value) {
+      values->try_emplace(initial.key, *initial.value);
+    } else if (const auto from = values->find(initial.copy_of); from != values->end()) {
+      const Term copy = from->second;
+      values->try_emplace(initial.key, copy);
     }
   }
 }
@@ -181,11 +178,12 @@ RunId Engine::Core::Start(const cawl::DocumentPtr& document, size_t flow, TermBi
   run.flow = flow;
   run.started_us = input->now_us;
   run.variables = std::move(variables);
-  Initialise(document->variables, &run.variables);
+  const cawl::Scope scope(*document);
+  Initialise(scope, &run.variables);
   if (document->activator && document->activator->flow.value == document->flows[flow].name.value) {
-    Initialise(document->activator->variables, &run.variables);
+    Initialise(cawl::Scope(scope, *document->activator), &run.variables);
   }
-  Initialise(document->flows[flow].variables, &run.variables);
+  Initialise(cawl::Scope(scope, document->flows[flow]), &run.variables);
   run.nodes.resize(document->flows[flow].nodes.size());
   if (parent != nullptr) {
     run.parent = parent->run;

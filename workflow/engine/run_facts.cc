@@ -86,6 +86,7 @@ void WriteNode(const Run& run, const std::string& run_iri, TermId of_run, size_t
   out->Say(RunTerm::kType, RunTerm::kNodeInstance);
   out->Say(RunTerm::kOfRun, of_run);
   out->SayText(RunTerm::kNodeName, node.name.value);
+  out->SayTerm(RunTerm::kPosition, Term::Integer(static_cast<int64_t>(node.position)));
   out->SayState(RunTerm::kNodeState, state.state);
   out->SayText(RunTerm::kWaitsFor, state.waits_for);
   out->SayText(RunTerm::kFiredBecause, state.fired_because);
@@ -134,7 +135,9 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms) {
   out.SayTime(RunTerm::kStartedAtTime, run.started_us);
   if (run.ended_us != 0) out.SayTime(RunTerm::kEndedAtTime, run.ended_us);
   if (!run.parent.empty()) out.Say(RunTerm::kParentRun, out.Iri(RunIri(run.parent)));
-  for (const RobotId& robot : run.robots) out.Say(RunTerm::kUsesRobot, out.Iri(robot.value()));
+  if (run.state == WorkState::kRunning) {
+    for (const RobotId& robot : run.robots) out.Say(RunTerm::kUsesRobot, out.Iri(robot.value()));
+  }
   for (const auto& [name, value] : run.variables) {
     const TermId variable = out.Iri(absl::StrCat(run_iri, "/$", IriSegment(name)));
     out.About(id);

@@ -32,6 +32,7 @@ constexpr std::array kNames = {
     Name{kDocentNs, "variableValue"},
     Name{kDocentNs, "ofRun"},
     Name{kDocentNs, "nodeName"},
+    Name{kDocentNs, "position"},
     Name{kDocentNs, "nodeState"},
     Name{kDocentNs, "waitsFor"},
     Name{kDocentNs, "firedBecause"},

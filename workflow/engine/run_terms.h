@@ -32,6 +32,7 @@ enum class RunTerm : uint8_t {
   kVariableValue,
   kOfRun,
   kNodeName,
+  kPosition,
   kNodeState,
   kWaitsFor,
   kFiredBecause,

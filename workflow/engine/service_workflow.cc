@@ -17,6 +17,7 @@ cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
   flow.sink.value = absl::StrCat(process, " ends");
   cawl::Node node;
   node.name.value = process;
+  node.position = 1;
   cawl::Invoke invoke;
   invoke.operation.value = process;
   node.invokes.push_back(std::move(invoke));

@@ -55,11 +55,6 @@ PlanPtr ServiceRegistry::Find(std::string_view process) const {
   return it == plans_.end() ? nullptr : it->second;
 }
 
-DocumentPtr ServiceRegistry::FindDocument(std::string_view document_name) const {
-  auto it = documents_.find(document_name);
-  return it == documents_.end() ? nullptr : it->second;
-}
-
 std::vector<PlanPtr> ServiceRegistry::Plans() const {
   std::vector<PlanPtr> out;
   for (const auto& [name, plan] : plans_) out.push_back(plan);

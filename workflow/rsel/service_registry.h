@@ -61,7 +61,6 @@ class ServiceRegistry {
 
   // The plan of a process; null if there is none of this name.
   PlanPtr Find(std::string_view process) const;
-  DocumentPtr FindDocument(std::string_view document_name) const;
   // In order of their names.
   std::vector<PlanPtr> Plans() const;
   std::vector<std::string> ProcessNames() const;
