@@ -7,6 +7,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/term_check.h"
+#include "kb_server/work/measures.h"
 
 namespace docent {
 namespace {
@@ -99,11 +100,18 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
       request.mode() == v1::AssertRequest::LOAD ? WriteBatch::Mode::kLoad : WriteBatch::Mode::kAssert;
   batch.lifetime_ms = request.lifetime_ms();
   batch.operations.reserve(request.remove_size() + request.add_size());
+  const auto measured = [&batch](const TermQuad& quad, const std::string& what) {
+    if (batch.mode != WriteBatch::Mode::kAssert) return absl::OkStatus();
+    return CheckMeasure(quad.predicate.lexical, quad.object, what);
+  };
   auto append = [&](const v1::Quad& quad, QuadOperation::Kind kind, const std::string& what) {
     absl::StatusOr<TermQuad> out = FromProto(quad, what);
     if (!out.ok()) return out.status();
     for (const Term* term : {&out->subject, &out->predicate, &out->object}) {
       if (absl::Status size = CheckSize(term->lexical.size(), limits, what); !size.ok()) return size;
+    }
+    if (kind == QuadOperation::Kind::kAdd) {
+      if (absl::Status status = measured(*out, what); !status.ok()) return status;
     }
     batch.operations.push_back({kind, *std::move(out)});
     return absl::OkStatus();
@@ -135,8 +143,10 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     options.cancellation = cancellation;
     ParsedRdf parsed = ParseRdf(request.rdf(), *format, options);
     if (!parsed.ok()) return ToStatus(parsed, request.rdf());
-    for (TermQuad& quad : parsed.quads)
+    for (TermQuad& quad : parsed.quads) {
+      if (absl::Status status = measured(quad, "rdf"); !status.ok()) return status;
       batch.operations.push_back({QuadOperation::Kind::kAdd, std::move(quad)});
+    }
   }
   for (int i = 0; i < request.readings_size(); ++i) {
     const v1::SensorReading& in = request.readings(i);
@@ -147,6 +157,11 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     }
     auto value = FromProto(in.value(), what + ".value");
     if (!value.ok()) return value.status();
+    if (absl::Status status = CheckMeasure("", *value, what + ".value"); !status.ok()) return status;
+    if (in.time_us() < 0) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(what, ".time_us is ", in.time_us(), "; give microseconds since 1970, or 0 for now"));
+    }
     batch.readings.push_back({in.sensor(), *std::move(value), in.time_us()});
   }
   return batch;

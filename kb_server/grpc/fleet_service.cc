@@ -1,5 +1,4 @@
 // Fleet: which robots are there, from leases and the graph.
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
@@ -9,17 +8,10 @@
 #include "kb_server/grpc/robot_facts.h"
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/graph_reader.h"
+#include "kb_server/work/measures.h"
 #include "spdlog/spdlog.h"
 
 namespace docent {
-namespace {
-
-bool Number(const GraphReader& graph, const std::string& robot, std::string_view local, double* value) {
-  return absl::SimpleAtod(graph.Object(robot, DocentIri(local)), value);
-}
-
-}  // namespace
-
 grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context,
                                              const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -80,14 +72,15 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
                         out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
                       }
                       out->set_last_seen_us(MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt"))));
-                      double x = 0, y = 0, heading = 0;
-                      if (Number(graph, robot, "x", &x) && Number(graph, robot, "y", &y)) {
-                        out->set_has_pose(true);
-                        out->set_x_m(x);
-                        out->set_y_m(y);
-                        if (Number(graph, robot, "heading", &heading)) out->set_heading_rad(heading);
-                      }
-                      for (const Term& region : graph.Objects(robot, DocentIri("isAt")))
+                      const auto measure = [&](const char* local) { return MeasureOf(local, graph.Objects(robot, DocentIri(local))); };
+          const auto x = measure("x"), y = measure("y"), heading = measure("heading");
+          if (x && y) {
+            out->set_has_pose(true);
+            out->set_x_m(*x);
+            out->set_y_m(*y);
+            if (heading) out->set_heading_rad(*heading);
+          }
+          for (const Term& region : graph.Objects(robot, DocentIri("isAt")))
                         out->add_regions(region.lexical);
                     }
                     reactor->Finish(grpc::Status::OK);

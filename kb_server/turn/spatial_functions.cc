@@ -1,12 +1,13 @@
 #include "kb_server/turn/spatial_functions.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "absl/container/flat_hash_map.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "graph/rdf/number_literal.h"
 #include "graph/rdf/vocabulary.h"
 #include "maps/geometry.h"
 #include "maps/wkt.h"
@@ -18,12 +19,8 @@ namespace {
 constexpr size_t kOutlinesRemembered = 1024;
 
 absl::StatusOr<double> Number(const Term& term) {
-  double value = 0;
-  const bool numeric = term.IsLiteral() && term.language.empty() && term.datatype.starts_with(kXsdNs);
-  if (!numeric || !absl::SimpleAtod(term.lexical, &value) || !std::isfinite(value)) {
-    return absl::InvalidArgumentError(absl::StrCat(ToDisplay(term), " is not a number"));
-  }
-  return value;
+  if (const std::optional<double> value = FiniteNumber(term)) return *value;
+  return absl::InvalidArgumentError(absl::StrCat(ToDisplay(term), " is not a number"));
 }
 
 absl::StatusOr<maps::Point2> Position(absl::Span<const Term> arguments) {

@@ -1,6 +1,7 @@
 #include "robot_adapters/sdk/command_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <optional>
 #include <set>
@@ -102,7 +103,8 @@ class CommandRunner final : public OperationContext {
     absl::MutexLock lock(&command_->mutex_);
     v1::Feedback feedback = command_->feedback_;
     feedback.set_state(v1::Feedback::RUNNING);
-    feedback.set_progress(std::clamp(fraction, 0.0, 1.0));
+    // What is no number tells nothing: the command goes on.
+    feedback.set_progress(std::isnan(fraction) ? 0.0 : std::clamp(fraction, 0.0, 1.0));
     feedback.set_message(std::string(message));
     command_->Publish(feedback);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/number_literal.h"
 #include "graph/wire/term_proto.h"
 
 namespace docent::robot {
@@ -25,6 +26,11 @@ bool IsTransient(const absl::Status& status) {
     default:
       return false;
   }
+}
+
+// The server refuses a batch for one number that is not finite.
+bool IsMeasure(const Term& value) {
+  return !IsNumberLiteral(value) || FiniteNumber(value);
 }
 
 TermQuad StateQuad(const std::string& subject, const std::string& predicate, const Term& value) {
@@ -51,13 +57,25 @@ void FactSender::Clear(const std::string& subject, const std::string& predicate)
 void FactSender::SetAll(const std::string& subject,
                         std::vector<std::pair<std::string, std::optional<Term>>> values) {
   absl::MutexLock lock(&mutex_);
+  for (const auto& [predicate, value] : values) {
+    if (value && !IsMeasure(*value)) return Refuse({subject, predicate}, *value);
+  }
   for (auto& [predicate, value] : values) {
     StateKey key(subject, predicate);
     auto told = told_.find(key);
     if (told == told_.end() ? !value : told->second == value) continue;
     told_[key] = value;
+    unmeasured_.erase(key);
     PutState(std::move(key), std::move(value));
   }
+}
+
+// Logged once for each state until it has a good value again.
+void FactSender::Refuse(const StateKey& key, const Term& value) {
+  ++refused_;
+  if (!unmeasured_.insert(key).second) return;
+  spdlog::error("{} of {} is {}, which is not a finite number; it is not told", key.second, key.first,
+                ToDisplay(value));
 }
 
 void FactSender::WithdrawLeftover(const std::string& subject, const std::string& predicate, Term value) {
@@ -77,6 +95,16 @@ void FactSender::PutState(StateKey key, std::optional<Term> value) {
 
 absl::Status FactSender::Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove,
                               std::vector<Reading> readings) {
+  const auto unmeasured = [](const Term& value) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(ToDisplay(value), " is not a finite number; the server takes no such fact"));
+  };
+  for (const TermQuad& quad : add) {
+    if (!IsMeasure(quad.object)) return unmeasured(quad.object);
+  }
+  for (const Reading& reading : readings) {
+    if (!IsMeasure(reading.value)) return unmeasured(reading.value);
+  }
   absl::MutexLock lock(&mutex_);
   if (queue_.size() >= options_.queue_limit) {
     return absl::ResourceExhaustedError(absl::StrCat(

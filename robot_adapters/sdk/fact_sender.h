@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -54,7 +55,8 @@ class FactSender {
   // The property of the subject has this value now. Nothing is sent when it is the value set last.
   void Set(const std::string& subject, const std::string& predicate, Term value);
   // Several properties of one subject in one batch, so that no reader sees the x of one place with the y of
-  // another; nullopt: no value now.
+  // another; nullopt: no value now. Where one is a number that is not finite (NaN of a sensor), none of them is told: that
+  // is logged, and counts as refused().
   void SetAll(const std::string& subject, std::vector<std::pair<std::string, std::optional<Term>>> values);
   // The server has this value of ours from an earlier life of this program. It is withdrawn unless this life
   // has told one of its own.
@@ -63,7 +65,7 @@ class FactSender {
   void Clear(const std::string& subject, const std::string& predicate);
 
   // Adds and removes facts; `readings` are raw sensor readings. RESOURCE_EXHAUSTED when queue_limit batches
-  // wait.
+  // wait; INVALID_ARGUMENT for a number that is not finite.
   absl::Status Tell(std::vector<TermQuad> add, std::vector<TermQuad> remove = {},
                     std::vector<Reading> readings = {});
 
@@ -76,7 +78,7 @@ class FactSender {
   // Ends sending after at most `linger` for what is queued.
   void Stop(absl::Duration linger);
 
-  // Batches that the server refused for good (a mistake of this program); each is logged.
+  // Batches that the server refused for good, and states that were no measures (mistakes of this program); logged.
   uint64_t refused() const;
   uint64_t acknowledged_revision() const;  // newest revision that holds facts of this sender
 
@@ -93,6 +95,7 @@ class FactSender {
   void Run();
   void PutState(StateKey key, std::optional<Term> value) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   v1::AssertRequest Build(const Batch& batch) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Refuse(const StateKey& key, const Term& value) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool SendUntilAnswered(const v1::AssertRequest& request);
   bool Interrupted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -102,6 +105,7 @@ class FactSender {
   std::deque<Batch> queue_ ABSL_GUARDED_BY(mutex_);
   std::map<StateKey, std::optional<Term>> told_ ABSL_GUARDED_BY(mutex_);  // newest value of each state
   std::map<StateKey, Term> sent_ ABSL_GUARDED_BY(mutex_);                 // what the server has or is getting
+  std::set<StateKey> unmeasured_ ABSL_GUARDED_BY(mutex_);  // whose newest value was no measure
   bool sending_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t requests_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -46,7 +46,8 @@ absl::StatusOr<maps::Pose2> ParseStart(const std::string& text, const maps::Hall
   const std::vector<std::string> parts = absl::StrSplit(text, ',');
   maps::Pose2 pose;
   if (parts.size() == 3 && absl::SimpleAtod(parts[0], &pose.x_m) && absl::SimpleAtod(parts[1], &pose.y_m) &&
-      absl::SimpleAtod(parts[2], &pose.heading_rad)) {
+      absl::SimpleAtod(parts[2], &pose.heading_rad) && std::isfinite(pose.x_m) && std::isfinite(pose.y_m) &&
+      std::isfinite(pose.heading_rad)) {
     return pose;
   }
   return absl::InvalidArgumentError(absl::StrCat("--start \"", text,

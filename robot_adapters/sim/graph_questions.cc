@@ -1,6 +1,7 @@
 #include "robot_adapters/sim/graph_questions.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -105,7 +106,8 @@ absl::StatusOr<Whereabouts> AskWhereIs(ServerLink& server, OperationContext& con
   for (const auto& row : answer->rows) {
     if (row.size() != 3) return absl::InternalError("the server's answer has another shape than the query");
     maps::Point2 point;
-    if (absl::SimpleAtod(TextOf(row[0]), &point.x_m) && absl::SimpleAtod(TextOf(row[1]), &point.y_m)) {
+    if (absl::SimpleAtod(TextOf(row[0]), &point.x_m) && absl::SimpleAtod(TextOf(row[1]), &point.y_m) &&
+        std::isfinite(point.x_m) && std::isfinite(point.y_m)) {
       found.point = point;
     }
     const std::string region = TextOf(row[2]);
