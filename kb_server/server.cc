@@ -302,6 +302,9 @@ void Server::RegisterMetrics() {
   metrics_.AddDeprecatedName("docent_constraints", "docent_conditions");
   metrics_.AddGaugeFunction("docent_live_runs", "Workflow runs that have not ended",
                             [counters] { return static_cast<double>(counters->live_runs.load()); });
+  metrics_.AddCounterFunction("docent_robot_feedback_refused_total",
+                              "Messages of robot adapters that cannot be about their command",
+                              [this] { return static_cast<double>(proxies_->refused_feedback()); });
   metrics_.AddGaugeFunction("docent_inbox_batches", "Batches that wait at the door",
                             [this] { return static_cast<double>(inbox_.size()); });
   metrics_.AddGaugeFunction("docent_quads", "Quads in the newest version",

@@ -21,7 +21,7 @@ static_assert(static_cast<int>(TermKind::kLiteral) == log::TermEntry::LITERAL);
 static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
 static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
 static_assert(static_cast<int>(Document::Action::kRemove) == 1);
-static_assert(static_cast<int>(CommandReport::Outcome::kUnreachable) == 6);
+static_assert(static_cast<int>(CommandReport::Outcome::kRefused) == 7);
 static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
 
 // An arena whose first block lies on the stack: most records need no other.
@@ -283,10 +283,10 @@ class Decoder {
                                   entry.name(), entry.text()});
     }
     for (const log::Report& entry : in.reports()) {
-      batch->reports.push_back(
-          {CommandId(entry.command()),
-           EnumOf(entry.outcome(), CommandReport::Outcome::kUnreachable, "command outcome"), entry.message(),
-           entry.progress(), entry.incarnation(), Named(entry.results())});
+      batch->reports.push_back({CommandId(entry.command()),
+                                EnumOf(entry.outcome(), CommandReport::Outcome::kRefused, "command outcome"),
+                                entry.message(), entry.progress(), entry.incarnation(),
+                                Named(entry.results())});
     }
     for (const log::RunWish& entry : in.run_requests()) {
       batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kInvokeService, "run request"),

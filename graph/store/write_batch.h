@@ -51,13 +51,14 @@ struct Document {
 // What a robot client proxy learnt of a command.
 struct CommandReport {
   enum class Outcome : uint8_t {
-    kAccepted,    // the adapter has it and works on it
-    kProgress,    // `progress` tells how far
-    kSucceeded,   // final
-    kFailed,      // final; `message` says why
-    kCancelled,   // final
-    kUnknown,     // final: the adapter restarted, nobody knows whether it was done
-    kUnreachable  // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
+    kAccepted,     // the adapter has it and works on it
+    kProgress,     // `progress` tells how far
+    kSucceeded,    // final
+    kFailed,       // final; `message` says why
+    kCancelled,    // final
+    kUnknown,      // final: the adapter restarted, nobody knows whether it was done
+    kUnreachable,  // not final: the adapter cannot be reached now; the proxy goes on trying until the deadline
+    kRefused       // not final: feedback of the adapter that cannot be about this command; `message` says why
   };
   CommandId command;
   Outcome outcome = Outcome::kAccepted;

@@ -28,8 +28,8 @@ std::vector<RunEvent> EventsOf(const TurnRecord& record) {
   // What the turn was told, then what it decided.
   for (const CommandReport& report : record.batch.reports) {
     if (report.outcome == CommandReport::Outcome::kProgress) continue;
-    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",  "failed",
-                                                "cancelled", "unknown",  "unreachable"};
+    static constexpr const char* kOutcomes[] = {"accepted",  "progress", "succeeded",   "failed",
+                                                "cancelled", "unknown",  "unreachable", "refused"};
     RunEvent& event = events.emplace_back(NewEvent(record, report.command.value()));
     event.kind = "report";
     event.to = kOutcomes[static_cast<int>(report.outcome)];

@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "absl/strings/str_cat.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/docent_iris.h"
+#include "graph/rdf/number_literal.h"
+#include "graph/rdf/term_check.h"
 #include "graph/wire/term_proto.h"
 
 namespace docent {
@@ -23,6 +29,19 @@ CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
   }
 }
 
+// Why a result cannot become a value of the run; empty: it can.
+std::string ResultFault(const std::string& name, const std::optional<Term>& value) {
+  if (name.empty()) return "has no name";
+  if (const std::optional<std::string> fault = NameFault(name))
+    return absl::StrCat("cannot be named so: its name ", *fault);
+  if (!value) return "has no value";
+  if (const absl::Status status = CheckTerm(*value, Limits().term_bytes); !status.ok())
+    return absl::StrCat("has a value that cannot be taken: ", status.message());
+  if (IsNumberLiteral(*value) && !FiniteNumber(*value))
+    return absl::StrCat("is ", ToDisplay(*value), ", which is not a finite number");
+  return "";
+}
+
 }  // namespace
 
 bool IsFinal(v1::Feedback::State state) {
@@ -30,7 +49,7 @@ bool IsFinal(v1::Feedback::State state) {
          state == v1::Feedback::CANCELLED;
 }
 
-CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback) {
+CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback, std::string* left_out) {
   CommandReport report;
   report.command = command;
   report.outcome = OutcomeOf(feedback.state());
@@ -39,7 +58,12 @@ CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback) {
   report.incarnation = feedback.incarnation();
   if (feedback.state() == v1::Feedback::SUCCEEDED) {
     for (const v1::NamedTerm& result : feedback.results()) {
-      if (auto term = FromProto(result.value())) report.results.emplace_back(result.name(), *std::move(term));
+      std::optional<Term> term = FromProto(result.value());
+      if (const std::string fault = ResultFault(result.name(), term); !fault.empty()) {
+        absl::StrAppend(left_out, left_out->empty() ? "" : "; ", "its result ", result.name(), " ", fault);
+      } else {
+        report.results.emplace_back(result.name(), *std::move(term));
+      }
     }
   }
   return report;

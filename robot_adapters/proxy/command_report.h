@@ -10,7 +10,8 @@ namespace docent {
 
 bool IsFinal(v1::Feedback::State state);
 // Terms that are unset are left out of the results.
-CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback);
+// `left_out` names the results that cannot be taken, and why; empty: none.
+CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback, std::string* left_out);
 v1::InvokeRequest InvokeRequestOf(const RobotCommand& command, const std::string& expected_incarnation);
 
 }  // namespace docent

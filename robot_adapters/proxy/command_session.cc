@@ -1,6 +1,7 @@
 #include "robot_adapters/proxy/command_session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -59,6 +60,8 @@ void CommandSession::Try() {
     Lost(absl::StrCat("robot ", command_.robot.value(), " has no adapter now"));
     return;
   }
+  running_ = false;
+  answers_as_.clear();
   FeedbackCall::Request request;
   if (attach_next_) {
     v1::AttachRequest attach;
@@ -90,13 +93,50 @@ void CommandSession::Retry() {
   });
 }
 
+std::string CommandSession::Fault(const v1::Feedback& feedback) const {
+  if (!feedback.command_id().empty() && feedback.command_id() != command_.id.value())
+    return absl::StrCat("it is about command ", feedback.command_id());
+  if (feedback.state() < v1::Feedback::ACCEPTED || feedback.state() > v1::Feedback::CANCELLED)
+    return absl::StrCat("its state ", static_cast<int>(feedback.state()), " is not known");
+  if (!answers_as_.empty() && !feedback.incarnation().empty() && feedback.incarnation() != answers_as_)
+    return absl::StrCat("it is of incarnation ", feedback.incarnation(), ", and what came before of ",
+                        answers_as_);
+  if (feedback.state() == v1::Feedback::ACCEPTED && running_) return "it says ACCEPTED after RUNNING";
+  if (feedback.state() == v1::Feedback::RUNNING && !std::isfinite(feedback.progress()))
+    return absl::StrCat("its progress is ", feedback.progress(), ", which is not a finite number");
+  return "";
+}
+
+void CommandSession::Refuse(const std::string& why) {
+  host_->Refused(command_, why);
+  if (std::exchange(refused_, true)) return;
+  host_->Report(NewReport(CommandReport::Outcome::kRefused,
+                          absl::StrCat("feedback of the adapter at ", address_, " is refused: ", why)));
+}
+
 void CommandSession::OnFeedback(uint64_t call, const v1::Feedback& feedback) {
   if (!IsPresentCall(call)) return;
+  if (const std::string fault = Fault(feedback); !fault.empty()) return Refuse(fault);
+  // An adapter that remembers a command of an earlier incarnation may tell how it ended; one that is given a command that
+  // was meant for another incarnation may have done it before.
+  if (!call_->is_attach() && !expected_incarnation_.empty() && !feedback.incarnation().empty() &&
+      feedback.incarnation() != expected_incarnation_) {
+    const std::string why = absl::StrCat("the command was meant for incarnation ", expected_incarnation_,
+                                         " of the adapter, and ", feedback.incarnation(), " answers");
+    host_->Refused(command_, why);
+    host_->SendCancel(command_.id, address_);
+    expected_incarnation_ = feedback.incarnation();
+    return Finish(CommandReport::Outcome::kUnknown, why);
+  }
+  answers_as_ = feedback.incarnation();
+  running_ = running_ || feedback.state() == v1::Feedback::RUNNING;
   seen_ = true;
   unreachable_ = false;
   pause_ = absl::FromChrono(settings_.first_retry);
   if (!feedback.incarnation().empty()) expected_incarnation_ = feedback.incarnation();
-  CommandReport report = ReportOf(command_.id, feedback);
+  std::string left_out;
+  CommandReport report = ReportOf(command_.id, feedback, &left_out);
+  if (!left_out.empty()) Refuse(left_out);
   if (IsFinal(feedback.state())) {
     done_ = true;
     host_->Report(std::move(report));

@@ -19,6 +19,8 @@ class SessionHost {
  public:
   virtual ~SessionHost() = default;
   virtual void Report(CommandReport report) = 0;
+  // Feedback about `command` was refused; the session reports it itself, where it is the first.
+  virtual void Refused(const RobotCommand& command, const std::string& why) = 0;
   // Begins a call to the robot's adapter; its feedback and end come back through OnFeedback and OnCallEnded.
   virtual std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
                                              FeedbackCall::Request request, absl::Duration timeout) = 0;
@@ -52,6 +54,10 @@ class CommandSession {
   void Retry();
   void OnDeadline();
   void Lost(const std::string& why);
+  // Why this feedback cannot be about the command; empty: it can.
+  std::string Fault(const v1::Feedback& feedback) const;
+  // Counted and logged; the first one goes into the run's facts and events.
+  void Refuse(const std::string& why);
   void NeverBegun();
   void Finish(CommandReport::Outcome outcome, std::string message);
   CommandReport NewReport(CommandReport::Outcome outcome, std::string message) const;
@@ -69,6 +75,9 @@ class CommandSession {
   bool seen_ = false;         // the adapter has told its state
   bool accepted_ = false;     // reported
   bool unreachable_ = false;  // reported, and not seen since
+  bool refused_ = false;      // reported that feedback was refused
+  bool running_ = false;      // the present call has said so
+  std::string answers_as_;    // the incarnation that the present call names; empty: none yet
   bool cancel_requested_ = false;
   bool retry_at_once_ = false;  // when the present call has ended
   uint64_t attempt_ = 0;

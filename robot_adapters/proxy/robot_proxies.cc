@@ -1,6 +1,7 @@
 #include "robot_adapters/proxy/robot_proxies.h"
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "robot_adapters/proxy/adapter_channels.h"
 #include "robot_adapters/proxy/command_session.h"
 #include "robot_adapters/proxy/event_loop.h"
+#include "spdlog/spdlog.h"
 
 namespace docent {
 namespace {
@@ -72,6 +74,14 @@ class RobotProxies::Impl final : public SessionHost {
     report_(std::move(batch));
   }
 
+  void Refused(const RobotCommand& command, const std::string& why) override {
+    ++refused_;
+    spdlog::warn("{}: feedback about command {} is refused: {}", command.robot.value(), command.id.value(),
+                 why);
+  }
+
+  uint64_t refused() const { return refused_; }
+
   std::shared_ptr<FeedbackCall> Call(const CommandId& command, const std::string& address,
                                      FeedbackCall::Request request, absl::Duration timeout) override {
     AddCalls(1);
@@ -82,7 +92,10 @@ class RobotProxies::Impl final : public SessionHost {
             absl::ToChronoMicroseconds(std::max(timeout, absl::ZeroDuration())),
         [this, command, serial](const v1::Feedback& feedback) {
           loop_.Post([this, command, serial, feedback] {
-            With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); });
+            if (!With(command, [&](CommandSession& session) { session.OnFeedback(serial, feedback); })) {
+              ++refused_;
+              spdlog::warn("feedback about command {} is refused: the command has ended", command.value());
+            }
           });
         },
         [this, command, serial](const grpc::Status& status, std::shared_ptr<FeedbackCall> ended) {
@@ -127,11 +140,13 @@ class RobotProxies::Impl final : public SessionHost {
   };
   using Sessions = std::map<CommandId, Entry>;
 
-  void With(const CommandId& command, const std::function<void(CommandSession&)>& act) {
+  // False: the command has ended.
+  bool With(const CommandId& command, const std::function<void(CommandSession&)>& act) {
     auto found = sessions_.find(command);
-    if (found == sessions_.end()) return;
+    if (found == sessions_.end()) return false;
     act(*found->second.session);
     ForgetIfDone(found);
+    return true;
   }
 
   void ForgetIfDone(Sessions::iterator place) {
@@ -149,6 +164,8 @@ class RobotProxies::Impl final : public SessionHost {
   const ProxySettings settings_;
   const SystemClock system_clock_;
   const Clock* const clock_;
+
+  std::atomic<uint64_t> refused_ = 0;  // feedback
 
   // of the loop's thread
   AdapterChannels channels_;
@@ -179,6 +196,9 @@ void RobotProxies::Resume(const RobotCommand& command) {
 }
 void RobotProxies::Cancel(const CommandId& command) {
   impl_->Cancel(command);
+}
+uint64_t RobotProxies::refused_feedback() const {
+  return impl_->refused();
 }
 
 }  // namespace docent

@@ -19,6 +19,7 @@
 #define DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -65,6 +66,9 @@ class RobotProxies {
   // Ends the command as soon as it is safe; the final report comes as for any command. Nothing happens if the
   // id is not under way.
   void Cancel(const CommandId& command);
+  // Messages of adapters that were refused since the start: about another command, of another incarnation, after the end, with
+  // a state, progress or result that cannot be. Each is logged; the first about a command is reported (kRefused).
+  uint64_t refused_feedback() const;
 
  private:
   class Impl;

@@ -249,6 +249,7 @@ void RunStepper::Report(const CommandOwner& owner, const CommandReport& report) 
       invocation.reason.clear();  // it can be reached again
       return;
     case Outcome::kUnreachable:
+    case Outcome::kRefused:
       invocation.reason = report.message;
       return;
     default:
