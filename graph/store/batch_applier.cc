@@ -172,7 +172,17 @@ void BatchApplier::Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum)
   }
 }
 
-absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& writer) {
+void BatchApplier::ApplyOne(const QuadOperation& operation, TermId default_graph, const WriteBatch& batch,
+                            GraphWriter& writer, DeltaSum* sum) {
+  if (operation.kind == QuadOperation::Kind::kAdd) {
+    Add(Intern(operation.quad, default_graph), batch, writer, sum);
+  } else if (const std::optional<Quad> known = Find(operation.quad, default_graph)) {
+    Remove(*known, writer, sum);
+  }
+}
+
+absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& writer,
+                                          absl::Span<const QuadOperation> first) {
   if (absl::Status status = Check(batch); !status.ok()) return status;
   RefreshStateProperties(writer.current());
   absl::StatusOr<std::vector<QuadOperation>> read =
@@ -182,19 +192,13 @@ absl::StatusOr<Delta> BatchApplier::Apply(const WriteBatch& batch, GraphWriter& 
   DeltaSum sum;
   Expire(batch.time_us, writer, &sum);
   TermId graph = batch.source.empty() ? default_graph_ : dictionary_.InternIri(batch.source);
-  const std::vector<QuadOperation>& readings = *read;
-  const bool bulk = IsBulk(batch);
-  if (bulk) AddAll(batch, graph, writer, &sum);
-  for (const std::vector<QuadOperation>* operations : {&batch.operations, &readings}) {
-    if (bulk && operations == &batch.operations) continue;
-    for (const QuadOperation& operation : *operations) {
-      if (operation.kind == QuadOperation::Kind::kAdd) {
-        Add(Intern(operation.quad, graph), batch, writer, &sum);
-      } else if (std::optional<Quad> known = Find(operation.quad, graph)) {
-        Remove(*known, writer, &sum);
-      }
-    }
+  for (const QuadOperation& operation : first) ApplyOne(operation, graph, batch, writer, &sum);
+  if (IsBulk(batch)) {
+    AddAll(batch, graph, writer, &sum);
+  } else {
+    for (const QuadOperation& operation : batch.operations) ApplyOne(operation, graph, batch, writer, &sum);
   }
+  for (const QuadOperation& operation : *read) ApplyOne(operation, graph, batch, writer, &sum);
   Delta delta = sum.Net();
   for (const std::vector<Quad>* quads : {&delta.added, &delta.removed}) {
     for (const Quad& quad : *quads) {

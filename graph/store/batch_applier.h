@@ -22,6 +22,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
+#include "absl/types/span.h"
 #include "graph/base/limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/delta.h"
@@ -40,7 +41,9 @@ class BatchApplier {
   // "source: …"): a term that RDF does not allow (term_check.h), a graph that is no IRI or that the server
   // alone writes, a reading that no mapping explains. RESOURCE_EXHAUSTED: a term over term_bytes. On an error
   // the graph is as it was and nothing was interned.
-  absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer);
+  // `first`: changes of the server's own that the batch brings about; applied before its operations, not checked.
+  absl::StatusOr<Delta> Apply(const WriteBatch& batch, GraphWriter& writer,
+                              absl::Span<const QuadOperation> first = {});
 
   // When the next lifetime ends, if any.
   std::optional<TimeMicros> NextDeadline() const;
@@ -63,6 +66,8 @@ class BatchApplier {
   // Nothing if a term of it was never interned, so that the graph cannot hold it.
   std::optional<Quad> Find(const TermQuad& quad, TermId default_graph) const;
   void Add(const Quad& quad, const WriteBatch& batch, GraphWriter& writer, DeltaSum* sum);
+  void ApplyOne(const QuadOperation& operation, TermId default_graph, const WriteBatch& batch,
+                GraphWriter& writer, DeltaSum* sum);
   void AddAll(const WriteBatch& batch, TermId default_graph, GraphWriter& writer, DeltaSum* sum);
   void Remove(const Quad& quad, GraphWriter& writer, DeltaSum* sum);
   void Expire(TimeMicros now_us, GraphWriter& writer, DeltaSum* sum);

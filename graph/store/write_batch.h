@@ -6,6 +6,7 @@
 #define DOCENT_GRAPH_STORE_WRITE_BATCH_H_
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,11 @@ struct SensorReading {
   friend bool operator==(const SensorReading&, const SensorReading&) = default;
 };
 
+// What a document's text was parsed to, by whoever brings it. Not recorded: replay parses the text.
+struct ParsedText {
+  virtual ~ParsedText() = default;
+};
+
 // A document that changes how the server behaves.
 struct Document {
   enum class Kind : uint8_t { kOntology, kRules, kCawl, kRsel };
@@ -42,10 +48,12 @@ struct Document {
   Kind kind = Kind::kOntology;
   Action action = Action::kPut;
   std::string name;  // unique within its kind; putting it again replaces it
-  std::string
-      text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
+  std::string text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
+  std::shared_ptr<const ParsedText> parsed;  // of `text`; null: not parsed yet
 
-  friend bool operator==(const Document&, const Document&) = default;
+  friend bool operator==(const Document& a, const Document& b) {
+    return a.kind == b.kind && a.action == b.action && a.name == b.name && a.text == b.text;
+  }
 };
 
 // What a robot client proxy learnt of a command.

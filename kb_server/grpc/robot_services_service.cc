@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/door/parsed_document.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
@@ -154,8 +155,8 @@ grpc::ServerUnaryReactor* RobotServicesService::Register(grpc::CallbackServerCon
         for (const rsel::Process& process : parsed.document->processes)
           reply->add_processes(process.name.value);
         WriteBatch batch;
-        batch.documents.push_back(
-            {Document::Kind::kRsel, Document::Action::kPut, request->name(), request->rsel()});
+        batch.documents.push_back({Document::Kind::kRsel, Document::Action::kPut, request->name(),
+                                   request->rsel(), std::make_shared<const ParsedDocument>(parsed.document)});
         ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
           if (outcome.ok()) reply->set_revision(outcome->offset);
           reactor->Finish(ToGrpc(outcome.status()));

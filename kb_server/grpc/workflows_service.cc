@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "kb_server/door/parsed_document.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/run_reader.h"
@@ -86,8 +87,8 @@ grpc::ServerUnaryReactor* WorkflowsService::Deploy(grpc::CallbackServerContext* 
         for (const Diagnostic& diagnostic : report.diagnostics) ToProto(diagnostic, reply->add_diagnostics());
         reply->set_workflow(report.document->name.value);
         WriteBatch batch;
-        batch.documents.push_back(
-            {Document::Kind::kCawl, Document::Action::kPut, request->name(), request->cawl()});
+        batch.documents.push_back({Document::Kind::kCawl, Document::Action::kPut, request->name(),
+                                   request->cawl(), std::make_shared<const ParsedDocument>(report.document)});
         ports_.inbox->Push(std::move(batch), [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome) {
           if (outcome.ok()) reply->set_revision(outcome->offset);
           reactor->Finish(ToGrpc(outcome.status()));

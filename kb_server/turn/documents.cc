@@ -9,6 +9,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/door/parsed_document.h"
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
@@ -51,11 +52,12 @@ std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::strin
   return facts;
 }
 
-// Adds to the batch what leads from `before` to `after`.
-void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBatch* batch) {
+// Adds what leads from `before` to `after`.
+void Describe(const std::set<Fact>& before, const std::set<Fact>& after,
+              std::vector<QuadOperation>* operations) {
   auto change = [&](const Fact& fact, QuadOperation::Kind kind) {
     const auto& [subject, predicate, object] = fact;
-    batch->operations.push_back(
+    operations->push_back(
         {kind, {Term::Iri(subject), Term::Iri(predicate), object, Term::Iri(DocumentsGraph())}});
   };
   for (const Fact& fact : before) {
@@ -66,27 +68,39 @@ void Describe(const std::set<Fact>& before, const std::set<Fact>& after, WriteBa
   }
 }
 
+// As the service that brought it has parsed it, or parsed now (replay).
+absl::StatusOr<cawl::DocumentPtr> CawlOf(const Document& document, const Limits& limits) {
+  const auto* brought = dynamic_cast<const ParsedDocument*>(document.parsed.get());
+  if (brought != nullptr && brought->cawl != nullptr) return brought->cawl;
+  cawl::ParsedCawl parsed = cawl::ParseCawl(document.text, document.name, limits);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
+  return std::move(parsed.document);
+}
+absl::StatusOr<rsel::DocumentPtr> RselOf(const Document& document, const Limits& limits) {
+  const auto* brought = dynamic_cast<const ParsedDocument*>(document.parsed.get());
+  if (brought != nullptr && brought->rsel != nullptr) return brought->rsel;
+  rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
+  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
+  return std::move(parsed.document);
+}
+
 }  // namespace
 
-absl::Status Documents::ApplyOntology(const Document& document, const Dictionary& dictionary,
-                                      const GraphVersion& version, WriteBatch* batch) {
+absl::Status Documents::ApplyOntology(const Document& document, const DocumentStages& stages,
+                                      Operations* operations) {
   if (document.action == Document::Action::kRemove && entries_.count({document.kind, document.name}) == 0) {
     return absl::NotFoundError(absl::StrCat("there is no ontology \"", document.name, "\""));
   }
   // what the graph has now goes, unless the new text has it too; the applier nets removals and additions out
-  std::vector<QuadOperation> operations;
-  std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name));
-  if (graph) {
-    version.ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
-      operations.push_back({QuadOperation::Kind::kRemove,
-                            {dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
-                             dictionary.Decode(quad.object), dictionary.Decode(quad.graph)}});
+  const Dictionary& dictionary = stages.dictionary;
+  if (const std::optional<TermId> graph = dictionary.FindIri(OntologyGraph(document.name))) {
+    stages.version.ForEach({{}, {}, {}, *graph}, [&](const Quad& quad) {
+      operations->push_back({QuadOperation::Kind::kRemove,
+                             {dictionary.Decode(quad.subject), dictionary.Decode(quad.predicate),
+                              dictionary.Decode(quad.object), dictionary.Decode(quad.graph)}});
       return true;
     });
   }
-  operations.insert(operations.end(), std::make_move_iterator(batch->operations.begin()),
-                    std::make_move_iterator(batch->operations.end()));
-  batch->operations = std::move(operations);
   return absl::OkStatus();
 }
 
@@ -105,67 +119,69 @@ absl::Status Documents::ApplyRules(const Document& document, RuleTextOrigin orig
   return texts.ToStatus(diagnostics);
 }
 
-absl::Status Documents::ApplyCawl(const Document& document, Engine* engine, const Limits& limits,
-                                  WriteBatch* batch, std::string* name) {
+absl::Status Documents::ApplyCawl(const Document& document, const DocumentStages& stages,
+                                  Operations* operations, std::string* name) {
+  Engine* engine = stages.engine;
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     if (!engine->Undeploy(document.name)) {
       return absl::NotFoundError(absl::StrCat("there is no workflow \"", document.name, "\""));
     }
-    Describe(before, {}, batch);
+    Describe(before, {}, operations);
     return absl::OkStatus();
   }
-  cawl::ParsedCawl parsed = cawl::ParseCawl(document.text, document.name, limits);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
-  Diagnostics unsupported = Engine::CheckSupported(*parsed.document);
+  const auto parsed = CawlOf(document, stages.limits);
+  if (!parsed.ok()) return parsed.status();
+  const Diagnostics unsupported = Engine::CheckSupported(**parsed);
   if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
-  *name = parsed.document->name.value;
+  *name = (*parsed)->name.value;
   std::set<Fact> before = Facts(*engine, document.kind, *name);
-  if (absl::Status status = engine->Deploy(parsed.document); !status.ok()) return status;
-  Describe(before, Facts(*engine, document.kind, *name), batch);
+  if (absl::Status status = engine->Deploy(*parsed); !status.ok()) return status;
+  Describe(before, Facts(*engine, document.kind, *name), operations);
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRsel(const Document& document, Engine* engine, const Limits& limits,
-                                  WriteBatch* batch, std::string* name) {
+absl::Status Documents::ApplyRsel(const Document& document, const DocumentStages& stages,
+                                  Operations* operations, std::string* name) {
+  Engine* engine = stages.engine;
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     absl::Status status = engine->RemoveServices(document.name);
-    if (status.ok()) Describe(before, {}, batch);
+    if (status.ok()) Describe(before, {}, operations);
     return status;
   }
-  rsel::ParsedRsel parsed = rsel::ParseRsel(document.text, document.name, limits);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, document.text);
-  *name = parsed.document->name.value;
+  const auto parsed = RselOf(document, stages.limits);
+  if (!parsed.ok()) return parsed.status();
+  *name = (*parsed)->name.value;
   std::set<Fact> before = Facts(*engine, document.kind, *name);
-  absl::Status status = ToStatus(engine->PutServices(parsed.document), document.text);
-  if (status.ok()) Describe(before, Facts(*engine, document.kind, *name), batch);
+  absl::Status status = ToStatus(engine->PutServices(*parsed), document.text);
+  if (status.ok()) Describe(before, Facts(*engine, document.kind, *name), operations);
   return status;
 }
 
-absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
-                              const GraphVersion& version, RuleEngine* rules, Engine* engine,
-                              const Limits& limits, RuleTextOrigin origin) {
-  if (batch->documents.empty()) return absl::OkStatus();
+absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& batch, Revision revision,
+                                                            const DocumentStages& stages) {
+  std::vector<QuadOperation> operations;
+  if (batch.documents.empty()) return operations;
   if (!undo_) undo_ = entries_;
-  for (const Document& document : batch->documents) {
+  for (const Document& document : batch.documents) {
     std::string name = document.name;
     uint64_t size = document.text.size();  // triples of ontologies, rules of rule sets; else bytes
     absl::Status status;
     switch (document.kind) {
       case Document::Kind::kOntology:
-        size = batch->operations.size();
-        status = ApplyOntology(document, dictionary, version, batch);
+        size = batch.operations.size();
+        status = ApplyOntology(document, stages, &operations);
         break;
       case Document::Kind::kRules:
-        status = ApplyRules(document, origin, rules);
-        size = rules->rule_count(document.name);
+        status = ApplyRules(document, stages.rule_origin, stages.rules);
+        size = stages.rules->rule_count(document.name);
         break;
       case Document::Kind::kCawl:
-        status = ApplyCawl(document, engine, limits, batch, &name);
+        status = ApplyCawl(document, stages, &operations, &name);
         break;
       case Document::Kind::kRsel:
-        status = ApplyRsel(document, engine, limits, batch, &name);
+        status = ApplyRsel(document, stages, &operations, &name);
         break;
     }
     if (!status.ok()) return status;
@@ -179,7 +195,7 @@ absl::Status Documents::Apply(WriteBatch* batch, Revision revision, const Dictio
     entries_[{document.kind, name}] = {size, std::hash<std::string>()(document.text), revision,
                                        std::move(text)};
   }
-  return absl::OkStatus();
+  return operations;
 }
 
 absl::Status Documents::Restore(std::map<Key, Entry> entries, RuleEngine* rules) {

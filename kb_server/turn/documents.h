@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/store/graph_version.h"
 #include "graph/store/write_batch.h"
@@ -19,14 +20,23 @@
 
 namespace docent {
 
+// What documents are given to, and the graph before the batch that brings them.
+struct DocumentStages {
+  RuleEngine* rules;
+  Engine* engine;
+  const Dictionary& dictionary;
+  const GraphVersion& version;
+  const Limits& limits;
+  RuleTextOrigin rule_origin;  // of all documents of the batch
+};
+
 class Documents {
  public:
-  // Gives each document of `batch` to its stage, and extends batch->operations by what that means for the
-  // graph: an ontology's graph is replaced; workflows and services are described in the graph
-  // docent:documents. On an error the caller rolls the stages back. `origin`: of all documents.
-  absl::Status Apply(WriteBatch* batch, Revision revision, const Dictionary& dictionary,
-                     const GraphVersion& version, RuleEngine* rules, Engine* engine, const Limits& limits,
-                     RuleTextOrigin origin);
+  // Gives each document of `batch` to its stage. What that means for the graph, before the batch's own operations: the
+  // quads of an ontology that is replaced go; workflows and services are described in the graph docent:documents. On an
+  // error the caller rolls the stages back.
+  absl::StatusOr<std::vector<QuadOperation>> Apply(const WriteBatch& batch, Revision revision,
+                                                   const DocumentStages& stages);
 
   void Commit() { undo_.reset(); }
   void Rollback();
@@ -47,12 +57,12 @@ class Documents {
   std::shared_ptr<const Catalog> MakeCatalog(const Engine& engine) const;
 
  private:
-  absl::Status ApplyOntology(const Document& document, const Dictionary& dictionary,
-                             const GraphVersion& version, WriteBatch* batch);
+  using Operations = std::vector<QuadOperation>;
+  absl::Status ApplyOntology(const Document& document, const DocumentStages& stages, Operations* operations);
   absl::Status ApplyRules(const Document& document, RuleTextOrigin origin, RuleEngine* rules);
-  absl::Status ApplyCawl(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+  absl::Status ApplyCawl(const Document& document, const DocumentStages& stages, Operations* operations,
                          std::string* name);
-  absl::Status ApplyRsel(const Document& document, Engine* engine, const Limits& limits, WriteBatch* batch,
+  absl::Status ApplyRsel(const Document& document, const DocumentStages& stages, Operations* operations,
                          std::string* name);
 
   std::map<Key, Entry> entries_;

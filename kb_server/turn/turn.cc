@@ -24,16 +24,15 @@ void Record(EngineOutput* output, TurnResult* result) {
 }
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
-  if (batch.documents.empty()) return stages->applier.Apply(batch, stages->writer);
-  WriteBatch input = batch;  // documents add operations to it; the log keeps what came in
   // Without a cancellation the log is replayed, whose texts were accepted.
   const RuleTextOrigin origin =
       stages->cancellation != nullptr ? RuleTextOrigin::kNew : RuleTextOrigin::kAccepted;
-  absl::Status documents =
-      stages->documents.Apply(&input, Revision(offset), stages->dictionary, stages->writer.current(),
-                              &stages->rules, &stages->engine, stages->limits, origin);
-  if (!documents.ok()) return documents;
-  return stages->applier.Apply(input, stages->writer);
+  const DocumentStages documents{&stages->rules, &stages->engine, stages->dictionary,
+                                 stages->writer.current(), stages->limits, origin};
+  absl::StatusOr<std::vector<QuadOperation>> brought_about =
+      stages->documents.Apply(batch, Revision(offset), documents);
+  if (!brought_about.ok()) return brought_about.status();
+  return stages->applier.Apply(batch, stages->writer, *brought_about);
 }
 
 absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, TurnResult* result) {
