@@ -1,0 +1,31 @@
+// A variable of a run or an argument of a robot service, as the command line gives it: NAME=VALUE. Any thread.
+#ifndef DOCENT_KB_SERVER_CLI_VARIABLE_ARGUMENT_H_
+#define DOCENT_KB_SERVER_CLI_VARIABLE_ARGUMENT_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "graph/rdf/term.h"
+
+namespace docent {
+
+// The namespace of a prefix (without ":"); nullopt: not known.
+using PrefixLookup = std::function<std::optional<std::string>(std::string_view prefix)>;
+
+// What --help says of VALUE.
+inline constexpr char kVariableValueHelp[] =
+    "VALUE: <IRI>, prefix:name (of --prefix, the well-known prefixes or the server's ontologies), a number, true, false, "
+    "\"text\" with @language or ^^datatype, or anything else as a text";
+
+// The value is an IRI for <iri>, prefix:local with a known prefix, and what is an IRI by "://" or "urn:"; a literal for "text",
+// "text"@en, "1"^^xsd:decimal (single quotes, too), numbers, true and false; a plain text otherwise. INVALID_ARGUMENT, with
+// what to write instead: no NAME=, a prefix that is not known, a malformed term.
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text, const PrefixLookup& prefixes);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_CLI_VARIABLE_ARGUMENT_H_
