@@ -33,6 +33,7 @@
 namespace docent {
 namespace {
 
+constexpr size_t kBesideDocument = 1u << 20;  // of a gRPC message that brings a document
 constexpr int kKeepaliveMs = 60000;
 
 struct Address {
@@ -223,7 +224,10 @@ absl::Status Server::StartGrpc() {
   builder.AddListeningPort(settings_.grpc_address, grpc::InsecureServerCredentials(), &port);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // a port in use is an error, not shared
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
-  builder.SetMaxReceiveMessageSize(static_cast<int>(settings_.limits.grpc_message_bytes));
+  // A message holds a document and little else; what is larger than document_bytes is refused by that name.
+  const size_t message_bytes =
+      std::max(settings_.limits.grpc_message_bytes, settings_.limits.document_bytes + kBesideDocument);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(message_bytes));
   const std::array<std::pair<const char*, grpc::Service*>, 5> services = {
       {{v1::Context::service_full_name(), context_service_.get()},
        {v1::Ontologies::service_full_name(), ontologies_service_.get()},

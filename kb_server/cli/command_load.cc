@@ -13,6 +13,7 @@
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "docent/v1/robot_services.grpc.pb.h"
 #include "docent/v1/workflows.grpc.pb.h"
+#include "graph/base/limits.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/text_input.h"
 #include "kb_server/cli/client.h"
@@ -74,10 +75,15 @@ class Loader {
       return Fail(absl::InvalidArgumentError(
           "--source says who tells facts; give --as facts, too, or --graph for data"));
     }
+    const bool in_parts = kind == "data" && text->size() > kPartBytes;
+    if (const size_t most = Limits().document_bytes; !in_parts && text->size() > most) {
+      return Fail(absl::ResourceExhaustedError(
+          absl::StrCat(file, " has ", text->size(), " bytes; the limit document_bytes is ", most)));
+    }
     if (kind == "cawl") return Deploy(file, *text);
     if (kind == "rsel") return Register(file, *text);
     if (kind == "facts") return Assert(file, *text);
-    if (kind == "data" && text->size() > kPartBytes) return LoadInParts(file, *text);
+    if (in_parts) return LoadInParts(file, *text);
     return LoadModule(file, kind, *text);
   }
 

@@ -164,6 +164,45 @@ TEST_F(ServerContextTest, AClientThatGoesAwayInTheMiddleOfAStreamHarmsNobody) {
   EXPECT_TRUE(Assert(Turtle(":a :b :c .")).ok());
 }
 
+TEST_F(ServerContextTest, WhatCannotBeMeasuredIsNotTold) {
+  StartServer();
+  const uint64_t revision = Revision();
+  const auto refused = [this](const std::string& facts, const std::string& why) {
+    const grpc::Status status = Assert(Turtle("@prefix xsd: <http://www.w3.org/2001/XMLSchema#> . " + facts));
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << facts;
+    EXPECT_THAT(status.error_message(), HasSubstr(why)) << facts;
+  };
+  for (const char* number : {"\"NaN\"^^xsd:double", "\"INF\"^^xsd:double", "\"-INF\"^^xsd:float",
+                             "\"1e400\"^^xsd:double", "\"nan\"^^xsd:decimal"}) {
+    refused(absl::StrCat(":R1 :battery ", number), "is not a finite number; leave out what was not measured");
+  }
+  refused(":R1 docent:x \"NaN\"^^xsd:double ; docent:y 1.0", "docent:x is");
+  refused(":R1 docent:x \"three\"", "it must be a number from -1000000 to 1000000 (metres)");
+  refused(":R1 docent:y 1e9", "docent:y is");
+  refused(":R1 docent:heading 70000.0", "from -1000 to 1000 (radians)");
+  refused(":R1 docent:progress 1.5", "from 0 to 1");
+  v1::AssertRequest reading;
+  reading.add_readings()->set_sensor("urn:w:Door");
+  v1::Literal* value = reading.mutable_readings(0)->mutable_value()->mutable_literal();
+  value->set_lexical("INF");
+  value->set_datatype("http://www.w3.org/2001/XMLSchema#double");
+  EXPECT_THAT(Assert(reading).error_message(), HasSubstr("readings[0].value is"));
+  value->set_lexical("1.5");
+  reading.mutable_readings(0)->set_time_us(-1);
+  EXPECT_THAT(Assert(reading).error_message(), HasSubstr("readings[0].time_us is -1"));
+  EXPECT_EQ(Revision(), revision);
+
+  MustTell(":R1 a docent:Robot ; docent:x 1.5 ; docent:y -0.5 ; docent:heading 3 ; :battery 8.5e1 .");
+  EXPECT_TRUE(Robots()[0].has_pose());
+  // Data may say anything that RDF can; it is no pose for that.
+  ASSERT_TRUE(Load(v1::LoadRequest::DATA, "d.ttl",
+                   "@prefix docent: <https://w3id.org/docent#> . <urn:w:R2> a docent:Robot ; "
+                   "docent:x \"NaN\"^^<http://www.w3.org/2001/XMLSchema#double> ; docent:y 1e300 .")
+                  .ok());
+  ASSERT_EQ(Robots().size(), 2u);
+  EXPECT_FALSE(Robots()[1].has_pose());
+}
+
 TEST_F(ServerContextTest, BeyondALimitNothingIsAppliedAndTheLimitIsNamed) {
   settings_.limits.batch_operations = 10;
   settings_.limits.term_bytes = 1000;
@@ -180,7 +219,7 @@ TEST_F(ServerContextTest, BeyondALimitNothingIsAppliedAndTheLimitIsNamed) {
   request.mutable_add(0)->mutable_object()->mutable_literal()->set_lexical(std::string(1001, 'x'));
   expect(Assert(request), "term_bytes is 1000");
   request.mutable_add(0)->mutable_object()->mutable_literal()->set_lexical(std::string(100 << 10, 'x'));
-  expect(Assert(request), "");  // gRPC's own words
+  expect(Assert(request), "term_bytes is 1000");  // larger than grpc_message_bytes, and still by its own name
   expect(Load(v1::LoadRequest::DATA, "big.ttl", std::string(20001, '#')), "document_bytes is 20000");
   expect(Deploy("big.xml", std::string(20001, ' ')),
          "big.xml has 20001 bytes; the limit document_bytes is 20000");

@@ -101,15 +101,122 @@ TEST_F(ServerWorkflowTest, ARobotThatStopsRenewingItsLeaseIsOffline) {
 }
 
 TEST_F(ServerWorkflowTest, AJoinThatTheGraphRefusesIsRefusedAgain) {
+  settings_.limits.term_bytes = 1000;
   StartServer();
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(Join("urn:w:R1", "127.0.0.1:1", "not an IRI").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_EQ(Join("urn:w:R1", "127.0.0.1:1", "urn:" + std::string(1000, 'x')).error_code(),
+              grpc::StatusCode::RESOURCE_EXHAUSTED);
   }
   EXPECT_EQ(Join("R1", "127.0.0.1:1").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(Join("urn:w:R1", "").error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(Robots(), IsEmpty());
   EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
   EXPECT_EQ(Robots().size(), 1u);
+}
+
+TEST_F(ServerWorkflowTest, ATypeThatIsNoIriDoesNotKeepARobotAway) {
+  StartServer();
+  EXPECT_TRUE(Join("urn:w:R1", "127.0.0.1:1", "not an IRI").ok());
+  EXPECT_EQ(Robots().size(), 1u);
+}
+
+TEST_F(ServerWorkflowTest, TheStatesOfARobotGoWithItsLease) {
+  settings_.clock = &clock_;
+  StartServer();
+  MustTell(kStates);
+  MustTell(
+      "docent:x a docent:StateProperty . docent:y a docent:StateProperty . docent:localised a "
+      "docent:StateProperty . "
+      ":battery a docent:StateProperty .");
+  ASSERT_TRUE(Join("urn:w:R1", "127.0.0.1:1").ok());
+  v1::AssertRequest states = Turtle(
+      ":R1 docent:isAt :Hall ; docent:x 1.5 ; docent:y 2.0 ; docent:localised true ; :battery 80 ; "
+      ":owner :Ann .");
+  states.set_source("urn:w:R1");
+  ASSERT_TRUE(Assert(states).ok());
+  MustTell(":R1 docent:isAt :Hall .");  // somebody else says so, too
+  EXPECT_EQ(Robots()[0].last_seen_us(), 0);
+  clock_.Advance(std::chrono::milliseconds(FleetLeases::kLeaseMs));
+  const uint64_t revision = Revision();
+  EXPECT_TRUE(server_->Tend());
+  EXPECT_FALSE(Ask("GRAPH :R1 { :R1 <https://w3id.org/docent#isAt> ?region }", revision + 1));
+  EXPECT_FALSE(Ask(":R1 <https://w3id.org/docent#localised> ?value"));
+  EXPECT_FALSE(Ask(":R1 :battery ?value"));
+  EXPECT_TRUE(Ask(":R1 <https://w3id.org/docent#isAt> :Hall")) << "of another source";
+  EXPECT_TRUE(Ask(":R1 :owner :Ann")) << "no state";
+  ASSERT_EQ(Robots().size(), 1u);
+  EXPECT_EQ(Robots()[0].state(), "offline");
+  EXPECT_TRUE(Robots()[0].has_pose());
+  EXPECT_NEAR(static_cast<double>(Robots()[0].last_seen_us()),
+              static_cast<double>(clock_.Now() - int64_t{FleetLeases::kLeaseMs} * 1000), 1000);
+
+  v1::JoinRequest request;
+  request.set_address("127.0.0.1:1");
+  request.mutable_description()->set_robot("urn:w:R1");
+  request.mutable_description()->set_incarnation("i1");
+  v1::JoinReply reply;
+  ASSERT_TRUE(Call(fleet_, &v1::Fleet::Stub::Join, request, &reply).ok());
+  EXPECT_TRUE(reply.tell_states());
+  EXPECT_EQ(Robots()[0].last_seen_us(), 0);
+  ASSERT_TRUE(Call(fleet_, &v1::Fleet::Stub::Join, request, &reply).ok());
+  EXPECT_FALSE(reply.tell_states());
+}
+
+TEST_F(ServerWorkflowTest, WhatNobodyOffersIsAWarningInServicesAndWorkflows) {
+  StartServer();
+  v1::RegisterReply registered;
+  ASSERT_TRUE(Register(kServices, &registered).ok());
+  ASSERT_EQ(registered.diagnostics_size(), 2);
+  EXPECT_TRUE(registered.diagnostics(0).warning());
+  EXPECT_EQ(registered.diagnostics(0).line(), 4u);
+  EXPECT_EQ(registered.diagnostics(0).message(), "no robot offers operation greet now");
+  v1::DeployReply deployed;
+  const grpc::Status status = Deploy("called.xml", kCalled, &deployed);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  ASSERT_EQ(deployed.diagnostics_size(), 1);
+  EXPECT_TRUE(deployed.diagnostics(0).warning());
+  EXPECT_THAT(deployed.diagnostics(0).message(), HasSubstr("no robot offers operation greet now"));
+
+  v1::StartReply start;
+  ASSERT_TRUE(StartRun("Called", &start).ok());
+  EXPECT_EQ(GetRun(start.run()).state(), "running");
+  ScriptedAdapter adapter;
+  ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
+  WaitForRun(start.run(), "done");
+  ASSERT_TRUE(Register(kServices, &registered).ok());
+  EXPECT_EQ(registered.diagnostics_size(), 0);
+}
+
+TEST_F(ServerWorkflowTest, AnOperationOfARobotIsSentWhatItsDescriptionNames) {
+  StartServer();
+  std::vector<std::string> sent;
+  absl::Mutex mutex;
+  ScriptedAdapter adapter([&](const v1::InvokeRequest& request) {
+    absl::MutexLock lock(&mutex);
+    for (const v1::NamedTerm& argument : request.arguments()) sent.push_back(argument.name());
+    v1::Feedback done;
+    done.set_state(v1::Feedback::SUCCEEDED);
+    return done;
+  });
+  v1::JoinRequest join;
+  join.set_address(adapter.address());
+  join.mutable_description()->set_robot("urn:w:R1");
+  join.mutable_description()->set_incarnation("i1");
+  v1::OperationDescription* greet = join.mutable_description()->add_operations();
+  greet->set_name("greet");
+  greet->add_inputs("person");
+  v1::JoinReply joined;
+  ASSERT_TRUE(Call(fleet_, &v1::Fleet::Stub::Join, join, &joined).ok());
+  ASSERT_TRUE(Deploy("called.xml", kCalled).ok());
+  MustTell(":John docent:calls :R1 .");
+  WaitForRun("Come-1", "done");
+  EXPECT_THAT(sent, ElementsAre("person")) << "robot is a variable of the run, too";
+  greet->set_inputs(0, "somebody");
+  ASSERT_TRUE(Call(fleet_, &v1::Fleet::Stub::Join, join, &joined).ok());
+  v1::DeployReply deployed;
+  ASSERT_TRUE(Deploy("called.xml", kCalled, &deployed).ok());
+  ASSERT_EQ(deployed.diagnostics_size(), 1);
+  EXPECT_THAT(deployed.diagnostics(0).message(), HasSubstr("operation greet needs somebody"));
 }
 
 TEST_F(ServerWorkflowTest, ARobotThatJoinsWhileItIsGivenUpIsThereAgain) {

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
@@ -20,6 +21,7 @@ namespace {
 using Outcome = CommandReport::Outcome;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 constexpr char kRobot[] = "http://example.org/r1";
 
@@ -343,7 +345,7 @@ TEST_F(RobotProxiesTest, ManyCommandsAtOnceEachEndOnce) {
 // An adapter that does what a test says: hangs, drops the stream, dies.
 class ScriptedAdapter final : public v1::RobotAdapter::Service {
  public:
-  enum class Behaviour { kHang, kAcceptAndHang, kAcceptAndDrop, kEndWithoutFinal, kSucceed };
+  enum class Behaviour { kHang, kAcceptAndHang, kAcceptAndDrop, kEndWithoutFinal, kSucceed, kScript };
 
   ScriptedAdapter() { Start(0); }
   ~ScriptedAdapter() override { Stop(); }
@@ -382,6 +384,8 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
     return grpc::Status::OK;
   }
 
+  // kScript: sends these, each with the command's id and incarnation where it has none.
+  std::vector<v1::Feedback> script;
   std::atomic<Behaviour> on_invoke = Behaviour::kSucceed;
   std::atomic<Behaviour> on_attach = Behaviour::kSucceed;
   std::atomic<bool> attach_not_found = false;
@@ -395,6 +399,14 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
  private:
   grpc::Status Act(grpc::ServerContext* context, const std::string& command, Behaviour behaviour,
                    grpc::ServerWriter<v1::Feedback>* writer) {
+    if (behaviour == Behaviour::kScript) {
+      for (v1::Feedback message : script) {
+        if (message.command_id().empty()) message.set_command_id(command);
+        if (message.incarnation().empty()) message.set_incarnation("1-script");
+        writer->Write(message);
+      }
+      return grpc::Status::OK;
+    }
     v1::Feedback feedback;
     feedback.set_command_id(command);
     feedback.set_incarnation("1-script");
@@ -490,6 +502,102 @@ TEST_F(MisbehavingAdapterTest, DeathBeforeTheInvokeArrivedIsInvokedAgainWithoutO
   EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
   EXPECT_EQ(adapter_.invokes, 1);
   EXPECT_FALSE(adapter_.overlapped);
+}
+
+v1::Feedback Message(v1::Feedback::State state, const std::string& command = "",
+                     const std::string& incarnation = "") {
+  v1::Feedback feedback;
+  feedback.set_state(state);
+  feedback.set_command_id(command);
+  feedback.set_incarnation(incarnation);
+  return feedback;
+}
+
+TEST_F(MisbehavingAdapterTest, FeedbackOfAnotherCommandIsRefusedAndRecorded) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script = {Message(v1::Feedback::ACCEPTED), Message(v1::Feedback::SUCCEEDED, "somebody/else"),
+                     Message(v1::Feedback::FAILED, "c/2"), Message(v1::Feedback::SUCCEEDED)};
+  proxies_.Send(Command("c/1", "drive"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_THAT(reports_.Outcomes("c/1"),
+              ElementsAre(Outcome::kAccepted, Outcome::kRefused, Outcome::kSucceeded));
+  EXPECT_THAT(reports_.Await("c/1", Outcome::kRefused).message,
+              HasSubstr("is refused: it is about command somebody/else"));
+  EXPECT_EQ(proxies_.refused_feedback(), 2u);
+  EXPECT_THAT(reports_.Outcomes("somebody/else"), IsEmpty());
+}
+
+TEST_F(MisbehavingAdapterTest, FeedbackThatCannotFollowIsRefused) {
+  v1::Feedback nan = Message(v1::Feedback::RUNNING);
+  nan.set_progress(std::nan(""));
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script = {Message(v1::Feedback::RUNNING),
+                     Message(v1::Feedback::ACCEPTED),
+                     nan,
+                     Message(v1::Feedback::STATE_UNSPECIFIED),
+                     Message(static_cast<v1::Feedback::State>(17)),
+                     Message(v1::Feedback::RUNNING, "", "2-other"),
+                     Message(v1::Feedback::SUCCEEDED)};
+  proxies_.Send(Command("c/1", "drive"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kSucceeded);
+  EXPECT_EQ(proxies_.refused_feedback(), 5u);
+  EXPECT_THAT(reports_.Await("c/1", Outcome::kRefused).message, HasSubstr("it says ACCEPTED after RUNNING"));
+}
+
+TEST_F(MisbehavingAdapterTest, FeedbackAfterTheEndIsRefused) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script = {Message(v1::Feedback::FAILED), Message(v1::Feedback::SUCCEEDED),
+                     Message(v1::Feedback::SUCCEEDED)};
+  proxies_.Send(Command("c/1", "drive"));
+  EXPECT_EQ(reports_.AwaitFinal("c/1").outcome, Outcome::kFailed);
+  for (int i = 0; i < 5000 && proxies_.refused_feedback() < 2; ++i) absl::SleepFor(absl::Milliseconds(1));
+  EXPECT_EQ(proxies_.refused_feedback(), 2u);
+  EXPECT_THAT(reports_.Outcomes("c/1"), ElementsAre(Outcome::kFailed));
+}
+
+TEST_F(MisbehavingAdapterTest, AnotherIncarnationThatAnswersAnInvokeMakesTheOutcomeUnknown) {
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script = {Message(v1::Feedback::ACCEPTED, "", "2-other"),
+                     Message(v1::Feedback::SUCCEEDED, "", "2-other")};
+  RobotCommand command = Command("c/1", "drive");
+  command.expected_incarnation = "1-script";
+  proxies_.Send(command);
+  const CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kUnknown);
+  EXPECT_EQ(report.incarnation, "2-other");
+  EXPECT_THAT(report.message,
+              HasSubstr("meant for incarnation 1-script of the adapter, and 2-other answers"));
+  EXPECT_GE(proxies_.refused_feedback(), 1u);
+}
+
+TEST_F(MisbehavingAdapterTest, ResultsThatCannotBeValuesAreLeftOut) {
+  v1::Feedback done = Message(v1::Feedback::SUCCEEDED);
+  const auto add = [&done](const std::string& name) -> v1::Term* {
+    v1::NamedTerm* result = done.add_results();
+    result->set_name(name);
+    return result->mutable_value();
+  };
+  add("good")->set_iri("urn:b7");
+  add("unset");
+  add("relative")->set_iri("not an iri");
+  add("a\nb")->set_iri("urn:b7");
+  add("")->set_iri("urn:b7");
+  v1::Literal* nan = add("nan")->mutable_literal();
+  nan->set_lexical("NaN");
+  nan->set_datatype("http://www.w3.org/2001/XMLSchema#double");
+  adapter_.on_invoke = ScriptedAdapter::Behaviour::kScript;
+  adapter_.script = {done};
+  proxies_.Send(Command("c/1", "drive"));
+  const CommandReport report = reports_.AwaitFinal("c/1");
+  EXPECT_EQ(report.outcome, Outcome::kSucceeded);
+  ASSERT_EQ(report.results.size(), 1u);
+  EXPECT_EQ(report.results[0].first, "good");
+  const std::string why = reports_.Await("c/1", Outcome::kRefused).message;
+  EXPECT_THAT(why, HasSubstr("its result unset has no value"));
+  EXPECT_THAT(why, HasSubstr("its result relative has a value that cannot be taken"));
+  EXPECT_THAT(why, HasSubstr("U+000A"));
+  EXPECT_THAT(why, HasSubstr("has no name"));
+  EXPECT_THAT(why, HasSubstr("its result nan is"));
 }
 
 TEST_F(MisbehavingAdapterTest, RobotThatMovedToAnotherAddressIsFollowed) {

@@ -1,5 +1,8 @@
 #include "robot_adapters/sdk/fact_sender.h"
 
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
 #include "robot_adapters/sdk/decimal.h"
@@ -116,6 +119,29 @@ TEST_F(FactSenderTest, StatesSetTogetherTravelTogether) {
   ASSERT_EQ(server_.batches().size(), 1u);
   EXPECT_EQ(server_.batches()[0].add_size(), 2);
   EXPECT_EQ(server_.batches()[0].remove_size(), 0);
+}
+
+TEST_F(FactSenderTest, WhatWasNotMeasuredIsNotToldAndSpoilsNothingElse) {
+  sender_.SetAll(kRobot, {{DocentIri("x"), Decimal(1, 3)}, {DocentIri("y"), Decimal(2, 3)}});
+  ASSERT_TRUE(sender_.Flush(absl::Seconds(10)));
+  sender_.Set(kRobot, DocentIri("status"), Term::Iri(DocentIri("Busy")));
+  sender_.SetAll(kRobot, {{DocentIri("x"), Decimal(3, 3)}, {DocentIri("y"), Decimal(std::nan(""), 3)}});
+  sender_.Set(kRobot, "http://example.org/battery", Term::Literal("INF", std::string(kXsdDouble)));
+  ASSERT_TRUE(sender_.Flush(absl::Seconds(10)));
+  EXPECT_EQ(sender_.refused(), 2u);
+  std::string told;
+  for (const v1::AssertRequest& batch : server_.batches()) {
+    for (const v1::Quad& quad : batch.add())
+      absl::StrAppend(&told, quad.object().has_iri() ? "status" : quad.object().literal().lexical(), " ");
+  }
+  EXPECT_EQ(told, "1.0 2.0 status ") << "an x without its y would be another place";
+  EXPECT_FALSE(sender_
+                   .Tell({{Term::Iri(kUser), Term::Iri(DocentIri("weight")),
+                           Term::Literal("NaN", std::string(kXsdDouble)), Term::Iri("")}})
+                   .ok());
+  EXPECT_FALSE(
+      sender_.Tell({}, {}, {{"http://example.org/scales", Term::Literal("NaN", std::string(kXsdDouble))}})
+          .ok());
 }
 
 TEST_F(FactSenderTest, LeftoverIsWithdrawnUnlessToldAnew) {

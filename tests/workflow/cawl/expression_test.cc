@@ -42,6 +42,18 @@ TEST(Expression, NamesKnowTheirPlace) {
   EXPECT_EQ(names[1]->span.length, 4u);
 }
 
+TEST(Expression, OtherNamesStandInQuotes) {
+  std::optional<Expression> e = Parse("'Tour A' and not 'and' or ('it\\'s' and 'a\\\\b') and plain'quote");
+  ASSERT_TRUE(e);
+  std::vector<std::string> names;
+  for (const Expression* name : NamesIn(*e)) names.push_back(name->name);
+  EXPECT_EQ(names, (std::vector<std::string>{"Tour A", "and", "it's", "a\\b", "plain'quote"}));
+  EXPECT_EQ(ToText(*e), "'Tour A' and not 'and' or 'it\\'s' and a\\b and plain'quote");
+  EXPECT_EQ(ToText(*Parse(ToText(*e))), ToText(*e));
+  EXPECT_EQ(ToText(*Parse("'plain'")), "plain");
+  for (const char* bad : {"'open", "'a\\'", "'a''b'", "'"}) EXPECT_FALSE(Parse(bad)) << bad;
+}
+
 TEST(Expression, MalformedOnesAreRefused) {
   for (const char* bad : {"", "and", "a and", "a b", "(a", "a)", "()", "not", "a or or b", "not and a"}) {
     EXPECT_FALSE(Parse(bad)) << bad;

@@ -413,6 +413,90 @@ TEST_F(EngineTest, ARobotOfAnEndedSubflowIsNotFreeAfterARefusedTurn) {
   EXPECT_THAT(Fact("urn:docent:run:G-3/B/0", "reason"), HasSubstr("serves another run"));
 }
 
+std::string NamesOf(const std::vector<std::pair<std::string, Term>>& arguments) {
+  std::string names;
+  for (const auto& [name, value] : arguments) absl::StrAppend(&names, names.empty() ? "" : " ", name);
+  return names;
+}
+
+TEST_F(EngineTest, AnOperationOfARobotIsSentWhatItTakesAndNoOtherVariable) {
+  const std::string flow = Flow(
+      "<message name=\"M\"><part name=\"note\"/><part name=\"unset\"/></message><variable name=\"user\"/>"
+      "<variable name=\"note\"/>" +
+      Node("A", "", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t"));
+  Deploy(flow);
+  const std::vector<RunRequest> start = {
+      {RunRequest::Kind::kStart, "W/F", {{"user", Term::Iri("urn:john")}, {"note", Term::Literal("n")}}}};
+  const auto sent = [&] {
+    Turn({}, start);
+    EXPECT_EQ(commands_.size(), 1u);
+    if (commands_.empty()) return std::string("nothing");
+    const RobotCommand command = commands_[0];
+    Turn({Done(command.id)});
+    return NamesOf(command.arguments);
+  };
+  robots_.offers[0].inputs = std::vector<std::string>{"user"};
+  EXPECT_EQ(sent(), "user");
+  robots_.offers[0].inputs = std::vector<std::string>();
+  EXPECT_EQ(sent(), "");
+  robots_.offers[0].inputs = std::nullopt;
+  EXPECT_EQ(sent(), "note") << "the parts of the messages that the node sees, as far as they have values";
+  robots_.offers[0].inputs = std::vector<std::string>{"user", "speed"};
+  Turn({}, start);
+  EXPECT_EQ(commands_.size(), 0u);
+  EXPECT_TRUE(Says("F-4 running>failed"));
+  EXPECT_THAT(Fact("urn:docent:run:F-4", "reason"), HasSubstr("needs a value for speed"));
+}
+
+TEST_F(EngineTest, ARunThatEndedUsesNoRobot) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  EXPECT_EQ(Fact("urn:docent:run:F-1", "usesRobot"), "urn:r1");
+  Turn({Done(commands_[0].id)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+  EXPECT_EQ(Fact("urn:docent:run:F-1", "usesRobot"), "");
+  Start();
+  Turn({}, {{RunRequest::Kind::kCancel, "F-2", {}}});
+  EXPECT_EQ(Fact("urn:docent:run:F-2", "usesRobot"), "");
+}
+
+TEST_F(EngineTest, RunsAndNodesAreNamedBySegments) {
+  Deploy("<flow name=\"Tour A/1\"><source name=\"s\"/>" +
+         Node("Say &quot;hi&quot;", "", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" +
+         Link("s", "Say &quot;hi&quot;") + Link("Say &quot;hi&quot;", "t") + "</flow>");
+  Turn({}, {{RunRequest::Kind::kStart, "W/Tour A/1", {}}});
+  EXPECT_TRUE(Says("Tour%20A%2F1-1/Say%20%22hi%22 inactive>running"));
+  ASSERT_EQ(commands_.size(), 1u);
+  EXPECT_THAT(commands_[0].id.value(), HasSubstr("Tour%20A%2F1-1/Say%20%22hi%22/0/0.1/1/1@"));
+  EXPECT_EQ(Fact("urn:docent:run:Tour%20A%2F1-1/Say%20%22hi%22", "nodeName"), "Say \"hi\"");
+  EXPECT_EQ(Fact("urn:docent:run:Tour%20A%2F1-1/Say%20%22hi%22", "position"), "1");
+}
+
+TEST_F(EngineTest, RefusedFeedbackStandsInTheInvocationUntilItGoesOn) {
+  Deploy(Flow(Node("A", "", "<invoke operation=\"go\"/>") + "<sink name=\"t\"/>" + Link("s", "A") +
+              Link("A", "t")));
+  Start();
+  const CommandId command = commands_[0].id;
+  Turn({{command, CommandReport::Outcome::kRefused, "it is about command somebody/else", 0, "i1", {}}});
+  EXPECT_THAT(Fact("urn:docent:run:F-1/A/0", "reason"), HasSubstr("somebody/else"));
+  EXPECT_EQ(Fact("urn:docent:run:F-1", "runState"), "running");
+  Turn({Done(command)});
+  EXPECT_TRUE(Says("F-1 running>done"));
+  EXPECT_EQ(Fact("urn:docent:run:F-1/A/0", "reason"), "");
+}
+
+TEST_F(EngineTest, AVariableWithPartsIsCopiedWhole) {
+  Deploy(
+      "<message name=\"M\"><part name=\"x\"/><part name=\"y\"/></message>"
+      "<variable name=\"a\" type=\"M\"><initialize part=\"x\"><from "
+      "expression=\"1\"/></initialize></variable>" +
+      Flow("<variable name=\"b\" type=\"M\"><initialize><from variable=\"a\"/></initialize></variable>" +
+           Node("A", "", "") + "<sink name=\"t\"/>" + Link("s", "A") + Link("A", "t")));
+  Start();
+  EXPECT_EQ(Fact("urn:docent:run:F-1/$b.x", "variableValue"), "1");
+}
+
 // A condition of nine rules, each of two alternatives: 2^9.
 std::string TooManyAlternatives() {
   std::string rules;
