@@ -53,7 +53,7 @@ class Check(StageTest):
         done = self.docent("check", words, data)
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("data.ttl:2:6: error: the class :Rom is not defined", done.stderr)
-        self.assertIn("did you mean <http://example.org/Room>?", done.stderr)
+        self.assertIn("did you mean :Room?", done.stderr)
         found = [json.loads(line) for line in self.docent("check", "--json", words, data).stdout.splitlines()]
         self.assertEqual([(f["rule"], f["line"], f["column"]) for f in found if f["severity"] == "error"],
                          [("undefined-term", 2, 6), ("range-clash", 3, 9)])

@@ -71,7 +71,7 @@ class PackageTest(unittest.TestCase):
                 continue
             setting = re.search(rf"^(#?){name} = (.*)$", text, re.M)
             self.assertIsNotNone(setting, name)
-            default = re.search(r"\(default: (.*)\)$", description)
+            default = re.search(r"\(default: ([^)]*)\)", description)
             if default and name != "data":
                 self.assertEqual((setting[1], setting[2].strip('"')), ("#", default[1]))
         self.assertIn('\ndata = "/var/lib/docent"\n', text)

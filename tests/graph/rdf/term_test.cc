@@ -48,7 +48,7 @@ TEST(TermTest, DisplayIsShort) {
   EXPECT_EQ(ToDisplay(Term::Iri("http://example.org/x")), "<http://example.org/x>");
   EXPECT_EQ(ToDisplay(Term::Integer(42)), "42");
   EXPECT_EQ(ToDisplay(Term::Literal("x", std::string(kXsdDate))), "\"x\"^^xsd:date");
-  EXPECT_EQ(ToDisplay(Term::Iri(DocentIri("a b"))), "<https://w3id.org/docent#a b>");
+  EXPECT_EQ(ToDisplay(Term::Iri(DocentIri("a b"))), "<https://w3id.org/docent#a\\u0020b>");
 }
 
 }  // namespace

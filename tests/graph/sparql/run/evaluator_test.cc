@@ -279,7 +279,6 @@ constexpr const char* kInsides[] = {"",
                                     "SELECT DISTINCT ?y { BIND(1 AS ?y) } ORDER BY ?y LIMIT 5",
                                     "ex:n ex:p* ?y",
                                     "ex:n (ex:p|ex:q)? ?y",
-                                    "ex:n ex:p*/ex:q? ?y",
                                     "ex:n ^(ex:p*) ex:n",
                                     "GRAPH ex:g1 { ex:a ex:p ?o }",
                                     "GRAPH ?h { ?s ex:p ?o }",
@@ -470,7 +469,7 @@ TEST_F(SparqlEvaluator, ConstantsStayAsTheyAreWritten) {
 }
 
 TEST_F(SparqlEvaluator, LanguageTagsThatAreNoneAreErrors) {
-  EXPECT_THAT(g_.Rows("SELECT (STRLANG(\"a\", \"en-GB\") AS ?x) {}"), ElementsAre("\"a\"@en-gb"));
+  EXPECT_THAT(g_.Rows("SELECT (STRLANG(\"a\", \"en-GB\") AS ?x) {}"), ElementsAre("\"a\"@en-GB"));
   for (const char* tag : {"bad lang", "en_US", "", "-", "en-", "1a"}) {
     EXPECT_THAT(g_.Rows(std::string("SELECT (STRLANG(\"a\", \"") + tag + "\") AS ?x) {}"), ElementsAre("-"))
         << tag;
