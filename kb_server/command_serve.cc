@@ -10,6 +10,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/settings_file.h"
+#include "kb_server/door/descriptors.h"
 #include "kb_server/grpc/one_callback_thread.h"
 #include "kb_server/server.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
@@ -29,12 +30,16 @@ int Serve(const ServerSettings& settings) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  // The end of the terminal that it was started from is an end like others, unless nohup has it ignored.
+  struct sigaction hang_up {};
+  if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   signal(SIGPIPE, SIG_IGN);
   signal(SIGXFSZ, SIG_IGN);  // a file-size limit is an error of write(2), not the end
   spdlog::set_default_logger(spdlog::stderr_color_mt("docent"));
   spdlog::set_pattern("%H:%M:%S.%e %l %v");
 
+  if (absl::Status status = RaiseDescriptorLimit(); !status.ok()) return Fail(status);
   OneCallbackThread one_callback_thread;
   auto server = Server::Start(settings, ShowProgress);
   if (!server.ok()) return Fail(server.status());
@@ -43,7 +48,7 @@ int Serve(const ServerSettings& settings) {
   timespec second{0, 500'000'000};
   while (true) {
     int received = sigtimedwait(&signals, nullptr, &second);
-    if (received == SIGINT || received == SIGTERM) break;
+    if (received > 0) break;
     one_callback_thread.KeepAwake();
     if (!(*server)->Tend()) return Fail((*server)->status());
   }

@@ -15,11 +15,13 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/synchronization/notification.h"
+#include "graph/base/overload.h"
 #include "graph/log/sqlite_log.h"
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/text_input.h"
 #include "graph/rdf/vocabulary.h"
+#include "kb_server/door/descriptors.h"
 #include "kb_server/grpc/robot_facts.h"
 #include "kb_server/http/http_graph_store.h"
 #include "kb_server/http/http_health.h"
@@ -35,6 +37,7 @@ namespace {
 
 constexpr size_t kBesideDocument = 1u << 20;  // of a gRPC message that brings a document
 constexpr int kKeepaliveMs = 60000;
+constexpr int kHandshakeMs = 10000;  // from a connection's begin to the first frame of HTTP/2
 
 struct Address {
   std::string host;
@@ -87,7 +90,8 @@ Server::Server(const ServerSettings& settings)
       inbox_(&clock_, settings.limits),
       feed_(settings.limits.run_events_kept),
       leases_(&clock_),
-      query_memory_("queries_memory_bytes", settings.limits.queries_memory_bytes) {
+      query_memory_("queries_memory_bytes", settings.limits.queries_memory_bytes),
+      send_budget_(settings.limits.streams_bytes) {
   RegisterSpatialFunctions(&functions_);
 }
 
@@ -134,8 +138,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.writer_ = std::make_unique<Writer>(ports);
   if (absl::Status status = s.writer_->Recover(progress); !status.ok()) return status;
 
-  s.workers_ = std::make_unique<WorkerPool>(settings.limits.queries_running, settings.limits.queries_open,
-                                            settings.limits.queries_waiting);
+  s.workers_ = std::make_unique<WorkerPool>(WorkerPoolLimitsOf(settings.limits));
   s.ports_.inbox = &s.inbox_;
   s.ports_.queries = &s.queries_;
   s.ports_.dictionary = &s.dictionary_;
@@ -144,6 +147,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   s.ports_.feed = &s.feed_;
   s.ports_.workers = s.workers_.get();
   s.ports_.query_memory = &s.query_memory_;
+  s.ports_.send_budget = &s.send_budget_;
   s.ports_.history = s.history_.get();
   s.ports_.updates = &s.updates_;
   s.ports_.loads = &s.loads_;
@@ -178,8 +182,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   // Nobody is listened to before there is a writer to answer, nor before the graph has what it is to begin
   // with.
   if (absl::Status status = s.LoadFiles(); !status.ok()) return status;
-  if (absl::Status status = s.StartGrpc(); !status.ok()) return status;
-  if (absl::Status status = s.StartHttp(); !status.ok()) return status;
+  const ConnectionShares shares = ShareDescriptors(DescriptorLimit(), OpenDescriptors(), settings.limits);
+  if (absl::Status status = s.StartGrpc(shares.grpc); !status.ok()) return status;
+  if (absl::Status status = s.StartHttp(shares.http); !status.ok()) return status;
   return server;
 }
 
@@ -191,6 +196,7 @@ Server::~Server() {
     if (!writer_done.WaitForNotificationWithTimeout(absl::Seconds(2)) && writer_) writer_->EndTurns();
   });
   http_server_.reset();
+  if (grpc_listener_) grpc_listener_->Stop();
   if (grpc_server_) grpc_server_->Shutdown(deadline);
   inbox_.Close();
   const bool snapshot = writer_thread_.joinable();
@@ -209,9 +215,15 @@ void Server::LeaveSnapshot() {
   if (!written.ok()) spdlog::error("no snapshot at the end: {}", std::string(written.message()));
 }
 
-absl::Status Server::StartGrpc() {
+absl::Status Server::StartGrpc(size_t connections) {
   auto address = ParseAddress(settings_.grpc_address, settings_.insecure);
   if (!address.ok()) return address.status();
+  auto listener = GrpcListener::Listen(settings_.grpc_address, connections);
+  if (!listener.ok()) {
+    return absl::Status(listener.status().code(),
+                        absl::StrCat(listener.status().message(), "; choose another with --grpc"));
+  }
+  grpc_listener_ = *std::move(listener);
   context_service_ = std::make_unique<ContextService>(ports_);
   ontologies_service_ = std::make_unique<OntologiesService>(ports_);
   workflows_service_ = std::make_unique<WorkflowsService>(ports_);
@@ -220,9 +232,8 @@ absl::Status Server::StartGrpc() {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort(settings_.grpc_address, grpc::InsecureServerCredentials(), &port);
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // a port in use is an error, not shared
+  grpc_listener_->AddTo(&builder);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);  // a client that vanished is noticed
   // A message holds a document and little else; what is larger than document_bytes is refused by that name.
   const size_t message_bytes =
@@ -236,33 +247,32 @@ absl::Status Server::StartGrpc() {
        {v1::Fleet::service_full_name(), fleet_service_.get()}}};
   for (const auto& [name, service] : services) builder.RegisterService(service);
   grpc_server_ = builder.BuildAndStart();
-  if (grpc_server_ == nullptr || port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", settings_.grpc_address,
-                     " for gRPC: the port is in use or not allowed; choose another with --grpc"));
-  }
+  if (grpc_server_ == nullptr) return absl::InternalError("the gRPC server does not start");
   for (const auto& [name, service] : services)
     grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
-  grpc_address_ = absl::StrCat(address->host, ":", port);
+  grpc_listener_->Start();
+  grpc_address_ = absl::StrCat(address->host, ":", grpc_listener_->port());
   return absl::OkStatus();
 }
 
-absl::Status Server::StartHttp() {
+absl::Status Server::StartHttp(size_t connections) {
   auto address = ParseAddress(settings_.http_address, settings_.insecure);
   if (!address.ok()) return address.status();
   RegisterMetrics();
+  RegisterConnectionMetrics();
   RegisterSubscriptionMetrics();
   HttpRoutes routes;
-  AddHealthRoute(&routes, [this] { return status(); });
+  AddHealthRoute(&routes, [this] { return Health(); });
   AddMetricsRoute(&routes, &metrics_);
   AddSparqlRoutes(&routes, &ports_, &metrics_);
   AddGraphStoreRoutes(&routes, &ports_);
   HttpServerOptions options;
   options.listen = settings_.http_address;
   options.allowed_hosts = settings_.http_names;
-  options.connections = settings_.limits.http_connections;
+  options.connections = connections;
   options.body_bytes = settings_.limits.http_body_bytes;
   options.bodies_bytes = settings_.limits.http_bodies_bytes;
+  options.send_budget = &send_budget_;
   options.clock = ports_.clock;
   auto server = HttpServer::Start(options, std::move(routes));
   if (!server.ok()) {
@@ -271,6 +281,7 @@ absl::Status Server::StartHttp() {
   }
   http_server_ = *std::move(server);
   http_address_ = http_server_->address();
+  AddHttpMetrics(&metrics_, http_server_.get());
   return absl::OkStatus();
 }
 
@@ -353,7 +364,28 @@ absl::Status Server::PushAndWait(WriteBatch batch, const std::string& what) {
     return absl::ResourceExhaustedError(absl::StrCat(what, ": too much work waits"));
   }
   absl::Status status = answer.get_future().get();
-  return status.ok() ? status : absl::Status(status.code(), absl::StrCat(what, ": ", status.message()));
+  return status.ok() ? status : WithMessage(status, absl::StrCat(what, ": ", status.message()));
+}
+
+void Server::RegisterConnectionMetrics() {
+  GrpcListener* listener = grpc_listener_.get();
+  metrics_.AddGaugeFunction("docent_grpc_connections", "Open gRPC connections",
+                            [listener] { return static_cast<double>(listener->open()); });
+  metrics_.AddCounterFunction("docent_grpc_connections_total", "gRPC connections accepted",
+                              [listener] { return static_cast<double>(listener->accepted()); });
+  metrics_.AddCounterFunction("docent_grpc_connections_idle_closed_total",
+                              "gRPC connections without a call that were closed to make room for others",
+                              [listener] { return static_cast<double>(listener->closed_idle()); });
+  metrics_.AddCounterFunction("docent_grpc_connections_refused_total",
+                              "gRPC connections closed at once: the limit grpc_connections",
+                              [listener] { return static_cast<double>(listener->refused()); });
+  metrics_.AddGaugeFunction("docent_streams_bytes",
+                            "Made for clients and not taken by them, of all streams and answers",
+                            [this] { return static_cast<double>(send_budget_.taken()); });
+  metrics_.AddCounterFunction(
+      "docent_streams_cut_total",
+      "Streams and answers cut since all together held too much: the limit streams_bytes",
+      [this] { return static_cast<double>(send_budget_.cut()); });
 }
 
 void Server::RegisterSubscriptionMetrics() {
@@ -489,6 +521,7 @@ void Server::ExpectRobots() {
 }
 
 bool Server::Tend() {
+  if (!writer_->LogStatus().ok()) writer_->AskLogAgain();
   for (const auto& [robot, seen_us] : leases_.TakeLost()) {
     WriteBatch batch = FactsOfLoss(robot, seen_us, dictionary_, *queries_.Newest());
     inbox_.Push(std::move(batch), [this, robot = robot](const absl::StatusOr<BatchOutcome>& outcome) {
@@ -498,6 +531,19 @@ bool Server::Tend() {
   }
   absl::MutexLock lock(&status_mutex_);
   return !writer_ended_;
+}
+
+absl::Status Server::Health() const {
+  if (absl::Status ended = status(); !ended.ok()) return ended;
+  if (absl::Status there = log_->CheckPlace(); !there.ok()) return there;
+  if (absl::Status log = writer_->LogStatus(); !log.ok()) return log;
+  const std::optional<uint64_t> free = log_->FreeBytes();
+  if (free && *free < settings_.limits.disk_free_bytes) {
+    return OverloadError(absl::StrCat("the disk of the data folder has ", *free, " bytes left, less than ",
+                                      settings_.limits.disk_free_bytes,
+                                      " (disk_free_bytes); make room on it"));
+  }
+  return grpc_listener_->status();
 }
 
 absl::Status Server::status() const {

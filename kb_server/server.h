@@ -16,6 +16,8 @@
 #include "kb_server/door/fleet_leases.h"
 #include "kb_server/door/metrics.h"
 #include "kb_server/door/ports.h"
+#include "kb_server/door/send_budget.h"
+#include "kb_server/grpc/grpc_listener.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/load_runner.h"
@@ -65,12 +67,15 @@ class Server {
   // writer had to stop, see status().
   bool Tend();
   absl::Status status() const;
+  // OK, or what keeps it from serving as it should: the writer, the log and its disk, the data folder, the gRPC port. Any
+  // thread; quick.
+  absl::Status Health() const;
 
  private:
   explicit Server(const ServerSettings& settings);
   void LeaveSnapshot();
-  absl::Status StartGrpc();
-  absl::Status StartHttp();
+  absl::Status StartGrpc(size_t connections);
+  absl::Status StartHttp(size_t connections);
   absl::Status LoadFiles();
   absl::Status LoadOntologies();
   absl::Status LoadRules();
@@ -79,6 +84,7 @@ class Server {
                                                  size_t shown, Cancellation* cancellation) const;
   void ExpectRobots();
   void RegisterMetrics();
+  void RegisterConnectionMetrics();
   void RegisterSubscriptionMetrics();
 
   const ServerSettings settings_;
@@ -102,6 +108,7 @@ class Server {
   std::unique_ptr<WhatIf> what_if_;
   std::unique_ptr<WorkerPool> workers_;
   MemoryBudget query_memory_;
+  SendBudget send_budget_;
   ServicePorts ports_;
   UpdateRunner updates_{&ports_};
   LoadRunner loads_{&ports_};
@@ -111,6 +118,7 @@ class Server {
   std::unique_ptr<WorkflowsService> workflows_service_;
   std::unique_ptr<RobotServicesService> robot_services_service_;
   std::unique_ptr<FleetService> fleet_service_;
+  std::unique_ptr<GrpcListener> grpc_listener_;
   std::unique_ptr<grpc::Server> grpc_server_;
   std::unique_ptr<HttpServer> http_server_;
   std::thread writer_thread_;

@@ -6,8 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 
@@ -23,6 +25,9 @@ class Cancellation {
       : deadline_(std::chrono::steady_clock::now() + timeout), timeout_(timeout) {}
   Cancellation(const Cancellation&) = delete;
   Cancellation& operator=(const Cancellation&) = delete;
+
+  // `look` is called where the clock is looked at, by whoever shares processors among evaluations; null: nothing is.
+  void OnLook(std::function<void(const Cancellation&)> look) { look_ = std::move(look); }
 
   void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
@@ -49,12 +54,18 @@ class Cancellation {
   }
   // The same, reading the clock at once.
   absl::Status CheckNow() {
+    if (look_) look_(*this);
     if (cancelled_.load(std::memory_order_relaxed)) return absl::CancelledError("the caller went away");
     if (steps_left_ < 0) return TooManySteps();
     if (timeout_.count() == 0 || (!expired_ && std::chrono::steady_clock::now() < deadline_))
       return absl::OkStatus();
     expired_ = true;
     return Expired();
+  }
+  // Whether it was cancelled or the deadline has passed.
+  bool IsOver() const {
+    return cancelled_.load(std::memory_order_relaxed) ||
+           (timeout_.count() != 0 && std::chrono::steady_clock::now() >= deadline_);
   }
   // Until the deadline; a very long time where there is none.
   std::chrono::milliseconds Left() const {
@@ -87,6 +98,7 @@ class Cancellation {
   int64_t steps_left_ = std::numeric_limits<int64_t>::max();
   unsigned polls_ = 0;
   bool expired_ = false;
+  std::function<void(const Cancellation&)> look_;
 };
 
 }  // namespace docent

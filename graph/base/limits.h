@@ -34,15 +34,18 @@ struct Limits {
   size_t snapshot_log_bytes = 256u << 20;  // bytes of log records after which one is
   size_t snapshots_kept = 4;               // the two newest, and others that lie far apart, for as-of queries
   size_t log_bytes_kept =
-      size_t{8} << 30;               // about; older records go, but never those after the oldest snapshot
-  size_t history_bytes = 32u << 20;  // memory of past graph versions kept for as-of queries
-  size_t as_of_records = 1000000;    // records replayed to answer one as-of query
-  size_t as_of_open = 2;             // past graphs made from the log that are in memory at one time
+      size_t{8} << 30;                 // about; older records go, but never those after the oldest snapshot
+  size_t history_bytes = 32u << 20;    // memory of past graph versions kept for as-of queries
+  size_t as_of_records = 1000000;      // records replayed to answer one as-of query
+  size_t as_of_open = 2;               // past graphs made from the log that are in memory at one time
+  size_t disk_free_bytes = 16u << 20;  // less on the log's disk: /healthz says so
 
   // queries
   int query_timeout_ms = 30000;
   int queries_running = 4;  // evaluated at the same time; a query that waits for its client is not counted
-  int queries_open = 64;    // begun and not ended, those that wait for their clients too
+  int queries_open = 256;   // begun and not ended, those that wait for their clients or for a place too
+  int queries_short = 2;    // evaluated beside those, each for query_short_ms: so short ones pass long ones
+  int query_short_ms = 50;
   size_t queries_waiting = 1024;  // to begin; beyond: RESOURCE_EXHAUSTED
   size_t query_memory_bytes = 512u << 20;
   size_t queries_memory_bytes = size_t{2} << 30;  // of all queries and updates at the same time
@@ -76,11 +79,17 @@ struct Limits {
   // network
   size_t http_body_bytes = 64u << 20;
   size_t http_bodies_bytes = 512u << 20;  // of all requests that are read or answered at the same time
+  size_t http_header_bytes = 64u << 10;   // of a request; chunk extensions and trailer fields likewise
+  size_t http_header_fields = 256;
+  size_t http_parameters = 10000;  // in a query string or form; parts of a multipart body
   size_t http_connections = 1024;
+  size_t grpc_connections = 4096;
   size_t grpc_message_bytes = 16u << 20;
-  size_t stream_messages = 1024;   // made for one gRPC client and not sent yet
-  size_t stream_bytes = 4u << 20;  // likewise; one message may exceed it
-  int slow_client_ms = 10000;      // a gRPC client that takes nothing of a full stream for so long loses it
+  size_t stream_messages = 1024;      // made for one gRPC client and not sent yet
+  size_t stream_bytes = 4u << 20;     // likewise; one message may exceed it
+  size_t streams_bytes = 256u << 20;  // likewise of all clients together; the largest streams are cut
+  int slow_client_ms = 10000;   // a gRPC client that takes nothing of a full stream for so long loses it
+  int crowded_client_ms = 500;  // likewise, while others wait for its place
 
   // workflow
   int default_step_timeout_ms = 300000;  // a node without cawl-ext timeout

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "graph/base/overload.h"
 
 namespace docent {
 
@@ -31,10 +32,10 @@ class MemoryBudget {
   bool HasRoom(size_t bytes) const { return bytes <= limit_ && taken() <= limit_ - bytes; }
   size_t taken() const { return taken_.load(std::memory_order_relaxed); }
 
-  // RESOURCE_EXHAUSTED: others hold too much now.
+  // An overload: others hold too much now.
   absl::Status Refusal() const {
-    return absl::ResourceExhaustedError("too much is in work at the same time: the limit " + limit_name_ +
-                                        " = " + std::to_string(limit_) + " is reached; try again later");
+    return OverloadError("too much is in work at the same time: the limit " + limit_name_ + " = " +
+                         std::to_string(limit_) + " is reached; try again later");
   }
 
  private:

@@ -69,7 +69,7 @@ class ContextLog {
   // writer; an empty `records` with a higher epoch only claims. Refusals are outcomes. Errors:
   // RESOURCE_EXHAUSTED (disk full), UNAVAILABLE (I/O error), DATA_LOSS; after an error nothing of the batch
   // is in the log, and a later append may succeed. (But for an error of the sync itself, after which a crash may bring the
-  // batch back: a client that repeats it does so under its request id.)
+  // batch back: a client that repeats it does so under its request id; and for one of CheckPlace, see there.)
   virtual absl::StatusOr<AppendResult> Append(absl::Span<const std::string> records, uint64_t epoch,
                                               uint64_t expected_head) = 0;
 
@@ -108,6 +108,11 @@ class ContextLog {
   virtual LogUpkeep Upkeep() { return {}; }
   // Whether a small append would go through now, without making one: the error that it would have.
   virtual absl::Status Probe() = 0;
+  // Whether what is appended can be found by the next start: UNAVAILABLE where the log's files have been deleted, moved or
+  // replaced while they are in use. Append looks before and after: what it refuses so may be in files that are lost.
+  virtual absl::Status CheckPlace() { return absl::OkStatus(); }
+  // Room on the log's disk; nullopt: not known.
+  virtual std::optional<uint64_t> FreeBytes() { return std::nullopt; }
 };
 
 }  // namespace docent

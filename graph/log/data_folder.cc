@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "graph/base/overload.h"
 #include "graph/log/record_chain.h"
 
 namespace docent {
@@ -42,8 +44,7 @@ absl::Status FileError(int error, const std::string& what) {
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return absl::ResourceExhaustedError(
-          absl::StrCat(message, "; make room on the disk of the data folder"));
+      return OverloadError(absl::StrCat(message, "; make room on the disk of the data folder"));
     case ENOENT:
       return absl::NotFoundError(message);
     case ENOTDIR:
@@ -74,6 +75,12 @@ absl::Status MakeFolders(const std::string& path) {
       return synced;  // what may not be read cannot be synced
   }
   return absl::OkStatus();
+}
+
+std::optional<FileIdentity> IdentityOf(const std::string& path) {
+  struct stat found;
+  if (stat(path.c_str(), &found) != 0) return std::nullopt;
+  return FileIdentity{found.st_dev, found.st_ino};
 }
 
 FileHandle& FileHandle::operator=(FileHandle&& other) noexcept {
@@ -111,7 +118,30 @@ absl::StatusOr<DataFolder> DataFolder::Open(const std::string& path) {
   const std::string pid = absl::StrCat(getpid(), "\n");
   if (ftruncate(folder.lock_.fd(), 0) == 0 && pwrite(folder.lock_.fd(), pid.data(), pid.size(), 0) < 0)
     errno = 0;
+  if (const std::optional<FileIdentity> identity = IdentityOf(path)) {
+    folder.watched_.emplace_back(path, *identity);
+  }
+  folder.Watch("lock");
   return folder;
+}
+
+void DataFolder::Watch(const std::string& name) {
+  const std::string path = File(name);
+  if (const std::optional<FileIdentity> identity = IdentityOf(path)) watched_.emplace_back(path, *identity);
+}
+
+absl::Status DataFolder::CheckPlace() const {
+  for (const auto& [path, identity] : watched_) {
+    const std::optional<FileIdentity> now = IdentityOf(path);
+    if (now == identity) continue;
+    return absl::UnavailableError(
+        absl::StrCat(path,
+                     now ? " is another file than the one that this server opened"
+                         : " is gone: it was deleted or moved while the server ran",
+                     "; nothing is written any more, since it would be lost. Put the data folder ", path_,
+                     " back as it was and start the server again"));
+  }
+  return absl::OkStatus();
 }
 
 bool DataFolder::InUse(const std::string& path) {

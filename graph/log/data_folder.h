@@ -7,9 +7,13 @@
 #ifndef DOCENT_GRAPH_LOG_DATA_FOLDER_H_
 #define DOCENT_GRAPH_LOG_DATA_FOLDER_H_
 
+#include <sys/types.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -31,6 +35,15 @@ class FileHandle {
   int fd_ = -1;
 };
 
+// The file or folder that lies under a path: another one in its place, also a copy, is not equal.
+struct FileIdentity {
+  dev_t device = 0;
+  ino_t inode = 0;
+  friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
+};
+// nullopt: there is nothing.
+std::optional<FileIdentity> IdentityOf(const std::string& path);
+
 class DataFolder {
  public:
   // Makes `path` (with parents) if absent and takes its lock; nothing else is made. Errors, each one line:
@@ -49,6 +62,12 @@ class DataFolder {
   static absl::StatusOr<std::optional<uint64_t>> ReadMark(const std::string& path);
   static absl::Status WriteMark(const std::string& path, uint64_t offset);
 
+  // Remembers which file lies under `name`, for CheckPlace. Before other threads have the folder.
+  void Watch(const std::string& name);
+  // Whether the folder, its lock and the watched files still lie where they were opened. UNAVAILABLE: they were deleted,
+  // moved or replaced, and what is written into them now would not be found by the next start. Any thread.
+  absl::Status CheckPlace() const;
+
   // Opens the mark to be set, made if absent: once the log is known to be whole.
   absl::Status OpenMark();
   // Best effort: a mark that cannot be written only loses the check.
@@ -60,6 +79,7 @@ class DataFolder {
   std::string path_;
   FileHandle lock_;
   FileHandle mark_;
+  std::vector<std::pair<std::string, FileIdentity>> watched_;  // by path
 };
 
 // The status of errno value `error` while doing `what`: as SqliteError.

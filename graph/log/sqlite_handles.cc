@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
 
 namespace docent {
 namespace {
@@ -22,7 +23,7 @@ bool HasNoRoom(sqlite3* db, int code) {
 absl::Status SqliteError(sqlite3* db, int code, const std::string& what) {
   // A full disk keeps the index of the write-ahead log from being made, which SQLite calls an I/O error.
   if (HasNoRoom(db, code)) {
-    return absl::ResourceExhaustedError(
+    return OverloadError(
         absl::StrCat(what, ": ", sqlite3_errstr(SQLITE_FULL), "; make room on the disk of the data folder"));
   }
   std::string detail = sqlite3_errstr(code);

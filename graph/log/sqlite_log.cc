@@ -31,6 +31,7 @@ absl::StatusOr<std::unique_ptr<SqliteLog>> SqliteLog::Open(const std::string& fo
   if (status.ok()) status = log->CheckEnd();
   if (status.ok()) status = log->folder_.OpenMark();
   if (!status.ok()) return status;
+  for (const char* end : {"", "-wal", "-shm"}) log->folder_.Watch(absl::StrCat(kFileName, end));
   log->StartCheckpoints();
   return log;
 }
@@ -118,6 +119,7 @@ absl::StatusOr<AppendResult> SqliteLog::Append(absl::Span<const std::string> rec
     return result;
   }
   if (records.empty() && epoch == old_head.epoch) return result;
+  if (absl::Status there = CheckPlace(); !there.ok()) return there;
 
   HeadRow new_head = old_head;
   new_head.epoch = epoch;
@@ -130,6 +132,7 @@ absl::StatusOr<AppendResult> SqliteLog::Append(absl::Span<const std::string> rec
 
   folder_.SetHeadMark(new_head.offset);
   Publish(new_head);
+  if (absl::Status there = CheckPlace(); !there.ok()) return there;
   result.head = {new_head.offset, new_head.epoch};
   return result;
 }
@@ -288,6 +291,7 @@ absl::StatusOr<uint64_t> SqliteLog::First() {
 }
 
 absl::Status SqliteLog::SnapshotPut(uint64_t offset, std::string_view data) {
+  if (absl::Status there = CheckPlace(); !there.ok()) return there;
   const uint64_t end = CurrentHead().offset;
   if (offset > end) {
     return absl::InvalidArgumentError(

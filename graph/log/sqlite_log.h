@@ -66,6 +66,8 @@ class SqliteLog final : public ContextLog {
   absl::StatusOr<uint64_t> Bytes() override;
   LogUpkeep Upkeep() override;
   absl::Status Probe() override;
+  absl::Status CheckPlace() override { return folder_.CheckPlace(); }
+  std::optional<uint64_t> FreeBytes() override;
 
   // The name of the database file within the folder.
   static constexpr char kFileName[] = "log.sqlite";

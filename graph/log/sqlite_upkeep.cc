@@ -14,6 +14,7 @@ namespace docent {
 
 absl::Status SqliteLog::Trim(uint64_t before) {
   if (before == 0) return absl::OkStatus();
+  if (absl::Status there = CheckPlace(); !there.ok()) return there;
   {
     absl::MutexLock lock(&snapshot_mutex_);
     const absl::StatusOr<std::vector<uint64_t>> offsets = snapshots_.Offsets();
@@ -70,11 +71,19 @@ absl::StatusOr<uint64_t> SqliteLog::Bytes() {
 }
 
 absl::Status SqliteLog::Probe() {
+  if (absl::Status there = CheckPlace(); !there.ok()) return there;
   absl::MutexLock lock(&append_mutex_);
   const HeadRow head = CurrentHead();
   absl::Status status = begin_.Run("cannot append to the log");
   if (!status.ok()) return status;
   return Finish(StoreHead(head, head));
+}
+
+std::optional<uint64_t> SqliteLog::FreeBytes() {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder_.path(), error);
+  if (error) return std::nullopt;
+  return space.available;
 }
 
 void SqliteLog::StartCheckpoints() {

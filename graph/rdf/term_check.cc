@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/turtle_scanner.h"
@@ -59,7 +60,7 @@ bool IsBlankLabel(std::string_view label) {
 
 absl::Status InPosition(std::string_view position, const absl::Status& status) {
   if (status.ok()) return status;
-  return absl::Status(status.code(), Concat(position, ": ", FromAbsl(status.message())));
+  return WithMessage(status, Concat(position, ": ", FromAbsl(status.message())));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/term_check.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/reading_mapper.h"
@@ -22,7 +23,7 @@ absl::Status Reserved(const std::string& graph) {
 constexpr TimeMicros kNever = TimeMicros{1} << 54;
 
 absl::Status At(absl::string_view place, const absl::Status& status) {
-  return absl::Status(status.code(), absl::StrCat(place, ": ", status.message()));
+  return WithMessage(status, absl::StrCat(place, ": ", status.message()));
 }
 
 // Many plain additions, which go into the indexes sorted.

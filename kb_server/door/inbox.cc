@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 #include "graph/rdf/text_bytes.h"
 
@@ -28,9 +29,9 @@ size_t BytesOf(const WriteBatch& batch) {
   return bytes;
 }
 
-absl::Status Beyond(std::string_view what, size_t value, std::string_view limit_name, size_t limit) {
-  return absl::ResourceExhaustedError(absl::StrCat(
-      ToAbsl(what), " ", value, "; the limit ", ToAbsl(limit_name), " is ", limit, "; nothing was applied"));
+std::string Beyond(std::string_view what, size_t value, std::string_view limit_name, size_t limit) {
+  return absl::StrCat(ToAbsl(what), " ", value, "; the limit ", ToAbsl(limit_name), " is ", limit,
+                      "; nothing was applied");
 }
 
 }  // namespace
@@ -39,15 +40,18 @@ absl::Status Inbox::CheckSize(const WriteBatch& batch, size_t bytes) const {
   bool load = batch.mode == WriteBatch::Mode::kLoad;
   size_t operations_limit = load ? limits_.load_operations : limits_.batch_operations;
   if (batch.OperationCount() > operations_limit) {
-    return Beyond("the batch has operations:", batch.OperationCount(),
-                  load ? "load_operations" : "batch_operations", operations_limit);
+    return absl::ResourceExhaustedError(Beyond("the batch has operations:", batch.OperationCount(),
+                                               load ? "load_operations" : "batch_operations",
+                                               operations_limit));
   }
   for (const Document& document : batch.documents) {
     if (document.text.size() <= limits_.document_bytes) continue;
-    return Beyond("a document has bytes:", document.text.size(), "document_bytes", limits_.document_bytes);
+    return absl::ResourceExhaustedError(
+        Beyond("a document has bytes:", document.text.size(), "document_bytes", limits_.document_bytes));
   }
   if (!load && batch.documents.empty() && bytes > limits_.batch_bytes) {
-    return Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes);
+    return absl::ResourceExhaustedError(
+        Beyond("the batch has bytes of text:", bytes, "batch_bytes", limits_.batch_bytes));
   }
   return absl::OkStatus();
 }
@@ -55,11 +59,11 @@ absl::Status Inbox::CheckSize(const WriteBatch& batch, size_t bytes) const {
 absl::Status Inbox::CheckRoom(size_t bytes) const {
   if (closed_) return absl::UnavailableError("the server is shutting down");
   if (queue_.size() >= limits_.inbox_batches) {
-    return Beyond("batches that wait:", queue_.size(), "inbox_batches", limits_.inbox_batches);
+    return OverloadError(Beyond("batches that wait:", queue_.size(), "inbox_batches", limits_.inbox_batches));
   }
   if (!queue_.empty() && waiting_bytes_ + bytes > limits_.inbox_bytes) {
-    return Beyond("bytes of text that would wait:", waiting_bytes_ + bytes, "inbox_bytes",
-                  limits_.inbox_bytes);
+    return OverloadError(
+        Beyond("bytes of text that would wait:", waiting_bytes_ + bytes, "inbox_bytes", limits_.inbox_bytes));
   }
   return absl::OkStatus();
 }

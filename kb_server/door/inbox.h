@@ -63,7 +63,7 @@ class Inbox {
 
   // RESOURCE_EXHAUSTED (to `done`, at once, from this thread): the batch is beyond batch_operations or
   // batch_bytes (kLoad: load_operations), one of its documents beyond document_bytes, or with those that wait
-  // it would exceed inbox_batches or inbox_bytes. UNAVAILABLE: the inbox is closed. A null `done` is allowed.
+  // it would exceed inbox_batches or inbox_bytes (an overload). UNAVAILABLE: the inbox is closed. A null `done` is allowed.
   void Push(WriteBatch batch, BatchCallback done, BatchPreparation prepare = nullptr);
 
   // Waits until something is there, `deadline` has passed, Wake was called or the inbox is closed; takes at most

@@ -27,6 +27,7 @@ class HistoryPort;
 class LoadRunner;
 class MemoryBudget;
 class RemoteAccess;
+class SendBudget;
 class Subscriptions;
 class UpdateRunner;
 class WhatIfPort;
@@ -57,6 +58,7 @@ struct ServicePorts {
   RunFeed* feed = nullptr;
   WorkerPool* workers = nullptr;         // for what may take long: queries, parsing
   MemoryBudget* query_memory = nullptr;  // of all queries and updates; null: each is bounded alone
+  SendBudget* send_budget = nullptr;     // of all streams; null: each is bounded alone
   UpdateRunner* updates = nullptr;
   HistoryPort* history = nullptr;  // null: only the newest version is there
   LoadRunner* loads = nullptr;

@@ -2,9 +2,11 @@
 #include <chrono>
 #include <deque>
 
+#include "graph/base/overload.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/unary_reactors.h"
+#include "kb_server/grpc/write_pump.h"
 
 namespace docent {
 namespace {
@@ -17,56 +19,44 @@ bool IsLarge(const v1::AssertRequest& request) {
          request.add_size() + request.remove_size() + request.readings_size() > kItems;
 }
 
+using AssertStreamPump =
+    WritePump<grpc::ServerBidiReactor<v1::AssertRequest, v1::AssertStreamReply>, v1::AssertStreamReply>;
+
 // One AssertStream. Requests are read one after the other and pushed through the door without waiting for the
 // answer of the one before; answers are written in the order of the requests. At most kInFlight are open,
 // then reading pauses: a fast client is slowed, memory stays bounded.
-class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertRequest, v1::AssertStreamReply> {
+class AssertStreamReactor final : public AssertStreamPump {
  public:
-  explicit AssertStreamReactor(const ServicePorts& ports) : ports_(ports) { StartRead(&request_); }
+  AssertStreamReactor(grpc::CallbackServerContext* context, const ServicePorts& ports)
+      : AssertStreamPump(context, ports.send_budget), ports_(ports) {
+    StartRead(&request_);
+  }
 
   void OnReadDone(bool ok) override {
-    if (!ok) {
-      absl::MutexLock lock(&mutex_);
-      reading_ended_ = true;
-      Pump();
-      return;
-    }
     uint64_t slot = 0;
     {
-      absl::MutexLock lock(&mutex_);
+      absl::MutexLock lock(&link()->mutex);
+      if (!ok) {
+        reading_ended_ = true;
+        return Advance();
+      }
       slot = first_slot_ + slots_.size();
       slots_.emplace_back();
       slots_.back().reply.set_request_id(request_.request_id());
     }
-    if (!IsLarge(request_)) return Push(slot);
-    if (ports_.workers->Submit([this, slot] { Push(slot); })) return;  // the next one is read after it
-    Answer(slot, absl::ResourceExhaustedError("too much work waits; try again"));
-    ReadOn();
-  }
-
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
-    writing_ = false;
-    broken_ = broken_ || !ok;
-    slots_.pop_front();
-    ++first_slot_;
-    if (paused_ && slots_.size() < kInFlight) {
-      paused_ = false;
-      StartRead(&request_);
+    if (!IsLarge(request_)) {
+      Push(link(), this, ports_, slot, request_);
+      return ReadOn(link(), this);
     }
-    Pump();
-  }
-
-  void OnCancel() override {
-    absl::MutexLock lock(&mutex_);
-    gone_ = true;
-    if (reading_rdf_ != nullptr) reading_rdf_->Cancel();
-  }
-
-  void OnDone() override {
-    mutex_.Lock();  // the committer thread may still be on its way out of the Answer that finished this
-    mutex_.Unlock();
-    delete this;
+    auto request = std::make_shared<v1::AssertRequest>(std::move(request_));
+    const bool accepted =
+        ports_.workers->Submit([stream = link(), self = this, &ports = ports_, slot, request] {
+          Push(stream, self, ports, slot, *request);
+          ReadOn(stream, self);  // the next one is read after it
+        });
+    if (accepted) return;
+    Answer(link(), this, slot, OverloadError("too much work waits; try again"));
+    ReadOn(link(), this);
   }
 
  private:
@@ -75,80 +65,62 @@ class AssertStreamReactor final : public grpc::ServerBidiReactor<v1::AssertReque
     bool answered = false;
     v1::AssertStreamReply reply;
   };
+  using LinkPtr = std::shared_ptr<Link>;
 
-  // On gRPC's thread or a worker; nothing is read meanwhile.
-  void Push(uint64_t slot) {
-    Cancellation cancellation{std::chrono::milliseconds(ports_.limits.query_timeout_ms)};
-    {
-      absl::MutexLock lock(&mutex_);
-      reading_rdf_ = &cancellation;
-      if (gone_) cancellation.Cancel();
-    }
-    absl::StatusOr<WriteBatch> batch = FromProto(request_, ports_.limits, &cancellation);
-    {
-      absl::MutexLock lock(&mutex_);
-      reading_rdf_ = nullptr;
-    }
-    if (batch.ok()) {
-      ports_.inbox->Push(*std::move(batch), [this, slot](const absl::StatusOr<BatchOutcome>& outcome) {
-        Answer(slot, outcome);
-      });
-    } else {
-      Answer(slot, batch.status());
-    }
-    ReadOn();
+  // The stream `self` may have ended when these are called, and then they do nothing for it; a batch is pushed all the same.
+  static void Push(const LinkPtr& stream, AssertStreamReactor* self, const ServicePorts& ports, uint64_t slot,
+                   const v1::AssertRequest& request) {
+    Cancellation cancellation{std::chrono::milliseconds(ports.limits.query_timeout_ms)};
+    absl::StatusOr<WriteBatch> batch = FromProto(request, ports.limits, &cancellation);
+    if (!batch.ok()) return Answer(stream, self, slot, batch.status());
+    ports.inbox->Push(*std::move(batch), [stream, self, slot](const absl::StatusOr<BatchOutcome>& outcome) {
+      Answer(stream, self, slot, outcome);
+    });
   }
-
-  void ReadOn() {
-    absl::MutexLock lock(&mutex_);
-    if (slots_.size() < kInFlight)
-      StartRead(&request_);
-    else
-      paused_ = true;
+  static void ReadOn(const LinkPtr& stream, AssertStreamReactor* self) {
+    absl::MutexLock lock(&stream->mutex);
+    if (stream->pump == nullptr || self->ended()) return;
+    self->paused_ = self->slots_.size() >= kInFlight;
+    if (!self->paused_) self->StartRead(&self->request_);
   }
-
-  // Every batch that was pushed is answered, also when the client has gone: only then may this object die.
-  void Answer(uint64_t slot, const absl::StatusOr<BatchOutcome>& outcome) {
-    absl::MutexLock lock(&mutex_);
-    Slot& place = slots_[slot - first_slot_];
+  static void Answer(const LinkPtr& stream, AssertStreamReactor* self, uint64_t slot,
+                     const absl::StatusOr<BatchOutcome>& outcome) {
+    absl::MutexLock lock(&stream->mutex);
+    if (stream->pump == nullptr || self->ended()) return;
+    Slot& place = self->slots_[slot - self->first_slot_];
     place.answered = true;
     if (outcome.ok()) {
       ToProto(*outcome, place.reply.mutable_reply());
     } else {
       *place.reply.mutable_error() = ToStreamError(outcome.status());
     }
-    Pump();
+    self->Advance();
   }
 
-  void Pump() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (writing_ || finished_) return;
-    while (broken_ && !slots_.empty() && slots_.front().answered) {
-      slots_.pop_front();
-      ++first_slot_;
-    }
-    if (!slots_.empty() && slots_.front().answered) {
-      writing_ = true;
-      // The answers of a group of turns come one after the other: gRPC sends those together that wait here.
-      const bool more = slots_.size() > 1 && slots_[1].answered;
-      StartWrite(&slots_.front().reply, more ? grpc::WriteOptions().set_buffer_hint() : grpc::WriteOptions());
-    } else if (reading_ended_ && slots_.empty()) {
-      finished_ = true;
-      Finish(grpc::Status::OK);
-    }
+  bool FillNext(v1::AssertStreamReply* message, grpc::WriteOptions* options) override {
+    if (slots_.empty() || !slots_.front().answered) return false;
+    *message = std::move(slots_.front().reply);
+    // The answers of a group of turns come one after the other: gRPC sends those together that wait here.
+    if (slots_.size() > 1 && slots_[1].answered) options->set_buffer_hint();
+    return true;
+  }
+  void OnTaken(bool) override {
+    slots_.pop_front();
+    ++first_slot_;
+    if (!paused_ || ended() || slots_.size() >= kInFlight) return;
+    paused_ = false;
+    StartRead(&request_);
+  }
+  void OnIdle() override {
+    if (reading_ended_ && slots_.empty()) End(grpc::Status::OK);
   }
 
   const ServicePorts& ports_;
   v1::AssertRequest request_;
-  absl::Mutex mutex_;
-  std::deque<Slot> slots_ ABSL_GUARDED_BY(mutex_);  // open requests, in order; references stay valid
-  uint64_t first_slot_ ABSL_GUARDED_BY(mutex_) = 0;
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool paused_ ABSL_GUARDED_BY(mutex_) = false;
-  bool reading_ended_ ABSL_GUARDED_BY(mutex_) = false;
-  bool broken_ ABSL_GUARDED_BY(mutex_) = false;
-  bool gone_ ABSL_GUARDED_BY(mutex_) = false;                    // the client
-  Cancellation* reading_rdf_ ABSL_GUARDED_BY(mutex_) = nullptr;  // of the request that becomes a batch
-  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  std::deque<Slot> slots_;  // open requests, in order; references stay valid
+  uint64_t first_slot_ = 0;
+  bool paused_ = false;
+  bool reading_ended_ = false;
 };
 
 }  // namespace
@@ -174,8 +146,8 @@ grpc::ServerUnaryReactor* ContextService::Assert(grpc::CallbackServerContext* co
 }
 
 grpc::ServerBidiReactor<v1::AssertRequest, v1::AssertStreamReply>* ContextService::AssertStream(
-    grpc::CallbackServerContext*) {
-  return new AssertStreamReactor(ports_);
+    grpc::CallbackServerContext* context) {
+  return new AssertStreamReactor(context, ports_);
 }
 
 }  // namespace docent

@@ -128,6 +128,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::ExplainRequest& request
   auto version = AwaitVersion(ports, Revision(request.min_revision()), deadline, cancellation);
   if (!version.ok()) return version.status();
 
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   explain::Explainer::Settings settings;
   settings.version = *version;
   settings.dictionary = ports.dictionary;

@@ -22,8 +22,8 @@ struct Output {
   // False: nobody takes more of it. A slow client is waited for, within limits, while others are served.
   bool Send(v1::QueryReply reply) const {
     if (stream->full()) {
-      WorkerPool::Waiting waiting(workers);
-      if (!stream->AwaitRoom(deadline)) return false;
+      WorkerPool::Waiting waiting(workers, WorkerPool::Waiting::What::kClient);
+      if (!stream->AwaitRoom(deadline, [&waiting] { return waiting.Crowded(); })) return false;
     }
     return stream->TryPush(std::move(reply));
   }
@@ -52,6 +52,7 @@ absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1:
   run_options.seed = static_cast<uint64_t>(run_options.now_us);
   absl::Status resolved = sparql::ResolveServices(&query, ports.remote, dictionary, options, run_options);
   if (!resolved.ok()) return resolved;
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   auto prepared = sparql::PreparedQuery::Prepare(query, dictionary, options);
   if (!prepared.ok()) return prepared.status();
   sparql::PreparedQuery& run = **prepared;
@@ -118,6 +119,11 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
                                                      " bytes; the limit query_text_bytes is ",
                                                      ports.limits.query_text_bytes));
   }
+  if (!v1::QueryRequest::DefaultGraph_IsValid(request.default_graph())) {
+    return absl::InvalidArgumentError(absl::StrCat("default_graph ",
+                                                   static_cast<int>(request.default_graph()),
+                                                   " is not known; give AS_STARTED, UNION or STRICT"));
+  }
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
@@ -131,7 +137,7 @@ absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, 
 
 grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackServerContext* context,
                                                                 const v1::QueryRequest* request) {
-  auto* reactor = new StreamReactor<v1::QueryReply>(context, ports_.limits);
+  auto* reactor = new StreamReactor<v1::QueryReply>(context, ports_.limits, ports_.send_budget);
   auto stream = reactor->handle();
   int timeout_ms = ports_.limits.query_timeout_ms;
   if (request->timeout_ms() > 0) timeout_ms = std::min<int64_t>(timeout_ms, request->timeout_ms());

@@ -5,108 +5,76 @@
 #include "kb_server/grpc/answer_cursor.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/write_pump.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
 namespace docent {
 namespace {
 
-class SubscribeReactor final : public grpc::ServerWriteReactor<v1::SubscribeReply> {
+using SubscribePump = WritePump<grpc::ServerWriteReactor<v1::SubscribeReply>, v1::SubscribeReply>;
+
+class SubscribeReactor final : public SubscribePump {
  public:
-  SubscribeReactor(Subscriptions* subscriptions, const v1::SubscribeRequest& request)
-      : subscriptions_(*subscriptions), cursor_(subscriptions, request), link_(std::make_shared<Link>()) {
-    link_->reactor = this;
+  SubscribeReactor(grpc::CallbackServerContext* context, const ServicePorts& ports,
+                   const v1::SubscribeRequest& request)
+      : SubscribePump(context, ports.send_budget),
+        subscriptions_(*ports.subscriptions),
+        cursor_(ports.subscriptions, request),
+        client_(std::make_shared<Client>(link(), this)) {
     StartSendInitialMetadata();
   }
 
   void Start(const SubscribedQuery& query) {
-    const std::shared_ptr<Link> link = link_;  // this may be gone before Open returns
-    subscriptions_.Open(query, link, [link](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-      absl::MutexLock lock(&link->mutex);
-      if (link->reactor == nullptr) return false;
-      link->reactor->Begin(answer);
+    const std::shared_ptr<Client> client = client_;  // this may be gone before Open returns
+    subscriptions_.Open(query, client, [client](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
+      absl::MutexLock lock(&client->link->mutex);
+      if (client->link->pump == nullptr) return false;
+      client->reactor->Begin(answer);
       return true;
     });
   }
 
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&link_->mutex);
-    writing_ = false;
-    if (ended_) return Finish(status_);
-    if (!ok) return End(Gone());
-    Advance();
-  }
-  void OnCancel() override {
-    absl::MutexLock lock(&link_->mutex);
-    End(Gone());
-  }
-  void OnDone() override {
-    {
-      absl::MutexLock lock(&link_->mutex);
-      link_->reactor = nullptr;  // before Close: who opens after that finds nobody there
-    }
-    subscriptions_.Close(link_);
-    delete this;
-  }
-
  private:
   // What the subscriptions hold of this client; outlives it.
-  struct Link final : Subscriber {
+  struct Client final : Subscriber {
+    Client(std::shared_ptr<Link> stream, SubscribeReactor* of) : link(std::move(stream)), reactor(of) {}
     void Wake() override {
-      absl::MutexLock lock(&mutex);
-      if (reactor != nullptr) reactor->Advance();
+      absl::MutexLock lock(&link->mutex);
+      if (link->pump != nullptr) reactor->Advance();
     }
     void Fail(const absl::Status& status) override {
-      absl::MutexLock lock(&mutex);
-      if (reactor != nullptr) reactor->End(ToGrpc(status));
+      absl::MutexLock lock(&link->mutex);
+      if (link->pump != nullptr) reactor->End(ToGrpc(status));
     }
-    absl::Mutex mutex;
-    SubscribeReactor* reactor = nullptr;
+    const std::shared_ptr<Link> link;
+    SubscribeReactor* const reactor;
   };
 
-  static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
-
-  // Everything below: with link_->mutex held.
+  // With the mutex held.
   void Begin(const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-    if (ended_) return;
+    if (ended()) return;
     if (!answer.ok()) return End(ToGrpc(answer.status()));
     cursor_.Begin(*answer);
     Advance();
   }
-
-  void Advance() {
-    if (writing_ || ended_) return;
-    message_.Clear();
+  bool FillNext(v1::SubscribeReply* reply, grpc::WriteOptions*) override {
     absl::Time due;
-    if (cursor_.Next(&message_, &due)) {
-      writing_ = true;
-      StartWrite(&message_);
-    } else if (due != absl::InfiniteFuture()) {
-      subscriptions_.WakeAt(due, link_);
-    }
+    if (cursor_.Next(reply, &due)) return true;
+    if (due != absl::InfiniteFuture()) subscriptions_.WakeAt(due, client_);
+    return false;
   }
-
-  // Finishes now, or when the message that is being written is done.
-  void End(grpc::Status status) {
-    if (ended_) return;
-    ended_ = true;
-    status_ = std::move(status);
-    if (!writing_) Finish(status_);
-  }
+  void OnEnd() override { subscriptions_.Close(client_); }  // who opens after that finds no stream
 
   Subscriptions& subscriptions_;
   AnswerCursor cursor_;
-  const std::shared_ptr<Link> link_;
-  v1::SubscribeReply message_;
-  bool writing_ = false;
-  bool ended_ = false;
-  grpc::Status status_;
+  const std::shared_ptr<Client> client_;
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::SubscribeReply>* ContextService::Subscribe(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::SubscribeReply>* ContextService::Subscribe(grpc::CallbackServerContext* context,
                                                                         const v1::SubscribeRequest* request) {
-  auto* reactor = new SubscribeReactor(ports_.subscriptions, *request);
+  auto* reactor = new SubscribeReactor(context, ports_, *request);
   reactor->Start(ToFollowed(*request));
   return reactor;
 }

@@ -11,6 +11,7 @@
 #include "kb_server/grpc/answer_cursor.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/write_pump.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
 namespace docent {
@@ -26,12 +27,14 @@ constexpr int kRowsInPart = 100;  // in its last part: a large answer takes long
 // A query is in line when it may have something to say. Each reply takes one message after the other of those in line,
 // so that none waits for another's large answer; while a reply is being written the line grows, by one place a query at
 // most.
-class SubscribeStreamReactor final
-    : public grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply> {
+using SubscribeStreamPump =
+    WritePump<grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>,
+              v1::SubscribeStreamReply>;
+
+class SubscribeStreamReactor final : public SubscribeStreamPump {
  public:
-  explicit SubscribeStreamReactor(Subscriptions* subscriptions)
-      : subscriptions_(*subscriptions), link_(std::make_shared<Link>()) {
-    link_->reactor = this;
+  SubscribeStreamReactor(grpc::CallbackServerContext* context, const ServicePorts& ports)
+      : SubscribeStreamPump(context, ports.send_budget), subscriptions_(*ports.subscriptions) {
     StartSendInitialMetadata();
     StartRead(&request_);
   }
@@ -40,7 +43,7 @@ class SubscribeStreamReactor final
     std::shared_ptr<Followed> ended;
     std::shared_ptr<Followed> begun;
     {
-      absl::MutexLock lock(&link_->mutex);
+      absl::MutexLock lock(&link()->mutex);
       if (!ok) {
         reading_ended_ = true;
         return Advance();
@@ -49,7 +52,7 @@ class SubscribeStreamReactor final
       const auto found = followed_.find(tag);
       if (request_.has_begin()) {
         if (found != followed_.end()) return End(Invalid(absl::StrCat("tag ", tag, " is in use")));
-        begun = std::make_shared<Followed>(link_, &subscriptions_, tag, request_.begin());
+        begun = std::make_shared<Followed>(link(), this, tag, request_.begin());
         followed_.emplace(tag, begun);
         ++unsettled_;
       } else if (!request_.has_end()) {
@@ -62,57 +65,36 @@ class SubscribeStreamReactor final
     }
     if (ended != nullptr) subscriptions_.Close(ended);
     if (begun != nullptr) Open(begun, ToFollowed(request_.begin()));
-    absl::MutexLock lock(&link_->mutex);
+    absl::MutexLock lock(&link()->mutex);
     reading_ = false;
     ReadOn();
   }
 
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&link_->mutex);
-    writing_ = false;
-    if (ended_) return Finish(status_);
-    if (!ok) return End(Gone());
-    Advance();
-  }
-  void OnCancel() override {
-    absl::MutexLock lock(&link_->mutex);
-    End(Gone());
-  }
-  void OnDone() override {
-    {
-      absl::MutexLock lock(&link_->mutex);
-      link_->reactor = nullptr;
-    }
-    for (const auto& [tag, followed] : followed_) subscriptions_.Close(followed);
-    delete this;
-  }
-
  private:
-  // What others hold of this stream; outlives it.
-  struct Link {
-    absl::Mutex mutex;
-    SubscribeStreamReactor* reactor = nullptr;
-  };
-  // One of its queries. What is not const: with link->mutex held.
+  // One of its queries; outlives it. What is not const: with link->mutex held.
   struct Followed final : Subscriber, std::enable_shared_from_this<Followed> {
-    Followed(std::shared_ptr<Link> stream, Subscriptions* subscriptions, uint64_t tag_of_client,
+    Followed(std::shared_ptr<Link> stream, SubscribeStreamReactor* of, uint64_t tag_of_client,
              const v1::SubscribeRequest& request)
-        : link(std::move(stream)), tag(tag_of_client), cursor(std::in_place, subscriptions, request) {}
+        : link(std::move(stream)),
+          reactor(of),
+          tag(tag_of_client),
+          cursor(std::in_place, &of->subscriptions_, request) {}
     void Wake() override {
       absl::MutexLock lock(&link->mutex);
-      if (link->reactor != nullptr && !ended) link->reactor->Enqueue(*this);
+      if (link->pump != nullptr && !ended) reactor->Enqueue(*this);
     }
     void AllWoken() override {
       absl::MutexLock lock(&link->mutex);
-      if (link->reactor != nullptr) link->reactor->Advance();
+      if (link->pump != nullptr) reactor->Advance();
     }
     void Fail(const absl::Status& failure) override {
       absl::MutexLock lock(&link->mutex);
-      if (link->reactor == nullptr) return;
-      link->reactor->EndQuery(*this, failure);
-      link->reactor->Advance();
+      if (link->pump == nullptr) return;
+      reactor->EndQuery(*this, failure);
+      reactor->Advance();
     }
     const std::shared_ptr<Link> link;
+    SubscribeStreamReactor* const reactor;  // while link->pump is not null
     const uint64_t tag;
     std::optional<AnswerCursor> cursor;  // until it has ended
     bool in_line = false;
@@ -120,7 +102,6 @@ class SubscribeStreamReactor final
     absl::Status status;  // why
   };
 
-  static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
   static grpc::Status Invalid(const std::string& message) {
     return {grpc::StatusCode::INVALID_ARGUMENT, message};
   }
@@ -129,15 +110,15 @@ class SubscribeStreamReactor final
   void Open(const std::shared_ptr<Followed>& followed, const SubscribedQuery& query) {
     subscriptions_.Open(query, followed, [followed](const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
       absl::MutexLock lock(&followed->link->mutex);
-      SubscribeStreamReactor* const stream = followed->link->reactor;
-      if (stream != nullptr) stream->Begin(*followed, answer);
-      return stream != nullptr && !followed->ended;
+      const bool there = followed->link->pump != nullptr;
+      if (there) followed->reactor->Begin(*followed, answer);
+      return there && !followed->ended;
     });
   }
 
-  // Everything below: with link_->mutex held.
+  // Everything below: with the mutex held, but OnEnd.
   void Begin(Followed& followed, const absl::StatusOr<SubscriptionAnswerPtr>& answer) {
-    if (ended_) return;
+    if (ended()) return;
     if (!followed.ended && answer.ok()) {
       followed.cursor->Begin(*answer);
       Enqueue(followed);
@@ -150,7 +131,7 @@ class SubscribeStreamReactor final
   }
 
   void ReadOn() {
-    if (reading_ || ended_ || reading_ended_ || unsettled_ >= kUnsettled) return;
+    if (reading_ || ended() || reading_ended_ || unsettled_ >= kUnsettled) return;
     reading_ = true;
     StartRead(&request_);
   }
@@ -171,31 +152,30 @@ class SubscribeStreamReactor final
     line_.push_back(followed.shared_from_this());
   }
 
-  void Advance() {
-    if (writing_ || ended_) return;
-    message_.Clear();
+  bool FillNext(v1::SubscribeStreamReply* message, grpc::WriteOptions*) override {
     bool full = false;
     for (size_t bytes = 0; !line_.empty() && !full;) {
       const std::shared_ptr<Followed> followed = std::move(line_.front());
       line_.pop_front();
       followed->in_line = false;
-      if (!WritePart(*followed)) continue;
-      const v1::SubscribeStreamReply::Part& part = message_.parts(message_.parts_size() - 1);
+      if (!WritePart(*followed, message)) continue;
+      const v1::SubscribeStreamReply::Part& part = message->parts(message->parts_size() - 1);
       bytes += part.ByteSizeLong();
-      full = bytes >= kBytesInReply || message_.parts_size() == kPartsInReply ||
+      full = bytes >= kBytesInReply || message->parts_size() == kPartsInReply ||
              part.reply().appeared_size() + part.reply().disappeared_size() >= kRowsInPart;
     }
-    if (message_.parts_size() > 0) {
-      writing_ = true;
-      StartWrite(&message_);
-    } else if (reading_ended_ && followed_.empty()) {
-      End(grpc::Status::OK);
-    }
+    return message->parts_size() > 0;
+  }
+  void OnIdle() override {
+    if (reading_ended_ && followed_.empty()) End(grpc::Status::OK);
+  }
+  void OnEnd() override {
+    for (const auto& [tag, followed] : followed_) subscriptions_.Close(followed);
   }
 
   // False: it has nothing to say now.
-  bool WritePart(Followed& followed) {
-    v1::SubscribeStreamReply::Part* part = message_.add_parts();
+  bool WritePart(Followed& followed, v1::SubscribeStreamReply* message) {
+    v1::SubscribeStreamReply::Part* part = message->add_parts();
     part->set_tag(followed.tag);
     if (followed.ended) {
       *part->mutable_ended() = ToStreamError(followed.status);
@@ -209,21 +189,12 @@ class SubscribeStreamReactor final
       Enqueue(followed);
       return true;
     }
-    message_.mutable_parts()->RemoveLast();
+    message->mutable_parts()->RemoveLast();
     if (due != absl::InfiniteFuture()) subscriptions_.WakeAt(due, followed.weak_from_this());
     return false;
   }
 
-  // Finishes now, or when the message that is being written is done.
-  void End(grpc::Status status) {
-    if (ended_) return;
-    ended_ = true;
-    status_ = std::move(status);
-    if (!writing_) Finish(status_);
-  }
-
   Subscriptions& subscriptions_;
-  const std::shared_ptr<Link> link_;
   v1::SubscribeStreamRequest request_;
   absl::flat_hash_map<uint64_t, std::shared_ptr<Followed>>
       followed_;  // by tag, until its last part is written
@@ -231,17 +202,13 @@ class SubscribeStreamReactor final
   size_t unsettled_ = 0;
   bool reading_ = true;
   bool reading_ended_ = false;
-  v1::SubscribeStreamReply message_;
-  bool writing_ = false;
-  bool ended_ = false;
-  grpc::Status status_;
 };
 
 }  // namespace
 
 grpc::ServerBidiReactor<v1::SubscribeStreamRequest, v1::SubscribeStreamReply>*
-ContextService::SubscribeStream(grpc::CallbackServerContext*) {
-  return new SubscribeStreamReactor(ports_.subscriptions);
+ContextService::SubscribeStream(grpc::CallbackServerContext* context) {
+  return new SubscribeStreamReactor(context, ports_);
 }
 
 }  // namespace docent

@@ -120,6 +120,7 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
   shapes::ValidateOptions options;
   options.memory_bytes = ports.limits.query_memory_bytes;
   options.cancellation = cancellation;
+  const WorkerPool::SharedWork shared(ports.workers, cancellation);
   auto report = shapes::Validate(parsed.shapes, shapes::GraphView(**version), dictionary, options);
   if (!report.ok()) return report.status();
   reply->set_revision((*version)->revision().value());

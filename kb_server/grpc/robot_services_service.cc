@@ -194,7 +194,7 @@ grpc::ServerUnaryReactor* RobotServicesService::Describe(grpc::CallbackServerCon
 
 grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
     grpc::CallbackServerContext* context, const v1::InvokeServiceRequest* request) {
-  auto* reactor = new StreamReactor<v1::InvokeServiceReply>(context, ports_.limits);
+  auto* reactor = new StreamReactor<v1::InvokeServiceReply>(context, ports_.limits, ports_.send_budget);
   auto handle = reactor->handle();
   WriteBatch batch;
   batch.request_id = request->request_id();

@@ -3,6 +3,7 @@
 
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
+#include "kb_server/grpc/write_pump.h"
 
 namespace docent {
 namespace {
@@ -18,19 +19,25 @@ void ToProto(const RunEvent& event, v1::RunEvent* out) {
   out->set_detail(event.detail);
 }
 
+using WatchPump = WritePump<grpc::ServerWriteReactor<v1::RunEvent>, v1::RunEvent>;
+
 // One client. It holds a place in the feed and no events of its own, so a slow one costs nothing; one that
 // falls behind what the feed keeps is told so.
-class WatchReactor final : public grpc::ServerWriteReactor<v1::RunEvent> {
+class WatchReactor final : public WatchPump {
  public:
-  WatchReactor(RunFeed* feed, const v1::WatchRequest& request)
-      : feed_(*feed), run_(request.run()), after_(request.after()) {
+  WatchReactor(grpc::CallbackServerContext* context, const ServicePorts& ports,
+               const v1::WatchRequest& request)
+      : WatchPump(context, ports.send_budget),
+        feed_(*ports.feed),
+        run_(request.run()),
+        after_(request.after()) {
     subscription_ = feed_.Subscribe([this](const RunEvent&) {
-      absl::MutexLock lock(&mutex_);
+      absl::MutexLock lock(&link()->mutex);
       Advance();
       return true;
     });
     absl::StatusOr<uint64_t> first = request.after() == 0 ? feed_.Next() : feed_.FirstAfter(after_);
-    absl::MutexLock lock(&mutex_);
+    absl::MutexLock lock(&link()->mutex);
     if (!first.ok()) {
       End(ToGrpc(first.status()));
       return;
@@ -40,67 +47,36 @@ class WatchReactor final : public grpc::ServerWriteReactor<v1::RunEvent> {
     Advance();
   }
 
-  void OnWriteDone(bool ok) override {
-    absl::MutexLock lock(&mutex_);
-    writing_ = false;
-    if (ended_) return Finish(status_);
-    if (!ok) return End(Gone());
-    Advance();
-  }
-  void OnCancel() override {
-    absl::MutexLock lock(&mutex_);
-    End(Gone());
-  }
-  void OnDone() override {
-    feed_.Unsubscribe(subscription_);  // waits for the committer thread if that is in Advance
-    delete this;
-  }
-
  private:
-  static grpc::Status Gone() { return {grpc::StatusCode::CANCELLED, "the client went away"}; }
-
-  // Writes the next event that the client wants, if it is there and no other is being written.
-  void Advance() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (next_ == 0 || writing_ || ended_) return;
-    while (true) {
+  // The next event that the client wants, if it is there.
+  bool FillNext(v1::RunEvent* message, grpc::WriteOptions*) override {
+    while (next_ != 0) {
       absl::StatusOr<RunEventPtr> event = feed_.Get(next_);
-      if (!event.ok()) return End(ToGrpc(event.status()));
-      if (*event == nullptr) return;
+      if (!event.ok()) End(ToGrpc(event.status()));
+      if (!event.ok() || *event == nullptr) return false;
       ++next_;
       if ((*event)->revision <= after_ || (!run_.empty() && (*event)->run != run_)) continue;
-      message_.Clear();
-      ToProto(**event, &message_);
-      writing_ = true;
-      StartWrite(&message_);
-      return;
+      ToProto(**event, message);
+      return true;
     }
+    return false;
   }
-
-  // Finishes now, or when the message that is being written is done.
-  void End(grpc::Status status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (ended_) return;
-    ended_ = true;
-    status_ = std::move(status);
-    if (!writing_) Finish(status_);
+  void OnEnd() override {
+    feed_.Unsubscribe(subscription_);  // waits for the committer's thread if that is in Advance
   }
 
   RunFeed& feed_;
   const std::string run_;  // empty: all
   const Revision after_;
   uint64_t subscription_ = 0;
-  absl::Mutex mutex_;
-  uint64_t next_ ABSL_GUARDED_BY(mutex_) = 0;  // number of the next event; 0: not known yet
-  v1::RunEvent message_;                       // being written
-  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
-  grpc::Status status_ ABSL_GUARDED_BY(mutex_);
+  uint64_t next_ = 0;  // number of the next event; 0: not known yet
 };
 
 }  // namespace
 
-grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackServerContext* context,
                                                                 const v1::WatchRequest* request) {
-  return new WatchReactor(ports_.feed, *request);
+  return new WatchReactor(context, ports_, *request);
 }
 
 }  // namespace docent

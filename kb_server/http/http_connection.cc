@@ -8,15 +8,15 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
-#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/status.hpp>
 #include <cerrno>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
 #include "graph/base/text.h"
+#include "kb_server/http/http_body_reader.h"
 
 namespace docent {
 namespace {
@@ -25,37 +25,10 @@ namespace net = boost::asio;
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
+constexpr size_t kReadBytes = 16u << 10;   // at once
 constexpr size_t kPieceBytes = 64u << 10;  // written at once, each with the write timeout
 constexpr size_t kDrainBytes = 4u << 20;   // read and dropped after a refusal, at most
 constexpr std::chrono::seconds kDrainTime{2};
-
-std::string_view View(beast::string_view text) {
-  return {text.data(), text.size()};
-}
-
-// The refusal for a request that could not be read; nullopt where nobody is there to read an answer.
-// `has_target`: its first line was read.
-std::optional<HttpResponse> RefusalOf(const boost::system::error_code& error,
-                                      const HttpServerOptions& options, bool has_target) {
-  if (error == http::error::body_limit) {
-    return TextResponse(413, absl::StrCat("the request body is larger than the limit http_body_bytes = ",
-                                          options.body_bytes));
-  }
-  const bool long_header = error == http::error::header_limit || error == http::error::buffer_overflow;
-  if (long_header && !has_target) {  // RFC 9112 section 3
-    return TextResponse(414, absl::StrCat("the request line is longer than ", options.header_bytes,
-                                          " bytes; POST a long query instead"));
-  }
-  if (long_header) {
-    return TextResponse(431,
-                        absl::StrCat("the request header is larger than ", options.header_bytes, " bytes"));
-  }
-  if (error.category() == make_error_code(http::error::bad_method).category() &&
-      error != http::error::end_of_stream && error != http::error::partial_message) {
-    return TextResponse(400, absl::StrCat("this is not an HTTP/1.1 request: ", error.message()));
-  }
-  return std::nullopt;
-}
 
 // RFC 9110 section 5.6.7: "Sun, 06 Nov 1994 08:49:37 GMT".
 std::string HttpDate(TimeMicros now_us) {
@@ -83,7 +56,7 @@ std::string ChunkOf(std::string_view data) {
 }  // namespace
 
 HttpConnection::HttpConnection(Socket socket, HttpShared* shared)
-    : stream_(std::move(socket)), shared_(*shared), wake_(stream_.get_executor()) {
+    : stream_(std::move(socket)), shared_(*shared), buffer_(kReadBytes), wake_(stream_.get_executor()) {
   wake_.expires_at(net::steady_timer::time_point::max());
   ErrorCode ignored;
   stream_.socket().set_option(net::ip::tcp::no_delay(true), ignored);
@@ -92,25 +65,42 @@ HttpConnection::HttpConnection(Socket socket, HttpShared* shared)
 
 HttpConnection::~HttpConnection() {
   if (answer_) answer_->SetGone();
+  if (closing_) --shared_.closing;
   --shared_.open;
 }
 
+void HttpConnection::Enter(Phase phase) {
+  since_ = std::chrono::steady_clock::now();
+  phase_ = phase;
+}
+
 void HttpConnection::Close() {
-  net::post(stream_.get_executor(), [self = shared_from_this()] {
-    self->closed_ = true;
-    self->woken_ = true;
-    self->wake_.cancel();
-    ErrorCode ignored;
-    self->stream_.socket().close(ignored);
-  });
+  if (!closing_.exchange(true)) ++shared_.closing;
+  net::post(stream_.get_executor(), [self = shared_from_this()] { self->CloseNow(); });
+}
+
+void HttpConnection::CloseNow() {
+  closed_ = true;
+  woken_ = true;
+  wake_.cancel();
+  ErrorCode ignored;
+  stream_.socket().close(ignored);
 }
 
 net::awaitable<void> HttpConnection::Run() {
+  share_.emplace(shared_.options.send_budget, [weak = weak_from_this()](const absl::Status&) {
+    std::shared_ptr<HttpConnection> self = weak.lock();
+    if (self == nullptr) return;
+    const auto executor = self->stream_.get_executor();
+    net::post(executor,
+              [self = std::move(self)] { self->CloseNow(); });  // which may be its end, on its own thread
+  });
   while (!closed_) {
     const bool go_on = co_await ServeOne();
     if (answer_) answer_->SetGone();
     answer_.reset();
     if (!go_on) break;
+    Enter(Phase::kIdle);
   }
   ErrorCode ignored;
   stream_.socket().shutdown(Socket::shutdown_both, ignored);
@@ -118,43 +108,31 @@ net::awaitable<void> HttpConnection::Run() {
 }
 
 net::awaitable<void> HttpConnection::TurnAway() {
-  co_await RefuseAndClose(
-      TextResponse(503, absl::StrCat("too many connections: the limit http_connections is ",
-                                     shared_.options.connections)),
-      11);
+  co_await RefuseAndClose(TextResponse(
+      503,
+      absl::StrCat("too many connections: the limit http_connections is ", shared_.options.connections)));
   ErrorCode ignored;
   stream_.socket().close(ignored);
 }
 
 net::awaitable<bool> HttpConnection::ServeOne() {
-  Parser parser;
-  parser.header_limit(shared_.options.header_bytes);
-  parser.body_limit(shared_.options.body_bytes);
-  ErrorCode error;
-  stream_.expires_after(shared_.options.idle_timeout);
-  co_await http::async_read_header(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
-  if (error) {
-    std::optional<HttpResponse> refusal = RefusalOf(error, shared_.options, !parser.get().target().empty());
-    if (refusal) co_await RefuseAndClose(*std::move(refusal), 11);
-    co_return false;
-  }
-  const unsigned version = parser.get().version();
+  HttpHeadReader reader({shared_.options.header_bytes, shared_.options.header_fields});
+  if (!co_await ReadHead(reader)) co_return false;
+  HttpHead& head = reader.head();
   std::shared_ptr<MemoryUse> body_memory(new MemoryUse(SIZE_MAX, shared_.bodies.get()),
                                          [budget = shared_.bodies](MemoryUse* use) { delete use; });
   HttpRequest request;
   const HttpHandler* handler = nullptr;
-  std::optional<HttpResponse> refusal = CheckHeader(parser, &request, &handler);
-  if (refusal) {
-    if (!parser.is_done()) {
-      co_await RefuseAndClose(*std::move(refusal), version);
-      co_return false;
-    }
-  } else if (!co_await ReadBody(parser, *body_memory)) {
+  std::optional<HttpResponse> refusal = CheckHead(head, &request, &handler);
+  if (refusal && head.has_body()) {
+    co_await RefuseAndClose(*std::move(refusal));
     co_return false;
   }
-  const bool keep_alive = parser.keep_alive();
+  if (!refusal && !co_await ReadBody(head, &request.body, *body_memory)) co_return false;
   const bool head_only = request.method == "HEAD";
+  Enter(Phase::kWork);
   answer_ = std::make_shared<HttpAnswer>();
+  answer_->CountIn(&*share_);
   answer_->OnProgress([this, weak = weak_from_this(), executor = stream_.get_executor()] {
     net::post(executor, [this, weak] {
       const auto self = weak.lock();
@@ -167,70 +145,93 @@ net::awaitable<bool> HttpConnection::ServeOne() {
     ++shared_.refused;
     HttpExchange(std::move(request), answer_).Respond(*std::move(refusal));
   } else {
-    request.body = std::move(parser.get().body());
     WatchClient(answer_);
     (*handler)(std::make_shared<HttpExchange>(std::move(request), answer_, std::move(body_memory)));
   }
   ++shared_.requests;
-  const bool sent = co_await SendAnswer(*answer_, head_only, version, keep_alive);
+  const bool sent = co_await SendAnswer(*answer_, head_only, head.minor_version > 0, head.keep_alive);
   ErrorCode ignored;
   stream_.socket().cancel(ignored);  // the watch
-  co_return sent&& keep_alive;
+  co_return sent&& head.keep_alive;
 }
 
-net::awaitable<bool> HttpConnection::ReadBody(Parser& parser, MemoryUse& memory) {
-  const auto expect = parser.get().find(http::field::expect);
-  if (expect != parser.get().end() && beast::iequals(expect->value(), "100-continue") && !parser.is_done()) {
-    if (!co_await Send("HTTP/1.1 100 Continue\r\n\r\n")) co_return false;
-  }
-  ErrorCode error;
-  std::optional<HttpResponse> refusal;
-  stream_.expires_after(shared_.options.body_timeout);
-  for (size_t counted = 0; !parser.is_done() && !error && !refusal;) {
-    co_await http::async_read_some(stream_, buffer_, parser, net::redirect_error(net::use_awaitable, error));
-    const size_t now = parser.get().body().size();
-    if (!memory.Add(now - counted)) {
-      refusal = TextResponse(503, std::string(shared_.bodies->Refusal().message()));
-      refusal->headers.emplace_back("Retry-After", "1");
-      std::string().swap(parser.get().body());
-      memory.Reset();
+net::awaitable<bool> HttpConnection::ReadHead(HttpHeadReader& reader) {
+  const bool first = !served_one_;
+  served_one_ = true;
+  stream_.expires_after(first || !unread_.empty() ? shared_.options.header_timeout
+                                                  : shared_.options.idle_timeout);
+  while (true) {
+    const bool idle = !reader.begun();
+    const HttpHeadReader::State state = reader.Read(&unread_);
+    if (state == HttpHeadReader::State::kDone) break;
+    if (state == HttpHeadReader::State::kRefused) {
+      co_await RefuseAndClose(std::move(reader.refusal()));
+      co_return false;
     }
-    counted = now;
+    if (idle && reader.begun()) Enter(Phase::kHead);
+    if (idle && reader.begun() && !first) stream_.expires_after(shared_.options.header_timeout);
+    if (!co_await ReadMore()) co_return false;
   }
   stream_.expires_never();
-  if (!error && !refusal) co_return true;
-  if (error) refusal = RefusalOf(error, shared_.options, true);
-  if (refusal) co_await RefuseAndClose(*std::move(refusal), parser.get().version());
-  co_return false;
+  co_return true;
 }
 
-std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequest* request,
-                                                        const HttpHandler** handler) const {
-  const auto& message = parser.get();
-  request->method = View(message.method_string());
-  bool second_host = false;
-  for (const auto& field : message) {
-    std::string name = absl::AsciiStrToLower(ToAbsl(View(field.name_string())));
-    if (name == "host" && !request->Header("host").empty()) second_host = true;
-    request->headers.emplace_back(std::move(name), View(field.value()));
+net::awaitable<bool> HttpConnection::ReadMore() {
+  ErrorCode error;
+  const size_t bytes =
+      co_await stream_.async_read_some(net::buffer(buffer_), net::redirect_error(net::use_awaitable, error));
+  unread_ = std::string_view(buffer_.data(), bytes);
+  co_return !error;
+}
+
+net::awaitable<bool> HttpConnection::ReadBody(const HttpHead& head, std::string* body, MemoryUse& memory) {
+  HttpBodyReader reader(head, {shared_.options.body_bytes, shared_.options.header_bytes});
+  if (head.expects_continue && reader.state() == HttpBodyReader::State::kMore && unread_.empty()) {
+    if (!co_await Send("HTTP/1.1 100 Continue\r\n\r\n")) co_return false;
   }
-  if (second_host) return TextResponse(400, "the request has more than one Host header");
-  if (message.version() < 11 &&
-      request->Header("host").empty()) {  // may be missing, and no browser is that old
+  Enter(Phase::kBody);
+  stream_.expires_after(shared_.options.body_timeout);
+  std::optional<HttpResponse> refusal;
+  while (reader.state() == HttpBodyReader::State::kMore) {
+    if (unread_.empty() && !co_await ReadMore()) co_return false;
+    const size_t before = body->size();
+    reader.Read(&unread_, body);
+    if (memory.Add(body->size() - before)) continue;
+    refusal = TextResponse(503, std::string(shared_.bodies->Refusal().message()));
+    refusal->headers.emplace_back("Retry-After", "1");
+    std::string().swap(*body);
+    memory.Reset();
+    break;
+  }
+  if (reader.state() == HttpBodyReader::State::kRefused) refusal = std::move(reader.refusal());
+  stream_.expires_never();
+  if (refusal) co_await RefuseAndClose(*std::move(refusal));
+  co_return !refusal;
+}
+
+std::optional<HttpResponse> HttpConnection::CheckHead(HttpHead& head, HttpRequest* request,
+                                                      const HttpHandler** handler) const {
+  request->method = std::move(head.method);
+  request->headers = std::move(head.fields);
+  if (request->Header("host").empty() &&
+      head.minor_version == 0) {  // may be missing, and no browser is that old
     request->headers.emplace_back("host", shared_.guard.OwnName());
   }
-  const std::string target = TakeHost(View(message.target()), &request->headers);
+  const std::string target = TakeHost(head.target, &request->headers);
   if (std::optional<HttpResponse> refusal = shared_.guard.Refuse(*request)) return refusal;
   if (!target.starts_with('/')) return TextResponse(400, "the request target must be a path");
   const size_t question = target.find('?');
   const std::optional<std::string> path = PercentDecode(target.substr(0, question), false);
-  std::optional<HttpFields> parameters;
+  absl::StatusOr<HttpFields> parameters;
   if (question != std::string_view::npos) {
-    parameters = ParseForm(target.substr(question + 1));
+    parameters = ParseForm(target.substr(question + 1), shared_.options.parameters);
   } else {
     parameters.emplace();
   }
-  if (!path || !parameters) return TextResponse(400, "the request target has a broken %-escape");
+  if (!path) return TextResponse(400, "the request target has a broken %-escape");
+  if (!parameters.ok()) {
+    return TextResponse(400, absl::StrCat("the request target: ", parameters.status().message()));
+  }
   request->path = *path;
   request->raw_path = target.substr(0, question);
   request->parameters = *std::move(parameters);
@@ -244,20 +245,18 @@ std::optional<HttpResponse> HttpConnection::CheckHeader(Parser& parser, HttpRequ
   HttpResponse refusal;
   *handler = shared_.routes.Find(request->method, request->path, &refusal);
   if (*handler == nullptr) return refusal;
-  if (parser.content_length() && *parser.content_length() > shared_.options.body_bytes) {
-    return RefusalOf(http::error::body_limit, shared_.options, true);
-  }
   return std::nullopt;
 }
 
-std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length,
-                                     unsigned version, bool keep_alive) const {
-  const beast::string_view reason = http::obsolete_reason(static_cast<http::status>(response.status));
-  std::string head = Concat("HTTP/1.1 ", std::to_string(response.status), " ", View(reason), "\r\n");
+std::string HttpConnection::HeadText(const HttpResponse& response, std::optional<size_t> length, bool chunks,
+                                     bool keep_alive) const {
+  const auto reason = http::obsolete_reason(static_cast<http::status>(response.status));
+  std::string head = Concat("HTTP/1.1 ", std::to_string(response.status), " ",
+                            std::string_view(reason.data(), reason.size()), "\r\n");
   if (!response.content_type.empty()) absl::StrAppend(&head, "Content-Type: ", response.content_type, "\r\n");
   if (length) {
     absl::StrAppend(&head, "Content-Length: ", *length, "\r\n");
-  } else if (version >= 11) {
+  } else if (chunks) {
     head += "Transfer-Encoding: chunked\r\n";
   }
   if (shared_.options.clock != nullptr)
@@ -267,35 +266,39 @@ std::string HttpConnection::HeadText(const HttpResponse& response, std::optional
   head += "X-Content-Type-Options: nosniff\r\n";
   if (!keep_alive) {
     head += "Connection: close\r\n";
-  } else if (version < 11) {
+  } else if (!chunks) {
     head += "Connection: keep-alive\r\n";
   }
   return head + "\r\n";
 }
 
-net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_only, unsigned version,
+net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_only, bool chunks,
                                                 bool keep_alive) {
   bool streamed = false;
   while (true) {
     HttpAnswer::Progress progress = answer.Take();
+    const size_t counted = progress.bytes();
     std::string bytes;
     if (progress.head) {
       streamed = progress.streamed;
-      const bool lasting = keep_alive && (!streamed || version >= 11);
+      const bool lasting = keep_alive && (!streamed || chunks);
       bytes = HeadText(*progress.head,
-                       streamed ? std::nullopt : std::optional<size_t>(progress.head->body.size()), version,
+                       streamed ? std::nullopt : std::optional<size_t>(progress.head->body.size()), chunks,
                        lasting);
       if (!streamed && !head_only) bytes += progress.head->body;
     }
-    if (!head_only) bytes += streamed && version >= 11 ? ChunkOf(progress.data) : progress.data;
+    if (!head_only) bytes += streamed && chunks ? ChunkOf(progress.data) : progress.data;
     if (progress.aborted) co_return false;
-    if (progress.ended && streamed && version >= 11 && !head_only) bytes += "0\r\n\r\n";
-    if (!bytes.empty() && !co_await Send(std::move(bytes))) {
+    if (progress.ended && streamed && chunks && !head_only) bytes += "0\r\n\r\n";
+    progress.data.clear();
+    const bool sent = bytes.empty() || co_await Send(std::move(bytes));
+    share_->Release(counted);
+    if (!sent) {
       answer.SetGone();
       co_return false;
     }
     // A HEAD request is answered as soon as its head is known.
-    if (progress.ended || (progress.head && head_only)) co_return version >= 11 || !streamed;
+    if (progress.ended || (progress.head && head_only)) co_return chunks || !streamed;
     co_await WaitForWake();
     if (closed_) co_return false;
   }
@@ -304,28 +307,31 @@ net::awaitable<bool> HttpConnection::SendAnswer(HttpAnswer& answer, bool head_on
 net::awaitable<bool> HttpConnection::Send(std::string bytes) {
   for (size_t at = 0; at < bytes.size(); at += kPieceBytes) {
     ErrorCode error;
+    Enter(Phase::kSend);
     stream_.expires_after(shared_.options.write_timeout);
     const net::const_buffer piece(bytes.data() + at, std::min(kPieceBytes, bytes.size() - at));
     co_await net::async_write(stream_, piece, net::redirect_error(net::use_awaitable, error));
     if (error) co_return false;
   }
+  Enter(Phase::kWork);
   stream_.expires_never();
   co_return true;
 }
 
-net::awaitable<void> HttpConnection::RefuseAndClose(HttpResponse response, unsigned version) {
+net::awaitable<void> HttpConnection::RefuseAndClose(HttpResponse response) {
   ++shared_.refused;
   ++shared_.requests;
-  const std::string head = HeadText(response, response.body.size(), version, false);
+  const std::string head = HeadText(response, response.body.size(), true, false);
   if (!co_await Send(head + response.body)) co_return;
   // Closing with unread data would reset the connection and might take the answer away from the client.
   ErrorCode error;
   stream_.socket().shutdown(Socket::shutdown_send, error);
   const auto until = std::chrono::steady_clock::now() + kDrainTime;
-  buffer_.consume(buffer_.size());
+  unread_ = {};
+  Enter(Phase::kIdle);
   for (size_t drained = 0; !error && drained < kDrainBytes && std::chrono::steady_clock::now() < until;) {
     stream_.expires_after(kDrainTime);
-    drained += co_await stream_.async_read_some(buffer_.prepare(kPieceBytes),
+    drained += co_await stream_.async_read_some(net::buffer(buffer_),
                                                 net::redirect_error(net::use_awaitable, error));
   }
 }

@@ -2,7 +2,14 @@
 
 #include <utility>
 
+#include "absl/time/time.h"
+
 namespace docent {
+namespace {
+
+constexpr absl::Duration kLookAround = absl::Milliseconds(100);
+
+}  // namespace
 
 HttpAnswer::Progress HttpAnswer::Take() {
   absl::MutexLock lock(&mutex_);
@@ -20,12 +27,19 @@ void HttpAnswer::OnProgress(std::function<void()> wake) {
   if (begun_) Wake();
 }
 
+void HttpAnswer::CountIn(SendBudget::Share* share) {
+  absl::MutexLock lock(&mutex_);
+  share_ = share;
+}
+
 void HttpAnswer::SetGone() {
   std::vector<std::function<void()>> callbacks;
   {
     absl::MutexLock lock(&mutex_);
     if (gone_) return;
     gone_ = true;
+    if (share_ != nullptr) share_->Release(progress_.bytes());
+    share_ = nullptr;
     wake_ = nullptr;
     if (!progress_.ended) callbacks.swap(on_gone_);
     on_gone_.clear();
@@ -55,6 +69,7 @@ void HttpExchange::Respond(HttpResponse response) {
   absl::MutexLock lock(&answer_->mutex_);
   if (answer_->begun_) return;
   answer_->begun_ = true;
+  answer_->Count(response.body.size());
   answer_->progress_.head = std::move(response);
   answer_->progress_.ended = true;
   answer_->on_gone_.clear();
@@ -65,6 +80,7 @@ void HttpExchange::Begin(HttpResponse head) {
   absl::MutexLock lock(&answer_->mutex_);
   if (answer_->begun_) return;
   answer_->begun_ = true;
+  answer_->Count(head.body.size());
   answer_->progress_.streamed = true;
   answer_->progress_.head = std::move(head);
   answer_->progress_.data = std::move(answer_->progress_.head->body);
@@ -82,11 +98,19 @@ bool HttpExchange::full() const {
   return !answer_->HasRoom();
 }
 
-bool HttpExchange::Write(std::string_view piece) {
+bool HttpExchange::Write(std::string_view piece, const std::function<bool()>& give_up) {
+  const absl::Duration patience = give_up ? kLookAround : absl::InfiniteDuration();
   absl::MutexLock lock(&answer_->mutex_);
-  answer_->mutex_.Await(absl::Condition(answer_.get(), &HttpAnswer::HasRoom));
+  while (!answer_->mutex_.AwaitWithTimeout(absl::Condition(answer_.get(), &HttpAnswer::HasRoom), patience)) {
+    if (!give_up()) continue;
+    answer_->progress_.ended = answer_->progress_.aborted = true;
+    answer_->on_gone_.clear();
+    answer_->Wake();
+    return false;
+  }
   if (answer_->gone_ || answer_->progress_.ended) return false;
   answer_->progress_.data.append(piece);
+  answer_->Count(piece.size());
   answer_->Wake();
   return true;
 }

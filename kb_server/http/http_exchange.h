@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/synchronization/mutex.h"
+#include "kb_server/door/send_budget.h"
 #include "kb_server/work/http_message.h"
 
 namespace docent {
@@ -29,10 +30,14 @@ class HttpAnswer {
     std::string data;
     bool ended = false;    // all has been said
     bool aborted = false;  // ended before all was said
+
+    size_t bytes() const { return data.size() + (head ? head->body.size() : 0); }
   };
   Progress Take();
   // `wake` is called, from any thread, when Take has something new. Called at most once between two Takes.
   void OnProgress(std::function<void()> wake);
+  // What is not taken yet counts in `share`, until SetGone; who takes it releases it there. Before the handler has it.
+  void CountIn(SendBudget::Share* share);
   // The client is gone, or the server stops: nothing will be sent any more.
   void SetGone();
 
@@ -40,6 +45,9 @@ class HttpAnswer {
   friend class HttpExchange;
   static constexpr size_t kBufferBytes = 1u << 20;  // not yet sent; Write waits beyond
 
+  void Count(size_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    if (share_ != nullptr) share_->Add(bytes);
+  }
   void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasRoom() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return gone_ || progress_.data.size() < kBufferBytes;
@@ -50,6 +58,7 @@ class HttpAnswer {
   bool begun_ ABSL_GUARDED_BY(mutex_) = false;
   bool gone_ ABSL_GUARDED_BY(mutex_) = false;
   bool woken_ ABSL_GUARDED_BY(mutex_) = false;
+  SendBudget::Share* share_ ABSL_GUARDED_BY(mutex_) = nullptr;
   std::function<void()> wake_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> on_gone_ ABSL_GUARDED_BY(mutex_);
 };
@@ -76,8 +85,9 @@ class HttpExchange {
   // True if the next Write would wait now.
   bool full() const;
   // The next piece. Waits while the client is slower than the answer is made: never call it on a network
-  // thread. False: the client is gone, stop.
-  bool Write(std::string_view piece);
+  // thread. `give_up` is called now and then meanwhile; where it is true the answer is aborted. False: stop, the client is
+  // gone or given up.
+  bool Write(std::string_view piece, const std::function<bool()>& give_up = nullptr);
   void End();
   // The answer cannot be completed: the connection is cut, so that the client sees that something is missing.
   void Abort();

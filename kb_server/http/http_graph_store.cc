@@ -205,9 +205,10 @@ Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Te
     ReadPart(ports, {type, "", http.body}, graph, 1, cancellation, &content);
     return content;
   }
-  const std::optional<std::vector<HttpPart>> parts = ParseMultipart(type, http.body);
-  if (!parts) {
-    content.refusal = TextResponse(400, "the multipart body has no boundary, or does not end with it");
+  const absl::StatusOr<std::vector<HttpPart>> parts =
+      ParseMultipart(type, http.body, ports.limits.http_parameters);
+  if (!parts.ok()) {
+    content.refusal = ErrorResponse(parts.status());
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
@@ -326,6 +327,11 @@ void Patch(const ServicePorts& ports, Address address, const Exchange& exchange)
     HttpResponse refusal = TextResponse(415, absl::StrCat("PATCH a graph with ", kPatchType));
     refusal.headers.emplace_back(kAcceptPatch, kPatchType);
     return exchange->Respond(std::move(refusal));
+  }
+  if (http.body.size() > ports.limits.update_text_bytes) {
+    return exchange->Respond(TextResponse(
+        413, absl::StrCat("the update has ", http.body.size(), " bytes; the limit update_text_bytes is ",
+                          ports.limits.update_text_bytes)));
   }
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
   options.base_iri = address.graph.lexical;

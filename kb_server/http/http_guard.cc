@@ -43,10 +43,13 @@ bool HttpGuard::IsOwnName(const HostAndPort& asked, uint16_t default_port) const
   });
 }
 
+// Without a port is what some clients and proxies send whatever the port is; RFC 9110 section 7.2 has it mean port 80, but
+// the connection came here, and a name of this machine cannot be made to point elsewhere.
 bool HttpGuard::IsAllowedHost(std::string_view host) const {
   const std::optional<HostAndPort> asked = SplitHostAndPort(host);
   if (!asked) return false;
-  return IsOwnName(*asked, kHttpPort) || (IsAddress(asked->host) && asked->port.value_or(kHttpPort) == port_);
+  return IsOwnName(*asked, port_) || IsOwnName(*asked, kHttpPort) ||
+         (IsAddress(asked->host) && asked->port.value_or(port_) == port_);
 }
 
 bool HttpGuard::IsAllowedOrigin(std::string_view origin, std::string_view host) const {
@@ -64,7 +67,7 @@ std::string HttpGuard::OwnName() const {
 
 std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const {
   const std::string host = request.Header("host");
-  if (host.empty()) return TextResponse(400, "the request has no Host header");
+  if (host.empty()) return TextResponse(400, "the request has no Host");
   if (!IsAllowedHost(host)) {
     return TextResponse(
         403, absl::StrCat("this server does not answer to the host name ", host, ". Use localhost:", port_,

@@ -16,17 +16,17 @@ namespace docent {
 class HttpGuard {
  public:
   // `port`: the one the server listens on. `allowed_hosts`: "name" (any port) or "name:port", beside the
-  // loopback names with `port`, which are always allowed.
+  // loopback names with `port` or without one, which are always allowed.
   HttpGuard(uint16_t port, std::vector<std::string> allowed_hosts);
 
-  // nullopt: go on. Otherwise the refusal: 400 for a request without Host or with several, 403 for a Host or
-  // Origin that is not allowed.
+  // nullopt: go on. Otherwise the refusal: 400 for a request without Host, 403 for a Host or Origin that is not
+  // allowed.
   std::optional<HttpResponse> Refuse(const HttpRequest& request) const;
   // The host of requests that need not name one.
   std::string OwnName() const;
 
  private:
-  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where none is given.
+  // "localhost:7480", "[::1]:7480", "127.0.0.1:7480", or a configured one. `default_port`: where `asked` has none.
   bool IsOwnName(const HostAndPort& asked, uint16_t default_port) const;
   // One of its own names, or an address: who rebinds a name cannot send that.
   bool IsAllowedHost(std::string_view host) const;

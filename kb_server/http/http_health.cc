@@ -28,6 +28,9 @@ void AddHttpMetrics(Metrics* metrics, const HttpServer* server) {
                               [server] { return static_cast<double>(server->counts().connections); });
   metrics->AddCounterFunction("docent_http_requests_total", "HTTP requests answered, refused ones included.",
                               [server] { return static_cast<double>(server->counts().requests); });
+  metrics->AddCounterFunction("docent_http_connections_slow_closed_total",
+                              "HTTP connections, idle or with a slow client, closed to make room for others.",
+                              [server] { return static_cast<double>(server->counts().slow_closed); });
   metrics->AddCounterFunction(
       "docent_http_refused_total",
       "HTTP requests refused before any handler saw them (host, origin, size, syntax).",

@@ -1,6 +1,7 @@
 #include "kb_server/http/http_multipart.h"
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "graph/base/text.h"
 
@@ -28,17 +29,24 @@ std::string_view TakeLine(std::string_view* rest) {
 
 }  // namespace
 
-std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body) {
+absl::StatusOr<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body,
+                                                     size_t limit) {
+  const absl::Status broken =
+      absl::InvalidArgumentError("the multipart body has no boundary, or does not end with it");
   const std::string boundary = ParameterOf(content_type, "boundary=");
-  if (boundary.empty()) return std::nullopt;
+  if (boundary.empty()) return broken;
   const std::string delimiter = "--" + boundary;
   size_t at = body.find(delimiter);
-  if (at == std::string_view::npos) return std::nullopt;
+  if (at == std::string_view::npos) return broken;
   std::vector<HttpPart> parts;
   while (true) {
     std::string_view rest = body.substr(at + delimiter.size());
     if (rest.starts_with("--")) return parts;
     TakeLine(&rest);
+    if (parts.size() == limit) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the multipart body has more parts than the limit http_parameters = ", limit));
+    }
     HttpPart part;
     while (!rest.empty()) {
       const std::string_view line = TakeLine(&rest);
@@ -51,7 +59,7 @@ std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_typ
     }
     const size_t begin = static_cast<size_t>(rest.data() - body.data());
     at = body.find("\n" + delimiter, begin == 0 ? 0 : begin - 1);
-    if (at == std::string_view::npos) return std::nullopt;
+    if (at == std::string_view::npos) return broken;
     part.body = at < begin ? std::string_view() : body.substr(begin, at - begin);
     if (part.body.ends_with('\r')) part.body.remove_suffix(1);
     parts.push_back(part);

@@ -2,10 +2,12 @@
 #ifndef DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_
 #define DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "absl/status/statusor.h"
+#include "graph/base/limits.h"
 
 namespace docent {
 
@@ -15,9 +17,10 @@ struct HttpPart {
   std::string_view body;     // points into the whole
 };
 
-// The parts of `body`, whose boundary stands in `content_type`. nullopt where there is no boundary or no end.
-// Lines may end with LF alone.
-std::optional<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body);
+// The parts of `body`, whose boundary stands in `content_type`. INVALID_ARGUMENT where there is no boundary or no end,
+// and for more parts than `limit`. Lines may end with LF alone.
+absl::StatusOr<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body,
+                                                     size_t limit = Limits{}.http_parameters);
 
 }  // namespace docent
 

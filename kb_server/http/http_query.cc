@@ -70,6 +70,7 @@ class QueryAnswer {
     absl::Status resolved =
         sparql::ResolveServices(&parsed.query, ports_.remote, *graph_.dictionary, options, run_options_);
     if (!resolved.ok()) return resolved;
+    const WorkerPool::SharedWork shared(ports_.workers, &cancellation_);
     auto prepared = sparql::PreparedQuery::Prepare(parsed.query, *graph_.dictionary, options);
     if (!prepared.ok()) return prepared.status();
     switch (parsed.query.form) {

@@ -66,6 +66,31 @@ std::string HttpRoutes::Paths() const {
   return paths;
 }
 
+// Connections that wait for their clients for so long may be closed where others come.
+constexpr std::chrono::seconds kSlow{5};
+
+// The connection that is missed the least: one that waits for a request, or for the rest of its head, and of these the
+// one that waits the longest; else one whose client is slow with a body or with an answer. Null: all of them work.
+std::shared_ptr<HttpConnection> LeastMissed(const std::list<std::weak_ptr<HttpConnection>>& connections) {
+  using Phase = HttpConnection::Phase;
+  const auto slow_since = std::chrono::steady_clock::now() - kSlow;
+  std::shared_ptr<HttpConnection> least;
+  bool least_idle = false;
+  for (const std::weak_ptr<HttpConnection>& one : connections) {
+    std::shared_ptr<HttpConnection> connection = one.lock();
+    if (connection == nullptr || connection->closing()) continue;
+    const Phase phase = connection->phase();
+    const bool idle = phase == Phase::kIdle || phase == Phase::kHead;
+    const bool slow = phase != Phase::kWork && connection->since() < slow_since;
+    if (!idle && !slow) continue;
+    if (least != nullptr && (idle != least_idle ? least_idle : least->since() <= connection->since()))
+      continue;
+    least = std::move(connection);
+    least_idle = idle;
+  }
+  return least;
+}
+
 struct HttpServer::Impl {
   Impl(const HttpServerOptions& options, HttpRoutes routes, uint16_t port)
       : shared{options, std::move(routes), HttpGuard(port, options.allowed_hosts),
@@ -99,9 +124,21 @@ net::awaitable<void> HttpServer::Impl::AcceptLoop() {
     }
     ++shared.connections;
     connections.remove_if([](const std::weak_ptr<HttpConnection>& one) { return one.expired(); });
+    const size_t most = shared.options.connections;
     // Those turned away are bounded as well: beyond them nobody even gets an answer.
-    if (shared.open >= shared.options.connections + 64) continue;
-    const bool full = shared.open >= shared.options.connections;
+    const size_t turned_away = std::clamp<size_t>(most / 16, 1, 64);
+    while (!stopping && shared.closing > turned_away) {  // their descriptors come back in a moment
+      net::steady_timer pause(strand, std::chrono::milliseconds(1));
+      co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
+    }
+    const size_t open = shared.open - shared.closing;
+    bool full = open >= most;
+    if (const auto one = full ? LeastMissed(connections) : nullptr) {
+      one->Close();
+      ++shared.slow_closed;
+      full = false;
+    }
+    if (full && open >= most + turned_away) continue;
     const auto executor = socket.get_executor();
     auto connection = std::make_shared<HttpConnection>(std::move(socket), &shared);
     connections.push_back(connection);
@@ -134,8 +171,8 @@ uint16_t HttpServer::port() const {
 }
 
 HttpServer::Counts HttpServer::counts() const {
-  return {impl_->shared.connections, impl_->shared.open, impl_->shared.requests, impl_->shared.refused,
-          impl_->shared.bodies->taken()};
+  return {impl_->shared.connections, impl_->shared.open,        impl_->shared.requests,
+          impl_->shared.refused,     impl_->shared.slow_closed, impl_->shared.bodies->taken()};
 }
 
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const HttpServerOptions& options,

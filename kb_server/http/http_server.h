@@ -26,6 +26,8 @@
 
 namespace docent {
 
+class SendBudget;
+
 // Which handler answers what. Filled before the server starts.
 class HttpRoutes {
  public:
@@ -46,14 +48,17 @@ struct HttpServerOptions {
   std::string listen = "127.0.0.1:7480";           // address or host name, and port; port 0 takes a free one
   std::vector<std::string> allowed_hosts;          // beside the loopback names: see HttpGuard
   int threads = 2;                                 // network threads, 1 … 64
-  size_t connections = Limits{}.http_connections;  // beyond: 503
+  size_t connections = Limits{}.http_connections;  // beyond: idle and slow ones are closed, or 503
   size_t body_bytes = Limits{}.http_body_bytes;    // beyond: 413
-  size_t bodies_bytes = Limits{}.http_bodies_bytes;  // of all requests at the same time; beyond: 503
-  uint32_t header_bytes = 64u << 10;                 // request line and headers; beyond: 414, 431
-  // Without a whole request header for so long the connection is closed, whether idle or slow.
-  std::chrono::milliseconds idle_timeout{60000};
-  std::chrono::milliseconds body_timeout{60000};   // for a whole request body
-  std::chrono::milliseconds write_timeout{30000};  // for each 64 KiB of an answer that the client takes
+  size_t bodies_bytes = Limits{}.http_bodies_bytes;    // of all requests at the same time; beyond: 503
+  size_t header_bytes = Limits{}.http_header_bytes;    // request line and header fields; beyond: 414, 431
+  size_t header_fields = Limits{}.http_header_fields;  // beyond: 431
+  size_t parameters = Limits{}.http_parameters;        // of the query string; beyond: 400
+  std::chrono::milliseconds idle_timeout{60000};       // between two requests of a connection
+  std::chrono::milliseconds header_timeout{10000};     // from a connection's begin, or a request's first byte
+  std::chrono::milliseconds body_timeout{60000};       // for a whole request body
+  std::chrono::milliseconds write_timeout{30000};      // for each 64 KiB of an answer that the client takes
+  SendBudget* send_budget = nullptr;                   // counts what clients do not take; null: nobody does
   const Clock* clock = nullptr;  // for the header Date; null: answers have none. Must outlive the server
 };
 
@@ -77,6 +82,7 @@ class HttpServer {
     uint64_t open = 0;         // now
     uint64_t requests = 0;     // answered, refused ones included
     uint64_t refused = 0;      // answered with a 4xx status by the server itself
+    uint64_t slow_closed = 0;  // idle or slow, closed since others came
     uint64_t body_bytes = 0;   // of larger requests, now
   };
   Counts counts() const;

@@ -127,8 +127,8 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
         "as application/x-www-form-urlencoded" +
             (type.empty() ? std::string() : ", not as " + type));
   }
-  std::optional<HttpFields> form = ParseForm(http.body);
-  if (!form) return Refused(400, "the form has a broken %-escape");
+  absl::StatusOr<HttpFields> form = ParseForm(http.body, limits.http_parameters);
+  if (!form.ok()) return Refused(400, absl::StrCat("the form: ", form.status().message()));
   form->insert(form->end(), http.parameters.begin(), http.parameters.end());
   return FromParameters(*form, false, std::move(request), limits);
 }

@@ -1,6 +1,5 @@
 #include "kb_server/http/long_answer.h"
 
-#include <optional>
 #include <utility>
 
 namespace docent {
@@ -13,9 +12,12 @@ constexpr size_t kShortBytes = 1u << 20;
 bool LongAnswer::Send(std::string* piece) {
   bool there = true;
   if (exchange_.begun()) {
-    std::optional<WorkerPool::Waiting> waiting;
-    if (exchange_.full()) waiting.emplace(&workers_);
-    there = exchange_.Write(*piece);
+    if (exchange_.full()) {
+      WorkerPool::Waiting waiting(&workers_, WorkerPool::Waiting::What::kClient);
+      there = exchange_.Write(*piece, [&waiting] { return waiting.Crowded(); });
+    } else {
+      there = exchange_.Write(*piece);
+    }
   } else {
     head_.body.swap(*piece);
     exchange_.Begin(std::move(head_));

@@ -4,6 +4,8 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
 #include "graph/base/text.h"
 
 namespace docent {
@@ -103,7 +105,9 @@ HttpResponse ErrorResponse(const absl::Status& status) {
     case absl::StatusCode::kUnimplemented:
       code = 501;
       break;
-    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kResourceExhausted:  // what the request is or wants, unless others are in its way
+      code = IsOverload(status) ? 503 : 413;
+      break;
     case absl::StatusCode::kUnavailable:
       code = 503;
       break;
@@ -116,7 +120,9 @@ HttpResponse ErrorResponse(const absl::Status& status) {
     default:
       break;
   }
-  return TextResponse(code, std::string(status.message()));
+  HttpResponse response = TextResponse(code, std::string(status.message()));
+  if (IsOverload(status)) response.headers.emplace_back("Retry-After", "1");
+  return response;
 }
 
 std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_space) {
@@ -139,7 +145,7 @@ std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_spa
   return out;
 }
 
-std::optional<HttpFields> ParseForm(std::string_view text) {
+absl::StatusOr<HttpFields> ParseForm(std::string_view text, size_t limit) {
   HttpFields fields;
   while (!text.empty()) {
     std::string_view value = CutAt(&text, '&');
@@ -147,7 +153,11 @@ std::optional<HttpFields> ParseForm(std::string_view text) {
     const std::string_view name = CutAt(&value, '=');
     std::optional<std::string> decoded_name = PercentDecode(name, true);
     std::optional<std::string> decoded_value = PercentDecode(value, true);
-    if (!decoded_name || !decoded_value) return std::nullopt;
+    if (!decoded_name || !decoded_value) return absl::InvalidArgumentError("there is a broken %-escape");
+    if (fields.size() == limit) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("there are more parameters than the limit http_parameters = ", limit));
+    }
     fields.emplace_back(*std::move(decoded_name), *std::move(decoded_value));
   }
   return fields;

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "graph/base/limits.h"
 
 namespace docent {
 
@@ -38,16 +39,16 @@ struct HttpResponse {
 // A plain-text response: `text` ends with a line break.
 HttpResponse TextResponse(int status, std::string text);
 
-// The HTTP status that fits a status code (INVALID_ARGUMENT 400, NOT_FOUND 404, DEADLINE_EXCEEDED 504, …),
-// its message as the text.
+// The HTTP status that fits a status code (INVALID_ARGUMENT 400, NOT_FOUND 404, RESOURCE_EXHAUSTED 413 for a limit of the
+// request itself and 503 for an overload, DEADLINE_EXCEEDED 504, …), its message as the text.
 HttpResponse ErrorResponse(const absl::Status& status);
 
 // "%41+b" → "A b" where `plus_is_space`; nullopt for a broken escape or an escape of U+0000.
 std::optional<std::string> PercentDecode(std::string_view text, bool plus_is_space);
 
-// "a=1&b=%20" (application/x-www-form-urlencoded, a query string) → pairs in order; nullopt for a broken
-// escape.
-std::optional<HttpFields> ParseForm(std::string_view text);
+// "a=1&b=%20" (application/x-www-form-urlencoded, a query string) → pairs in order. INVALID_ARGUMENT for a broken
+// escape, and for more pairs than `limit`.
+absl::StatusOr<HttpFields> ParseForm(std::string_view text, size_t limit = Limits{}.http_parameters);
 
 // "text/turtle; charset=UTF-8" → "text/turtle", in lower case.
 std::string MediaTypeOnly(std::string_view content_type);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/overload.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/door/ports.h"
 #include "kb_server/work/load_judge.h"
@@ -103,7 +104,7 @@ class LoadRunner::Attempt : public std::enable_shared_from_this<Attempt> {
                        {});
     }
     if (!ports_.workers->Submit([self = shared_from_this()] { self->Judge(); })) {
-      job_.done(absl::ResourceExhaustedError("too much work waits; nothing was changed, try again"), {});
+      job_.done(OverloadError("too much work waits; nothing was changed, try again"), {});
     }
   }
 

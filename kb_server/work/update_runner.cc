@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/sparql/run/update_evaluator.h"
 #include "kb_server/door/await_version.h"
@@ -130,7 +131,7 @@ class UpdateRunner::Job : public std::enable_shared_from_this<Job> {
   void Again() {
     deadline_ = std::max(deadline_, absl::Now() + absl::Seconds(10));  // for a version that is on its way
     if (!ports_.workers->Submit([self = shared_from_this()] { self->Attempt(); })) {
-      done_(absl::ResourceExhaustedError("too much work waits; nothing was changed, try again"));
+      done_(OverloadError("too much work waits; nothing was changed, try again"));
     }
   }
 
@@ -180,7 +181,7 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
                                 done(NotBegun(static_cast<int>(absl::ToInt64Milliseconds(timeout))));
                               }}))
     return;
-  done(absl::ResourceExhaustedError("too much work waits; try again"));
+  done(OverloadError("too much work waits; try again"));
 }
 
 }  // namespace docent

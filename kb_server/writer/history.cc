@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "graph/base/overload.h"
 #include "graph/log/record_codec.h"
 #include "graph/store/graph_writer.h"
 #include "kb_server/writer/recovery.h"
@@ -180,7 +181,7 @@ absl::Status History::MakeRoom() {
     it = it->use_count() == 1 ? remade_.erase(it) : it + 1;
   }
   if (remade_.size() < limits_.as_of_open) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(
+  return OverloadError(absl::StrCat(
       "other queries read past graphs that were made again from the log; the limit as_of_open is ",
       limits_.as_of_open, "; try again later"));
 }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
@@ -177,9 +178,8 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
                              cancellation.get()));
         });
         if (!accepted) {
-          answered(absl::ResourceExhaustedError(
-              absl::StrCat("too many queries wait: the limit queries_waiting is ",
-                           ports_.limits.queries_waiting, "; try again")));
+          answered(OverloadError(absl::StrCat("too many queries wait: the limit queries_waiting is ",
+                                              ports_.limits.queries_waiting, "; try again")));
         }
       },
       look);

@@ -154,6 +154,7 @@ absl::Status Writer::Run() {
     FreeGone();
     std::vector<PendingBatch> batches = ports_.inbox->PopAll(deadline, at_most);
     if (committer_.halted()) fatal_ = Reconcile();
+    if (refused_ && batches.empty()) LogTakesNothing(&batches);
     if (!batches.empty()) {
       TakeGroup(std::move(batches));
     } else if (ports_.inbox->closed()) {
@@ -183,6 +184,7 @@ absl::Status Writer::End() {
 bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
   const absl::Status status = fatal_.ok() ? ports_.log->Probe() : fatal_;
   refused_ = !status.ok();
+  SetLogStatus(status);
   if (status.ok()) return false;
   for (PendingBatch& pending : *batches) {
     if (pending.batch.clock_tick) next_tick_us_ = pending.batch.time_us + kTickPauseUs;
@@ -190,6 +192,16 @@ bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
     pending.done(status);
   }
   return true;
+}
+
+void Writer::SetLogStatus(const absl::Status& status) {
+  absl::MutexLock lock(&log_status_mutex_);
+  log_status_ = status;
+}
+
+absl::Status Writer::LogStatus() const {
+  absl::MutexLock lock(&log_status_mutex_);
+  return log_status_;
 }
 
 void Writer::TakeGroup(std::vector<PendingBatch> batches) {
@@ -282,10 +294,13 @@ absl::Status Writer::Reconcile() {
                 std::string(refused.status.message()));
   next_tick_us_ = newest_time_us_ + kTickPauseUs;
   refused_ = true;
+  SetLogStatus(refused.status);
   if (ports_.snapshots != nullptr) ports_.snapshots->Discard();
   const absl::Status state = refused.replaced ? refused.status : Recover(nullptr);
   if (state.ok() && newest_ > refused.head) ResumeCommands();
-  const auto happened = [&](const BatchOutcome& outcome) { return state.ok() && outcome.offset <= newest_; };
+  // What went into files that the next start will not find did not happen either, as far as anybody is told.
+  const bool lasts = state.ok() && ports_.log->CheckPlace().ok();
+  const auto happened = [&](const BatchOutcome& outcome) { return lasts && outcome.offset <= newest_; };
   for (DecidedGroup& group : refused.groups) {
     for (DecidedTurn& turn : group.turns) {
       if (happened(turn.outcome)) {

@@ -68,6 +68,11 @@ class Writer {
 
   const WriterCounters& counters() const { return counters_; }
 
+  // OK, or why the log took nothing the last time that it was asked. Any thread.
+  absl::Status LogStatus() const;
+  // To be called now and then while that is not OK: asks the log again, though nothing is to be written. Any thread.
+  void AskLogAgain() { ports_.inbox->Wake(); }
+
   // Between two turns, on the writer's thread (from a batch's preparation): to be copied, not changed.
   Stages* stages() { return stages_.get(); }
 
@@ -75,6 +80,7 @@ class Writer {
   absl::Status Replay(const std::function<void(uint64_t, uint64_t)>& progress);
   void FillFeed(uint64_t up_to);
   bool LogTakesNothing(std::vector<PendingBatch>* batches);
+  void SetLogStatus(const absl::Status& status);
   void TakeGroup(std::vector<PendingBatch> batches);
   void Decide(PendingBatch pending, DecidedGroup* group);
   void Commit(DecidedGroup group);
@@ -94,6 +100,8 @@ class Writer {
 
   uint64_t epoch_ = 0;
   bool refused_ = false;  // by the log, the last time
+  mutable absl::Mutex log_status_mutex_;
+  absl::Status log_status_ ABSL_GUARDED_BY(log_status_mutex_);
   absl::Status fatal_;
   TimeMicros next_tick_us_ = 0;       // no clock tick before this time
   std::deque<GraphVersionPtr> gone_;  // held here alone, to be freed, the oldest first

@@ -50,7 +50,12 @@ class FakeLog final : public ContextLog {
   absl::StatusOr<uint64_t> Bytes() override { return size(); }
   absl::Status Probe() override {
     absl::MutexLock lock(&mutex_);
-    return refusal;
+    return place.ok() ? refusal : place;
+  }
+
+  absl::Status CheckPlace() override {
+    absl::MutexLock lock(&mutex_);
+    return place;
   }
 
   uint64_t size() const {
@@ -63,6 +68,7 @@ class FakeLog final : public ContextLog {
   std::function<void(size_t)> on_append;
   absl::Status refusal;
   absl::Status lost_answer;  // the append succeeds, and this is told
+  absl::Status place;        // see CheckPlace
   bool once = false;         // they are of one append only
   bool fenced = false;
 

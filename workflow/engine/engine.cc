@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/docent_iris.h"
 #include "workflow/cawl/symbol_table.h"
 #include "workflow/engine/engine_core.h"
@@ -330,8 +331,8 @@ absl::Status Engine::RemoveServices(const std::string& document) {
 
 absl::Status Engine::CheckRequest(const RunRequest& request) const {
   if (request.kind != RunRequest::Kind::kCancel && core_->runs.size() >= core_->limits.runs_live) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        "there are ", core_->runs.size(), " live runs; the limit runs_live is ", core_->limits.runs_live));
+    return OverloadError(absl::StrCat("there are ", core_->runs.size(), " live runs; the limit runs_live is ",
+                                      core_->limits.runs_live));
   }
   switch (request.kind) {
     case RunRequest::Kind::kStart:

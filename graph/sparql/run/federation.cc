@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/algebra_walk.h"
@@ -82,9 +83,8 @@ class Resolver {
         values->rows.emplace_back(values->variables.size());
         if (open) values->rows.back().back() = Term::Iri(endpoint);
       } else {
-        return At(service,
-                  absl::Status(answer.status().code(),
-                               absl::StrCat("SERVICE <", endpoint, ">: ", answer.status().message())));
+        return At(service, WithMessage(answer.status(), absl::StrCat("SERVICE <", endpoint,
+                                                                     ">: ", answer.status().message())));
       }
     }
     *a = std::move(values);
@@ -97,8 +97,8 @@ class Resolver {
   }
 
   static absl::Status At(const Algebra& service, const absl::Status& status) {
-    return absl::Status(status.code(), absl::StrCat("line ", service.span.line, ", column ",
-                                                    service.span.column, ": ", status.message()));
+    return WithMessage(status, absl::StrCat("line ", service.span.line, ", column ", service.span.column,
+                                            ": ", status.message()));
   }
 
   // SELECT of the pattern, alone: an endpoint knows none of our prefixes.

@@ -9,6 +9,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/hash/hash.h"
 #include "graph/base/memory_budget.h"
+#include "graph/base/overload.h"
 #include "graph/rdf/text_bytes.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/update_reads.h"
@@ -68,9 +69,9 @@ class Evaluation {
       absl::Status status = One(operation, update);
       if (status.ok()) continue;
       if (operation.span.line == 0) return status;
-      return absl::Status(status.code(), "line " + std::to_string(operation.span.line) + ", column " +
-                                             std::to_string(operation.span.column) + ": " +
-                                             std::string(status.message()));
+      return WithMessage(status, "line " + std::to_string(operation.span.line) + ", column " +
+                                     std::to_string(operation.span.column) + ": " +
+                                     std::string(status.message()));
     }
     return std::move(effect_);
   }

@@ -301,6 +301,59 @@ TEST(SqliteLogTest, WriteAheadLogDoesNotGrow) {
   EXPECT_LT(std::filesystem::file_size(folder.File("log.sqlite-wal")), 1u << 20);
 }
 
+// What is appended into files that nobody will find again is not acknowledged.
+class MovedLogTest : public ::testing::Test {
+ protected:
+  void ExpectRefused(const std::string& what) {
+    const absl::StatusOr<AppendResult> result = log_->Append({"record"}, 1, 1);
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kUnavailable) << result.status();
+    EXPECT_THAT(std::string(result.status().message()), HasSubstr(what));
+    EXPECT_FALSE(log_->CheckPlace().ok());
+    EXPECT_FALSE(log_->Probe().ok());
+    EXPECT_FALSE(log_->SnapshotPut(1, "state").ok());
+  }
+  void Open() {
+    log_ = OpenLog(folder_.path() + "/data");
+    MustAppend(*log_, 1, 1);
+    EXPECT_TRUE(log_->CheckPlace().ok());
+  }
+
+  TestFolder folder_;
+  std::unique_ptr<SqliteLog> log_;
+};
+
+TEST_F(MovedLogTest, ADeletedFolderTakesNothing) {
+  Open();
+  std::filesystem::remove_all(folder_.path() + "/data");
+  ExpectRefused("data is gone: it was deleted or moved while the server ran");
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/data")) << "nothing is made again";
+}
+
+TEST_F(MovedLogTest, AFolderInThePlaceOfTheOldOneTakesNothing) {
+  Open();
+  std::filesystem::rename(folder_.path() + "/data", folder_.path() + "/old");
+  ExpectRefused("data is gone");
+  std::filesystem::copy(folder_.path() + "/old", folder_.path() + "/data");
+  ExpectRefused("data is another file than the one that this server opened");
+  std::filesystem::remove_all(folder_.path() + "/data");
+  std::filesystem::rename(folder_.path() + "/old", folder_.path() + "/data");
+  EXPECT_TRUE(log_->CheckPlace().ok()) << "as it was";
+  MustAppend(*log_, 2, 1);
+}
+
+TEST_F(MovedLogTest, AFileOfTheLogThatIsGoneIsNoticed) {
+  for (const std::string name : {"log.sqlite", "log.sqlite-wal", "log.sqlite-shm", "lock"}) {
+    Open();
+    const std::string path = folder_.path() + "/data/" + name;
+    std::filesystem::rename(path, path + ".old");
+    ExpectRefused(name + " is gone");
+    std::ofstream(path) << "another";
+    ExpectRefused(name + " is another file");
+    log_.reset();
+    std::filesystem::remove_all(folder_.path() + "/data");
+  }
+}
+
 TEST(SqliteLogTest, SecondServerIsRefused) {
   TestFolder folder;
   auto log = OpenLog(folder.path());

@@ -15,7 +15,7 @@ namespace {
 TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
   std::atomic<int> running = 0, most = 0, done = 0;
   {
-    WorkerPool pool(2, 8, 100);
+    WorkerPool pool({2, 8, 100});
     for (int i = 0; i < 50; ++i) {
       ASSERT_TRUE(pool.Submit([&] {
         int now = ++running;
@@ -32,7 +32,7 @@ TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
 }
 
 TEST(WorkerPoolTest, WorkThatWaitsLetsOthersRun) {
-  WorkerPool pool(2, 8, 100);
+  WorkerPool pool({2, 8, 100});
   absl::Notification go;
   absl::BlockingCounter waiting(7), ended(7);
   for (int i = 0; i < 7; ++i) {
@@ -57,7 +57,7 @@ TEST(WorkerPoolTest, WhoIsNotServedInTimeIsTold) {
   absl::Notification go, told, served;
   std::atomic<bool> begun = false;
   {
-    WorkerPool pool(1, 2, 10);
+    WorkerPool pool({1, 2, 10});
     ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
     ASSERT_TRUE(
         pool.Submit([&] { begun = true; }, {absl::Now() + absl::Milliseconds(50), [&] { told.Notify(); }}));
@@ -73,7 +73,7 @@ TEST(WorkerPoolTest, BeyondTheOpenOnesWorkIsQueuedAndBeyondTheQueueItIsRefused) 
   absl::Notification go;
   std::atomic<int> done = 0;
   {
-    WorkerPool pool(1, 2, 1);
+    WorkerPool pool({1, 2, 1});
     absl::BlockingCounter waiting(2);
     auto work = [&] {
       WorkerPool::Waiting wait(&pool);
@@ -92,8 +92,131 @@ TEST(WorkerPoolTest, BeyondTheOpenOnesWorkIsQueuedAndBeyondTheQueueItIsRefused) 
   EXPECT_EQ(done, 3);
 }
 
+// Uses the processor for a while, as an evaluation does.
+void Compute(Cancellation* cancellation, absl::Duration how_long) {
+  const absl::Time end = absl::Now() + how_long;
+  while (absl::Now() < end && cancellation->CheckNow().ok()) continue;
+}
+
+TEST(WorkerPoolTest, ShortWorkPassesLongWork) {
+  WorkerPoolLimits limits{2, 40, 100};
+  limits.short_running = 1;
+  limits.short_time = absl::Milliseconds(5);
+  std::atomic<bool> stop = false;
+  std::atomic<int> ended = 0;
+  {
+    WorkerPool pool(limits);
+    for (int i = 0; i < 30; ++i) {
+      ASSERT_TRUE(pool.Submit([&] {
+        Cancellation cancellation;
+        WorkerPool::SharedWork shared(&pool, &cancellation);
+        while (!stop) Compute(&cancellation, absl::Milliseconds(1));
+        ++ended;
+      }));
+    }
+    for (int i = 0; i < 20; ++i) {
+      absl::Notification done;
+      ASSERT_TRUE(pool.Submit([&] { done.Notify(); }));
+      EXPECT_TRUE(done.WaitForNotificationWithTimeout(absl::Seconds(60)));
+      EXPECT_EQ(ended, 0);
+    }
+    stop = true;
+  }
+  EXPECT_EQ(ended, 30) << "long work goes on where there is room";
+}
+
+TEST(WorkerPoolTest, LongWorkRunsInItsPlacesAlone) {
+  WorkerPoolLimits limits{2, 40, 100};
+  limits.short_running = 1;
+  limits.short_time = absl::Milliseconds(2);
+  std::atomic<int> running = 0, most = 0;
+  WorkerPool pool(limits);
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_TRUE(pool.Submit([&] {
+      Cancellation cancellation;
+      WorkerPool::SharedWork shared(&pool, &cancellation);
+      Compute(&cancellation, absl::Milliseconds(30));  // it is among the others then
+      const int now = ++running;
+      int seen = most;
+      while (now > seen && !most.compare_exchange_weak(seen, now)) continue;
+      Compute(&cancellation, absl::Milliseconds(20));
+      --running;
+    }));
+  }
+  absl::SleepFor(absl::Milliseconds(300));
+  EXPECT_LE(most, 3);
+}
+
+TEST(WorkerPoolTest, WorkThatNeverLooksDoesNotHoldAShortPlaceForLong) {
+  WorkerPoolLimits limits{1, 8, 100};
+  limits.short_running = 1;
+  limits.short_time = absl::Milliseconds(5);
+  absl::Notification go, served;
+  WorkerPool pool(limits);
+  ASSERT_TRUE(pool.Submit([&] { go.WaitForNotification(); }));
+  ASSERT_TRUE(pool.Submit([&] { served.Notify(); }));
+  EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  go.Notify();
+}
+
+TEST(WorkerPoolTest, WorkThatIsHeldUpEndsWhenItIsCancelled) {
+  WorkerPoolLimits limits{1, 8, 100};
+  limits.short_running = 1;
+  limits.short_time = absl::Milliseconds(1);
+  absl::Notification go, ended;
+  Cancellation second;
+  WorkerPool pool(limits);
+  ASSERT_TRUE(pool.Submit([&] {
+    Cancellation cancellation;
+    WorkerPool::SharedWork shared(&pool, &cancellation);
+    while (!go.HasBeenNotified()) Compute(&cancellation, absl::Milliseconds(1));
+  }));
+  ASSERT_TRUE(pool.Submit([&] {
+    WorkerPool::SharedWork shared(&pool, &second);
+    Compute(&second, absl::InfiniteDuration());
+    ended.Notify();
+  }));
+  absl::SleepFor(absl::Milliseconds(50));
+  EXPECT_FALSE(ended.HasBeenNotified());
+  second.Cancel();
+  EXPECT_TRUE(ended.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  go.Notify();
+}
+
+TEST(WorkerPoolTest, TheClientThatIsWaitedForTheLongestIsCrowdedOut) {
+  WorkerPoolLimits limits{1, 2, 100};
+  limits.crowded_time = absl::Milliseconds(20);
+  absl::Notification first_waits, gone, served;
+  std::atomic<bool> stop = false;
+  std::atomic<int> first = 0, second = 0;
+  {
+    WorkerPool pool(limits);
+    const auto wait_for_client = [&](std::atomic<int>* crowded) {
+      WorkerPool::Waiting waiting(&pool, WorkerPool::Waiting::What::kClient);
+      if (!first_waits.HasBeenNotified()) first_waits.Notify();
+      while (!stop) {
+        absl::SleepFor(absl::Milliseconds(5));
+        if (!waiting.Crowded()) continue;
+        ++*crowded;
+        return;
+      }
+    };
+    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&first); }));
+    first_waits.WaitForNotification();
+    absl::SleepFor(absl::Milliseconds(50));
+    ASSERT_TRUE(pool.Submit([&] { wait_for_client(&second); }));
+    absl::SleepFor(absl::Milliseconds(100));
+    EXPECT_EQ(first + second, 0) << "nobody else wants their threads";
+    ASSERT_TRUE(pool.Submit([&] { served.Notify(); }));
+    EXPECT_TRUE(served.WaitForNotificationWithTimeout(absl::Seconds(60)));
+    EXPECT_EQ(first, 1);
+    EXPECT_EQ(second, 0);
+    stop = true;
+  }
+}
+
 TEST(WorkerPoolTest, WhatWorkHoldsIsGoneWhenItEnds) {
-  WorkerPool pool(1, 1, 10);
+  WorkerPool pool({1, 1, 10});
   auto held = std::make_shared<int>(7);
   std::weak_ptr<int> watch = held;
   absl::Notification next;

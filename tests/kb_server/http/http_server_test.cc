@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -118,12 +119,13 @@ TEST(HttpServerTest, OnlyItsOwnHostNamesAreServed) {
   for (const std::string& host :
        {"localhost" + port, "LOCALHOST" + port, "127.0.0.1" + port, "127.1.2.3" + port, "[::1]" + port,
         "1.2.3.4" + port, "[2001:db8::1]" + port,  // no name that could be made to point here
+        std::string("localhost"), std::string("127.0.0.1"), std::string("[::1]"), std::string("192.0.2.1"),
         std::string("docent.example.org"), std::string("docent.example.org:99"),
         std::string("robot.example.org:8080")}) {
     EXPECT_EQ(client.Ask("GET", "/hello", "Host: " + host + "\r\n").status, 200) << host;
   }
   for (const std::string& host :
-       {std::string("localhost"), std::string("localhost:1"), "evil.example.org" + port,
+       {std::string("localhost:1"), std::string("evil.example.org"), "evil.example.org" + port,
         "localhost.evil.example" + port, std::string("robot.example.org"), "127.0.0.1.evil.example" + port,
         std::string("1.2.3.4:1"), "user@localhost" + port, "localhost" + port + port, std::string("[::1"),
         std::string("localhost:99999999999")}) {
@@ -135,8 +137,9 @@ TEST(HttpServerTest, OnlyItsOwnHostNamesAreServed) {
       client.Ask("GET", "/hello", absl::StrCat("Host: localhost", port, "\r\nHost: evil.example.org\r\n"))
           .status,
       400);
-  client.Send("GET /hello HTTP/1.1\r\n\r\n");
-  EXPECT_EQ(client.Receive().status, 400);
+  HttpClient nameless(server->port());
+  nameless.Send("GET /hello HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(nameless.Receive().status, 400);
 }
 
 TEST(HttpServerTest, OtherSitesAreRefused) {
@@ -178,7 +181,7 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
   auto server = StartServer(EchoRoutes());
   HttpClient good(server->port());
   for (const std::string& bytes :
-       {std::string("nonsense\r\n\r\n"), std::string("GET /hello HTTP/9.9\r\n\r\n"),
+       {std::string("nonsense\r\n\r\n"), std::string("GET /hello HTTP/1.x\r\n\r\n"),
         std::string("\x16\x03\x01\x02", 4) + "\r\n\r\n",
         std::string("GET /hello HTTP/1.1\r\nHost localhost\r\n\r\n"),
         std::string("POST /length HTTP/1.1\r\nContent-Length: x\r\n\r\n"),
@@ -192,6 +195,57 @@ TEST(HttpServerTest, BadRequestsAreAnsweredAndOthersNoticeNothing) {
     EXPECT_EQ(good.Ask("GET", "/hello").status, 200);
   }
   EXPECT_EQ(good.Ask("GET", "hello").status, 400);
+}
+
+// RFC 9112 section 6.3: where the end of a request is not known, what follows is not a request.
+TEST(HttpServerTest, BytesAfterARefusedRequestAreNotReadAsARequest) {
+  std::atomic<int> asked = 0;
+  HttpRoutes routes = EchoRoutes();
+  routes.Add("GET", "/smuggled", [&asked](std::shared_ptr<HttpExchange> e) {
+    ++asked;
+    e->Respond(TextResponse(200, "smuggled"));
+  });
+  auto server = StartServer(std::move(routes));
+  const std::string host = absl::StrCat("Host: localhost:", server->port(), "\r\n");
+  const std::string smuggled = "GET /smuggled HTTP/1.1\r\n" + host + "\r\n";
+  for (const std::string& framing :
+       {std::string("Transfer-Encoding: xchunked\r\n\r\n"),
+        std::string("Transfer-Encoding: identity\r\n\r\n"),
+        std::string("Transfer-Encoding: chunked, identity\r\n\r\n"),
+        std::string("Transfer-Encoding: gzip, chunked\r\n\r\n"),
+        std::string("Transfer-Encoding: chunked\r\nContent-Length: 0\r\n\r\n"),
+        std::string("Content-Length: 0\r\nContent-Length: 10\r\n\r\n"),
+        std::string("Content-Length: +0\r\n\r\n"),
+        std::string("Transfer-Encoding: chunked\r\n\r\n0;\r\n\r\n"),
+        std::string("Transfer-Encoding: chunked\r\n\r\n0\r\nX : y\r\n\r\n"),
+        std::string("Host: localhost\r\n\r\n"), std::string("X : y\r\n\r\n"), std::string("X: y\n\r\n")}) {
+    for (const std::string method : {"POST /length", "GET /hello"}) {
+      HttpClient client(server->port());
+      client.Send(method + " HTTP/1.1\r\n" + host + framing + smuggled);
+      const HttpReply reply = client.Receive();
+      EXPECT_TRUE(reply.status == 400 || reply.status == 501) << framing << reply.status;
+      EXPECT_EQ(reply.headers.at("connection"), "close");
+      EXPECT_TRUE(client.Ended()) << framing;
+    }
+  }
+  EXPECT_EQ(asked, 0);
+}
+
+// As much as a client likes to send between the chunks of a body, and nothing of it is kept.
+TEST(HttpServerTest, EndlessChunkExtensionsAndTrailerFieldsAreRefused) {
+  auto server = StartServer(EchoRoutes());
+  const std::string head = absl::StrCat("POST /length HTTP/1.1\r\nHost: localhost:", server->port(),
+                                        "\r\nTransfer-Encoding: chunked\r\n\r\n");
+  for (const std::string& begin :
+       {std::string("f;a="), std::string("0\r\nX: "), std::string("1\r\nx\r\n1;")}) {
+    HttpClient client(server->port());
+    client.Send(head + begin);
+    for (int i = 0; i < 100 && client.Send(std::string(65536, 'x')); ++i) {
+    }
+    const HttpReply reply = client.Receive();
+    EXPECT_TRUE(reply.status == 400 || reply.status == 431) << begin << reply.status;
+    EXPECT_TRUE(client.Ended());
+  }
 }
 
 // As health checks of load balancers ask.
@@ -284,6 +338,7 @@ TEST(HttpServerTest, HeaderLimit) {
 TEST(HttpServerTest, SlowClientsAreClosed) {
   HttpServerOptions options;
   options.idle_timeout = std::chrono::milliseconds(50);
+  options.header_timeout = std::chrono::milliseconds(50);
   options.body_timeout = std::chrono::milliseconds(50);
   auto server = StartServer(EchoRoutes(), options);
   HttpClient silent(server->port());
@@ -297,23 +352,55 @@ TEST(HttpServerTest, SlowClientsAreClosed) {
   EXPECT_TRUE(half_a_body.Ended());
 }
 
-TEST(HttpServerTest, ConnectionLimitTurnsAway) {
+TEST(HttpServerTest, ConnectionLimitTurnsAwayWhereAllWork) {
   HttpServerOptions options;
   options.connections = 2;
-  auto server = StartServer(EchoRoutes(), options);
-  auto first = std::make_unique<HttpClient>(server->port());
-  HttpClient second(server->port());
-  EXPECT_EQ(first->Ask("GET", "/hello").status, 200);
-  EXPECT_EQ(second.Ask("GET", "/hello").status, 200);
+  HttpRoutes routes = EchoRoutes();
+  absl::Mutex mutex;
+  std::vector<std::shared_ptr<HttpExchange>> kept;
+  routes.Add("GET", "/wait", [&](std::shared_ptr<HttpExchange> e) {
+    absl::MutexLock lock(&mutex);
+    kept.push_back(std::move(e));
+  });
+  auto server = StartServer(std::move(routes), options);
+  HttpClient first(server->port()), second(server->port());
+  const std::string wait = absl::StrCat("GET /wait HTTP/1.1\r\nHost: localhost:", server->port(), "\r\n\r\n");
+  first.Send(wait);
+  second.Send(wait);
+  {
+    const auto both = [&kept] { return kept.size() == 2; };
+    absl::MutexLock lock(&mutex);
+    mutex.Await(absl::Condition(&both));
+  }
   HttpClient third(server->port());
   const HttpReply reply = third.Receive();
   EXPECT_EQ(reply.status, 503);
   EXPECT_THAT(reply.body, HasSubstr("the limit http_connections is 2"));
   third.Close();
-  first.reset();
-  while (server->counts().open > 1) std::this_thread::yield();
+  kept.front()->Respond(TextResponse(200, "done"));
+  EXPECT_EQ(first.Receive().body, "done\n");
   HttpClient fourth(server->port());
-  EXPECT_EQ(fourth.Ask("GET", "/hello").status, 200);
+  EXPECT_EQ(fourth.Ask("GET", "/hello").status, 200) << "in the place of the first, which is idle now";
+  EXPECT_TRUE(first.Ended());
+  kept.back()->Respond(TextResponse(200, "done"));
+  EXPECT_EQ(second.Receive().body, "done\n");
+}
+
+// As many clients as there are places, that send next to nothing and take their time.
+TEST(HttpServerTest, SlowClientsMakeRoomForOthers) {
+  HttpServerOptions options;
+  options.connections = 8;
+  auto server = StartServer(EchoRoutes(), options);
+  std::vector<std::unique_ptr<HttpClient>> slow;
+  for (int i = 0; i < 20; ++i) {
+    slow.push_back(std::make_unique<HttpClient>(server->port()));
+    if (i % 2 == 0) slow.back()->Send("GET /hello HTTP/1.1\r\nX-Slow:");
+  }
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(HttpClient(server->port()).Ask("GET", "/hello").body, "hello\n");
+  }
+  EXPECT_GT(server->counts().slow_closed, 0u);
+  EXPECT_TRUE(slow.front()->Ended()) << "the one that has waited the longest";
 }
 
 TEST(HttpServerTest, ContinueIsSentToThoseWhoWait) {

@@ -28,7 +28,7 @@ class HttpSparqlTest : public ::testing::Test {
 
   void Start(Limits limits, int workers = 2, size_t queue = 100) {
     server_.reset();
-    pool_ = std::make_unique<WorkerPool>(workers, /*open=*/8, queue);
+    pool_ = std::make_unique<WorkerPool>(WorkerPoolLimits{workers, /*open=*/8, queue});
     GraphWriter writer(std::make_shared<const GraphVersion>());
     Tell(writer, "urn:r1", Term::Iri("urn:b3"), kDefaultGraph);
     Tell(writer, "urn:r2", Term::Iri("urn:b4"), "urn:g");

@@ -1,4 +1,5 @@
 #include "kb_server/work/http_message.h"
+#include "graph/base/overload.h"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +17,12 @@ TEST(HttpMessageTest, PercentDecoding) {
 }
 
 TEST(HttpMessageTest, Forms) {
-  EXPECT_EQ(ParseForm(""), HttpFields{});
-  EXPECT_EQ(ParseForm("a=1&&b=x%3Dy&a=&c"), (HttpFields{{"a", "1"}, {"b", "x=y"}, {"a", ""}, {"c", ""}}));
-  EXPECT_EQ(ParseForm("a=1&b=%"), std::nullopt);
+  EXPECT_EQ(*ParseForm(""), HttpFields{});
+  EXPECT_EQ(*ParseForm("a=1&&b=x%3Dy&a=&c"), (HttpFields{{"a", "1"}, {"b", "x=y"}, {"a", ""}, {"c", ""}}));
+  EXPECT_EQ(ParseForm("a=1&b=%").status().message(), "there is a broken %-escape");
+  EXPECT_EQ(ParseForm("a&b&c", 3)->size(), 3u);
+  EXPECT_EQ(ParseForm("a&b&c", 2).status().message(),
+            "there are more parameters than the limit http_parameters = 2");
 }
 
 TEST(HttpMessageTest, HeadersOfOneNameAreJoined) {
@@ -57,7 +61,9 @@ TEST(HttpMessageTest, StatusCodes) {
   EXPECT_EQ(ErrorResponse(absl::InvalidArgumentError("line 1")).status, 400);
   EXPECT_EQ(ErrorResponse(absl::InvalidArgumentError("line 1")).body, "line 1\n");
   EXPECT_EQ(ErrorResponse(absl::DeadlineExceededError("")).status, 504);
-  EXPECT_EQ(ErrorResponse(absl::ResourceExhaustedError("")).status, 503);
+  EXPECT_EQ(ErrorResponse(absl::ResourceExhaustedError("")).status, 413);
+  EXPECT_EQ(ErrorResponse(OverloadError("")).status, 503);
+  EXPECT_EQ(ErrorResponse(OverloadError("")).headers, (HttpFields{{"Retry-After", "1"}}));
   EXPECT_EQ(ErrorResponse(absl::UnimplementedError("")).status, 501);
   EXPECT_EQ(ErrorResponse(absl::InternalError("")).status, 500);
 }

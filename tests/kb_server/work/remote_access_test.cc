@@ -162,7 +162,7 @@ TEST_F(RemoteAccessHttpTest, TheQuerysOwnTimeHoldsForAnEndpointThatIsSlow) {
 
 TEST_F(RemoteAccessHttpTest, WhoWaitsForAnotherServerLetsOthersRun) {
   absl::Notification asked, go;
-  WorkerPool pool(1, 2, 10);
+  WorkerPool pool({1, 2, 10});
   std::shared_ptr<HttpExchange> kept;
   Serve([&](std::shared_ptr<HttpExchange> e) {
     kept = std::move(e);

@@ -164,6 +164,39 @@ TEST(WriterTest, ABatchThatTheLogCannotHoldIsRefusedAlone) {
   EXPECT_EQ(again.Quads(), node.Quads());
 }
 
+TEST(WriterTest, WhatWentIntoALostLogIsNotAcknowledged) {
+  FakeLog log;
+  Node node(&log);
+  node.Begin();
+  ASSERT_TRUE(node.Ask(test::WorldFacts()).ok());
+  EXPECT_TRUE(node.writer->LogStatus().ok());
+  log.lost_answer = log.place = absl::UnavailableError("the data folder is gone");
+  const auto refused = node.Ask(Named("a", Tell({Fact("John", "docent:isAt", "Hall")})));
+  EXPECT_EQ(refused.status().message(), "the data folder is gone") << "though the log that is lost has it";
+  EXPECT_FALSE(node.writer->LogStatus().ok());
+  log.lost_answer = log.place = absl::OkStatus();
+  EXPECT_TRUE(node.Ask(Named("b", Tell({Fact("John", "docent:isAt", "Hall")}))).ok());
+}
+
+TEST(WriterTest, TheLogIsAskedAgainThoughNothingIsWritten) {
+  FakeLog log;
+  Node node(&log);
+  node.Begin();
+  log.refusal = absl::ResourceExhaustedError("the disk is full");
+  ASSERT_FALSE(node.Ask(test::WorldFacts()).ok());
+  while (node.writer->LogStatus().ok()) absl::SleepFor(absl::Milliseconds(1));
+  node.writer->AskLogAgain();
+  absl::SleepFor(absl::Milliseconds(20));
+  EXPECT_EQ(node.writer->LogStatus().message(), "the disk is full");
+  ASSERT_FALSE(node.Ask(test::WorldFacts()).ok());  // the writer is between two questions to the log
+  log.refusal = absl::OkStatus();
+  for (int i = 0; i < 6000 && !node.writer->LogStatus().ok(); ++i) {
+    node.writer->AskLogAgain();
+    absl::SleepFor(absl::Milliseconds(10));
+  }
+  EXPECT_TRUE(node.writer->LogStatus().ok());
+}
+
 TEST(WriterTest, AnAppendWhoseAnswerWasLostIsJudgedByWhatTheLogHas) {
   FakeLog log;
   test::ScriptedAdapter adapter;
