@@ -16,6 +16,7 @@ EXIT_STATUS = """0 is success, 1 a negative answer as each command says, 2 bad u
 be written."""
 ENVIRONMENT = {
     "docent": [("DOCENT_SERVER", "Address of the server, where --server is not given."),
+               ("DOCENT_GRPC, DOCENT_HTTP", "Addresses that docent serve listens at, where --grpc and --http are not given."),
                ("NO_COLOR", "If it is not empty, no colours are used."),
                ("COLUMNS", "Width of the help, where standard output is no terminal."),
                ("XDG_STATE_HOME", "The data folder is docent in this folder, by default ~/.local/state.")],
