@@ -15,7 +15,7 @@ sys.path.insert(0, str(ROOT / "packaging"))
 from man_page import Help  # noqa: E402
 
 SHARE = "/usr/share/docent"
-NOTE = "<!-- Made by scripts/reference from the program. Edit the program's own texts, then run scripts/reference. -->\n"
+NOTE = "\n<!-- Made by scripts/reference from the program. Edit the program's own texts, then run scripts/reference. -->\n"
 MEMORY_UNITS = ((30, "GiB"), (20, "MiB"), (10, "KiB"))
 TIME_UNITS = ((3600000, "h"), (60000, "min"), (1000, "s"))
 
@@ -105,8 +105,7 @@ def command_section(program, path, level, common):
 
 
 def cli_page(programs):
-    intro = """# Command line
-
+    intro = """
 Every command tells its options with `--help`. The exit code is 0 when all went well, 1 when the answer is no (an ASK is
 false, a check found errors, a run failed), and 2 when the command could not be carried out, or its output not written.
 
@@ -123,7 +122,7 @@ ontology modules, rule sets and workflows declare. The same prefixes may be used
         section = command_section(program, [], 2, common if program.name == "docent" else [])
         head, _, rest = section.partition("\n")
         parts.append(f"{head}\n\n{sentence(cell(told.description))}\n\n{table(['command', 'purpose'], rows)}{rest}")
-    return NOTE + intro + "\n" + "\n".join(parts)
+    return "# Command line\n" + NOTE + intro + "\n" + "\n".join(parts)
 
 
 # ---- metrics ----------------------------------------------------------------------------------------------------------------
@@ -143,8 +142,7 @@ def metrics_page(text):
             families[name]["labels"] |= set(re.findall(r'(\w+)="', series[2])) - {"le"}
     rows = [[f"`{name}`", family["TYPE"], ", ".join(f"`{label}`" for label in sorted(family["labels"])),
              sentence(cell(family["HELP"]))] for name, family in sorted(families.items())]
-    return NOTE + """# Metrics
-
+    return "# Metrics\n" + NOTE + """
 `http://HOST:PORT/metrics` of a server answers in the text format of Prometheus. A counter only grows until the server
 ends. A histogram has the series `_bucket` (with the label `le`), `_sum` and `_count`. Times are in seconds.
 
@@ -213,8 +211,7 @@ def limits_page():
             sections.setdefault(section or of_file, []).append([f"`{name}`", quantity(name, value), sentence(cell(meaning))])
         for section, rows in sections.items():
             parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "what it limits"], rows))
-    return NOTE + """# Limits
-
+    return "# Limits\n" + NOTE + """
 Every queue, loop, query, message and document of Docent has a limit with a name. An error at a limit says the name and the
 value. Those that the [command line](cli.md#docent-serve) of `docent serve` sets have an option of the same name; the others are
 fixed when the program is built.
@@ -232,8 +229,7 @@ def findings_page(docent):
         f"{cell(kind['remedy'])}\n".replace("in files of all", "in all files") for kind in told["findings"])
     components = table(["parameter", "component in the report"],
                        [[f"`sh:{c['parameter']}`", f"`sh:{c['component']}ConstraintComponent`"] for c in told["components"]])
-    return NOTE + f"""# Findings
-
+    return "# Findings\n" + NOTE + f"""
 ## docent check
 
 `docent check` reports findings with file, line, column, what is wrong and a remedy. `--json` gives one object a line; its
@@ -291,8 +287,7 @@ def ontology_page(server, prefixes):
                                   ("Individuals", ["word", "is a", "meaning"], others)):
             if rows:
                 parts.append(f"**{title}**\n\n{table(head, rows)}")
-    return NOTE + """# Ontology
-
+    return "# Ontology\n" + NOTE + """
 The words of `https://w3id.org/docent#` (prefix `docent:`), as `/usr/share/docent/ontology/*.ttl` defines them. A property
 marked *state* is a state property: a new value replaces the old one that the same source told.
 
