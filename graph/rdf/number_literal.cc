@@ -12,9 +12,19 @@
 namespace docent {
 namespace {
 
-constexpr std::string_view kOfInteger[] = {
-    "integer",       "int",          "long",         "short",         "byte",         "nonNegativeInteger", "positiveInteger",
-    "nonPositiveInteger", "negativeInteger", "unsignedInt", "unsignedLong", "unsignedShort", "unsignedByte"};
+constexpr std::string_view kOfInteger[] = {"integer",
+                                           "int",
+                                           "long",
+                                           "short",
+                                           "byte",
+                                           "nonNegativeInteger",
+                                           "positiveInteger",
+                                           "nonPositiveInteger",
+                                           "negativeInteger",
+                                           "unsignedInt",
+                                           "unsignedLong",
+                                           "unsignedShort",
+                                           "unsignedByte"};
 
 size_t SkipDigits(std::string_view text, size_t* at) {
   const size_t first = *at;

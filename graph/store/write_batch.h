@@ -48,7 +48,8 @@ struct Document {
   Kind kind = Kind::kOntology;
   Action action = Action::kPut;
   std::string name;  // unique within its kind; putting it again replaces it
-  std::string text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
+  std::string
+      text;  // as the user wrote it. Ontologies: their prefix declarations; their quads are this batch's `operations`
   std::shared_ptr<const ParsedText> parsed;  // of `text`; null: not parsed yet
 
   friend bool operator==(const Document& a, const Document& b) {

@@ -14,11 +14,16 @@ namespace {
 // The prefix of a word prefix:local; nullopt: it is none, as in "12:30" or "note: two words".
 std::optional<std::string> PrefixOf(std::string_view value) {
   const size_t colon = value.find(':');
-  if (colon == std::string_view::npos || colon == 0 || !absl::ascii_isalpha(static_cast<unsigned char>(value[0])))
+  if (colon == std::string_view::npos || colon == 0 ||
+      !absl::ascii_isalpha(static_cast<unsigned char>(value[0])))
     return std::nullopt;
-  const auto is_name = [](unsigned char c) { return absl::ascii_isalnum(c) || c >= 0x80 || c == '_' || c == '-' || c == '.'; };
-  if (!std::all_of(value.begin(), value.begin() + static_cast<ptrdiff_t>(colon), is_name)) return std::nullopt;
-  if (std::any_of(value.begin(), value.end(), [](unsigned char c) { return absl::ascii_isspace(c); })) return std::nullopt;
+  const auto is_name = [](unsigned char c) {
+    return absl::ascii_isalnum(c) || c >= 0x80 || c == '_' || c == '-' || c == '.';
+  };
+  if (!std::all_of(value.begin(), value.begin() + static_cast<ptrdiff_t>(colon), is_name))
+    return std::nullopt;
+  if (std::any_of(value.begin(), value.end(), [](unsigned char c) { return absl::ascii_isspace(c); }))
+    return std::nullopt;
   return std::string(value.substr(0, colon));
 }
 
@@ -26,7 +31,8 @@ std::optional<std::string> PrefixOf(std::string_view value) {
 xml::Prefixes Needed(std::string_view value, const PrefixLookup& prefixes) {
   xml::Prefixes needed;
   std::string_view word = value;
-  if (const size_t datatype = value.rfind("^^"); !value.empty() && (value[0] == '"' || value[0] == '\'') && datatype != std::string_view::npos)
+  if (const size_t datatype = value.rfind("^^");
+      !value.empty() && (value[0] == '"' || value[0] == '\'') && datatype != std::string_view::npos)
     word = value.substr(datatype + 2);
   if (const std::optional<std::string> prefix = PrefixOf(word)) {
     if (std::optional<std::string> iri = prefixes(*prefix)) needed.emplace(*prefix, *std::move(iri));
@@ -40,7 +46,8 @@ absl::Status Refused(const std::string& given, std::string_view why, std::string
 
 }  // namespace
 
-absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text, const PrefixLookup& prefixes) {
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text,
+                                                           const PrefixLookup& prefixes) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     return Refused(text, "it is not NAME=VALUE", "e.g. user=expo:John");
@@ -54,8 +61,8 @@ absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& te
       return Refused(text, "the IRI holds a character that may not stand in one", "");
     }
     return Refused(text, Concat("the prefix ", *prefix, ": is not known"),
-                   Concat("declare it with --prefix ", *prefix, "=IRI, write the IRI whole as '", name, "=<…>', or quote a text: '",
-                          name, "=\"", value, "\"'"));
+                   Concat("declare it with --prefix ", *prefix, "=IRI, write the IRI whole as '", name,
+                          "=<…>', or quote a text: '", name, "=\"", value, "\"'"));
   }
   xml::TermError error;
   std::optional<Term> term = xml::ParseTerm(value, Needed(value, prefixes), &error);

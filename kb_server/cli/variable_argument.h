@@ -18,13 +18,15 @@ using PrefixLookup = std::function<std::optional<std::string>(std::string_view p
 
 // What --help says of VALUE.
 inline constexpr char kVariableValueHelp[] =
-    "VALUE: <IRI>, prefix:name (of --prefix, the well-known prefixes or the server's ontologies), a number, true, false, "
+    "VALUE: <IRI>, prefix:name (of --prefix, the well-known prefixes or the server's ontologies), a number, "
+    "true, false, "
     "\"text\" with @language or ^^datatype, or anything else as a text";
 
 // The value is an IRI for <iri>, prefix:local with a known prefix, and what is an IRI by "://" or "urn:"; a literal for "text",
 // "text"@en, "1"^^xsd:decimal (single quotes, too), numbers, true and false; a plain text otherwise. INVALID_ARGUMENT, with
 // what to write instead: no NAME=, a prefix that is not known, a malformed term.
-absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text, const PrefixLookup& prefixes);
+absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text,
+                                                           const PrefixLookup& prefixes);
 
 }  // namespace docent
 

@@ -72,15 +72,17 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
                         out->add_operations(OperationOfIri(operation.lexical).value_or(operation.lexical));
                       }
                       out->set_last_seen_us(MicrosOfDateTime(graph.Object(robot, DocentIri("lastSeenAt"))));
-                      const auto measure = [&](const char* local) { return MeasureOf(local, graph.Objects(robot, DocentIri(local))); };
-          const auto x = measure("x"), y = measure("y"), heading = measure("heading");
-          if (x && y) {
-            out->set_has_pose(true);
-            out->set_x_m(*x);
-            out->set_y_m(*y);
-            if (heading) out->set_heading_rad(*heading);
-          }
-          for (const Term& region : graph.Objects(robot, DocentIri("isAt")))
+                      const auto measure = [&](const char* local) {
+                        return MeasureOf(local, graph.Objects(robot, DocentIri(local)));
+                      };
+                      const auto x = measure("x"), y = measure("y"), heading = measure("heading");
+                      if (x && y) {
+                        out->set_has_pose(true);
+                        out->set_x_m(*x);
+                        out->set_y_m(*y);
+                        if (heading) out->set_heading_rad(*heading);
+                      }
+                      for (const Term& region : graph.Objects(robot, DocentIri("isAt")))
                         out->add_regions(region.lexical);
                     }
                     reactor->Finish(grpc::Status::OK);

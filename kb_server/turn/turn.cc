@@ -27,8 +27,8 @@ absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint
   // Without a cancellation the log is replayed, whose texts were accepted.
   const RuleTextOrigin origin =
       stages->cancellation != nullptr ? RuleTextOrigin::kNew : RuleTextOrigin::kAccepted;
-  const DocumentStages documents{&stages->rules, &stages->engine, stages->dictionary,
-                                 stages->writer.current(), stages->limits, origin};
+  const DocumentStages documents{&stages->rules,           &stages->engine, stages->dictionary,
+                                 stages->writer.current(), stages->limits,  origin};
   absl::StatusOr<std::vector<QuadOperation>> brought_about =
       stages->documents.Apply(batch, Revision(offset), documents);
   if (!brought_about.ok()) return brought_about.status();

@@ -35,10 +35,12 @@ absl::Status CheckMeasure(std::string_view predicate, const Term& value, const s
   const Range* range = RangeOf(predicate);
   if (range == nullptr && !IsNumberLiteral(value)) return absl::OkStatus();
   const std::optional<double> number = FiniteNumber(value);
-  const std::string of = predicate.empty() ? what : absl::StrCat(what, ": ", ToDisplay(Term::Iri(std::string(predicate))));
+  const std::string of =
+      predicate.empty() ? what : absl::StrCat(what, ": ", ToDisplay(Term::Iri(std::string(predicate))));
   if (range != nullptr && (!number || *number < range->least || *number > range->most)) {
-    return absl::InvalidArgumentError(absl::StrCat(of, " is ", ToDisplay(value), "; it must be a number from ", range->least,
-                                                   " to ", range->most, " (", ToAbsl(range->unit), ")"));
+    return absl::InvalidArgumentError(absl::StrCat(of, " is ", ToDisplay(value),
+                                                   "; it must be a number from ", range->least, " to ",
+                                                   range->most, " (", ToAbsl(range->unit), ")"));
   }
   if (number) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(

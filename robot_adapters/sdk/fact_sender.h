@@ -105,7 +105,7 @@ class FactSender {
   std::deque<Batch> queue_ ABSL_GUARDED_BY(mutex_);
   std::map<StateKey, std::optional<Term>> told_ ABSL_GUARDED_BY(mutex_);  // newest value of each state
   std::map<StateKey, Term> sent_ ABSL_GUARDED_BY(mutex_);                 // what the server has or is getting
-  std::set<StateKey> unmeasured_ ABSL_GUARDED_BY(mutex_);  // whose newest value was no measure
+  std::set<StateKey> unmeasured_ ABSL_GUARDED_BY(mutex_);                 // whose newest value was no measure
   bool sending_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   uint64_t requests_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -168,7 +168,8 @@ TEST_F(ServerContextTest, WhatCannotBeMeasuredIsNotTold) {
   StartServer();
   const uint64_t revision = Revision();
   const auto refused = [this](const std::string& facts, const std::string& why) {
-    const grpc::Status status = Assert(Turtle("@prefix xsd: <http://www.w3.org/2001/XMLSchema#> . " + facts + " ."));
+    const grpc::Status status =
+        Assert(Turtle("@prefix xsd: <http://www.w3.org/2001/XMLSchema#> . " + facts + " ."));
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << facts;
     EXPECT_THAT(status.error_message(), HasSubstr(why)) << facts;
   };

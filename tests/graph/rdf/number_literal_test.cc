@@ -24,7 +24,8 @@ TEST(NumberLiteral, FiniteOnesHaveAValue) {
 }
 
 TEST(NumberLiteral, OthersHaveNone) {
-  for (const char* text : {"NaN", "INF", "-INF", "+INF", "nan", "inf", "infinity", "1e400", "0x10", "", "1,5", " 1", "1 ", "e5", ".", "1e"})
+  for (const char* text : {"NaN", "INF", "-INF", "+INF", "nan", "inf", "infinity", "1e400", "0x10", "", "1,5",
+                           " 1", "1 ", "e5", ".", "1e"})
     EXPECT_FALSE(Value(text, "double")) << text;
   EXPECT_FALSE(Value("1e3", "decimal"));
   EXPECT_FALSE(Value("1.0", "integer"));

@@ -66,7 +66,8 @@ TEST(VariableArgument, NumbersAndBooleansHaveTheirTypes) {
 }
 
 TEST(VariableArgument, AnythingElseIsAText) {
-  for (const char* text : {"John", "", "Tour A", "12:30", "note: two words", "a=b", "nan", "inf", ":x", "1,5"})
+  for (const char* text :
+       {"John", "", "Tour A", "12:30", "note: two words", "a=b", "nan", "inf", ":x", "1,5"})
     EXPECT_EQ(Value(text), Term::Literal(text)) << text;
 }
 
