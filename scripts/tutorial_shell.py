@@ -45,7 +45,7 @@ class Terminal:
         """What is printed in whole lines, and once the command has ended, what it left in the last one."""
         text = self.output if self._end() else self.output[:self.output.rfind("\n") + 1]
         text = re.sub(f"{END} \\d+\n", "", text).replace("\r\n", "\n")
-        return text.removesuffix("\n").split("\n") if text else []
+        return [line.rstrip() for line in text.removesuffix("\n").split("\n")] if text else []
 
     def give(self, command):
         if command == INTERRUPT:

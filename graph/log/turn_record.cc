@@ -49,12 +49,13 @@ std::string ToDisplay(const RobotCommand& command) {
   for (const auto& [name, value] : command.arguments) {
     absl::StrAppend(&arguments, arguments.empty() ? "" : ", ", name, "=", ToDisplay(value));
   }
-  return absl::StrCat(
-      command.id.value(), " to ", command.robot.value(), ": ", command.operation, "(", arguments,
-      "), guard as of ", command.guard_revision.value(), ", deadline ", command.deadline_us, " us, ",
-      command.expected_incarnation.empty() ? "any incarnation"
-                                           : absl::StrCat("incarnation ", command.expected_incarnation),
-      command.idempotent ? ", idempotent" : "");
+  return absl::StrCat(command.id.value(), " to ", ToDisplay(Term::Iri(command.robot.value())), ": ",
+                      command.operation, "(", arguments, "), guard as of ", command.guard_revision.value(),
+                      ", deadline ", command.deadline_us, " us, ",
+                      command.expected_incarnation.empty()
+                          ? "any incarnation"
+                          : absl::StrCat("incarnation ", command.expected_incarnation),
+                      command.idempotent ? ", idempotent" : "");
 }
 
 }  // namespace docent
