@@ -195,8 +195,8 @@ def read_limits(text):
         statement += " " + code.strip()
         field = re.fullmatch(r"\s*[\w:]+ (\w+)\s*=\s*([^;]+);\s*", statement)
         if field:
-            meaning = " ".join([comment, *([" ".join(pending)] if pending else [])])
-            rows.append((section, field[1], number_of(field[2]), meaning.strip()))
+            sentences = [text.rstrip(".") for text in (comment, " ".join(pending)) if text]
+            rows.append((section, field[1], number_of(field[2]), ". ".join(text[0].upper() + text[1:] for text in sentences)))
         if statement.rstrip().endswith((";", "}")):
             statement, pending = "", []
     return rows
@@ -208,6 +208,8 @@ def limits_page():
         of_file = {"limits.h": ""}.get(path.name, path.name.removesuffix("_limits.h"))
         sections = {}
         for section, name, value, meaning in read_limits(path.read_text()):
+            if not meaning:
+                raise ValueError(f"{path}: the limit {name} has no comment that says what it limits")
             sections.setdefault(section or of_file, []).append([f"`{name}`", quantity(name, value), sentence(cell(meaning))])
         for section, rows in sections.items():
             parts.append(f"## {sentence(section).rstrip('.')}\n\n" + table(["limit", "value", "what it limits"], rows))

@@ -10,12 +10,11 @@ namespace docent {
 struct CheckLimits {
   size_t check_diagnostics =
       1000;  // findings of `docent check` in one file, and about the shapes of one validation
-  size_t validation_results = 10000;  // kept of one SHACL report; the others are counted
-  size_t check_facts =
-      300000;  // told, and inferred besides, up to which `docent check` looks for inconsistencies
-  int check_consistency_ms = 20000;    // for that
-  size_t check_inconsistencies = 100;  // of which it says why; the others are counted
-  int shape_nesting = 64;  // shapes that refer to each other, one behind the other; paths inside each other
+  size_t validation_results = 10000;  // results kept of one SHACL report; the others are counted
+  size_t check_facts = 300000;  // told and inferred facts in which `docent check` looks for contradictions
+  int check_consistency_ms = 20000;    // time to look for contradictions in the files of one check
+  size_t check_inconsistencies = 100;  // contradictions that are explained; the others are counted
+  int shape_nesting = 64;              // shapes that refer to each other in a chain; paths inside each other
 };
 
 }  // namespace docent

@@ -8,8 +8,8 @@ namespace docent {
 
 struct DocumentLimits {
   // RDF/XML documents
-  int rdf_xml_nesting = 4096;    // elements inside each other: lists may be written so
-  size_t xml_attributes = 1024;  // of one element, and prefixes in scope
+  int rdf_xml_nesting = 4096;    // elements inside each other in RDF/XML, where lists may be nested so
+  size_t xml_attributes = 1024;  // attributes of one element, and prefixes in scope
   int xml_entity_nesting = 16;   // entities inside each other
   size_t xml_entity_growth =
       100;  // bytes of entities, written out, for each byte of a document; 1 MiB in any case

@@ -8,11 +8,11 @@
 namespace docent {
 
 struct ExplainLimits {
-  size_t explain_steps = 200000;        // of the search for one explanation
-  size_t explain_facts = 10000;         // in one proof
+  size_t explain_steps = 200000;        // steps of the search for one explanation
+  size_t explain_facts = 10000;         // facts in one proof
   int explain_changes = 6;              // facts missing or in the way, in one set of a why-not
-  size_t explain_log_records = 100000;  // newest records that are read for who told a fact and when
-  size_t what_if_operations = 10000;    // hypothetical facts of one question
+  size_t explain_log_records = 100000;  // newest records that are read to find who told a fact and when
+  size_t what_if_operations = 10000;    // facts in one what-if question
 };
 
 }  // namespace docent

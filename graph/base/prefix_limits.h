@@ -8,9 +8,9 @@ namespace docent {
 
 // Prefixes beyond a limit are left out: their IRIs are printed whole.
 struct PrefixLimits {
-  size_t module_prefixes = 256;  // of one ontology module, in the order of their declarations
-  size_t prefix_bytes = 1024;    // of its name and its namespace together
-  size_t known_prefixes = 4096;  // of all modules, rule sets and workflows
+  size_t module_prefixes = 256;  // prefixes kept of one ontology module, in the order of their declarations
+  size_t prefix_bytes = 1024;    // name and namespace of one prefix together
+  size_t known_prefixes = 4096;  // prefixes known of all ontology modules, rule sets and workflows
 };
 
 }  // namespace docent

@@ -8,7 +8,7 @@
 namespace docent {
 
 struct RegexLimits {
-  size_t regex_pattern_bytes = 64u << 10;  // of the text of one expression
+  size_t regex_pattern_bytes = 64u << 10;  // text of one expression
   int regex_nesting = 200;                 // groups inside groups, classes inside classes
   // Characters, classes, anchors, groups and alternatives of one expression, each counted as often as the quantifiers
   // around it repeat it: x{1000} is a thousand.

@@ -8,9 +8,10 @@
 namespace docent {
 
 struct WorkflowLimits {
-  size_t condition_alternatives = 256;  // of a context, case or expression when its `or`s are carried outside
-  size_t condition_parts = 10000;       // constraints and events in these alternatives together
-  size_t name_bytes = 256;              // of a workflow, flow, node, process, operation and the like
+  size_t condition_alternatives =
+      256;  // alternatives of a context, case or expression when its `or`s are carried outside
+  size_t condition_parts = 10000;  // constraints and events in these alternatives together
+  size_t name_bytes = 256;         // name of a workflow, flow, node, process, operation and the like
 };
 
 inline constexpr WorkflowLimits kWorkflowLimits;
