@@ -7,6 +7,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/base/text.h"
 #include "graph/rdf/term_check.h"
+#include "graph/rdf/utf8.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent::xml {
@@ -63,6 +64,24 @@ std::optional<Term> ParseIri(std::string_view text, TermError* error) {
   return Term::Iri(std::string(iri));
 }
 
+// What "u00E9" or "U0001F916" at the beginning of `text` stands for (Turtle, section 6.4); how many hexadecimal digits it has.
+// 0: it is no such escape.
+size_t AppendCodePoint(std::string_view text, std::string* out) {
+  const size_t digits = text.empty() ? 0 : text[0] == 'u' ? 4 : text[0] == 'U' ? 8 : 0;
+  if (digits == 0 || text.size() <= digits) return 0;
+  char32_t c = 0;
+  for (const char digit : text.substr(1, digits)) {
+    if (!absl::ascii_isxdigit(static_cast<unsigned char>(digit))) return 0;
+    c = c * 16 +
+        static_cast<char32_t>(absl::ascii_isdigit(static_cast<unsigned char>(digit))
+                                  ? digit - '0'
+                                  : absl::ascii_tolower(static_cast<unsigned char>(digit)) - 'a' + 10);
+  }
+  if (c == 0 || c > 0x10FFFF || (c >= 0xD800 && c <= 0xDFFF)) return 0;
+  AppendUtf8(c, out);
+  return digits;
+}
+
 // "…" or '…' with what follows.
 std::optional<Term> ParseQuoted(std::string_view text, const Prefixes& prefixes, TermError* error) {
   std::string value;
@@ -73,9 +92,14 @@ std::optional<Term> ParseQuoted(std::string_view text, const Prefixes& prefixes,
       continue;
     }
     static constexpr std::string_view kEscapes = "\\\"'nrt", kValues = "\\\"'\n\r\t";
+    if (const size_t digits = AppendCodePoint(text.substr(i + 1), &value); digits > 0) {
+      i += digits + 1;
+      continue;
+    }
     size_t which = i + 1 < text.size() ? kEscapes.find(text[i + 1]) : std::string_view::npos;
     if (which == std::string_view::npos) {
-      return Fail(error, i, 2, "an unknown escape in a literal", "known are \\\\ \\\" \\' \\n \\r \\t");
+      return Fail(error, i, 2, "an unknown escape in a literal",
+                  "known are \\\\ \\\" \\' \\n \\r \\t \\uXXXX \\UXXXXXXXX");
     }
     value.push_back(kValues[which]);
     ++i;

@@ -24,6 +24,9 @@ TEST(TermText, ReadsEachForm) {
   EXPECT_EQ(Parse("<urn:x:y>"), Term::Iri("urn:x:y"));
   EXPECT_EQ(Parse("\"a \\\"b\\\"\\n\""), Term::Literal("a \"b\"\n"));
   EXPECT_EQ(Parse("'a'"), Term::Literal("a"));
+  EXPECT_EQ(Parse("\"\\u00e9 \\U0001F916\""), Term::Literal("é 🤖"));
+  for (const char* bad : {"\"\\u00e\"", "\"\\uD800\"", "\"\\U00110000\"", "\"\\u\"", "\"\\u0000\""})
+    EXPECT_FALSE(Parse(bad)) << bad;
   EXPECT_EQ(Parse("\"a\"@EN-gb"), Term::LangString("a", "en-gb"));
   EXPECT_EQ(Parse("\"1\"^^xsd:decimal"), Term::Literal("1", std::string(kXsdDecimal)));
   EXPECT_EQ(Parse("\"1\"^^<urn:t>"), Term::Literal("1", "urn:t"));
