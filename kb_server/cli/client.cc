@@ -8,28 +8,12 @@
 #include <iostream>
 #include <thread>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
-#include "graph/base/text.h"
 #include "graph/rdf/parser.h"
-#include "graph/rdf/vocabulary.h"
 #include "graph/wire/term_proto.h"
 
 namespace docent {
-namespace {
-
-// The object of `_:s <urn:p> TEXT .`, which is how a single term is read with the N-Triples parser.
-absl::StatusOr<Term> ParseNTriplesTerm(const std::string& text) {
-  ParsedRdf parsed = ParseRdf(absl::StrCat("_:s <urn:p> ", text, " .\n"), RdfFormat::kNTriples);
-  if (!parsed.ok() || parsed.quads.size() != 1) {
-    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not an RDF term"));
-  }
-  return parsed.quads[0].object;
-}
-
-}  // namespace
-
 void AddClientOptions(CLI::App* command, ClientOptions* options) {
   command->add_option("--server", options->server, "gRPC address of the server, HOST:PORT")
       ->type_name("ADDRESS")
@@ -92,36 +76,6 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
   }
   std::cout << reply.added() << " added, " << reply.removed() << " removed, " << reply.inferred()
             << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
-}
-
-absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text) {
-  size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) {
-    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\" is not NAME=VALUE"));
-  }
-  std::string name = text.substr(0, equals);
-  std::string value = text.substr(equals + 1);
-  if (absl::StartsWith(value, "<") || absl::StartsWith(value, "\"")) {
-    auto term = ParseNTriplesTerm(value);
-    if (!term.ok()) return term.status();
-    return std::make_pair(name, *term);
-  }
-  for (const auto& [prefix, iri] : kWellKnownPrefixes) {
-    if (absl::StartsWith(value, Concat(prefix, ":"))) {
-      return std::make_pair(name, Term::Iri(Concat(iri, value.substr(prefix.size() + 1))));
-    }
-  }
-  int64_t integer = 0;
-  if (absl::SimpleAtoi(value, &integer)) return std::make_pair(name, Term::Integer(integer));
-  double number = 0;
-  if (absl::SimpleAtod(value, &number)) {
-    return std::make_pair(name, Term::Literal(value, std::string(kXsdDecimal)));
-  }
-  if (value == "true" || value == "false") return std::make_pair(name, Term::Boolean(value == "true"));
-  if (value.find("://") != std::string::npos || absl::StartsWith(value, "urn:")) {
-    return std::make_pair(name, Term::Iri(value));
-  }
-  return std::make_pair(name, Term::Literal(value));
 }
 
 std::string MediaTypeOfFile(const std::string& file) {

@@ -47,10 +47,6 @@ void PrintJson(const google::protobuf::Message& message);
 // What a batch or update did, for people or as JSON, to standard output.
 void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
-// "name=value" where value is N-Triples (<iri>, "text"@en, "1"^^<…>), a prefixed name with a well-known
-// prefix, a number, true/false, or anything else as a plain string.
-absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text);
-
 // What the API calls the format of a file, by its ending; Turtle where that says nothing.
 std::string MediaTypeOfFile(const std::string& file);
 

@@ -14,7 +14,9 @@
 #include "graph/base/text.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
+#include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
@@ -25,6 +27,7 @@ struct RunArguments {
   std::string workflow;
   std::string flow;
   std::vector<std::string> variables;
+  std::vector<std::string> prefixes;
   bool detach = false;
 };
 
@@ -223,8 +226,11 @@ int StartRun(const RunArguments& arguments) {
   v1::StartRequest request;
   request.set_workflow(arguments.workflow);
   request.set_flow(arguments.flow);
+  FactArguments facts([&] { return ServerNames(arguments.client); });
+  if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
   for (const std::string& text : arguments.variables) {
-    auto variable = ParseVariable(text);
+    auto variable =
+        ParseVariable(text, [&facts](std::string_view prefix) { return facts.Namespace(prefix); });
     if (!variable.ok()) return Fail(variable.status());
     v1::NamedTerm* named = request.add_variables();
     named->set_name(variable->first);
@@ -322,11 +328,16 @@ void AddRunCommand(CLI::App* app, int* exit_code) {
   command->add_option("--var", arguments->variables, "A variable of the run")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+  AddPrefixOption(command, &arguments->prefixes);
   command->add_flag("--detach", arguments->detach, "Print the run's id and do not follow it");
-  command->footer(
+  command->footer(absl::StrCat(
+      kVariableValueHelp,
+      "\n"
       "Exit code 1: the run failed or was cancelled.\n"
-      "Example:\n"
-      "  docent run BoothGuide --var booth=https://w3id.org/docent/expo#B03");
+      "Examples:\n"
+      "  docent run BoothGuide --var booth=https://w3id.org/docent/expo#B03\n"
+      "  docent run BoothGuide --prefix expo=https://w3id.org/docent/expo# --var user=expo:John\n"
+      "  docent run BoothGuide --var 'greeting=\"Hello, John\"@en'"));
   command->callback([arguments, exit_code] { *exit_code = StartRun(*arguments); });
 }
 

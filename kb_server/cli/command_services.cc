@@ -8,6 +8,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 #include "kb_server/cli/presenter.h"
+#include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
 
 namespace docent {
@@ -17,6 +18,7 @@ struct ServicesArguments {
   ClientOptions client;
   std::string invoke;
   std::vector<std::string> arguments;
+  std::vector<std::string> prefixes;
   std::string robot;
 };
 
@@ -52,9 +54,12 @@ int ListServices(const ClientOptions& options) {
 int InvokeService(const ServicesArguments& arguments) {
   v1::InvokeServiceRequest request;
   request.set_name(arguments.invoke);
-  request.set_robot(FactArguments([&] { return ServerNames(arguments.client); }).Iri(arguments.robot));
+  FactArguments facts([&] { return ServerNames(arguments.client); });
+  if (absl::Status status = facts.AddPrefixes(arguments.prefixes); !status.ok()) return Fail(status);
+  request.set_robot(facts.Iri(arguments.robot));
   for (const std::string& text : arguments.arguments) {
-    auto variable = ParseVariable(text);
+    auto variable =
+        ParseVariable(text, [&facts](std::string_view prefix) { return facts.Namespace(prefix); });
     if (!variable.ok()) return Fail(variable.status());
     v1::NamedTerm* named = request.add_arguments();
     named->set_name(variable->first);
@@ -89,15 +94,18 @@ void AddServicesCommand(CLI::App* app, int* exit_code) {
   AddShowOptions(command, &arguments->client);
   command->add_option("--invoke", arguments->invoke, "Invoke this service")->type_name("SERVICE");
   command->add_option("--arg", arguments->arguments, "An argument of the service")->type_name("NAME=VALUE");
+  AddPrefixOption(command, &arguments->prefixes);
   command
       ->add_option("--robot", arguments->robot,
                    "Robot that carries it out; by default any that offers all of it")
       ->type_name("IRI");
   command->footer(
-      "Exit code 1: the invoked service failed or was cancelled.\n"
-      "Examples:\n"
-      "  docent services\n"
-      "  docent services --invoke Move2Booth --arg booth=https://w3id.org/docent/expo#B03");
+      absl::StrCat(kVariableValueHelp,
+                   "\n"
+                   "Exit code 1: the invoked service failed or was cancelled.\n"
+                   "Examples:\n"
+                   "  docent services\n"
+                   "  docent services --invoke Move2Booth --arg booth=https://w3id.org/docent/expo#B03"));
   command->callback([arguments, exit_code] {
     *exit_code = arguments->invoke.empty() ? ListServices(arguments->client) : InvokeService(*arguments);
   });

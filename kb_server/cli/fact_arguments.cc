@@ -87,6 +87,13 @@ const std::string* FactArguments::NamespaceOf(const std::string& prefix) const {
   return nullptr;
 }
 
+std::optional<std::string> FactArguments::Namespace(std::string_view prefix) {
+  const std::string name(prefix);
+  const std::string* found = NamespaceOf(name);
+  if (found == nullptr && AskServer()) found = NamespaceOf(name);
+  return found != nullptr ? std::optional<std::string>(*found) : std::nullopt;
+}
+
 std::string FactArguments::Iri(const std::string& text) {
   if (absl::StartsWith(text, "<") && absl::EndsWith(text, ">")) return text.substr(1, text.size() - 2);
   const size_t colon = text.find(':');

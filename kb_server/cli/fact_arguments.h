@@ -3,7 +3,9 @@
 #define DOCENT_KB_SERVER_CLI_FACT_ARGUMENTS_H_
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -30,6 +32,9 @@ class FactArguments {
 
   // An IRI where no Turtle is expected: a name with a known prefix, <…>, or the IRI itself.
   std::string Iri(const std::string& text);
+
+  // What a prefix stands for; nullopt: the server does not know it, either.
+  std::optional<std::string> Namespace(std::string_view prefix);
 
  private:
   std::string Prologue() const;

@@ -41,7 +41,7 @@ xml::Prefixes Needed(std::string_view value, const PrefixLookup& prefixes) {
 }
 
 absl::Status Refused(const std::string& given, std::string_view why, std::string_view remedy) {
-  return absl::InvalidArgumentError(Concat("--var ", given, ": ", why, remedy.empty() ? "" : "; ", remedy));
+  return absl::InvalidArgumentError(Concat(given, ": ", why, remedy.empty() ? "" : "; ", remedy));
 }
 
 }  // namespace

@@ -18,9 +18,11 @@ using PrefixLookup = std::function<std::optional<std::string>(std::string_view p
 
 // What --help says of VALUE.
 inline constexpr char kVariableValueHelp[] =
-    "VALUE: <IRI>, prefix:name (of --prefix, the well-known prefixes or the server's ontologies), a number, "
-    "true, false, "
-    "\"text\" with @language or ^^datatype, or anything else as a text";
+    "VALUE is an IRI, a literal or a text:\n"
+    "  prefix:name, <IRI>    an IRI; a prefix that neither --prefix nor the server knows is an error\n"
+    "  7, 0.5, 1e3, true     a number, a truth value\n"
+    "  \"text\", \"text\"@en     a literal; also \"1\"^^xsd:decimal\n"
+    "  anything else         a text";
 
 // The value is an IRI for <iri>, prefix:local with a known prefix, and what is an IRI by "://" or "urn:"; a literal for "text",
 // "text"@en, "1"^^xsd:decimal (single quotes, too), numbers, true and false; a plain text otherwise. INVALID_ARGUMENT, with

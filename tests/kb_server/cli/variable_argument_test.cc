@@ -33,7 +33,7 @@ TEST(VariableArgument, KnownPrefixesGiveIris) {
 
 TEST(VariableArgument, AnUnknownPrefixIsAnErrorThatSaysWhatToWrite) {
   const std::string refusal = Refusal("user=ex:John");
-  EXPECT_THAT(refusal, HasSubstr("the prefix ex: is not known"));
+  EXPECT_THAT(refusal, HasSubstr("user=ex:John: the prefix ex: is not known"));
   EXPECT_THAT(refusal, HasSubstr("--prefix ex=IRI"));
   EXPECT_THAT(refusal, HasSubstr("'user=<…>'"));
   EXPECT_THAT(refusal, HasSubstr("'user=\"ex:John\"'"));
