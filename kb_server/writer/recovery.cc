@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "graph/log/record_codec.h"
 #include "spdlog/spdlog.h"
@@ -16,15 +17,16 @@ namespace {
 
 constexpr size_t kRecordsRead = 2000;  // of the log at a time
 
-absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& difference) {
-  const std::string text =
-      absl::StrCat("log offset ", recorded.offset, ": replay decides otherwise (recorded by engine version ",
-                   recorded.engine_version, ", this is ", kEngineVersion, ")\n", difference);
+absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& what,
+                              absl::string_view difference) {
+  const std::string text = absl::StrCat(
+      "log offset ", recorded.offset, ": ", what, " (recorded by engine version ", recorded.engine_version,
+      ", this is ", kEngineVersion, ")\n", absl::StripTrailingAsciiWhitespace(difference));
   if (recorded.engine_version == kEngineVersion) return absl::DataLossError(text);
   // What was decided stands, and only a snapshot tells what came of it.
   return absl::FailedPreconditionError(absl::StrCat(
       text,
-      "start the version that wrote it once more and end it in order: it leaves a snapshot from which this "
+      "\nstart the version that wrote it once more and end it in order: it leaves a snapshot from which this "
       "one goes on"));
 }
 
@@ -56,11 +58,11 @@ absl::Status ReplayTurn(Recorded recorded, Stages* stages, const ReplayedTurn& d
   const uint64_t offset = recorded.turn.offset;
   absl::StatusOr<TurnResult> derived = RunTurn(stages, std::move(recorded.turn.batch), offset);
   if (!derived.ok()) {
-    return absl::DataLossError(absl::StrCat(
-        "log offset ", offset, ": the recorded batch is refused on replay: ", derived.status().message()));
+    return DecidedOtherwise(recorded.turn, "the recorded batch is refused on replay",
+                            derived.status().message());
   }
   if (std::optional<std::string> difference = DecisionDifference(recorded.turn, derived->record)) {
-    return DecidedOtherwise(recorded.turn, *difference);
+    return DecidedOtherwise(recorded.turn, "replay decides otherwise", *difference);
   }
   return done(*std::move(derived), recorded.bytes);
 }
