@@ -45,8 +45,8 @@ class EnvironmentChecker {
       reader_.Warning(
           name.span,
           Concat("no robot offers operation ", name.value, " now, and no robot service has this name"),
-          Concat(reader_.DidYouMean(name.value, operations_, known),
-                 "; an invoke of it waits until a robot joins that offers it"));
+          Concat("an invoke of it waits until a robot joins that offers it; ",
+                 reader_.DidYouMean(name.value, operations_, known)));
     }
     return found;
   }

@@ -24,10 +24,10 @@ void CheckInvoke(const Document& document, const Process& process, const Invoke&
     for (const auto& [name, unused] : offers) names.push_back(name);
     std::string near = Nearest(invoke.operation.value, names);
     warn(invoke.operation.span, Concat("no robot offers operation ", invoke.operation.value, " now"),
-         Concat(!near.empty()   ? Concat("did you mean ", near, "?")
-                : names.empty() ? "no robot offers anything"
-                                : Concat("robots offer ", xml::ListOf(names)),
-                "; an invocation waits until a robot joins that offers it"));
+         Concat("an invocation waits until a robot joins that offers it; ",
+                !near.empty()   ? Concat("did you mean ", near, "?")
+                : names.empty() ? "no robot offers anything now"
+                                : Concat("robots offer ", xml::ListOf(names))));
     return;
   }
   if (!it->second->inputs_known) return;
