@@ -14,7 +14,6 @@ using Op = RegexInstruction::Kind;
 
 constexpr int kStepsAPoll = 1024;
 constexpr size_t kBytesAStep = 4;        // about the time of one
-constexpr uint64_t kRe2StepsAStep = 4;   // likewise, in steps as regex_steps counts them
 constexpr size_t kFramesAtFirst = 1024;  // not counted
 constexpr size_t kBytesKept = 1u << 20;  // of buffers, for the next text
 
@@ -55,15 +54,12 @@ bool RegexMatcher::Charge(size_t bytes) {
 }
 
 bool RegexMatcher::CountSteps() {
-  const bool bounded = program_.has_back_references;
-  steps_ += kStepsAPoll * (bounded ? 1 : kRe2StepsAStep);
+  steps_ += kStepsAPoll;
   steps_to_poll_ = kStepsAPoll;
-  const uint64_t limit = bounded ? limits_.regex_backtracking_steps : limits_.regex_steps;
-  if (steps_ > limit) {
-    Refuse(absl::ResourceExhaustedError(std::string("evaluation stopped at its limit ") +
-                                        (bounded ? "regex_backtracking_steps" : "regex_steps") + " = " +
-                                        std::to_string(limit) + ": a regular expression " +
-                                        (bounded ? "with back-references " : "") + "on a text of " +
+  if (program_.has_back_references && steps_ > limits_.regex_backtracking_steps) {
+    Refuse(absl::ResourceExhaustedError("evaluation stopped at its limit regex_backtracking_steps = " +
+                                        std::to_string(limits_.regex_backtracking_steps) +
+                                        ": a regular expression with back-references on a text of " +
                                         std::to_string(text_.size()) + " bytes"));
     return false;
   }

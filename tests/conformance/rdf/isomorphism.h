@@ -41,7 +41,9 @@ class Isomorphism {
   static std::string Text(const TermQuad& quad, const std::function<std::string(const std::string&)>& label) {
     std::string text;
     for (const Term* term : {&quad.subject, &quad.predicate, &quad.object, &quad.graph}) {
-      text += (term->IsBlank() ? "_:" + label(term->lexical) : ToNTriples(*term)) + " ";
+      Term same = *term;  // language tags compare without case
+      same.language = LowerLanguage(term->language);
+      text += (term->IsBlank() ? "_:" + label(term->lexical) : ToNTriples(same)) + " ";
     }
     return text;
   }

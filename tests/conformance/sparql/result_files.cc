@@ -17,11 +17,6 @@ namespace {
 
 constexpr char kRs[] = "http://www.w3.org/2001/sw/DataAccess/tests/result-set#";
 
-std::string Lower(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c | 0x20) : c;
-  return text;
-}
-
 std::string Attribute(xmlNode* node, const char* name) {
   for (xmlAttr* a = node->properties; a != nullptr; a = a->next) {
     if (std::string(reinterpret_cast<const char*>(a->name)) != name) continue;
@@ -53,7 +48,7 @@ Term MakeTerm(const std::string& kind, const std::string& text, const std::strin
               const std::string& language) {
   if (kind == "uri") return Term::Iri(text);
   if (kind == "bnode") return Term::Blank(text);
-  return language.empty() ? Term::Literal(text, datatype) : Term::LangString(text, Lower(language));
+  return language.empty() ? Term::Literal(text, datatype) : Term::LangString(text, language);
 }
 
 // As much JSON as results hold.

@@ -8,7 +8,6 @@
 #include <regex>
 #include <sstream>
 
-#include "absl/strings/ascii.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/results/results.h"
@@ -60,11 +59,7 @@ absl::StatusOr<Answer> Run(sparql::Query query, bool ordered, const Dictionary& 
   const absl::Status status = (*prepared)->Select(run, {}, [&](absl::Span<const TermId> row) {
     std::map<std::string, Term> terms;
     for (size_t i = 0; i < row.size(); ++i) {
-      if (row[i].IsNone()) continue;
-      Term term = (*prepared)->Decode(row[i]);
-      // tags are compared without case; the expected ones are in lower case
-      for (char& c : term.language) c = absl::ascii_tolower(static_cast<unsigned char>(c));
-      terms[answer.variables[i]] = std::move(term);
+      if (!row[i].IsNone()) terms[answer.variables[i]] = (*prepared)->Decode(row[i]);
     }
     answer.rows.push_back(std::move(terms));
     return true;

@@ -170,6 +170,16 @@ TEST_F(WhyNotSets, APathInAGraphIsBrokenAndClosedInThatGraph) {
               UnorderedElementsAre("+R1 in Fair", "+City in Fair"));
 }
 
+TEST_F(WhyNotSets, AGraphIsThereOnceItHoldsAFact) {
+  Tell({"Z p K", "R1 in Hall @map", "Hall in City @map"});
+  EXPECT_THAT(Sets("ASK { GRAPH :none { BIND(1 AS ?x) } }"),
+              ElementsAre("+urn:docent:example:s urn:docent:example:p urn:docent:example:o"));
+  EXPECT_THAT(Sets("ASK { :Z :p :K . FILTER NOT EXISTS { GRAPH :none { FILTER(true) } } }"),
+              testing::IsEmpty());
+  EXPECT_THAT(Sets("ASK { FILTER NOT EXISTS { GRAPH :map { FILTER(true) } } }"),
+              ElementsAre("-Hall in City, -R1 in Hall"));
+}
+
 TEST_F(WhyNotSets, ValuesThatPassFiltersOfTimesAndTextsAreFound) {
   Tell({"R1 a Bot"});
   const auto missing = [this](const std::string& filter) {

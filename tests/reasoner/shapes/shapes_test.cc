@@ -130,6 +130,19 @@ TEST_F(ShapesTest, APatternThatTakesTooLongIsAnErrorOfTheValidation) {
   EXPECT_THAT(report.status().message(), HasSubstr("regex_backtracking_steps = "));
 }
 
+TEST_F(ShapesTest, LanguageTagsCompareWithoutCase) {
+  Add("shapes.ttl",
+      ":S a sh:NodeShape ; sh:targetClass :C ; sh:property [ sh:path :label ; sh:uniqueLang true ; "
+      "sh:languageIn ( \"EN\" \"de\" ) ] ,\n"
+      "  [ sh:path :title ; sh:in ( \"x\"@En-Gb ) ] .");
+  Add("data.ttl",
+      ":a a :C ; :label \"colour\"@en-GB , \"hue\"@EN-gb , \"Farbe\"@De-at ; :title \"x\"@en-GB .");
+  auto report = Run();
+  ASSERT_TRUE(report.ok());
+  EXPECT_EQ(report->total, 1u);
+  EXPECT_THAT(Text(*report), HasSubstr("has 2 values in the language \"en-gb\""));
+}
+
 TEST_F(ShapesTest, APathAndAListThatGoInCirclesAreRefused) {
   EXPECT_THAT(
       Mistakes(":A sh:targetNode :x ; sh:path _:p ; sh:minCount 1 . _:p sh:inversePath _:p .\n"
