@@ -14,6 +14,9 @@ struct DocumentLimits {
   size_t xml_entity_growth =
       100;  // bytes of entities, written out, for each byte of a document; 1 MiB in any case
   size_t xml_declarations = 10000;  // entities and attributes in a document type definition
+
+  // packed documents
+  size_t unpacked_bytes = size_t{2} << 30;  // of a gzip file that a command reads
 };
 
 }  // namespace docent

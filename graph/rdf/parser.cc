@@ -3,8 +3,10 @@
 #include <array>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "graph/base/gzip.h"
 #include "graph/base/text.h"
 #include "graph/rdf/line_parser.h"
 #include "graph/rdf/located_parser.h"
@@ -40,6 +42,24 @@ constexpr std::array<FormatName, 9> kMediaTypes = {{{"text/turtle", RdfFormat::k
                                                     {"application/xml", RdfFormat::kRdfXml},
                                                     {"text/xml", RdfFormat::kRdfXml}}};
 
+constexpr char kEndingsRead[] =
+    "Turtle (.ttl), TriG (.trig), N-Triples (.nt), N-Quads (.nq) and RDF/XML (.rdf, .owl, .xml) are";
+constexpr char kTypesRead[] =
+    "text/turtle, application/trig, application/n-triples, application/n-quads and application/rdf+xml are";
+
+// Formats of RDF that are not read.
+struct OtherFormat {
+  std::string_view ending, media_type, name;
+};
+constexpr std::array<OtherFormat, 8> kOtherFormats = {{{".jsonld", "application/ld+json", "JSON-LD"},
+                                                       {".json", "application/json", "JSON or JSON-LD"},
+                                                       {".n3", "text/n3", "Notation3"},
+                                                       {".n3", "text/rdf+n3", "Notation3"},
+                                                       {".rj", "application/rdf+json", "RDF/JSON"},
+                                                       {".trix", "application/trix", "TriX"},
+                                                       {".html", "text/html", "HTML"},
+                                                       {".hdt", "application/vnd.hdt", "HDT"}}};
+
 ParsedRdf Mistake(std::string_view text, const ParseRdfOptions& options, size_t offset, std::string message,
                   std::string hint) {
   ParsedRdf parsed;
@@ -63,6 +83,12 @@ std::optional<ParsedRdf> Refused(SourceText* document, RdfFormat format, const P
                                 options.limits.document_bytes),
                    "load it in parts");
   }
+  if (IsGzip(text)) {
+    return Mistake(
+        {}, options, 0,
+        "these are gzip data, which are read from files and from HTTP bodies with Content-Encoding: gzip",
+        "unpack them before");
+  }
   if (format == RdfFormat::kRdfXml) {
     if (std::optional<Diagnostic> mistake = DecodeXml(options.charset, &text, &document->decoded)) {
       ParsedRdf refused;
@@ -84,12 +110,41 @@ std::optional<ParsedRdf> Refused(SourceText* document, RdfFormat format, const P
 
 }  // namespace
 
+std::string_view NameWithoutGz(std::string_view file_name) {
+  const bool packed = absl::EndsWithIgnoreCase(ToAbsl(file_name), ".gz");
+  return file_name.substr(0, file_name.size() - (packed ? 3 : 0));
+}
+
 std::optional<RdfFormat> FormatOfFile(std::string_view file_name) {
-  std::string lower = absl::AsciiStrToLower(ToAbsl(file_name));
+  const std::string lower = absl::AsciiStrToLower(ToAbsl(NameWithoutGz(file_name)));
   for (const FormatName& ending : kEndings) {
     if (lower.ends_with(ending.text)) return ending.format;
   }
   return std::nullopt;
+}
+
+absl::Status CheckFormatOfFile(std::string_view file_name) {
+  const std::string lower = absl::AsciiStrToLower(ToAbsl(NameWithoutGz(file_name)));
+  for (const OtherFormat& other : kOtherFormats) {
+    if (!lower.ends_with(other.ending)) continue;
+    const Diagnostic unread{std::string(file_name),
+                            {1, 1},
+                            Concat("this is ", other.name, " by its name, which is not read"),
+                            kEndingsRead};
+    return ToStatus({unread}, "");
+  }
+  return absl::OkStatus();
+}
+
+std::string UnknownMediaType(std::string_view media_type) {
+  const absl::string_view type =
+      absl::StripAsciiWhitespace(ToAbsl(media_type.substr(0, media_type.find(';'))));
+  const std::string lower = absl::AsciiStrToLower(type);
+  for (const OtherFormat& other : kOtherFormats) {
+    if (lower == other.media_type)
+      return Concat("\"", lower, "\" is ", other.name, ", which is not read; ", kTypesRead);
+  }
+  return Concat("the media type \"", lower, "\" is not known; ", kTypesRead);
 }
 
 std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type) {

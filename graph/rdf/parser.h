@@ -21,9 +21,16 @@ namespace docent {
 
 enum class RdfFormat { kTurtle, kTriG, kNTriples, kNQuads, kRdfXml };
 
-// By file name ending (.ttl .trig .nt .nq .rdf .owl .xml) or by media type ("text/turtle; charset=utf-8").
+// By file name ending (.ttl .trig .nt .nq .rdf .owl .xml, and .gz after it) or by media type ("text/turtle; charset=utf-8").
 std::optional<RdfFormat> FormatOfFile(std::string_view file_name);
 std::optional<RdfFormat> FormatOfMediaType(std::string_view media_type);
+
+// "x.ttl.gz" → "x.ttl": .gz says only how it is packed.
+std::string_view NameWithoutGz(std::string_view file_name);
+// INVALID_ARGUMENT where the name says a format of RDF that is not read (.jsonld, .n3 …), with those that are.
+absl::Status CheckFormatOfFile(std::string_view file_name);
+// "is not known" or "is JSON-LD, which is not read", with the media types that are.
+std::string UnknownMediaType(std::string_view media_type);
 
 struct ParseRdfOptions {
   std::string file;              // for diagnostics

@@ -10,10 +10,10 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "graph/rdf/declared_prefixes.h"
 #include "graph/rdf/mistake_list.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/place_recorder.h"
-#include "graph/rdf/prefix_list.h"
 #include "graph/rdf/quad_collector.h"
 #include "graph/rdf/rdf_xml_attributes.h"
 #include "graph/rdf/xml_literal.h"
@@ -103,7 +103,7 @@ class RdfXmlReader : private XmlEvents {
   MistakeList mistakes_;
   XmlReader xml_;
   QuadCollector collector_;
-  PrefixList prefixes_;
+  DeclaredPrefixes prefixes_;
   std::vector<Frame> frames_;
   std::vector<std::string> bases_, languages_;  // of xml:base and xml:lang in scope
   size_t base_bytes_ = 0;                       // of bases_

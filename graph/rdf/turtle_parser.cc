@@ -5,8 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
 #include "graph/base/text.h"
+#include "graph/rdf/declared_prefixes.h"
 #include "graph/rdf/iri.h"
-#include "graph/rdf/prefix_list.h"
 #include "graph/rdf/quad_collector.h"
 #include "graph/rdf/turtle_scanner.h"
 #include "graph/rdf/vocabulary.h"
@@ -31,6 +31,12 @@ class TurtleParser {
   ParsedRdf Run() {
     ParsedRdf parsed;
     scan_.SkipLines();
+    if (LooksLikeJson()) {
+      parsed.diagnostics.push_back({options_.file, SpanAt(text_, scan_.position(), 1),
+                                    "this looks like JSON-LD, which is not read",
+                                    "Turtle, TriG, N-Triples, N-Quads and RDF/XML are"});
+      return parsed;
+    }
     while (!scan_.AtEnd() && !too_many_ && parsed.diagnostics.size() < options_.limits.document_diagnostics) {
       if (!Alive()) break;
       if (!(line_based_ ? LineStatement() : Statement())) {
@@ -70,6 +76,7 @@ class TurtleParser {
   bool LineStatement() {
     TermQuad& quad = line_;
     quad.graph.lexical.clear();
+    if (scan_.TakeKeyword("VERSION", true)) return IsOfRdf12("VERSION is");
     const size_t subject_at = scan_.position();
     if (!ReadSubjectTerm(&quad.subject, "a subject (an IRI or a blank node)")) return false;
     scan_.SkipSpace();
@@ -100,7 +107,16 @@ class TurtleParser {
     return true;
   }
 
+  // What RDF 1.2 adds is named for what it is, where it stands. False, as all productions that fail.
+  bool IsOfRdf12(std::string_view what) {
+    return scan_.Fail(
+        Concat(what, " of RDF 1.2, which is not read"),
+        "RDF 1.1 is: describe a triple with rdf:Statement, rdf:subject, rdf:predicate and rdf:object");
+  }
+  bool AtTripleTerm() const { return scan_.Peek() == '<' && scan_.Peek(1) == '<'; }
+
   bool ReadSubjectTerm(Term* term, std::string_view what) {
+    if (AtTripleTerm()) return IsOfRdf12("'<<' opens a triple term or a reified triple, which are");
     if (scan_.Peek() == '<') return ReadIriTerm(term);
     if (scan_.Peek() == '_' && scan_.Peek(1) == ':') return ReadLabelledBlank(term);
     return scan_.Fail(Concat("expected ", what), "", true);
@@ -114,13 +130,26 @@ class TurtleParser {
   // Turtle [2] statement, TriG [2] block and directive.
   bool Statement() {
     if (scan_.Peek() == '@') return AtDirective();
+    if (scan_.TakeKeyword("VERSION", true)) return IsOfRdf12("VERSION is");
     if (scan_.TakeKeyword("PREFIX", true)) return PrefixDeclaration(false);
     if (scan_.TakeKeyword("BASE", true)) return BaseDeclaration(false);
     if (graphs_) {
       if (scan_.Peek() == '{') return GraphBlock();
       if (scan_.TakeKeyword("GRAPH", true)) return NamedGraph();
     }
+    if (scan_.Peek() == '{') {
+      return scan_.Fail("'{' opens a graph, which Turtle does not have",
+                        "TriG does: name the file .trig; formulas of Notation3 are not read");
+    }
     return TriplesOrGraph();
+  }
+
+  // The text begins as JSON does and neither Turtle nor TriG can: "{" and a name, or "[" and "{".
+  bool LooksLikeJson() const {
+    const size_t open = text_.find_first_not_of(" \t\r\n");
+    if (open == std::string_view::npos || (text_[open] != '{' && text_[open] != '[')) return false;
+    const size_t next = text_.find_first_not_of(" \t\r\n", open + 1);
+    return next != std::string_view::npos && text_[next] == (text_[open] == '{' ? '"' : '{');
   }
 
   bool AtDirective() {
@@ -128,7 +157,9 @@ class TurtleParser {
     scan_.Take('@');
     if (scan_.TakeDirective("prefix")) return PrefixDeclaration(true);
     if (scan_.TakeDirective("base")) return BaseDeclaration(true);
-    return scan_.FailAt(at, 1, "unknown directive", "@prefix and @base are known, in lower case");
+    if (scan_.TakeDirective("version")) return IsOfRdf12("@version is");
+    return scan_.FailAt(at, 1, "unknown directive",
+                        "@prefix and @base are known, in lower case; those of Notation3 are not read");
   }
 
   // @prefix p: <iri> .   or   PREFIX p: <iri>
@@ -265,6 +296,9 @@ class TurtleParser {
         scan_.SkipSpace();
         if (!Object(subject, predicate, subject_at, predicate_at)) return false;
         scan_.SkipSpace();
+        if (scan_.Peek() == '{' && scan_.Peek(1) == '|')
+          return IsOfRdf12("'{|' opens an annotation, which is");
+        if (scan_.Peek() == '~') return IsOfRdf12("'~' names a reifier, which is");
       } while (scan_.Take(','));
       if (scan_.Peek() != ';') return true;
       while (scan_.Take(';')) scan_.SkipSpace();
@@ -399,6 +433,7 @@ class TurtleParser {
     term->kind = TermKind::kIri;
     term->datatype.clear();
     term->language.clear();
+    if (AtTripleTerm()) return IsOfRdf12("'<<' opens a triple term or a reified triple, which are");
     if (scan_.Peek() == '<') return ReadResolvedIri(&term->lexical);
     if (line_based_) return scan_.Fail("expected an IRI in <>", "", true);
     size_t at = scan_.position();
@@ -463,7 +498,7 @@ class TurtleParser {
   const std::function<bool(const TermQuad&)>* visit_ = nullptr;  // RunLines
   TermQuad line_;
   Term graph_;  // of the block that we are in; empty outside
-  PrefixList prefixes_;
+  DeclaredPrefixes prefixes_;
   int depth_ = 0;
   size_t next_look_ = 0;  // the place at which cancellation is looked at again
   absl::Status stopped_;  // by it

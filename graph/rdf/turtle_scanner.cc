@@ -87,6 +87,7 @@ bool TurtleScanner::Take(char c) {
 }
 
 bool TurtleScanner::TakeKeyword(std::string_view word, bool any_case) {
+  if ((Peek() | 0x20) != (word[0] | 0x20)) return false;  // what most are
   std::string_view next = text_.substr(position_, word.size());
   bool same =
       any_case ? absl::AsciiStrToLower(ToAbsl(next)) == absl::AsciiStrToLower(ToAbsl(word)) : next == word;
@@ -312,6 +313,11 @@ bool TurtleScanner::ReadLanguage(std::string_view* tag) {
     size_t part = ++position_;
     while (IsLetter(Peek()) || IsDigit(Peek())) ++position_;
     ok = position_ > part;
+  }
+  if (!ok && position_ > at && Peek() == '-') {
+    return FailAt(position_ - 1, 2,
+                  "base directions of texts, as in \"…\"@en--ltr, are of RDF 1.2, which is not read",
+                  "leave the direction out");
   }
   if (!ok)
     return FailAt(start, position_ - start, "expected a language tag after '@'", "as in \"colour\"@en-GB");

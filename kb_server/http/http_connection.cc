@@ -17,6 +17,7 @@
 #include "absl/time/time.h"
 #include "graph/base/text.h"
 #include "kb_server/http/http_body_reader.h"
+#include "kb_server/http/http_body.h"
 
 namespace docent {
 namespace {
@@ -236,11 +237,8 @@ std::optional<HttpResponse> HttpConnection::CheckHead(HttpHead& head, HttpReques
   request->raw_path = target.substr(0, question);
   request->parameters = *std::move(parameters);
 
-  const std::string encoding = request->Header("content-encoding");
-  if (!encoding.empty() && !absl::EqualsIgnoreCase(encoding, "identity")) {
-    return TextResponse(
-        415, absl::StrCat("send the body as it is: a Content-Encoding of ", encoding, " is not read"));
-  }
+  if (std::optional<HttpResponse> encoded = RefuseEncoding(request->Header("content-encoding")))
+    return encoded;
 
   HttpResponse refusal;
   *handler = shared_.routes.Find(request->method, request->path, &refusal);

@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/iri.h"
+#include "kb_server/http/http_body.h"
 
 namespace docent {
 namespace {
@@ -115,9 +116,12 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
   const std::string given = http.Header("content-type");
   const std::string type = MediaTypeOnly(given);
   if (std::optional<HttpResponse> refusal = RefuseCharset(given)) return {std::move(refusal), {}};
+  HttpBody body;
+  UnpackBody(http, limits.update_text_bytes, "update_text_bytes", &body);
+  if (body.refusal) return {std::move(body.refusal), {}};
   if (type == "application/sparql-query" || type == "application/sparql-update") {
     request.kind = type == "application/sparql-update" ? Kind::kUpdate : Kind::kQuery;
-    request.text = http.body;
+    request.text = body.text;
     return FromParameters(http.parameters, true, std::move(request), limits);
   }
   if (type != "application/x-www-form-urlencoded") {
@@ -127,7 +131,7 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
         "as application/x-www-form-urlencoded" +
             (type.empty() ? std::string() : ", not as " + type));
   }
-  absl::StatusOr<HttpFields> form = ParseForm(http.body, limits.http_parameters);
+  absl::StatusOr<HttpFields> form = ParseForm(body.text, limits.http_parameters);
   if (!form.ok()) return Refused(400, absl::StrCat("the form: ", form.status().message()));
   form->insert(form->end(), http.parameters.begin(), http.parameters.end());
   return FromParameters(*form, false, std::move(request), limits);

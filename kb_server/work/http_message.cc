@@ -167,14 +167,18 @@ std::string MediaTypeOnly(std::string_view content_type) {
   return absl::AsciiStrToLower(ToAbsl(Trim(content_type.substr(0, content_type.find(';')))));
 }
 
-std::optional<HttpResponse> RefuseCharset(std::string_view content_type) {
+std::string CharsetOf(std::string_view content_type) {
   std::string type = absl::AsciiStrToLower(ToAbsl(content_type));
   type.erase(std::remove_if(type.begin(), type.end(), [](char c) { return c == ' ' || c == '"'; }),
              type.end());
   const size_t at = type.find("charset=");
-  if (at == std::string::npos) return std::nullopt;
-  const std::string charset = type.substr(at + 8, type.find(';', at) - at - 8);
-  if (charset == "utf-8" || charset == "utf8" || charset == "us-ascii") return std::nullopt;
+  return at == std::string::npos ? std::string() : type.substr(at + 8, type.find(';', at) - at - 8);
+}
+
+std::optional<HttpResponse> RefuseCharset(std::string_view content_type) {
+  const std::string charset = CharsetOf(content_type);
+  if (charset.empty() || charset == "utf-8" || charset == "utf8" || charset == "us-ascii")
+    return std::nullopt;
   return TextResponse(415, "send UTF-8; this is " + std::string(content_type));
 }
 

@@ -53,6 +53,9 @@ absl::StatusOr<HttpFields> ParseForm(std::string_view text, size_t limit = Limit
 // "text/turtle; charset=UTF-8" → "text/turtle", in lower case.
 std::string MediaTypeOnly(std::string_view content_type);
 
+// "text/turtle; charset=\"UTF-8\"" → "utf-8"; empty: none is given.
+std::string CharsetOf(std::string_view content_type);
+
 // 415 for "…; charset=UTF-16" and the like: SPARQL (protocol, section 2.1.3) and the RDF formats are UTF-8. nullopt: go on.
 std::optional<HttpResponse> RefuseCharset(std::string_view content_type);
 

@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "graph/base/diagnostic.h"
+#include "graph/base/gzip.h"
 #include "graph/base/text.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/parser.h"
@@ -180,7 +181,7 @@ absl::StatusOr<sparql::ServiceAnswer> RemoteAccess::Select(const std::string& en
 
 absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
                                                          Cancellation* cancellation) const {
-  std::string text, base = url;
+  std::string text, base = url, type;
   std::optional<RdfFormat> format;
   if (absl::StartsWith(url, ToAbsl(kFile))) {
     if (!IsAllowed(url)) return Refuse(url);
@@ -199,14 +200,26 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
     if (!response.ok()) return response.status();
     base = request.url;
     text = std::move(response->body);
-    format = FormatOfMediaType(response->content_type);
+    type = response->content_type;
+    format = FormatOfMediaType(type);
   }
   if (!format) format = FormatOfFile(base);
-  if (!format)
-    return absl::InvalidArgumentError("<" + url + ">: neither its type nor its name says which RDF it is");
+  if (IsGzip(text)) {
+    absl::StatusOr<std::string> unpacked = Gunzip(text, limits_.remote_bytes, "remote_bytes");
+    if (!unpacked.ok())
+      return absl::Status(unpacked.status().code(),
+                          absl::StrCat("<", url, ">: ", unpacked.status().message()));
+    text = *std::move(unpacked);
+  }
+  if (!format) {
+    if (absl::Status unread = CheckFormatOfFile(base); !unread.ok()) return unread;
+    return absl::InvalidArgumentError(absl::StrCat(
+        "<", url, ">: neither its type nor its name says which RDF it is; ", UnknownMediaType(type)));
+  }
   ParseRdfOptions options;
   options.file = url;
   options.base_iri = base;
+  options.charset = CharsetOf(type);
   options.limits = limits_;
   options.cancellation = cancellation;
   ParsedRdf parsed = ParseRdf(text, *format, options);

@@ -46,6 +46,11 @@ TEST(ParserTest, FormatByNameAndMediaType) {
   EXPECT_EQ(FormatOfMediaType("text/turtle; charset=utf-8"), RdfFormat::kTurtle);
   EXPECT_EQ(FormatOfMediaType(" Application/RDF+XML "), RdfFormat::kRdfXml);
   EXPECT_EQ(FormatOfMediaType("text/html"), std::nullopt);
+  EXPECT_EQ(FormatOfFile("x.nt.gz"), RdfFormat::kNTriples);
+  EXPECT_EQ(FormatOfFile("x.gz"), std::nullopt);
+  EXPECT_THAT(UnknownMediaType("application/ld+json; profile=x"),
+              HasSubstr("\"application/ld+json\" is JSON-LD, which is not read; text/turtle, "));
+  EXPECT_THAT(UnknownMediaType("image/png"), HasSubstr("\"image/png\" is not known; text/turtle, "));
 }
 
 TEST(ParserTest, TurtleTermsAndPrefixes) {
@@ -147,6 +152,43 @@ TEST(ParserTest, SingleMistakes) {
   EXPECT_THAT(Mistakes("<a> <http://e/p> 1 .", RdfFormat::kNTriples, {"", "http://base/"}),
               HasSubstr("not an absolute IRI"));
   EXPECT_THAT(Mistakes("{ <http://e/a> <http://e/p> 1 ", RdfFormat::kTriG), HasSubstr("expected '.' or '}'"));
+}
+
+TEST(ParserTest, WhatIsOfRdf12IsNamed) {
+  const std::string iris = "<urn:s> <urn:p> ";
+  for (const RdfFormat format :
+       {RdfFormat::kTurtle, RdfFormat::kTriG, RdfFormat::kNTriples, RdfFormat::kNQuads}) {
+    EXPECT_THAT(Mistakes("<< <urn:a> <urn:p> 1 >> <urn:q> 2 .", format),
+                HasSubstr("1:1: error: '<<' opens a triple term"));
+    EXPECT_THAT(Mistakes(iris + "<<( <urn:a> <urn:p> <urn:o> )>> .", format),
+                HasSubstr("1:17: error: '<<' opens a triple term"));
+    EXPECT_THAT(Mistakes("VERSION \"1.2\"\n", format),
+                HasSubstr("1:8: error: VERSION is of RDF 1.2, which is not read"));
+    EXPECT_THAT(Mistakes(iris + "\"x\"@ar--rtl .", format),
+                HasSubstr("1:23: error: base directions of texts"));
+  }
+  for (const RdfFormat format : {RdfFormat::kTurtle, RdfFormat::kTriG}) {
+    EXPECT_THAT(Mistakes(iris + "<urn:o> {| <urn:q> 1 |} .", format),
+                HasSubstr("1:25: error: '{|' opens an annotation"));
+    EXPECT_THAT(Mistakes(iris + "1 ~ <urn:r> .", format), HasSubstr("'~' names a reifier"));
+    EXPECT_THAT(Mistakes("@version \"1.2\" .", format), HasSubstr("@version is of RDF 1.2"));
+    EXPECT_THAT(Mistakes("[ <urn:p> << <urn:a> <urn:p> 1 >> ] .", format), HasSubstr("'<<' opens"));
+    EXPECT_THAT(Mistakes("<urn:s> <urn:p> (<<( <urn:a> <urn:p> 1 )>>) .", format), HasSubstr("'<<' opens"));
+  }
+  EXPECT_TRUE(ParseRdf("@prefix version: <urn:v:> . @prefix VERSION: <urn:w:> . version:a VERSION:b 1 .",
+                       RdfFormat::kTurtle)
+                  .ok());
+}
+
+TEST(ParserTest, OtherSyntaxesAreNamed) {
+  EXPECT_THAT(Mistakes("\n {\n  \"@context\": {} }"),
+              HasSubstr("2:2: error: this looks like JSON-LD, which is not read"));
+  EXPECT_THAT(Mistakes("[{\"@id\": \"a\"}]", RdfFormat::kTriG), HasSubstr("JSON-LD"));
+  EXPECT_THAT(Mistakes("{ <urn:a> <urn:b> 1 } => { <urn:a> <urn:c> 1 } ."),
+              HasSubstr("1:1: error: '{' opens a graph, which Turtle does not have"));
+  EXPECT_THAT(Mistakes("@keywords a ."), HasSubstr("those of Notation3 are not read"));
+  EXPECT_TRUE(ParseRdf("{ } { <urn:a> <urn:b> 1 } [] <urn:b> 1 .", RdfFormat::kTriG).ok());
+  EXPECT_THAT(Mistakes("\x1F\x8B\x08rest"), HasSubstr("these are gzip data"));
 }
 
 TEST(ParserTest, BytesThatAreNoText) {

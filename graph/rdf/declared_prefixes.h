@@ -1,7 +1,7 @@
 // Prefix declarations of one document, in order; a prefix that is declared again counts at its last place. Private to
 // this folder. One thread.
-#ifndef DOCENT_GRAPH_RDF_PREFIX_LIST_H_
-#define DOCENT_GRAPH_RDF_PREFIX_LIST_H_
+#ifndef DOCENT_GRAPH_RDF_DECLARED_PREFIXES_H_
+#define DOCENT_GRAPH_RDF_DECLARED_PREFIXES_H_
 
 #include <string>
 #include <string_view>
@@ -13,7 +13,7 @@
 
 namespace docent {
 
-class PrefixList {
+class DeclaredPrefixes {
  public:
   void Declare(std::string_view prefix, std::string iri) {
     const auto [known, is_new] = newest_.try_emplace(std::string(prefix), entries_.size());
@@ -62,4 +62,4 @@ class PrefixList {
 
 }  // namespace docent
 
-#endif  // DOCENT_GRAPH_RDF_PREFIX_LIST_H_
+#endif  // DOCENT_GRAPH_RDF_DECLARED_PREFIXES_H_

@@ -1,0 +1,80 @@
+#include "graph/base/gzip.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <climits>
+
+#include "absl/strings/str_cat.h"
+#include "graph/base/text.h"
+
+namespace docent {
+namespace {
+
+constexpr int kGzipWindow = 15 + 16;  // zlib's largest window, and only gzip
+constexpr size_t kPiece = 64u << 10;
+
+// Ends the stream with its scope.
+struct Inflater {
+  Inflater() { ready = inflateInit2(&stream, kGzipWindow) == Z_OK; }
+  ~Inflater() {
+    if (ready) inflateEnd(&stream);
+  }
+  z_stream stream{};
+  bool ready;
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> Gunzip(std::string_view bytes, size_t most_bytes, std::string_view limit_name) {
+  Inflater inflater;
+  if (!inflater.ready) return absl::ResourceExhaustedError("there is no memory to unpack gzip");
+  z_stream& stream = inflater.stream;
+  std::string out;
+  size_t taken = 0;
+  for (int state = Z_OK;;) {
+    if (state == Z_STREAM_END) {
+      if (taken == bytes.size()) return out;
+      if (!IsGzip(bytes.substr(taken)) || inflateReset(&stream) != Z_OK) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("bytes follow the end of the gzip data, at byte ", taken));
+      }
+    }
+    const size_t given = std::min<size_t>(bytes.size() - taken, INT_MAX);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + taken));
+    stream.avail_in = static_cast<uInt>(given);
+    const size_t before = out.size();
+    const size_t room = std::min(kPiece + before, most_bytes - before + 1);  // one more than may come out
+    out.resize(before + std::min<size_t>(room, INT_MAX));
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
+    stream.avail_out = static_cast<uInt>(out.size() - before);
+    state = inflate(&stream, Z_NO_FLUSH);
+    taken += given - stream.avail_in;
+    out.resize(out.size() - stream.avail_out);
+    if (out.size() > most_bytes) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("unpacked, it has more bytes than the limit ", ToAbsl(limit_name), " = ", most_bytes));
+    }
+    if (state == Z_OK || state == Z_STREAM_END) continue;
+    const bool cut = state == Z_BUF_ERROR && taken == bytes.size();
+    return absl::InvalidArgumentError(cut ? "the gzip data ends too early: was the file cut?"
+                                          : absl::StrCat("the gzip data is damaged near byte ", taken));
+  }
+}
+
+std::string Gzip(std::string_view bytes) {
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    return "";
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+}  // namespace docent

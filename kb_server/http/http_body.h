@@ -1,0 +1,26 @@
+// The body of a request as it was before it was packed (Content-Encoding, RFC 9110 section 8.4). Pure functions.
+#ifndef DOCENT_KB_SERVER_HTTP_HTTP_BODY_H_
+#define DOCENT_KB_SERVER_HTTP_HTTP_BODY_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "kb_server/work/http_message.h"
+
+namespace docent {
+
+// 415 for a coding that is not read: all but gzip and identity. nullopt: go on.
+std::optional<HttpResponse> RefuseEncoding(std::string_view content_encoding);
+
+struct HttpBody {
+  std::optional<HttpResponse> refusal;  // 400: it is damaged; 413: unpacked it exceeds the limit
+  std::string_view text;                // of the request, or of `unpacked`
+  std::string unpacked;
+};
+// Fills *body for a request that RefuseEncoding let pass. Unpacking takes time: for a worker, where `most_bytes` is large.
+void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, HttpBody* body);
+
+}  // namespace docent
+
+#endif  // DOCENT_KB_SERVER_HTTP_HTTP_BODY_H_
