@@ -426,14 +426,13 @@ absl::Status Server::LoadFiles() {
 
 absl::Status Server::LoadOntologies() {
   for (const std::string& file : settings_.ontologies) {
-    auto text = ReadText(file);
-    if (!text.ok()) return text.status();
+    auto rdf = ReadRdf(file, "");
+    if (!rdf.ok()) return rdf.status();
     std::string name = std::filesystem::path(file).filename().string();
-    ParseRdfOptions options;
-    options.file = file;
+    ParseRdfOptions options = rdf->Options(file);
     options.blank_node_scope = absl::StrCat(NameInBlankLabel(name), "_");
-    ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
-    if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+    ParsedRdf parsed = ParseRdf(rdf->text, rdf->format, options);
+    if (!parsed.ok()) return ToStatus(parsed, rdf->text);
     std::string graph = OntologyGraph(name);
     if (SameGraph(dictionary_, *queries_.Newest(), graph, parsed.quads)) continue;
     WriteBatch batch;

@@ -10,6 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
+#include "graph/rdf/document_name.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "maps/wkt.h"
@@ -257,7 +258,7 @@ absl::StatusOr<HallLayout> HallLayout::FromFile(const std::string& path) {
   std::ostringstream content;
   content << file.rdbuf();
   const std::string text = std::move(content).str();
-  ParsedRdf parsed = ParseRdf(text, *format, {path, "file://" + path, ""});
+  ParsedRdf parsed = ParseRdf(text, *format, {path, FileIri(path), ""});
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, text);
   absl::StatusOr<HallLayout> layout = FromQuads(parsed.quads);
   if (layout.ok()) return layout;

@@ -1,7 +1,10 @@
 #include "graph/rdf/document_name.h"
 
+#include <filesystem>
+
 #include "absl/strings/str_format.h"
 #include "graph/base/fingerprint.h"
+#include "graph/base/text.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/turtle_scanner.h"
 #include "graph/rdf/utf8.h"
@@ -32,6 +35,15 @@ std::string Escaped(std::string_view name, char32_t escape, const MayStand& may_
 
 std::string NameInIri(std::string_view name) {
   return Escaped(name, '%', [](char32_t c, size_t) { return c != '%' && !IsForbiddenInIri(c); });
+}
+
+std::string FileIri(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(path, error);
+  const std::string name = (error ? std::filesystem::path(path) : absolute.lexically_normal()).string();
+  return Concat("file://", name.starts_with('/') ? "" : "/", Escaped(name, '%', [](char32_t c, size_t) {
+                  return c != '%' && c != '?' && c != '#' && c != '[' && c != ']' && !IsForbiddenInIri(c);
+                }));
 }
 
 std::string NameInBlankLabel(std::string_view name) {

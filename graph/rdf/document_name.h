@@ -12,6 +12,9 @@ namespace docent {
 // As a part of an IRI, percent-encoded (RFC 3986 section 2.1): "a b.ttl" → "a%20b.ttl".
 std::string NameInIri(std::string_view name);
 
+// The IRI of a file (RFC 8089): "a b.ttl" in /home/x → "file:///home/x/a%20b.ttl". `path` may be relative.
+std::string FileIri(const std::string& path);
+
 // As the beginning of a blank node label, which knows no percent sign: "a (1).ttl" → "a℅20℅281℅29.ttl".
 std::string NameInBlankLabel(std::string_view name);
 

@@ -11,11 +11,17 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "graph/base/diagnostic.h"
+#include "graph/base/document_limits.h"
+#include "graph/base/gzip.h"
+#include "graph/rdf/document_name.h"
 #include "graph/rdf/utf8.h"
+#include "graph/rdf/xml_encoding.h"
 
 namespace docent {
 
-absl::StatusOr<std::string> ReadBytes(const std::string& path) {
+namespace {
+
+absl::StatusOr<std::string> ReadPacked(const std::string& path) {
   std::ostringstream text;
   if (path == "-") {
     text << std::cin.rdbuf();
@@ -32,10 +38,59 @@ absl::StatusOr<std::string> ReadBytes(const std::string& path) {
   return text.str();
 }
 
+std::string ShownName(const std::string& path) {
+  return path == "-" ? "stdin" : path;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ReadBytes(const std::string& path) {
+  auto bytes = ReadPacked(path);
+  if (!bytes.ok() || !IsGzip(*bytes)) return bytes;
+  auto unpacked = Gunzip(*bytes, DocumentLimits().unpacked_bytes, "unpacked_bytes");
+  if (unpacked.ok()) return unpacked;
+  return absl::Status(unpacked.status().code(),
+                      absl::StrCat(ShownName(path), ": ", unpacked.status().message()));
+}
+
+ParseRdfOptions RdfText::Options(const std::string& file) const {
+  ParseRdfOptions options;
+  options.file = file;
+  options.base_iri = base_iri;
+  if (is_utf8) options.charset = "utf-8";
+  return options;
+}
+
+absl::StatusOr<RdfText> ReadRdf(const std::string& path, const std::string& base, const std::string& format) {
+  RdfText rdf;
+  const std::string name = format.empty() ? path : absl::StrCat(".", format);
+  if (absl::Status unread = CheckFormatOfFile(name); !unread.ok()) return unread;
+  rdf.format = FormatOfFile(name).value_or(RdfFormat::kTurtle);
+  rdf.base_iri = !base.empty() ? base : path == "-" ? "" : FileIri(path);
+  auto bytes = ReadBytes(path);
+  if (!bytes.ok()) return bytes.status();
+  std::string_view text = *bytes;
+  std::string decoded;
+  const bool read = rdf.format != RdfFormat::kRdfXml || !DecodeXml("", &text, &decoded);
+  rdf.text = read && !decoded.empty() ? std::move(decoded) : *std::move(bytes);
+  rdf.is_utf8 = read && !FindInvalidUtf8(rdf.text);
+  return rdf;
+}
+
+absl::StatusOr<RdfText> ReadRdfToSend(const std::string& path, const std::string& base,
+                                      const std::string& format) {
+  auto rdf = ReadRdf(path, base, format);
+  if (!rdf.ok() || rdf->is_utf8) return rdf;
+  const std::string shown = ShownName(path);
+  const ParsedRdf refused = ParseRdf(rdf->text, rdf->format, rdf->Options(shown));
+  const bool of_xml = rdf->format == RdfFormat::kRdfXml && !refused.ok();  // which encodings are read
+  return of_xml ? ToStatus(refused, rdf->text) : CheckUtf8(rdf->text, shown);
+}
+
 absl::StatusOr<std::string> ReadText(const std::string& path) {
   auto text = ReadBytes(path);
   if (!text.ok()) return text;
-  if (absl::Status status = CheckUtf8(*text, path == "-" ? "stdin" : path); !status.ok()) return status;
+  if (absl::Status status = CheckUtf8(*text, ShownName(path)); !status.ok()) return status;
   return text;
 }
 

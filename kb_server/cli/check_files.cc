@@ -58,17 +58,16 @@ FileChecker::FileChecker() {
   RegisterSpatialFunctions(&functions_);
 }
 
-void FileChecker::AddRdf(const std::string& file, const std::string& text, bool only_words) {
-  ParseRdfOptions options;
-  options.file = file;
+void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_words) {
+  ParseRdfOptions options = rdf.Options(file);
   options.blank_node_scope = absl::StrCat("f", ++texts_, "_");
-  LocatedRdf document = ParseLocatedRdf(text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
+  LocatedRdf document = ParseLocatedRdf(rdf.text, rdf.format, options);
   if (document.rdf.ok()) {
     vocabulary_.Add(document.rdf.quads);
     for (const auto& [prefix, name_space] : document.rdf.prefixes) names_.Add(prefix, name_space);
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
-    ImportedRules imported = ImportShaclRules(document, text, file, &functions_);
+    ImportedRules imported = ImportShaclRules(document, rdf.text, file, &functions_);
     if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
     if (!only_words) imported_[file] = std::move(imported);
   }

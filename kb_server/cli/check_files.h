@@ -12,6 +12,7 @@
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/iri_names.h"
 #include "graph/rdf/located_parser.h"
+#include "graph/rdf/text_input.h"
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/consistency_check.h"
 #include "reasoner/ontology/finding.h"
@@ -28,7 +29,7 @@ class FileChecker {
 
   // An RDF document that is to be checked, or (`only_words`) whose words the others may use. All are added before the
   // first is checked.
-  void AddRdf(const std::string& file, const std::string& text, bool only_words);
+  void AddRdf(const std::string& file, const RdfText& rdf, bool only_words);
   // Rules that the others are to be consistent with; likewise before the first is checked.
   void AddRules(const std::string& file, const std::string& text);
 

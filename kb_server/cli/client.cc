@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
+#include "graph/rdf/iri.h"
 #include "graph/rdf/parser.h"
 #include "graph/wire/term_proto.h"
 
@@ -78,8 +79,20 @@ void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options) {
             << " inferred, revision " << reply.offset() << (reply.repeated() ? " (told before)" : "") << "\n";
 }
 
-std::string MediaTypeOfFile(const std::string& file) {
-  switch (FormatOfFile(file).value_or(RdfFormat::kTurtle)) {
+void AddBaseOption(CLI::App* command, std::string* base) {
+  const auto check = [](const std::string& text) {
+    return IsValidTermIri(text) ? std::string() : absl::StrCat("\"", text, "\" is not an absolute IRI");
+  };
+  command
+      ->add_option("--base", *base,
+                   "Base IRI of the RDF files: relative IRIs in them are relative to it. By default the "
+                   "file's own IRI (file:///…), and none for standard input")
+      ->type_name("IRI")
+      ->check(CLI::Validator(check, "", "IRI"));
+}
+
+std::string MediaTypeOf(RdfFormat format) {
+  switch (format) {
     case RdfFormat::kTurtle:
       return "text/turtle";
     case RdfFormat::kTriG:

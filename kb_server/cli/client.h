@@ -14,6 +14,7 @@
 #include "docent/v1/context.pb.h"
 #include "docent/v1/term.pb.h"
 #include "graph/command_line/program.h"
+#include "graph/rdf/parser.h"
 #include "graph/rdf/term.h"
 
 namespace docent {
@@ -47,8 +48,10 @@ void PrintJson(const google::protobuf::Message& message);
 // What a batch or update did, for people or as JSON, to standard output.
 void PrintOutcome(const v1::AssertReply& reply, const ClientOptions& options);
 
-// What the API calls the format of a file, by its ending; Turtle where that says nothing.
-std::string MediaTypeOfFile(const std::string& file);
+// What the API calls a format.
+std::string MediaTypeOf(RdfFormat format);
+// Adds --base to a command that reads RDF files.
+void AddBaseOption(CLI::App* command, std::string* base);
 
 // Diagnostics of a server, to standard error.
 void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& diagnostics);

@@ -26,6 +26,7 @@ namespace {
 struct CheckArguments {
   std::vector<std::string> files;
   std::vector<std::string> ontologies;
+  std::string base;
   bool ask = false;
   bool json = false;
   bool strict = false;
@@ -34,7 +35,8 @@ struct CheckArguments {
 
 enum class Kind { kRdf, kSparql, kRules, kCawl, kRsel, kUnknown };
 
-Kind KindOf(const std::string& file) {
+Kind KindOf(const std::string& packed_file) {
+  const std::string file(NameWithoutGz(packed_file));
   if (absl::EndsWith(file, ".rules")) return Kind::kRules;
   if (absl::EndsWith(file, ".rq") || absl::EndsWith(file, ".sparql")) return Kind::kSparql;
   if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return Kind::kCawl;
@@ -58,21 +60,20 @@ class Checker {
   // files.
   absl::Status Prepare() {
     for (const std::string& file : arguments_.ontologies) {
-      auto text = ReadBytes(file);
-      if (!text.ok()) return text.status();
-      ParseRdfOptions options;
-      options.file = file;
-      ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
-      if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+      auto rdf = ReadRdf(file, arguments_.base);
+      if (!rdf.ok()) return rdf.status();
+      ParsedRdf parsed = ParseRdf(rdf->text, rdf->format, rdf->Options(file));
+      if (!parsed.ok()) return ToStatus(parsed, rdf->text);
       environment_.AddOntology(parsed.quads);
       has_environment_ = true;
-      files_.AddRdf(file, *text, true);
+      files_.AddRdf(file, *rdf, true);
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRdf) continue;
-      auto text = ReadBytes(file);
-      if (!text.ok()) return text.status();
-      files_.AddRdf(file, *text, false);
+      auto rdf = ReadRdf(file, arguments_.base);
+      if (!rdf.ok()) return rdf.status();
+      files_.AddRdf(file, *rdf, false);
+      rdf_texts_[file] = std::move(rdf->text);
     }
     for (const std::string& file : arguments_.files) {
       if (KindOf(file) != Kind::kRules) continue;
@@ -97,7 +98,8 @@ class Checker {
   }
 
   absl::Status Check(const std::string& file) {
-    auto read = ReadBytes(file);
+    const auto known = rdf_texts_.find(file);
+    absl::StatusOr<std::string> read = known != rdf_texts_.end() ? known->second : ReadBytes(file);
     if (!read.ok()) return read.status();
     const std::string* text = &read_.emplace_back(*std::move(read));
     for (const std::string& name : {file, std::string()}) texts_.Put(name, *text);
@@ -122,6 +124,7 @@ class Checker {
         break;
       }
       case Kind::kUnknown:
+        if (absl::Status unread = CheckFormatOfFile(file); !unread.ok()) return unread;
         return absl::InvalidArgumentError(
             absl::StrCat(file,
                          ": unknown file name extension; use .ttl .trig .nt .nq "
@@ -194,6 +197,7 @@ class Checker {
 
   const CheckArguments& arguments_;
   FileChecker files_;
+  std::map<std::string, std::string> rdf_texts_;  // in UTF-8, by file
   std::deque<std::string> read_;
   SourceTexts texts_;  // of them
   cawl::QuadEnvironment environment_;
@@ -219,6 +223,7 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   command->add_option("--ontology", arguments->ontologies, "Ontology file whose words may be used, too")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  AddBaseOption(command, &arguments->base);
   command->add_flag("--ask", arguments->ask, "Print the SPARQL ASK that each CAWL condition is compiled to");
   command->add_flag("--strict", arguments->strict, "Treat warnings as errors");
   command->add_flag("--json", arguments->json, "Print JSON, an object a finding");

@@ -32,10 +32,12 @@ struct LoadArguments {
   std::string graph;   // data only
   std::string source;  // facts only
   std::string format;  // of RDF, as an ending; empty: that of the file
+  std::string base;    // of RDF; empty: the file's IRI
 };
 
 // Empty: its ending does not tell. Standard input has none, and is Turtle where no format is given.
-std::string LoadKindOf(const std::string& file, const std::string& format) {
+std::string LoadKindOf(const std::string& packed_file, const std::string& format) {
+  const std::string file(NameWithoutGz(packed_file));
   if (!format.empty()) return "data";
   if (absl::EndsWith(file, ".rules")) return "rules";
   if (absl::EndsWith(file, ".cawl.xml") || absl::EndsWith(file, ".cawl")) return "cawl";
@@ -50,9 +52,8 @@ class Loader {
 
   int Load(const std::string& file) {
     std::string kind = arguments_.as.empty() ? LoadKindOf(file, arguments_.format) : arguments_.as;
-    auto text = ReadText(file);
-    if (!text.ok()) return Fail(text.status());
     if (kind.empty()) {
+      if (absl::Status unread = CheckFormatOfFile(file); !unread.ok()) return Fail(unread);
       return Fail(absl::InvalidArgumentError(
           absl::StrCat(file,
                        ": unknown file name extension; use .ttl .trig .nt .nq .rdf "
@@ -75,19 +76,38 @@ class Loader {
       return Fail(absl::InvalidArgumentError(
           "--source says who tells facts; give --as facts, too, or --graph for data"));
     }
-    const bool in_parts = kind == "data" && text->size() > kPartBytes;
-    if (const size_t most = Limits().document_bytes; !in_parts && text->size() > most) {
-      return Fail(absl::ResourceExhaustedError(
-          absl::StrCat(file, " has ", text->size(), " bytes; the limit document_bytes is ", most)));
+    if (kind == "cawl" || kind == "rsel" || kind == "rules") {
+      if (!arguments_.base.empty())
+        return Fail(absl::InvalidArgumentError(
+            absl::StrCat("--base goes with RDF, and ", file, " is read as ", kind)));
+      RdfText text;
+      if (auto read = ReadText(file); read.ok()) {
+        text.text = *std::move(read);
+      } else {
+        return Fail(read.status());
+      }
+      if (absl::Status size = CheckSize(file, text.text); !size.ok()) return Fail(size);
+      if (kind == "cawl") return Deploy(file, text.text);
+      if (kind == "rsel") return Register(file, text.text);
+      return LoadModule(file, kind, text);
     }
-    if (kind == "cawl") return Deploy(file, *text);
-    if (kind == "rsel") return Register(file, *text);
-    if (kind == "facts") return Assert(file, *text);
-    if (in_parts) return LoadInParts(file, *text);
-    return LoadModule(file, kind, *text);
+    const auto rdf = ReadRdfToSend(file, arguments_.base, arguments_.format);
+    if (!rdf.ok()) return Fail(rdf.status());
+    if (kind == "data" && rdf->text.size() > kPartBytes) return LoadInParts(file, *rdf);
+    if (absl::Status size = CheckSize(file, rdf->text); !size.ok()) return Fail(size);
+    if (kind == "facts") return Assert(file, *rdf);
+    return LoadModule(file, kind, *rdf);
   }
 
  private:
+  // Of a text that goes to the server in one piece.
+  static absl::Status CheckSize(const std::string& file, const std::string& text) {
+    const size_t most = Limits().document_bytes;
+    if (text.size() <= most) return absl::OkStatus();
+    return absl::ResourceExhaustedError(
+        absl::StrCat(file, " has ", text.size(), " bytes; the limit document_bytes is ", most));
+  }
+
   int Deploy(const std::string& file, const std::string& text) {
     v1::DeployRequest request;
     request.set_name(file);
@@ -126,10 +146,11 @@ class Loader {
   }
 
   // Facts as a robot or sensor would tell them: state properties replace.
-  int Assert(const std::string& file, const std::string& text) {
+  int Assert(const std::string& file, const RdfText& rdf) {
     v1::AssertRequest request;
-    request.set_rdf(text);
-    request.set_rdf_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_rdf(rdf.text);
+    request.set_rdf_media_type(MediaTypeOf(rdf.format));
+    request.set_rdf_base_iri(rdf.base_iri);
     request.set_source(facts_.Iri(arguments_.source));
     v1::AssertReply reply;
     grpc::ClientContext context;
@@ -139,11 +160,10 @@ class Loader {
   }
 
   // A large file: checked whole before anything of it is sent.
-  int LoadInParts(const std::string& file, const std::string& text) {
+  int LoadInParts(const std::string& file, const RdfText& rdf) {
     const auto start = std::chrono::steady_clock::now();
-    const auto document =
-        CutDocument(text, FormatOfFile(FormatName(file)).value_or(RdfFormat::kTurtle), file);
-    if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, text));
+    const auto document = CutDocument(rdf.text, rdf.format, file, kPartBytes, rdf.base_iri);
+    if (HasErrors(document->diagnostics)) return Fail(ToStatus(document->diagnostics, rdf.text));
     const auto rate = [&](size_t bytes) {
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       const double share =
@@ -202,10 +222,6 @@ class Loader {
     return kExitOk;
   }
 
-  // By the ending of this the format is known.
-  std::string FormatName(const std::string& file) const {
-    return arguments_.format.empty() ? file : absl::StrCat(".", arguments_.format);
-  }
   static std::string NameOf(const std::string& file) {
     return file == "-" ? "stdin" : std::filesystem::path(file).filename().string();
   }
@@ -217,14 +233,16 @@ class Loader {
                         all == 0 ? 100 : done * 100 / all, " %");
   }
 
-  int LoadModule(const std::string& file, const std::string& kind, const std::string& text) {
+  // `rdf` is the text alone of rules.
+  int LoadModule(const std::string& file, const std::string& kind, const RdfText& rdf) {
     v1::LoadRequest request;
     request.set_name(NameOf(file));
     request.set_kind(kind == "rules"      ? v1::LoadRequest::RULES
                      : kind == "ontology" ? v1::LoadRequest::ONTOLOGY
                                           : v1::LoadRequest::DATA);
-    request.set_text(text);
-    request.set_media_type(MediaTypeOfFile(FormatName(file)));
+    request.set_text(rdf.text);
+    request.set_media_type(MediaTypeOf(rdf.format));
+    request.set_base_iri(rdf.base_iri);
     request.set_graph(facts_.Iri(arguments_.graph));
     v1::LoadReply reply;
     grpc::ClientContext context;
@@ -261,6 +279,7 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
           "--format", arguments->format,
           "Syntax of RDF where the ending of the name does not tell it; Turtle if this is not given either")
       ->check(CLI::IsMember({"ttl", "trig", "nt", "nq", "rdf"}));
+  AddBaseOption(command, &arguments->base);
   command->add_option("--graph", arguments->graph, "Named graph that data is loaded into")->type_name("IRI");
   command->add_option("--source", arguments->source, "Source that tells the facts (with --as facts)")
       ->type_name("IRI");

@@ -28,6 +28,7 @@ struct OntologyArguments {
   ClientOptions client;
   std::vector<std::string> files;  // load, replace, check, diff
   std::string name;                // the module; empty: the file's name
+  std::string base;                // IRI; empty: the file's
   std::vector<std::string> names;  // remove
 };
 
@@ -81,13 +82,14 @@ int List(const OntologyArguments& arguments) {
 }
 
 absl::StatusOr<v1::LoadRequest> ToRequest(const OntologyArguments& arguments, const std::string& file) {
-  auto text = ReadText(file);
-  if (!text.ok()) return text.status();
+  auto rdf = ReadRdfToSend(file, arguments.base);
+  if (!rdf.ok()) return rdf.status();
   v1::LoadRequest request;
   request.set_name(NameOf(arguments, file));
   request.set_kind(v1::LoadRequest::ONTOLOGY);
-  request.set_text(*std::move(text));
-  request.set_media_type(MediaTypeOfFile(file));
+  request.set_text(std::move(rdf->text));
+  request.set_media_type(MediaTypeOf(rdf->format));
+  request.set_base_iri(rdf->base_iri);
   return request;
 }
 
@@ -198,14 +200,14 @@ absl::StatusOr<std::vector<TermQuad>> Fetch(const OntologyArguments& arguments, 
 }
 
 // The file's prefixes go to the end of `prefixes`.
-absl::StatusOr<std::vector<TermQuad>> Parse(const std::string& file, PrefixList* prefixes) {
-  auto text = ReadText(file);
-  if (!text.ok()) return text.status();
-  ParseRdfOptions options;
-  options.file = file;
+absl::StatusOr<std::vector<TermQuad>> Parse(const OntologyArguments& arguments, const std::string& file,
+                                            PrefixList* prefixes) {
+  auto rdf = ReadRdf(file, arguments.base);
+  if (!rdf.ok()) return rdf.status();
+  ParseRdfOptions options = rdf->Options(file);
   options.blank_node_scope = "file_";
-  ParsedRdf parsed = ParseRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, *text);
+  ParsedRdf parsed = ParseRdf(rdf->text, rdf->format, options);
+  if (!parsed.ok()) return ToStatus(parsed, rdf->text);
   prefixes->insert(prefixes->end(), parsed.prefixes.begin(), parsed.prefixes.end());
   return std::move(parsed.quads);
 }
@@ -230,11 +232,11 @@ nlohmann::json AsJson(const std::vector<TermQuad>& triples) {
 int Diff(const OntologyArguments& arguments) {
   int exit_code = kExitOk;
   PrefixList prefixes;
-  auto after = Parse(arguments.files.back(), &prefixes);
+  auto after = Parse(arguments, arguments.files.back(), &prefixes);
   if (!after.ok()) return Fail(after.status());
   auto before = arguments.files.size() == 1
                     ? Fetch(arguments, NameOf(arguments, arguments.files[0]), &exit_code)
-                    : Parse(arguments.files[0], &prefixes);
+                    : Parse(arguments, arguments.files[0], &prefixes);
   if (exit_code != kExitOk) return exit_code;
   if (!before.ok()) return Fail(before.status());
   const ontology::ModuleDiff diff = ontology::DiffModules(*before, *after);
@@ -290,6 +292,7 @@ void AddOntologyCommand(CLI::App* app, int* exit_code) {
     to->add_option("files", arguments->files, help)->required();
     to->add_option("--name", arguments->name, "Name of the module; by default the name of the file")
         ->type_name("NAME");
+    AddBaseOption(to, &arguments->base);
     return to;
   };
   CLI::App* list = part("list", "List the modules with size, revision and version", List);

@@ -35,20 +35,21 @@ struct RuleText {
 absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
   if (std::string text = BuiltInRuleSet(name_or_file); !text.empty())
     return RuleText{name_or_file, std::move(text)};
-  auto text = ReadText(name_or_file);
-  if (!text.ok()) return text.status();
   std::string name = std::filesystem::path(name_or_file).filename().string();
-  const auto format = FormatOfFile(name_or_file);
-  if (!format) return RuleText{std::move(name), *std::move(text)};
-  ParseRdfOptions options;
-  options.file = name_or_file;
-  const LocatedRdf parsed = ParseLocatedRdf(*text, *format, options);
-  if (!parsed.rdf.ok()) return ToStatus(parsed.rdf.diagnostics, *text);
-  ImportedRules imported = ImportShaclRules(parsed, *text, name_or_file);
-  if (!imported.ok()) return ToStatus(imported.diagnostics, *text);
+  if (!FormatOfFile(name_or_file)) {
+    auto text = ReadText(name_or_file);
+    if (!text.ok()) return text.status();
+    return RuleText{std::move(name), *std::move(text)};
+  }
+  auto rdf = ReadRdf(name_or_file, "");
+  if (!rdf.ok()) return rdf.status();
+  const LocatedRdf parsed = ParseLocatedRdf(rdf->text, rdf->format, rdf->Options(name_or_file));
+  if (!parsed.rdf.ok()) return ToStatus(parsed.rdf, rdf->text);
+  ImportedRules imported = ImportShaclRules(parsed, rdf->text, name_or_file);
+  if (!imported.ok()) return ToStatus(imported.diagnostics, rdf->text);
   if (imported.rules == 0)
     return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
-  std::cerr << Render(imported.diagnostics, *text);
+  std::cerr << Render(imported.diagnostics, rdf->text);
   return RuleText{std::move(name), std::move(imported.text)};
 }
 

@@ -29,6 +29,7 @@ constexpr char kShapesGraph[] = "urn:docent:shapes";
 struct ValidateArguments {
   ClientOptions client;
   std::vector<std::string> shapes, data;
+  std::string base;
   int timeout_ms = 0;
   bool rdf = false;
 };
@@ -108,20 +109,18 @@ class FileValidator {
 
  private:
   bool Load(const std::string& file, const std::string& graph) {
-    auto text = ReadText(file);
-    if (!text.ok()) {
-      Fail(text.status());
+    auto rdf = ReadRdf(file, arguments_.base);
+    if (!rdf.ok()) {
+      Fail(rdf.status());
       return false;
     }
-    ParseRdfOptions options;
-    options.file = file;
+    ParseRdfOptions options = rdf->Options(file);
     options.blank_node_scope = absl::StrCat("f", texts_.size(), "_");
-    const LocatedRdf document =
-        ParseLocatedRdf(*text, FormatOfFile(file).value_or(RdfFormat::kTurtle), options);
-    std::cerr << Render(document.rdf.diagnostics, *text);
+    const LocatedRdf document = ParseLocatedRdf(rdf->text, rdf->format, options);
+    std::cerr << Render(document.rdf.diagnostics, rdf->text);
     if (!document.rdf.ok()) return false;
     graph_.Add(file, document, graph);
-    texts_[file] = *std::move(text);
+    texts_[file] = std::move(rdf->text);
     return true;
   }
 
@@ -151,12 +150,13 @@ absl::StatusOr<v1::ValidateRequest> ToRequest(const ValidateArguments& arguments
   request.set_timeout_ms(arguments.timeout_ms);
   request.set_rdf(arguments.rdf);
   for (const std::string& file : arguments.shapes) {
-    auto text = ReadText(file);
-    if (!text.ok()) return text.status();
+    auto rdf = ReadRdfToSend(file, arguments.base);
+    if (!rdf.ok()) return rdf.status();
     v1::ShapesText* shapes = request.add_shapes();
     shapes->set_name(file);
-    shapes->set_text(*std::move(text));
-    shapes->set_media_type(MediaTypeOfFile(file));
+    shapes->set_text(std::move(rdf->text));
+    shapes->set_media_type(MediaTypeOf(rdf->format));
+    shapes->set_base_iri(rdf->base_iri);
   }
   return request;
 }
@@ -207,6 +207,7 @@ void AddValidateCommand(CLI::App* app, int* exit_code) {
   command->add_option("--shapes", arguments->shapes, "RDF file with shapes; by default those of the data")
       ->type_name("FILE")
       ->allow_extra_args(false);
+  AddBaseOption(command, &arguments->base);
   command->add_flag("--rdf", arguments->rdf, "Print the report as RDF: an sh:ValidationReport in Turtle");
   command->add_option("--timeout-ms,--timeout", arguments->timeout_ms, "Give up after this time")
       ->check(CLI::NonNegativeNumber)

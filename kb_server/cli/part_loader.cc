@@ -37,11 +37,13 @@ void CutAtLines(std::string_view text, size_t part_bytes, std::vector<std::strin
 }  // namespace
 
 std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat format, const std::string& file,
-                                           size_t part_bytes) {
+                                           size_t part_bytes, const std::string& base_iri) {
   auto document = std::make_unique<DocumentParts>();
   document->name = BlankLabelStart(text);
   ParseRdfOptions options;
   options.file = file;
+  options.base_iri = base_iri;
+  options.charset = "utf-8";
   options.limits.document_bytes = std::numeric_limits<size_t>::max();
   const bool lines = format == RdfFormat::kNTriples || format == RdfFormat::kNQuads;
   document->media_type = format == RdfFormat::kNTriples ? "application/n-triples" : "application/n-quads";

@@ -32,9 +32,9 @@ struct DocumentParts {
   size_t statements = 0;                // repeats included
   Diagnostics diagnostics;              // mistakes: then there are no parts
 };
-// `file` names the document in diagnostics. The result must not be copied or outlive `text`.
+// `file` names the document in diagnostics. `text` is UTF-8. The result must not be copied or outlive `text`.
 std::unique_ptr<DocumentParts> CutDocument(std::string_view text, RdfFormat format, const std::string& file,
-                                           size_t part_bytes = kPartBytes);
+                                           size_t part_bytes = kPartBytes, const std::string& base_iri = "");
 
 // Sums of the replies to parts. Where a part failed, the ones before it, and perhaps some after it, are in the graph.
 struct PartsOutcome {

@@ -77,6 +77,11 @@ absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what
   return out;
 }
 
+absl::Status CheckBase(const std::string& base_iri) {
+  if (base_iri.empty() || IsAbsoluteIri(base_iri)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("base_iri: \"", base_iri, "\" is not an absolute IRI"));
+}
+
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,
                                      Cancellation* cancellation) {
   if (request.request_id().size() > 256) {
@@ -129,15 +134,13 @@ absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Lim
     if (absl::Status size = CheckDocumentSize("rdf", request.rdf(), limits); !size.ok()) return size;
     std::string media_type = request.rdf_media_type().empty() ? "text/turtle" : request.rdf_media_type();
     auto format = FormatOfMediaType(media_type);
-    if (!format) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("rdf_media_type \"", media_type,
-                       "\" is not known; use text/turtle, "
-                       "application/trig, application/n-triples, application/n-quads or "
-                       "application/rdf+xml"));
-    }
+    if (!format)
+      return absl::InvalidArgumentError(absl::StrCat("rdf_media_type: ", UnknownMediaType(media_type)));
+    if (absl::Status base = CheckBase(request.rdf_base_iri()); !base.ok()) return base;
     ParseRdfOptions options;
     options.file = "rdf";
+    options.base_iri = request.rdf_base_iri();
+    options.charset = "utf-8";
     options.limits = limits;
     options.blank_node_scope = BlankLabelStart(request.rdf());
     options.cancellation = cancellation;

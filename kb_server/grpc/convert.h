@@ -31,6 +31,9 @@ void ToProto(const BatchOutcome& outcome, v1::AssertReply* out);
 absl::StatusOr<Term> FromProto(const v1::Term& term, const std::string& what);
 // As above; an unset graph gives a term with an empty IRI.
 absl::StatusOr<TermQuad> FromProto(const v1::Quad& quad, const std::string& what);
+// INVALID_ARGUMENT where the base of a text is given and no absolute IRI.
+absl::Status CheckBase(const std::string& base_iri);
+
 // The batch that an AssertRequest means. INVALID_ARGUMENT names the place of the first bad term and, for
 // `rdf`, line and column; RESOURCE_EXHAUSTED names the limit.
 absl::StatusOr<WriteBatch> FromProto(const v1::AssertRequest& request, const Limits& limits,

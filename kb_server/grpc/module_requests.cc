@@ -18,6 +18,8 @@ namespace {
 ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits) {
   ParseRdfOptions options;
   options.file = request.name();
+  options.base_iri = request.base_iri();
+  options.charset = "utf-8";  // as texts of gRPC are
   options.limits = limits;
   if (request.kind() == v1::LoadRequest::ONTOLOGY) {
     options.blank_node_scope = absl::StrCat(NameInBlankLabel(request.name()), "_");
@@ -34,10 +36,10 @@ std::optional<RdfFormat> FormatFor(const v1::LoadRequest& request) {
 
 // The quads of an RDF text, each in `graph` unless the text names one.
 absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph, const Limits& limits,
-                        Cancellation* cancellation, WriteBatch* batch) {
+                        Cancellation* cancellation, Diagnostics* warnings, WriteBatch* batch) {
   const auto format = FormatFor(request);
-  if (!format)
-    return absl::InvalidArgumentError(absl::StrCat("media type \"", request.media_type(), "\" is not known"));
+  if (!format) return absl::InvalidArgumentError(UnknownMediaType(request.media_type()));
+  if (absl::Status base = CheckBase(request.base_iri()); !base.ok()) return base;
   ParseRdfOptions options = OptionsFor(request, limits);
   options.cancellation = cancellation;
   absl::Status other_graph;
@@ -60,6 +62,7 @@ absl::Status ParseQuads(const v1::LoadRequest& request, const std::string& graph
   }
   ParsedRdf parsed = ParseRdf(request.text(), *format, options);
   if (!parsed.ok()) return ToStatus(parsed, request.text());
+  if (warnings != nullptr) *warnings = parsed.diagnostics;
   for (Document& document : batch->documents) document.text = DeclarePrefixes(parsed.prefixes);
   batch->operations.reserve(parsed.quads.size());
   for (TermQuad& quad : parsed.quads) {
@@ -79,7 +82,7 @@ LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits) {
 }
 
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
-                                       Cancellation* cancellation) {
+                                       Cancellation* cancellation, Diagnostics* warnings) {
   if (absl::Status size = CheckDocumentSize(request.name(), request.text(), limits); !size.ok()) return size;
   if (!v1::LoadRequest::Kind_IsValid(request.kind()) || !v1::LoadRequest::Mode_IsValid(request.mode())) {
     return absl::InvalidArgumentError("this kind or mode is not known; see ontologies.proto");
@@ -101,10 +104,10 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
       break;
     case v1::LoadRequest::ONTOLOGY:
       batch.documents.push_back({Document::Kind::kOntology, Document::Action::kPut, request.name(), ""});
-      status = ParseQuads(request, OntologyGraph(request.name()), limits, cancellation, &batch);
+      status = ParseQuads(request, OntologyGraph(request.name()), limits, cancellation, warnings, &batch);
       break;
     default:
-      status = ParseQuads(request, request.graph(), limits, cancellation, &batch);
+      status = ParseQuads(request, request.graph(), limits, cancellation, warnings, &batch);
       break;
   }
   if (!status.ok()) return status;

@@ -13,8 +13,9 @@ namespace docent {
 
 // INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
 // CANCELLED, DEADLINE_EXCEEDED: what `cancellation`, which may be null, said meanwhile.
+// Warnings about the text go to `warnings`, which may be null.
 absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Limits& limits,
-                                       Cancellation* cancellation = nullptr);
+                                       Cancellation* cancellation = nullptr, Diagnostics* warnings = nullptr);
 
 // Where the quads of that batch stand in the request's text, which must outlive the result; a part of a document (its lines
 // are not the document's) and rules have no places.

@@ -88,15 +88,18 @@ grpc::ServerUnaryReactor* OntologiesService::Load(grpc::CallbackServerContext*,
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   const auto work = [this, cancellation, request, reply](grpc::ServerUnaryReactor* reactor) {
-    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits, cancellation.get());
+    Diagnostics of_text;
+    absl::StatusOr<WriteBatch> batch = ToLoadBatch(*request, ports_.limits, cancellation.get(), &of_text);
     if (!batch.ok()) return reactor->Finish(ToGrpc(batch.status()));
     LoadJob job;
     job.batch = *std::move(batch);
     job.text = TextOf(*request, ports_.limits);
     job.prepare = CheckMode(*request, ports_);
     job.cancellation = cancellation;
-    job.done = [reactor, reply](const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings) {
+    job.done = [reactor, reply, of_text = std::move(of_text)](const absl::StatusOr<BatchOutcome>& outcome,
+                                                              const Diagnostics& warnings) {
       if (outcome.ok()) Fill(*outcome, reply);
+      for (const Diagnostic& warning : of_text) ToProto(warning, reply->add_diagnostics());
       for (const Diagnostic& warning : warnings) ToProto(warning, reply->add_diagnostics());
       reactor->Finish(ToGrpc(outcome.status()));
     };

@@ -38,10 +38,12 @@ absl::Status ReadTexts(const v1::ValidateRequest& request, const Limits& limits,
     if (absl::Status size = CheckDocumentSize(text.name(), text.text(), limits); !size.ok()) return size;
     const std::string media_type = text.media_type().empty() ? "text/turtle" : text.media_type();
     const auto format = FormatOfMediaType(media_type);
-    if (!format)
-      return absl::InvalidArgumentError(absl::StrCat("media type \"", media_type, "\" is not known"));
+    if (!format) return absl::InvalidArgumentError(UnknownMediaType(media_type));
+    if (absl::Status base = CheckBase(text.base_iri()); !base.ok()) return base;
     ParseRdfOptions options;
     options.file = text.name();
+    options.base_iri = text.base_iri();
+    options.charset = "utf-8";
     options.limits = limits;
     options.cancellation = cancellation;
     options.blank_node_scope = absl::StrCat("shapes", number++, "_");

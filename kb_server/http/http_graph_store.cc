@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "graph/base/diagnostic.h"
+#include "graph/base/gzip.h"
 #include "graph/base/memory_budget.h"
 #include "graph/rdf/iri.h"
 #include "graph/rdf/text_bytes.h"
@@ -18,6 +19,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "graph/store/server_graphs.h"
 #include "kb_server/door/history_port.h"
+#include "kb_server/http/http_body.h"
 #include "kb_server/http/http_formats.h"
 #include "kb_server/http/http_multipart.h"
 #include "kb_server/http/http_sparql.h"
@@ -155,29 +157,51 @@ struct Content {
   std::unique_ptr<MemoryUse> memory;  // counts them
 };
 
+// What relative IRIs of a body are relative to. The default graph has a name of the server's own, which is no base: with it
+// they would become words of Docent's ontology.
+std::string BaseOf(const Address& address) {
+  return address.graph.lexical == kDefaultGraph ? std::string() : address.graph.lexical;
+}
+
+HttpResponse TooLarge(const ServicePorts& ports, const Content& content) {
+  return ErrorResponse(content.memory->Refusal(absl::ResourceExhaustedError(absl::StrCat(
+      "the body is more than fits into the limit query_memory_bytes = ", ports.limits.query_memory_bytes))));
+}
+
 // `part`: its number among several.
-void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph, size_t number,
+void ReadPart(const ServicePorts& ports, const HttpPart& part, const Address& address, size_t number,
               Cancellation* cancellation, Content* content) {
-  if ((content->refusal = RefuseCharset(part.content_type))) return;
   const std::string type = part.content_type.empty() ? "text/turtle" : MediaTypeOnly(part.content_type);
   std::optional<RdfFormat> format = FormatOfMediaType(type);
-  if (!format && type == "application/octet-stream")
-    format = FormatOfFile(part.file);  // of whoever knows no better
+  if (!format && (type == "application/octet-stream" || type == "application/gzip"))
+    format = FormatOfFile(part.file);  // of clients that know no better
   if (!format) {
-    content->refusal = TextResponse(415,
-                                    "send RDF as text/turtle, application/n-triples, application/rdf+xml, "
-                                    "application/trig or application/n-quads, not as " +
-                                        type);
+    content->refusal = TextResponse(415, UnknownMediaType(type));
     return;
   }
+  const std::string charset = CharsetOf(part.content_type);
+  // RDF/XML may be in other encodings (RFC 7303); the parser says which it reads
+  if (*format != RdfFormat::kRdfXml && (content->refusal = RefuseCharset(part.content_type))) return;
   ParseRdfOptions options;
-  options.base_iri = graph.lexical;
+  options.base_iri = BaseOf(address);
+  options.charset = charset;
   options.blank_node_scope = absl::StrCat("p", number);
   options.limits = ports.limits;
   options.cancellation = cancellation;
-  ParsedRdf parsed = ParseRdf(part.body, *format, options);
+  absl::StatusOr<std::string> unpacked;
+  std::string_view text = part.body;
+  if (IsGzip(text)) {  // a .gz file as it is
+    unpacked = Gunzip(text, ports.limits.http_body_bytes, "http_body_bytes");
+    if (!unpacked.ok()) {
+      content->refusal = TextResponse(absl::IsResourceExhausted(unpacked.status()) ? 413 : 400,
+                                      std::string(unpacked.status().message()));
+      return;
+    }
+    text = *unpacked;
+  }
+  ParsedRdf parsed = ParseRdf(text, *format, options);
   if (!parsed.ok()) {
-    content->refusal = ErrorResponse(ToStatus(parsed, part.body));
+    content->refusal = ErrorResponse(ToStatus(parsed, text));
     return;
   }
   for (TermQuad& quad : parsed.quads) {
@@ -189,31 +213,38 @@ void ReadPart(const ServicePorts& ports, const HttpPart& part, const Term& graph
     const bool fits = content->memory->Add(sizeof(TermQuad) + TextBytes(quad));
     content->triples.push_back(std::move(quad));
     if (fits) continue;
-    content->refusal = ErrorResponse(content->memory->Refusal(absl::ResourceExhaustedError(
-        absl::StrCat("the body is more than fits into the limit query_memory_bytes = ",
-                     ports.limits.query_memory_bytes))));
+    content->refusal = TooLarge(ports, *content);
     return;
   }
 }
 
-Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Term& graph,
+Content ReadContent(const ServicePorts& ports, const HttpRequest& http, const Address& address,
                     Cancellation* cancellation) {
   Content content;
   content.memory = std::make_unique<MemoryUse>(ports.limits.query_memory_bytes, ports.query_memory);
   const std::string type = http.Header("content-type");
+  HttpBody body;
+  UnpackBody(http, ports.limits.http_body_bytes, "http_body_bytes", &body);
+  if ((content.refusal = std::move(body.refusal))) return content;
+  if (!content.memory->Add(body.unpacked.size())) {
+    content.refusal = TooLarge(ports, content);
+    return content;
+  }
   if (MediaTypeOnly(type) != "multipart/form-data") {
-    ReadPart(ports, {type, "", http.body}, graph, 1, cancellation, &content);
+    ReadPart(ports, {type, "", body.text}, address, 1, cancellation, &content);
+    content.memory->Release(body.unpacked.size());
     return content;
   }
   const absl::StatusOr<std::vector<HttpPart>> parts =
-      ParseMultipart(type, http.body, ports.limits.http_parameters);
+      ParseMultipart(type, body.text, ports.limits.http_parameters);
   if (!parts.ok()) {
     content.refusal = ErrorResponse(parts.status());
     return content;
   }
   for (size_t i = 0; i < parts->size() && !content.refusal; ++i) {
-    ReadPart(ports, (*parts)[i], graph, i + 1, cancellation, &content);
+    ReadPart(ports, (*parts)[i], address, i + 1, cancellation, &content);
   }
+  content.memory->Release(body.unpacked.size());
   return content;
 }
 
@@ -285,7 +316,7 @@ void Write(const ServicePorts& ports, Address address, const Exchange& exchange)
   const HttpRequest& http = exchange->request();
   auto change = std::make_shared<Change>();
   change->request.cancellation = CancellationOf(ports, exchange);
-  Content content = ReadContent(ports, http, address.graph, change->request.cancellation.get());
+  Content content = ReadContent(ports, http, address, change->request.cancellation.get());
   if (content.refusal) return exchange->Respond(*std::move(content.refusal));
   std::vector<Operation>& operations = change->request.update.operations;
   if (http.method == "PUT") operations.push_back(MakeOperation(Operation::Kind::kDrop, address));
@@ -334,9 +365,12 @@ void Patch(const ServicePorts& ports, Address address, const Exchange& exchange)
                           ports.limits.update_text_bytes)));
   }
   sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
-  options.base_iri = address.graph.lexical;
-  sparql::ParsedUpdate parsed = sparql::ParseUpdate(http.body, options);
-  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, http.body)));
+  options.base_iri = BaseOf(address);
+  HttpBody body;
+  UnpackBody(http, ports.limits.update_text_bytes, "update_text_bytes", &body);
+  if (body.refusal) return exchange->Respond(*std::move(body.refusal));
+  sparql::ParsedUpdate parsed = sparql::ParseUpdate(body.text, options);
+  if (!parsed.ok()) return exchange->Respond(ErrorResponse(ToStatus(parsed.diagnostics, body.text)));
   if (absl::Status status = BindToGraph(address.graph, &parsed.update); !status.ok()) {
     return exchange->Respond(TextResponse(422, std::string(status.message())));
   }

@@ -149,16 +149,17 @@ class OverHttp(StageTest):
                             "1:7: error: U+0000", codes=[400])
 
     def test_relative_iris_without_base(self):
-        """Over HTTP the address of the request is the base (RFC 3986, section 5.1.3); a file has none."""
+        """Over HTTP the address of the request is the base (RFC 3986, section 5.1.3); standard input has none."""
         done = self.server.run("query", "ASK { <a> <b> <c> }")
         self.assertEqual(done.returncode, 2)
         self.assertIn("relative", done.stderr)
         done = self.server.run("load", self.file("relative.nt", "<a> <urn:b> <urn:c> .\n"))
         self.assertEqual(done.returncode, 2)
         self.assertIn("relative.nt:1:1", done.stderr)
-        done = self.server.run("load", self.file("relative.ttl", "<a> <urn:b> <urn:c> .\n"))
+        done = self.server.run("load", "-", text="<a> <urn:b> <urn:c> .\n")
         self.assertEqual(done.returncode, 2)
-        self.assertIn("relative.ttl:1:1", done.stderr)
+        self.assertIn("stdin:1:1", done.stderr)
+        self.assertIn("relative", done.stderr)
 
 
 if __name__ == "__main__":

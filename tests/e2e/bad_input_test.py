@@ -103,8 +103,8 @@ class Documents(StageTest):
         self.assert_refused(self.server.run("load", "--as", "facts", file), 2, "term_bytes")
 
     def test_an_ending_that_is_not_known(self):
-        file = self.file("data.jsonld", GOOD.replace(":b", ":other"))
-        self.assert_refused(self.server.run("load", file), 2, "data.jsonld: unknown file name extension", ".ttl", "--as")
+        file = self.file("data.facts", GOOD.replace(":b", ":other"))
+        self.assert_refused(self.server.run("load", file), 2, "data.facts: unknown file name extension", ".ttl", "--as")
         self.server.command("load", "--as", "data", file)
         self.server.command("load", "-", text=GOOD.replace(":b", ":other"))
 

@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "graph/base/gzip.h"
 #include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/server_world.h"
 
@@ -97,6 +98,79 @@ TEST_F(GraphStoreTest, AGraphsLife) {
   EXPECT_EQ(Ask("DELETE", graph).status, 200);
   EXPECT_EQ(Ask("GET", graph).status, 404);
   EXPECT_EQ(Ask("GET", "/rdf-graphs?default").status, 200) << "the default graph is always there";
+}
+
+TEST_F(GraphStoreTest, TheGraphIsTheBaseAndTheDefaultGraphHasNone) {
+  StartServer();
+  EXPECT_EQ(Ask("PUT", "/rdf-graphs?graph=http://e/d/g%23frag", kTurtle, "<#a> <p> <> .").status, 201);
+  EXPECT_TRUE(Holds("GRAPH <http://e/d/g#frag> { <http://e/d/g#a> <http://e/d/p> <http://e/d/g> }"));
+  const std::string xml =
+      "<r:RDF xmlns:r='http://www.w3.org/1999/02/22-rdf-syntax-ns#'><r:Bag r:about=''><r:li "
+      "r:resource='#x'/></r:Bag></r:RDF>";
+  EXPECT_EQ(Ask("PUT", "/rdf-graphs?graph=http://e/d/h%23frag", "Content-Type: application/rdf+xml\r\n", xml)
+                .status,
+            201);
+  EXPECT_TRUE(Holds("GRAPH <http://e/d/h#frag> { <http://e/d/h> rdf:_1 <http://e/d/h#x> }"));
+  for (const char* target : {"/rdf-graphs?default", "/rdf-graphs?graph=https://w3id.org/docent%23default"}) {
+    for (const auto& [type, body] : {std::pair<std::string, std::string>(kTurtle, "<#isAt> <#p> <Robot> ."),
+                                     {"Content-Type: application/rdf+xml\r\n", xml}}) {
+      const HttpReply reply = Ask("POST", target, type, body);
+      EXPECT_EQ(reply.status, 400) << target;
+      EXPECT_THAT(reply.body, HasSubstr("is relative and the document has no base IRI"));
+    }
+    EXPECT_EQ(Ask("PATCH", target, kUpdate, "INSERT DATA { <#a> <#b> 1 }").status, 400);
+    EXPECT_EQ(Ask("POST", target, kTurtle, "@base <http://e/> . <#a> <p> 1 .").status, 200) << "its own base";
+  }
+  EXPECT_TRUE(Holds("<http://e/#a> <http://e/p> 1"));
+}
+
+TEST_F(GraphStoreTest, PackedBodiesAreRead) {
+  StartServer();
+  const std::string graph = "/rdf-graphs?graph=urn:w:z", packed = "Content-Encoding: gzip\r\n";
+  EXPECT_EQ(Ask("PUT", graph, kTurtle + packed, Gzip("<urn:w:a> <urn:w:p> 1 .")).status, 201);
+  EXPECT_TRUE(Holds("GRAPH :z { :a :p 1 }"));
+  EXPECT_EQ(Ask("POST", graph, std::string(kTurtle) + "Content-Encoding: X-GZIP\r\n",
+                Gzip("<urn:w:a> <urn:w:p> 2 ."))
+                .status,
+            200);
+  EXPECT_EQ(Ask("POST", graph, kTurtle, Gzip("<urn:w:a> <urn:w:p> 3 .")).status, 200)
+      << "a .gz file as it is";
+  EXPECT_TRUE(Holds("GRAPH :z { :a :p 1, 2, 3 }"));
+  EXPECT_EQ(Ask("POST", "/sparql", kUpdate + packed, Gzip("INSERT DATA { <urn:w:b> <urn:w:p> 1 }")).status,
+            200);
+  EXPECT_EQ(
+      Ask("POST", "/sparql", kForm + packed, Gzip("update=INSERT+DATA+%7B+%3Curn:w:b%3E+%3Curn:w:p%3E+2+%7D"))
+          .status,
+      200);
+  EXPECT_EQ(Ask("PATCH", graph, kUpdate + packed, Gzip("INSERT DATA { <urn:w:b> <urn:w:p> 3 }")).status, 200);
+  EXPECT_TRUE(Holds(":b :p 1, 2") && Holds("GRAPH :z { :b :p 3 }"));
+  const std::string bomb = Gzip(std::string(65u << 20, ' '));
+  const HttpReply large = Ask("PUT", graph, kTurtle + packed, bomb);
+  EXPECT_EQ(large.status, 413);
+  EXPECT_THAT(large.body, HasSubstr("http_body_bytes = 67108864"));
+  EXPECT_EQ(Ask("POST", "/sparql", kUpdate + packed, bomb).status, 413);
+  EXPECT_EQ(Ask("PUT", graph, kTurtle + packed, "no gzip").status, 400);
+  EXPECT_EQ(Ask("PUT", graph, std::string(kTurtle) + "Content-Encoding: br\r\n", "x").status, 415);
+  const HttpReply json = Ask("PUT", graph, "Content-Type: application/ld+json\r\n", "{}");
+  EXPECT_EQ(json.status, 415);
+  EXPECT_THAT(json.body, HasSubstr("is JSON-LD, which is not read; text/turtle"));
+  const HttpReply latin = Ask("PUT", graph, "Content-Type: application/rdf+xml; charset=ISO-8859-1\r\n",
+                              "<r:RDF xmlns:r='http://www.w3.org/1999/02/22-rdf-syntax-ns#'><r:Bag "
+                              "r:about='urn:w:l'><r:li>\xE9</r:li></r:Bag></r:RDF>");
+  EXPECT_EQ(latin.status, 200) << latin.body;
+  EXPECT_TRUE(Holds("GRAPH :z { :l rdf:_1 'é' }"));
+}
+
+// What takes longer than a query may ends with the limit's name, and when the client leaves.
+TEST_F(GraphStoreTest, ReadingABodyEndsAtTheTimeLimit) {
+  settings_.limits.query_timeout_ms = 50;
+  StartServer();
+  std::string turtle;
+  while (turtle.size() < (20u << 20))
+    absl::StrAppend(&turtle, "@prefix p", turtle.size(), ": <urn:", turtle.size(), ":> .\n");
+  const HttpReply reply = Ask("PUT", "/rdf-graphs?graph=urn:w:g", kTurtle, turtle);
+  EXPECT_EQ(reply.status, 504) << reply.body;
+  EXPECT_THAT(reply.body, HasSubstr("query_timeout_ms = 50"));
 }
 
 // RFC 9110 section 13.1

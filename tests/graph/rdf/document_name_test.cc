@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "graph/rdf/term_check.h"
 
 namespace docent {
@@ -31,6 +33,16 @@ TEST(DocumentNameTest, AnyNameGivesTermsThatMayBeStored) {
     EXPECT_TRUE(iri.ok()) << iri;
     const absl::Status label = CheckTerm(Term::Blank(NameInBlankLabel(name) + "_b1"), 1000);
     EXPECT_TRUE(label.ok()) << label;
+  }
+}
+
+TEST(DocumentNameTest, FilesHaveIris) {
+  EXPECT_EQ(FileIri("/home/x/place.ttl"), "file:///home/x/place.ttl");
+  EXPECT_EQ(FileIri("/a b/../c/100%.ttl"), "file:///c/100%25.ttl");
+  EXPECT_EQ(FileIri("/größe/a#b?c[1].ttl"), "file:///größe/a%23b%3Fc%5B1%5D.ttl");
+  EXPECT_EQ(FileIri("x.ttl"), FileIri(std::filesystem::current_path().string() + "/x.ttl"));
+  for (const char* name : {"/a\\b|c^`{}<>\"", "/\x01", "/\xff\xfe.ttl"}) {
+    EXPECT_TRUE(CheckTerm(Term::Iri(FileIri(name)), 1000).ok()) << FileIri(name);
   }
 }
 

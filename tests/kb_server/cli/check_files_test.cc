@@ -32,7 +32,7 @@ std::string Text(const std::vector<ontology::Finding>& findings) {
 // The errors of one document.
 std::string Check(const std::string& turtle) {
   FileChecker checker;
-  checker.AddRdf("f.ttl", kPrefixes + turtle, false);
+  checker.AddRdf("f.ttl", RdfText{kPrefixes + turtle}, false);
   return Text(checker.CheckRdf("f.ttl"));
 }
 
@@ -79,11 +79,11 @@ TEST(CheckFilesTest, GoodDocumentsAreConsistent) {
 TEST(CheckFilesTest, WhatRulesDeriveFromOtherFilesIsLookedAt) {
   const std::string rules = "PREFIX : <http://e/>\nRULE { ?x a :Machine } WHERE { ?x a :Human }";
   FileChecker checker;
-  checker.AddRdf(
-      "o.ttl",
-      absl::StrCat(kPrefixes, ":Human a owl:Class ; owl:disjointWith :Machine . :Machine a owl:Class ."),
-      false);
-  checker.AddRdf("hum.ttl", absl::StrCat(kPrefixes, ":h a :Human ."), false);
+  checker.AddRdf("o.ttl",
+                 RdfText{absl::StrCat(
+                     kPrefixes, ":Human a owl:Class ; owl:disjointWith :Machine . :Machine a owl:Class .")},
+                 false);
+  checker.AddRdf("hum.ttl", RdfText{absl::StrCat(kPrefixes, ":h a :Human .")}, false);
   checker.AddRules("cls.rules", rules);
   EXPECT_EQ(Text(checker.CheckRdf("o.ttl")), "");
   EXPECT_EQ(Text(checker.CheckRules("cls.rules", rules)), "");
@@ -116,7 +116,7 @@ TEST(CheckFilesTest, UnusedPrefixesOfRulesAndQueriesAreNamed) {
 TEST(CheckFilesTest, ACheckAmongTheGivenRulesIsFollowed) {
   const std::string rules = "PREFIX : <http://e/>\nRULE { } WHERE { ?x :speed ?v FILTER(?v > 3) }";
   FileChecker checker;
-  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":r :speed 2 .\n:s :speed 4 ."), false);
+  checker.AddRdf("d.ttl", RdfText{absl::StrCat(kPrefixes, ":r :speed 2 .\n:s :speed 4 .")}, false);
   checker.AddRules("c.rules", rules);
   const std::string text = Text(checker.CheckRdf("d.ttl"));
   EXPECT_THAT(
@@ -134,7 +134,8 @@ TEST(CheckFilesTest, RulesThatCannotBeFollowedBesideOwl2rlAreNamed) {
       "PREFIX : <http://e/> PREFIX owl: <http://www.w3.org/2002/07/owl#>\n"
       "RULE { ?x owl:sameAs :y } WHERE { ?x a :Robot FILTER NOT EXISTS { ?x a :Busy } }";
   FileChecker checker;
-  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":r a :Robot ; :speed 1 .\n:s a owl:Nothing ."), false);
+  checker.AddRdf("d.ttl", RdfText{absl::StrCat(kPrefixes, ":r a :Robot ; :speed 1 .\n:s a owl:Nothing .")},
+                 false);
   checker.AddRules("bad.rules", rules);
   checker.AddRules("alone.rules", alone);
   checker.AddRules("good.rules", "PREFIX : <http://e/> RULE { } WHERE { ?x :speed 1 }");
@@ -178,15 +179,16 @@ TEST(CheckFilesTest, BlankNodesOfTwoFilesAreTwo) {
   FileChecker checker;
   const std::string restriction = "a owl:Class ; rdfs:subClassOf [ a owl:Restriction ; owl:onProperty :p ; ";
   checker.AddRdf("onto.ttl",
-                 absl::StrCat(kPrefixes, ":p a owl:ObjectProperty . :Z ", restriction,
-                              "owl:maxCardinality \"0\"^^xsd:nonNegativeInteger ] ."),
+                 RdfText{absl::StrCat(kPrefixes, ":p a owl:ObjectProperty . :Z ", restriction,
+                                      "owl:maxCardinality \"0\"^^xsd:nonNegativeInteger ] .")},
                  true);
-  checker.AddRdf("more.ttl", absl::StrCat(kPrefixes, ":X ", restriction, "owl:someValuesFrom owl:Thing ] ."),
+  checker.AddRdf("more.ttl",
+                 RdfText{absl::StrCat(kPrefixes, ":X ", restriction, "owl:someValuesFrom owl:Thing ] .")},
                  true);
-  checker.AddRdf(
-      "d.ttl",
-      absl::StrCat(kPrefixes, ":Y ", restriction, "owl:someValuesFrom owl:Thing ] .\n:i a :Y ; :p :i ."),
-      false);
+  checker.AddRdf("d.ttl",
+                 RdfText{absl::StrCat(kPrefixes, ":Y ", restriction,
+                                      "owl:someValuesFrom owl:Thing ] .\n:i a :Y ; :p :i .")},
+                 false);
   EXPECT_EQ(Text(checker.CheckRdf("d.ttl")), "");
 }
 
@@ -194,8 +196,8 @@ TEST(CheckFilesTest, WhatWasNotCheckedIsSaidAtAFileThatIs) {
   std::string many = kPrefixes;
   for (int i = 0; i < 103; ++i) absl::StrAppend(&many, ":i", i, " a owl:Nothing .\n");
   FileChecker checker;
-  checker.AddRdf("words.ttl", absl::StrCat(kPrefixes, ":A a owl:Class ."), true);
-  checker.AddRdf("d.ttl", many, false);
+  checker.AddRdf("words.ttl", RdfText{absl::StrCat(kPrefixes, ":A a owl:Class .")}, true);
+  checker.AddRdf("d.ttl", RdfText{many}, false);
   EXPECT_THAT(Text(checker.CheckRdf("d.ttl")), HasSubstr("3 more inconsistencies are reported"));
 }
 
@@ -205,7 +207,7 @@ TEST(CheckFilesTest, OnlyTheRulesThatAnErrorNamesAreLeftOut) {
       "RULE { ?x owl:sameAs :y } WHERE { ?x a :Robot FILTER NOT EXISTS { ?x a :Busy } }";
   const std::string good = "PREFIX : <http://e/> RULE { } WHERE { ?x :speed 1 }";
   FileChecker checker;
-  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":r a :Robot ; :speed 1 ."), false);
+  checker.AddRdf("d.ttl", RdfText{absl::StrCat(kPrefixes, ":r a :Robot ; :speed 1 .")}, false);
   checker.AddRules("data.rules", alone);
   checker.AddRules("a.rules", good);
   EXPECT_THAT(Text(checker.CheckRdf("d.ttl")), HasSubstr("a.rules rule 1"));
@@ -216,8 +218,9 @@ TEST(CheckFilesTest, OnlyTheRulesThatAnErrorNamesAreLeftOut) {
 
 TEST(CheckFilesTest, FactsOfFilesThatAreNotCheckedAreBackground) {
   FileChecker checker;
-  checker.AddRdf("words.ttl", absl::StrCat(kPrefixes, ":A owl:disjointWith :B .\n:i a :A , :B ."), true);
-  checker.AddRdf("d.ttl", absl::StrCat(kPrefixes, ":j a :A ."), false);
+  checker.AddRdf("words.ttl", RdfText{absl::StrCat(kPrefixes, ":A owl:disjointWith :B .\n:i a :A , :B .")},
+                 true);
+  checker.AddRdf("d.ttl", RdfText{absl::StrCat(kPrefixes, ":j a :A .")}, false);
   const std::string text = Text(checker.CheckRdf("d.ttl"));
   EXPECT_THAT(text, HasSubstr("inconsistency d.ttl: error: the facts contradict each other"));
   EXPECT_THAT(text, HasSubstr("told in words.ttl:3:"));
