@@ -182,7 +182,11 @@ absl::Status Writer::End() {
 // After a refusal, whether the log still refuses: then these are refused, too, before anything is decided that
 // would have to be undone by a recovery.
 bool Writer::LogTakesNothing(std::vector<PendingBatch>* batches) {
-  const absl::Status status = fatal_.ok() ? ports_.log->Probe() : fatal_;
+  absl::Status status = fatal_.ok() ? ports_.log->Probe() : fatal_;
+  if (status.ok() && lost_) {
+    status = fatal_ = Recover(nullptr);
+    lost_ = !status.ok();
+  }
   refused_ = !status.ok();
   SetLogStatus(status);
   if (status.ok()) return false;
@@ -205,7 +209,7 @@ absl::Status Writer::LogStatus() const {
 }
 
 void Writer::TakeGroup(std::vector<PendingBatch> batches) {
-  if (refused_ && LogTakesNothing(&batches)) return;
+  if ((refused_ || !ports_.log->CheckPlace().ok()) && LogTakesNothing(&batches)) return;
   DecidedGroup group;
   // A version for each turn costs more than most turns do: only for those who follow queries.
   stages_->freezes = ports_.subscriptions != nullptr && ports_.subscriptions->counters().open > 0;
@@ -317,7 +321,9 @@ absl::Status Writer::Reconcile() {
       answer.done(answer.outcome.ok() && happened(*answer.outcome) ? answer.outcome : refused.status);
     }
   }
-  return state;
+  if (state.ok() || refused.replaced || ports_.log->CheckPlace().ok()) return state;
+  lost_ = true;  // what is known can be read on, and the log may be put back
+  return absl::OkStatus();
 }
 
 void Writer::PublishCounters() {

@@ -100,6 +100,7 @@ class Writer {
 
   uint64_t epoch_ = 0;
   bool refused_ = false;  // by the log, the last time
+  bool lost_ = false;     // the state could not be made from the log again, since that is not where it was
   mutable absl::Mutex log_status_mutex_;
   absl::Status log_status_ ABSL_GUARDED_BY(log_status_mutex_);
   absl::Status fatal_;

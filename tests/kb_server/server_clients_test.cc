@@ -4,7 +4,9 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "gmock/gmock.h"
+#include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
 
@@ -86,6 +88,61 @@ TEST_F(ServerClientsTest, AClientThatTakesNothingForTooLongLosesItsStream) {
   grpc::Status status = slow->Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
   EXPECT_THAT(status.error_message(), HasSubstr("slow_client_ms = 100"));
+}
+
+TEST_F(ServerClientsTest, WhereOthersWaitAClientThatDoesNotReadLosesItsPlaceSoon) {
+  settings_.limits.stream_messages = 10;
+  settings_.limits.queries_open = 2;
+  settings_.limits.crowded_client_ms = 50;
+  StartServer();
+  TellWords(2000);
+  std::vector<std::unique_ptr<Slow>> slow;
+  for (int i = 0; i < 6; ++i) slow.push_back(Begin(kPairs));
+  ASSERT_TRUE(slow[0]->reader->Read(&slow[0]->reply));
+  const absl::Time start = absl::Now();
+  EXPECT_TRUE(Ask(":s :p ?o"));
+  EXPECT_LT(absl::Now() - start, absl::Milliseconds(settings_.limits.slow_client_ms));
+  grpc::Status status = slow[0]->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+  EXPECT_THAT(status.error_message(), HasSubstr("crowded_client_ms = 50"));
+}
+
+TEST_F(ServerClientsTest, WhereOthersWaitAnHttpClientThatDoesNotReadLosesItsPlaceSoon) {
+  settings_.limits.queries_open = 2;
+  settings_.limits.crowded_client_ms = 50;
+  StartServer();
+  TellWords(2000);
+  std::vector<std::unique_ptr<HttpClient>> slow;
+  for (int i = 0; i < 4; ++i) {
+    slow.push_back(std::make_unique<HttpClient>(http_port()));
+    slow.back()->Send(
+        "POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+        "application/sparql-query\r\nContent-Length: " +
+        absl::StrCat(std::string(kPairs).size()) + "\r\n\r\n" + kPairs);
+  }
+  ASSERT_TRUE(slow[0]->AwaitAnswer());
+  EXPECT_TRUE(Ask(":s :p ?o"));
+  EXPECT_FALSE(slow[0]->Receive().whole) << "cut, and the client sees it";
+}
+
+// Many clients that ask for a little and take nothing, each within its own limits.
+TEST_F(ServerClientsTest, AllThatIsMadeForClientsTogetherHasALimit) {
+  settings_.limits.streams_bytes = 1 << 20;
+  StartServer();
+  TellWords(2000);
+  std::vector<std::unique_ptr<Slow>> slow;
+  for (int i = 0; i < 20; ++i) slow.push_back(Begin(absl::StrCat(kPairs, " LIMIT 4000")));
+  int cut = 0;
+  for (auto& one : slow) {
+    absl::SleepFor(absl::Milliseconds(100));
+    const grpc::Status status = one->Finish();
+    if (status.ok()) continue;
+    ++cut;
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
+    EXPECT_THAT(status.error_message(), HasSubstr("streams_bytes = 1048576"));
+  }
+  EXPECT_GT(cut, 0);
+  EXPECT_TRUE(Ask(":s :p ?o"));
 }
 
 TEST_F(ServerClientsTest, ASlowClientIsGivenUpAtTheTimeLimitOfItsQuery) {

@@ -284,6 +284,21 @@ TEST_F(ServerContextTest, AMistakeInAQueryIsShownWithItsPlace) {
 constexpr char kBomb[] =
     "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l . ?m ?o ?p . ?q ?r ?s }";
 
+TEST_F(ServerContextTest, AValueOfAnEnumerationThatIsNotKnownIsRefused) {
+  StartServer();
+  v1::QueryRequest request;
+  request.set_query("ASK {}");
+  request.set_default_graph(static_cast<v1::QueryRequest::DefaultGraph>(7));
+  grpc::ClientContext context;
+  Limit(&context);
+  auto reader = context_->Query(&context, request);
+  v1::QueryReply reply;
+  EXPECT_FALSE(reader->Read(&reply));
+  const grpc::Status status = reader->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("default_graph 7 is not known"));
+}
+
 TEST_F(ServerContextTest, ACallOfNoFunctionIsShownWithItsPlaceAndWhatItTakes) {
   StartServer();
   EXPECT_THAT(Query("SELECT * { BIND(docent:distanse(1, 2, 3, 4) AS ?d) }").status.error_message(),

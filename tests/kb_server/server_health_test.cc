@@ -42,9 +42,24 @@ TEST_F(ServerHealthTest, WritesIntoADeletedFolderAreRefusedAndHealthSaysSo) {
   EXPECT_EQ(
       HttpClient(http_port()).Ask("GET", "/sparql?query=ASK%7B%3Chttp%3A//x%3E%20%3Fp%20%3Fo%7D").status, 200)
       << "what it has can be read";
+  EXPECT_TRUE(server_->Tend()) << "it goes on";
   StopServer();
   EXPECT_FALSE(std::filesystem::exists(settings_.data_folder))
       << "nothing is left there that a start would take";
+}
+
+TEST_F(ServerHealthTest, AFolderThatIsPutBackIsUsedAgain) {
+  StartServer();
+  ASSERT_EQ(Update("INSERT DATA { <urn:a> <urn:b> 1 }").status, 200);
+  std::filesystem::rename(settings_.data_folder, folder_ / "elsewhere");
+  EXPECT_EQ(Update("INSERT DATA { <urn:a> <urn:b> 2 }").status, 503);
+  EXPECT_EQ(Health().status, 503);
+  std::filesystem::rename(folder_ / "elsewhere", settings_.data_folder);
+  EXPECT_EQ(Update("INSERT DATA { <urn:a> <urn:b> 3 }").status, 200);
+  EXPECT_EQ(Health().status, 200);
+  StopServer();
+  StartServer();
+  EXPECT_EQ(Query("ASK { <urn:a> <urn:b> 1, 3 }").header.boolean(), true);
 }
 
 TEST_F(ServerHealthTest, AFullDiskIsToldThoughNothingIsWritten) {
