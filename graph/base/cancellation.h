@@ -33,18 +33,18 @@ class Cancellation {
 
   // From now on so many steps, as the limits steps_per_turn and steps_per_fact say; any number where this is not called.
   void AllowSteps(uint64_t steps) {
-    counted_ = true;
     steps_ = static_cast<int64_t>(steps);
     steps_left_ = steps_;
   }
-  // So many besides: what a turn infers is work to be done in it.
-  void AllowMoreSteps(uint64_t steps) {
-    if (!counted_) return;
-    steps_ += static_cast<int64_t>(steps);
-    steps_left_ += static_cast<int64_t>(steps);
-  }
   // So many were made. The next Check tells where they were too many.
   void Spend(uint64_t steps) { steps_left_ -= static_cast<int64_t>(steps); }
+
+  bool CanSpend(uint64_t steps) const { return steps_left_ >= static_cast<int64_t>(steps); }
+  int64_t steps_left() const { return steps_left_; }
+  // So many more are allowed.
+  void Lend(uint64_t steps) {
+    if (steps_ != 0) steps_left_ += static_cast<int64_t>(steps);
+  }
 
   // OK; CANCELLED; DEADLINE_EXCEEDED naming the timeout; or RESOURCE_EXHAUSTED naming the limit of steps. Reads the steady
   // clock at every 1024th call, so it may stand in an inner loop.
@@ -82,8 +82,10 @@ class Cancellation {
   absl::Status TooManySteps() const {
     return absl::ResourceExhaustedError(
         "evaluation stopped after " + std::to_string(steps_) +
-        " steps, what the limits steps_per_turn and steps_per_fact allow; does it join patterns "
-        "that share no variable?");
+        " steps, what the limits steps_per_turn and steps_per_fact allow; does much follow from few facts (a "
+        "long "
+        "chain of a transitive property, a large class of equal things), or does it join patterns that share "
+        "no variable?");
   }
   absl::Status Expired() const {
     return absl::DeadlineExceededError("evaluation stopped at its limit query_timeout_ms = " +
@@ -93,8 +95,7 @@ class Cancellation {
   std::atomic<bool> cancelled_{false};
   SteadyTime deadline_;
   std::chrono::milliseconds timeout_{0};  // 0: none
-  bool counted_ = false;                  // AllowSteps was called
-  int64_t steps_ = 0;                     // allowed
+  int64_t steps_ = 0;                     // allowed; 0: any number
   int64_t steps_left_ = std::numeric_limits<int64_t>::max();
   unsigned polls_ = 0;
   bool expired_ = false;

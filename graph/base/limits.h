@@ -22,10 +22,11 @@ struct Limits {
   int engine_rounds_per_turn = 64;     // rounds of store, rules, conditions and engine until a turn is quiet
   int rule_rounds = 10000;             // rounds of a rule set until it makes nothing new
   size_t inferred_per_turn = 5000000;  // facts that one turn may infer
-  // Both together limit a turn: steps_per_turn + steps_per_fact * facts of the graph, the inferred ones included. A turn that
-  // the log has is not refused by them: what was decided stands.
-  uint64_t steps_per_turn = 500000000;  // rows that rules and conditions look at in one turn: some seconds
-  uint64_t steps_per_fact = 500;        // rows for each fact of the graph, in addition to steps_per_turn
+  // Both together limit a turn: steps_per_turn + steps_per_fact * facts of the graph, with those that the turn tells and without
+  // those that it infers. A step takes about 10 ns (graph/base/step_costs.h). A turn that the log has is not refused by them:
+  // what was decided stands.
+  uint64_t steps_per_turn = 250000000;  // steps of rules and conditions in one turn: about two seconds
+  uint64_t steps_per_fact = 100;        // steps for each fact of the graph, in addition to steps_per_turn
   size_t turns_per_commit = 4096;       // turns that share one fdatasync
   size_t record_bytes = 1000000000;     // record of one turn in the log (SQLITE_MAX_LENGTH of SQLite)
 

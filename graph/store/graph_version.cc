@@ -125,16 +125,29 @@ std::vector<Quad> GraphVersion::Sample(const QuadPattern& pattern, size_t n) con
   return sample;
 }
 
-std::vector<TermId> GraphVersion::graphs() const {
-  std::vector<TermId> graphs;
+namespace {
+
+// The distinct first words of an index.
+std::vector<TermId> FirstWords(const QuadTree& tree) {
+  std::vector<TermId> words;
   constexpr uint64_t kMax = ~uint64_t{0};
-  QuadTree::Iterator i = tree(IndexOrder::kGspo).Range({}, {kMax, kMax, kMax, kMax});
+  QuadTree::Iterator i = tree.Range({}, {kMax, kMax, kMax, kMax});
   while (i.Valid()) {
-    uint64_t graph = i.key()[0];
-    graphs.push_back(TermId(graph));
-    i.Seek({graph, kMax, kMax, kMax});  // no quad is all ones, so this is past the graph
+    const uint64_t word = i.key()[0];
+    words.push_back(TermId(word));
+    i.Seek({word, kMax, kMax, kMax});  // no quad is all ones, so this is past the word
   }
-  return graphs;
+  return words;
+}
+
+}  // namespace
+
+std::vector<TermId> GraphVersion::graphs() const {
+  return FirstWords(tree(IndexOrder::kGspo));
+}
+
+std::vector<TermId> GraphVersion::predicates() const {
+  return FirstWords(tree(IndexOrder::kPosg));
 }
 
 size_t GraphVersion::bytes() const {

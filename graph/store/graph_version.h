@@ -64,6 +64,8 @@ class GraphVersion {
   }
   // The distinct graphs that hold at least one quad, ascending. O(graphs * log n).
   std::vector<TermId> graphs() const;
+  // The distinct predicates, ascending. O(predicates * log n).
+  std::vector<TermId> predicates() const;
 
   // Memory of the index nodes that this version holds, shared with others or not. O(1).
   size_t bytes() const;

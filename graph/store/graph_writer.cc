@@ -154,12 +154,32 @@ GraphVersionPtr GraphWriter::Freeze(Revision revision) {
   return start_;
 }
 
-void GraphWriter::Rollback() {
-  if (committed_) {
-    committed_ = false;  // what is taken back needs no note
+// The first change of a quad says whether it was there before, the last one whether it is there now.
+void GraphWriter::TakeBack() {
+  if (journal_.size() < kFew) {
     for (auto change = journal_.rbegin(); change != journal_.rend(); ++change) {
       change->added ? Remove(change->quad) : Add(change->quad);
     }
+    return;
+  }
+  std::stable_sort(journal_.begin(), journal_.end(),
+                   [](const Change& a, const Change& b) { return a.quad < b.quad; });
+  std::vector<Quad> came, went;
+  for (size_t i = 0; i < journal_.size();) {
+    size_t last = i;
+    while (last + 1 < journal_.size() && journal_[last + 1].quad == journal_[i].quad) ++last;
+    if (journal_[i].added == journal_[last].added)
+      (journal_[i].added ? came : went).push_back(journal_[i].quad);
+    i = last + 1;
+  }
+  RemoveAll(std::move(came));
+  AddAll(std::move(went));
+}
+
+void GraphWriter::Rollback() {
+  if (committed_) {
+    committed_ = false;  // what is taken back needs no note
+    TakeBack();
     return Commit();
   }
   version_.reset(new GraphVersion(*start_));

@@ -56,6 +56,7 @@ class GraphWriter {
   void Note(const Quad& quad, bool added) {
     if (committed_) journal_.push_back({quad, added});
   }
+  void TakeBack();
   bool committed_ = false;
   std::vector<Change> journal_;
 };

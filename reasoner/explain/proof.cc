@@ -27,7 +27,9 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
       prefixes_(std::move(prefixes)),
       reports_(version, dictionary, rules, functions, run),
       solver_(version, dictionary, functions, run, limits.explain_steps),
-      part_facts_(version, dictionary, functions, run, limits.explain_steps) {}
+      part_facts_(version, dictionary, functions, run, limits.explain_steps),
+      same_as_(dictionary.InternIri(kOwlSameAs)),
+      ways_(version, same_as_, inferred_) {}
 
 std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {
   std::vector<Quad> told;
@@ -76,7 +78,23 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
   known.derived = true;
   auto makers = MakersOf(fact);
   if (!makers.ok()) return makers.status();
-  for (const Maker& maker : *makers) {
+  if (!rules_.equality().empty()) {
+    const auto equality = std::stable_partition(makers->begin(), makers->end(), [&](const Maker& maker) {
+      return !rules_.clauses()[maker.clause].equality;
+    });
+    const std::vector<Maker> others(makers->begin(), equality);
+    if (absl::Status status = DeriveBy(others, fact, known); !status.ok()) return status;
+    const auto equal = DeriveEqual(fact, known);
+    if (!equal.ok()) return equal.status();
+    if (*equal) return absl::OkStatus();
+    makers->erase(makers->begin(), equality);  // every way in which equality makes it
+  }
+  return DeriveBy(*makers, fact, known);
+}
+
+absl::Status Prover::DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Known& known) {
+  const size_t first = known.derivations.size();
+  for (const Maker& maker : makers) {
     const Clause& body = rules_.clauses()[maker.clause].body;
     absl::Status status = solver_.Solve(body, maker.seed, SolveOptions(), [&](const Solution& solution) {
       Derivation derivation{maker.clause, solution.row, {}};
@@ -91,7 +109,8 @@ absl::Status Prover::Derive(const Quad& fact, Known& known) {
     });
     if (!status.ok()) return status;
   }
-  for (Derivation& derivation : known.derivations) {
+  for (size_t i = first; i < known.derivations.size(); ++i) {
+    Derivation& derivation = known.derivations[i];
     if (derivation.row.clause->parts.empty()) continue;
     auto besides = BesidesOf(derivation.row);
     if (!besides.ok()) return besides.status();

@@ -14,11 +14,13 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/status/statusor.h"
 #include "graph/base/clock.h"
 #include "graph/base/explain_limits.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/term.h"
+#include "reasoner/explain/equal_ways.h"
 #include "reasoner/explain/part_facts.h"
 #include "reasoner/explain/report_origins.h"
 #include "reasoner/explain/rule_base.h"
@@ -105,6 +107,14 @@ class Prover {
   std::vector<Quad> ToldQuads(const Quad& fact) const;
   absl::StatusOr<std::vector<Maker>> MakersOf(const Quad& fact);
   absl::Status Derive(const Quad& fact, Known& known);
+  absl::Status DeriveBy(const std::vector<Maker>& makers, const Quad& fact, Known& known);
+  // proof_equality.cc: by the rules of equality, one way each. Whether there is one.
+  absl::StatusOr<bool> DeriveEqual(const Quad& fact, Known& known);
+  absl::StatusOr<bool> DerivePair(const Quad& pair, Known& known);
+  void AddEqual(EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
+                const std::vector<Quad>& facts, Known& known);
+  absl::StatusOr<bool> ConnectByRules(TermId term);
+  std::optional<Quad> ToldUnderOtherNames(const Quad& fact);
   absl::StatusOr<bool> Prove(const Quad& fact, int depth);
   absl::Status Prove(const Quad& fact);
   absl::StatusOr<size_t> Write(const Quad& fact, Proof& proof, absl::flat_hash_map<Quad, size_t>& placed);
@@ -118,6 +128,9 @@ class Prover {
   ReportOrigins reports_;
   Solver solver_;
   PartFacts part_facts_;
+  const TermId same_as_;
+  EqualWays ways_;
+  absl::flat_hash_set<TermId> connected_;  // terms whose pairs by other rules ways_ has
   size_t calls_ = 0;
   size_t proven_ = 0;
   absl::flat_hash_map<Quad, std::unique_ptr<Known>> known_;  // without graph

@@ -59,6 +59,7 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
     }
   }
   base->MarkWhatClausesRestOn();
+  base->FindEquality();
   return std::shared_ptr<const RuleBase>(std::move(base));
 }
 
@@ -80,6 +81,7 @@ absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body,
     made.rule = static_cast<uint32_t>(rules_.size()) - 1;
     made.proves = proves;
     made.tells = tells;
+    made.equality = EqualityRuleOf(rule);
     made.body = std::move(clause);
     if (rule.head.empty() && IsOnePattern(made.body)) {
       const auto& terms = made.body.atoms[0].terms;
@@ -100,6 +102,18 @@ absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body,
     }
   }
   return absl::OkStatus();
+}
+
+void RuleBase::FindEquality() {
+  std::vector<uint32_t> found;
+  for (int rule = 0; rule < kEqualityRules; ++rule) {
+    for (uint32_t c = 0; c < clauses_.size(); ++c) {
+      if (clauses_[c].equality != static_cast<EqualityRule>(rule)) continue;
+      found.push_back(c);
+      break;
+    }
+  }
+  if (found.size() == kEqualityRules) equality_ = std::move(found);
 }
 
 void RuleBase::MarkWhatClausesRestOn() {

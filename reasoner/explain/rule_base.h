@@ -4,6 +4,7 @@
 #define DOCENT_REASONER_EXPLAIN_RULE_BASE_H_
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "graph/store/quad.h"
 #include "reasoner/explain/condition_form.h"
 #include "reasoner/explain/rule_text.h"
+#include "reasoner/rules/equality_rules.h"
 #include "reasoner/rules/rule_program.h"
 
 namespace docent::explain {
@@ -33,6 +35,7 @@ struct RuleClause {
   std::vector<Atom> heads;  // over body's variables; the graph is left open
   // What it is for: a count is looked up to prove something, and written out (count_form.h) to find what to tell.
   bool proves = true, tells = true;
+  std::optional<EqualityRule> equality;  // the rule is this one
   // Of the body and of those of rules that may make a fact for it: whether an absence is in it, and its predicates
   // (none: any).
   bool rests_on_absence = false;
@@ -54,6 +57,8 @@ class RuleBase {
   // In the order of `sets`, as RuleProgram numbers them.
   const std::vector<RuleInfo>& rules() const { return rules_; }
   const std::vector<RuleClause>& clauses() const { return clauses_; }
+  // Where the rules have all five of equality: their clauses, in the order of EqualityRule. Otherwise empty.
+  const std::vector<uint32_t>& equality() const { return equality_; }
   // The heads that may make a fact with this predicate (none: any) and object, in order of the rules.
   void ForEachHead(TermId predicate, absl::FunctionRef<void(Head)> visit) const;
   // Whether a rule names this predicate, of rdf:type also this class, as what it makes.
@@ -63,6 +68,7 @@ class RuleBase {
 
  private:
   void MarkWhatClausesRestOn();
+  void FindEquality();
   absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
   // The clauses of the last rule, by this body of it.
   absl::Status AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
@@ -72,6 +78,7 @@ class RuleBase {
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
   absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable
+  std::vector<uint32_t> equality_;
   std::vector<QuadPattern> forbidden_;
   TermId type_;
 };

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "graph/base/step_costs.h"
 #include "graph/sparql/syntax/algebra_walk.h"
 #include "reasoner/matching/body_plan.h"
 #include "reasoner/matching/comparison_form.h"
@@ -421,7 +422,7 @@ std::optional<bool> Body::DecideFrom(const Trigger& trigger, const sparql::RunOp
   const QuadPattern bound = Bind(patterns_[alone ? 0 : static_cast<size_t>(trigger.rest)], seed);
   if (bound.subject.IsNone() || bound.predicate.IsNone() || bound.object.IsNone()) return std::nullopt;
   if (alone) return true;
-  if (run.cancellation != nullptr) run.cancellation->Spend(1);
+  if (run.cancellation != nullptr) run.cancellation->Spend(kStepsOfLookup);
   return run.version->ContainsMatch(bound);
 }
 
@@ -452,6 +453,7 @@ absl::Status Body::ScanFor(const Pattern& pattern, const QuadPattern& bound, int
                            const sparql::RunOptions& run, absl::Span<const TermId> seed, Visitor visit) {
   row_.assign(seed.begin(), seed.end());
   TermId& value = row_[static_cast<size_t>(pattern.columns[static_cast<size_t>(position)])];
+  if (run.cancellation != nullptr) run.cancellation->Spend(kStepsOfLookup);
   for (QuadCursor c = run.version->Scan(bound); c.Valid(); c.NextTriple()) {
     if (run.cancellation != nullptr) {
       run.cancellation->Spend(1);

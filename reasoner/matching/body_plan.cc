@@ -4,18 +4,18 @@
 #include <limits>
 #include <utility>
 
+#include "graph/base/step_costs.h"
+
 namespace docent {
 
 struct Body::FlatPlan::Run {
   static constexpr uint64_t kStepsAPoll = 1024;
-  static constexpr uint64_t kStepsAnExpression =
-      16;  // what the evaluator of expressions takes beside a row, about
   const sparql::RunOptions& options;
   Visitor visit;
   Filters filters;
   absl::Status status;
   uint64_t decided = 0;  // filters, as bits (of the first 64), that hold whatever the join finds
-  uint64_t steps = 0;    // rows looked at, and patterns begun, since the last Poll
+  uint64_t steps = 0;    // since the last Poll
 
   // False: stop.
   bool Step(uint64_t made = 1) { return (steps += made) < kStepsAPoll || Poll(true); }
@@ -108,7 +108,7 @@ bool Body::FlatPlan::TestSeeded(Run& run) const {
       return column == Trigger::kNoColumn || !row_[column].IsNone();
     });
     if (!seeded) continue;
-    if (!run.Step() || !Exists(*filter.exists, *run.options.version)) return false;
+    if (!run.Step(kStepsOfLookup) || !Exists(*filter.exists, *run.options.version)) return false;
     run.decided |= uint64_t{1} << i;
   }
   return true;
@@ -121,8 +121,9 @@ bool Body::FlatPlan::Leaf(Run& run) {
     Filter& filter = filters_[i];
     if (run.filters == Filters::kBound && !IsBound(filter)) continue;
     if (filter.exists) {
-      if ((i >= 64 || (run.decided >> i & 1) == 0) && !Exists(*filter.exists, *run.options.version))
-        return true;
+      if (i < 64 && (run.decided >> i & 1) != 0) continue;
+      if (!run.Step(kStepsOfLookup)) return false;
+      if (!Exists(*filter.exists, *run.options.version)) return true;
       continue;
     }
     if (filter.test || filter.terms) {
@@ -135,7 +136,7 @@ bool Body::FlatPlan::Leaf(Run& run) {
         if (!run.status.ok()) return false;
       }
     }
-    if (!run.Step(Run::kStepsAnExpression)) return false;
+    if (!run.Step(kStepsOfExpression)) return false;
     const absl::StatusOr<bool> holds = filter.expression->Test(run.options, row_);
     if (!holds.ok()) {
       run.status = holds.status();
@@ -148,7 +149,7 @@ bool Body::FlatPlan::Leaf(Run& run) {
 
 bool Body::FlatPlan::Join(Run& run, uint32_t open) {
   if (open == 0) return Leaf(run);
-  if (!run.Step()) return false;
+  if (!run.Step(kStepsOfLookup)) return false;
   bool impossible = false;
   const uint32_t next = PickNext(*run.options.version, open, impossible);
   if (impossible) return true;

@@ -21,8 +21,8 @@ Materialiser::Materialiser(RuleProgram& program, RuleProgram& before, const Delt
       before_(before),
       told_delta_(told),
       context_(context),
-      proofs_(program, context.schema, context.writer, context.inconsistencies, context.inferred_graph,
-              marked_, context.cancellation),
+      proofs_(program, context.schema, context.classes, context.writer, context.inconsistencies,
+              context.inferred_graph, marked_, context.cancellation),
       is_entering_(program.rules.size()) {}
 
 // Sorted, so that the lookups walk along the index.
@@ -215,15 +215,15 @@ absl::Status Materialiser::MaintainStratum() {
 
 absl::StatusOr<bool> Materialiser::PlaceNegation(AskAxioms ask) {
   if (program_.ordered.empty()) return false;
-  if (program_.placed_for == context_.schema.changes() && KnowsAnswers(program_.order(), graph()))
-    return false;
+  const uint64_t changes = context_.schema.changes() + context_.classes.changes();
+  if (program_.placed_for == changes && KnowsAnswers(program_.order(), graph())) return false;
   absl::StatusOr<NegationOrder> order =
-      OrderNegation(program_, context_.schema, graph(), context_.dictionary, asked_, ask);
+      OrderNegation(program_, context_.schema, context_.classes, graph(), context_.dictionary, asked_, ask);
   if (!order.ok()) return order.status();
   if (stratum_ >= 0) {
     for (const auto& [about, answers] : order->asked) asked_[about] = answers;
   }
-  program_.placed_for = context_.schema.changes();
+  program_.placed_for = changes;
   return program_.Place(*std::move(order));
 }
 

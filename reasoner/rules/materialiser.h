@@ -11,6 +11,10 @@
 //   concern. Rules that are new are evaluated whole; those of the schema before the others, which are then
 //   evaluated for the axioms as they come to be, once.
 //
+// Equality is no matter of rules (equality_classes.h): at the end of each round, what is new is written out under all names
+// of its terms; a class that loses a pair falls apart into what is surely equal, and what its terms' facts rested on is
+// asked about (materialiser_equality.cc).
+//
 // What a rule of negation made is found in the graph as it was before: the writer's own graph with the
 // changes so far undone and then done again; both are as long as the change, not as the graph.
 #ifndef DOCENT_REASONER_RULES_MATERIALISER_H_
@@ -28,6 +32,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/store/delta.h"
 #include "graph/store/graph_writer.h"
+#include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/negation_order.h"
 #include "reasoner/rules/proof_search.h"
@@ -42,6 +47,7 @@ class Materialiser {
   struct Context {
     GraphWriter& writer;
     SchemaIndex& schema;
+    EqualityClasses& classes;  // of the graph as it was before
     InconsistencyFacts& inconsistencies;
     const Dictionary& dictionary;
     TermId inferred_graph;
@@ -105,6 +111,7 @@ class Materialiser {
   // materialiser_retract.cc
   absl::Status TakeAwayFromLeavingRules();
   absl::Status TakeAway(int stratum);
+  absl::Status TakeAwayLost(int stratum);
   absl::Status EvaluateBefore(int stratum);
   absl::Status Propagate(int stratum);
   absl::Status Consider(const Triple& triple);
@@ -113,6 +120,34 @@ class Materialiser {
   absl::Status Rederive(int stratum);
   absl::StatusOr<bool> IsDerivable(const Triple& triple, int stratum);
   absl::Status RepeatChecks(int stratum);
+
+  // materialiser_equality.cc
+  bool HasOtherNames(const Triple& fact) const {
+    const EqualityClasses& classes = context_.classes;
+    return !classes.empty() &&
+           (classes.Find(fact.subject) != nullptr || classes.Find(fact.predicate) != nullptr ||
+            classes.Find(fact.object) != nullptr);
+  }
+  void BeginEquality();
+  absl::Status WriteOutEquals();
+  bool JoinNew();
+  std::vector<Triple> FactsToWriteOut();
+  template <typename Visit>
+  bool ForEachOpenBlock(const Triple& fact, Visit visit);
+  bool WriteOut(const Triple& fact);
+  bool CanWriteOut(const Triple& fact);
+  bool EmitEqual(const Triple& made);
+  void CollectFactsWithOtherNames();
+  absl::Status LoseEquals(const Triple& lost);
+  void AskAboutEqual(const Triple& fact);
+  absl::Status Doubt(const EqualityClasses::Class& doubted);
+  void CollectFactsAbout(const EqualityClasses::Class& doubted);
+  void SplitDoubted();
+  absl::Status RederivePairs(int stratum);
+  bool RederivePairsByName();
+  absl::Status RederivePairsOf(const CompiledRule& rule, const HeadTriple& head,
+                               const std::vector<TermId>* instance);
+  bool IsWrittenOut(const Triple& fact);
 
   // materialiser_add.cc
   absl::Status Add(int stratum);
@@ -131,6 +166,8 @@ class Materialiser {
     if (phase == Phase::kAdd) return stratum <= stratum_;
     return stratum == stratum_ || of_report_ || stratum_ == program_.first_entangled;
   }
+  // The same of what is made now; a fact that is put off is remembered.
+  bool MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase);
   // Rules of `stratum` that `quad` concerns as a positive match are evaluated; what they make goes to Emit.
   // The first those with a schema part by its solutions, the second all others (and changes of the schema
   // itself).
@@ -147,6 +184,13 @@ class Materialiser {
   bool TakeMade();
   bool DropPresent(const CompiledRule& rule);
   void NowInferred(const Triple& t);
+  // So many steps were made; CheckSteps says where that were too many, and names the rule.
+  void Spend(uint64_t steps) {
+    if (context_.cancellation != nullptr) context_.cancellation->Spend(steps);
+  }
+  absl::Status CheckSteps(const CompiledRule& rule) {
+    return context_.cancellation == nullptr ? absl::OkStatus() : rule.Named(context_.cancellation->Check());
+  }
   absl::Status LimitError(const CompiledRule& rule, const char* limit, size_t value) const;
 
   RuleProgram& program_;
@@ -181,6 +225,19 @@ class Materialiser {
     std::vector<TermId> row;
   };
   std::vector<CheckRow> check_rows_;  // solutions of checks that may be gone
+
+  // Equality, where ClosesEquality(stratum_).
+  std::vector<Triple> unwritten_;                // of the graph, and not under all names yet
+  absl::flat_hash_set<Triple> unwritten_set_;    // those that have other names
+  bool are_unsettled_ = false;                   // the classes that there were, where equality is new
+  std::vector<TermId> joined_;                   // members of classes that became larger in this turn
+  std::vector<EqualityClasses::Class> doubted_;  // classes that lost a pair, as they were
+  absl::flat_hash_set<TermId> doubted_terms_;    // their members
+  std::vector<TermId> reopened_;                 // terms whose pairs are to be derived again
+  absl::flat_hash_set<Triple>
+      lost_names_;  // facts, under representatives, whose other names were asked about
+  absl::flat_hash_map<Triple, bool>
+      is_written_out_;  // by the same: whether the graph holds it under some name
 
   AxiomAnswers asked_;                // by all orders since the axioms were there
   std::vector<Triple> came_;          // in all rounds

@@ -2,15 +2,22 @@
 #include <algorithm>
 #include <utility>
 
+#include "graph/base/step_costs.h"
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
 namespace docent {
+namespace {
+
+constexpr size_t kMany = 1 << 17;  // triples
+
+}  // namespace
 
 absl::Status Materialiser::Add(int stratum) {
   seen_.clear();
   candidates_.clear();
   compact_at_ = 0;
+  BeginEquality();
   if (absl::Status status = FirstRound(stratum); !status.ok()) return status;
   scope_ = Scope::kAll;
   for (int rounds = 1; !round_.empty(); ++rounds) {
@@ -39,7 +46,9 @@ absl::Status Materialiser::DispatchRound(int stratum) {
 absl::Status Materialiser::CloseSchema(int stratum) {
   bool any = false;
   for (const uint32_t rule : entering_) {
-    if (program_.rules[rule].stratum != stratum || !program_.rules[rule].of_schema) continue;
+    if (program_.rules[rule].stratum != stratum || !program_.rules[rule].of_schema ||
+        program_.rules[rule].of_equality)
+      continue;
     any = true;
     if (absl::Status status = FireWhole(program_, rule, Phase::kAdd); !status.ok()) return status;
   }
@@ -64,7 +73,8 @@ absl::Status Materialiser::FirstRound(int stratum) {
   scope_ = Scope::kStaying;
   for (const uint32_t number : entering_) {
     const CompiledRule& rule = program_.rules[number];
-    if (!program_.Runs(number, stratum) || (rule.of_schema && rule.stratum == stratum)) continue;
+    if (!program_.Runs(number, stratum) || (rule.of_schema && rule.stratum == stratum) || rule.of_equality)
+      continue;
     const absl::Status status =
         rule.schema != 0 ? FireInstances(number) : FireWhole(program_, number, Phase::kAdd);
     if (!status.ok()) return status;
@@ -94,10 +104,12 @@ absl::Status Materialiser::FirstRound(int stratum) {
 // What is new becomes part of the graph at once; so each index is walked once, in its order.
 absl::Status Materialiser::EndRound() {
   if (!TakeMade()) return status_;
+  if (absl::Status status = WriteOutEquals(); !status.ok()) return status;
   std::sort(candidates_.begin(), candidates_.end());
   round_.clear();
   std::vector<Quad> quads;
   QuadCursor cursor;
+  Spend(candidates_.size() * kStepsOfLookup);
   for (const Triple& t : candidates_) {
     graph().Rescan({t.subject, t.predicate, t.object, TermId()}, &cursor);
     if (cursor.Valid()) continue;
@@ -111,12 +123,13 @@ absl::Status Materialiser::EndRound() {
     added_.push_back(t);
     ++context_.inferred_so_far;
   }
-  if (context_.cancellation != nullptr)
-    context_.cancellation->AllowMoreSteps(round_.size() * context_.limits.steps_per_fact);
+  Spend(round_.size() * kStepsOfFact);
+  if (absl::Status status = CheckSteps(program_.rules[last_rule_]); !status.ok()) return status;
   if (context_.inferred_so_far > context_.limits.inferred_per_turn) {
     return LimitError(program_.rules[last_rule_], "inferred_per_turn", context_.limits.inferred_per_turn);
   }
   context_.writer.AddAll(std::move(quads));
+  context_.classes.Settle();
   for (const Triple& t : round_) {
     if (absl::Status status = context_.schema.Gained(t, graph(), context_.cancellation); !status.ok())
       return status;
@@ -246,24 +259,26 @@ bool Materialiser::Emit(const CompiledRule& rule, absl::Span<const TermId> row, 
   for (const HeadTriple& head : rule.head) {
     Triple triple;
     if (!head.Make(row, triple) || context_.inconsistencies.IsOfReport(triple)) continue;
-    if (!MayMake(rule, triple, phase)) {
-      // What it is made of may be there as it was before the turn, so that a later stratum sees no change.
-      if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second)
-        rederivable_.push_back(triple);
-      continue;
-    }
+    if (!MayEmit(rule, triple, phase)) continue;
     if (!Collect(rule, triple, phase)) return false;
   }
   return true;
 }
 
+bool Materialiser::MayEmit(const CompiledRule& rule, const Triple& triple, Phase phase) {
+  if (MayMake(rule, triple, phase)) return true;
+  // What it is made of may be there as it was before the turn, so that a later stratum sees no change.
+  if (phase == Phase::kAdd && removed_.contains(triple) && put_off_.insert(triple).second)
+    rederivable_.push_back(triple);
+  return false;
+}
+
 bool Materialiser::Collect(const CompiledRule& rule, const Triple& triple, Phase phase) {
   ++context_.counters.firings;
-  if (context_.cancellation != nullptr) {
-    if (absl::Status status = context_.cancellation->Check(); !status.ok()) {
-      status_ = rule.Named(std::move(status));
-      return false;
-    }
+  Spend(seen_.size() < kMany ? kStepsOfHead : kStepsOfHeadAmongMany);
+  if (absl::Status status = CheckSteps(rule); !status.ok()) {
+    status_ = std::move(status);
+    return false;
   }
   if (phase == Phase::kTakeAway) {
     made_.push_back(triple);
@@ -281,6 +296,7 @@ bool Materialiser::TakeMade() {
   for (size_t i = 0; i < count; ++i) {
     const auto& [triple, rule] = made_now_[i];
     if (!seen_.insert(triple).second) continue;
+    Spend(kStepsOfCandidate);
     candidates_.push_back(triple);
     last_rule_ = static_cast<uint32_t>(rule - program_.rules.data());
     if (candidates_.size() >= compact_at_ && !DropPresent(*rule)) return false;

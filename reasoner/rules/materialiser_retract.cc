@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "absl/container/inlined_vector.h"
+#include "absl/strings/str_cat.h"
+#include "graph/base/step_costs.h"
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
@@ -18,10 +20,12 @@ absl::Status Materialiser::TakeAwayFromLeavingRules() {
   ToOldState();
   absl::Status status;
   for (const uint32_t rule : leaving_) {
+    if (before_.rules[rule].of_equality) continue;
     status = FireWhole(before_, rule, Phase::kTakeAway);
     if (!status.ok()) break;
   }
   ToNewState();
+  if (before_.equality.by_classes && !program_.equality.by_classes) CollectFactsWithOtherNames();
   check_rows_.clear();
   const std::vector<Triple> made = std::exchange(made_, {});
   for (size_t i = 0; i < made.size() && status.ok(); ++i) status = Consider(made[i]);
@@ -29,11 +33,26 @@ absl::Status Materialiser::TakeAwayFromLeavingRules() {
   return status;
 }
 
+// What could be derived can be taken away, which may cost more: for that more steps are lent, and what is left of them is not for
+// what follows.
 absl::Status Materialiser::TakeAway(int stratum) {
+  const uint64_t loan = 2 * context_.limits.steps_per_turn;
+  Cancellation* const cancellation = context_.cancellation;
+  if (cancellation == nullptr) return TakeAwayLost(stratum);
+  const int64_t left = cancellation->steps_left();
+  cancellation->Lend(loan);
+  absl::Status status = TakeAwayLost(stratum);
+  const int64_t spent = left + static_cast<int64_t>(loan) - cancellation->steps_left();
+  cancellation->Spend(loan - std::min(loan, static_cast<uint64_t>(std::max<int64_t>(spent, 0))));
+  return status;
+}
+
+absl::Status Materialiser::TakeAwayLost(int stratum) {
   made_.clear();
   whole_.clear();
   check_rows_.clear();
   proofs_.Forget();  // facts were added
+  lost_names_.clear();
   if (absl::Status status = EvaluateBefore(stratum); !status.ok()) return status;
   whole_.clear();
   queue_ = lost_;
@@ -107,6 +126,7 @@ absl::Status Materialiser::Propagate(int stratum) {
     of_report_ = context_.inconsistencies.IsOfReport(triple);
     absl::Status status = DispatchInstances(quad, stratum, Phase::kTakeAway);
     if (status.ok()) status = DispatchRules(quad, stratum, Phase::kTakeAway, /*also_negative=*/i >= ghosts_);
+    if (status.ok()) status = LoseEquals(triple);
     if (!status.ok()) return status;
     of_report_ = false;
     scratch_ = made_;
@@ -119,6 +139,13 @@ absl::Status Materialiser::Propagate(int stratum) {
 }
 
 absl::Status Materialiser::Consider(const Triple& triple) {
+  Spend(kStepsOfLookup);
+  if (context_.cancellation != nullptr) {
+    if (absl::Status status = context_.cancellation->Check(); !status.ok()) {
+      return absl::Status(status.code(),
+                          absl::StrCat("taking away what rested on facts that go: ", status.message()));
+    }
+  }
   if (marked_.contains(triple) || !IsInferred(triple)) return absl::OkStatus();
   // What lower strata added rests on what they had. (But for an axiom that is new: at once it makes what it can of all facts,
   // those of higher strata among them.)
@@ -132,6 +159,10 @@ absl::Status Materialiser::Consider(const Triple& triple) {
     if (std::max(stratum_, 0) + 1 < program_.stratum_count) unproven_.push_back(triple);
     return absl::OkStatus();
   }
+  // A pair is made again for its terms, together with all others of its class.
+  if (program_.ClosesEquality(stratum_) && triple.predicate == program_.equality.same_as &&
+      triple.subject != triple.object && context_.classes.AreEqual(triple.subject, triple.object))
+    return absl::OkStatus();
   // Rules of lower strata may make it too, and are done already; those of higher ones have their turn later.
   rederivable_.push_back(triple);
   return absl::OkStatus();
@@ -141,6 +172,7 @@ void Materialiser::RemoveMarked() {
   std::vector<Quad> quads;
   for (size_t i = ghosts_in_graph_ ? 0 : ghosts_; i < queue_.size(); ++i)
     quads.push_back(InferredQuad(queue_[i]));
+  Spend(quads.size() * kStepsOfFact);
   context_.writer.RemoveAll(quads);
   absl::flat_hash_set<Triple> not_added;
   for (size_t i = ghosts_; i < queue_.size(); ++i) {
@@ -152,6 +184,7 @@ void Materialiser::RemoveMarked() {
       std::erase_if(*added, [&](const Triple& t) { return not_added.contains(t); });
     }
   }
+  SplitDoubted();
   queue_.clear();
   marked_.clear();
   ghosts_ = 0;
@@ -159,6 +192,7 @@ void Materialiser::RemoveMarked() {
 }
 
 absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum) {
+  if (IsWrittenOut(triple)) return true;
   struct Maker {
     uint32_t rule, head;
     const std::vector<TermId>* row;  // of an instance
@@ -200,6 +234,7 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
 }
 
 absl::Status Materialiser::Rederive(int stratum) {
+  is_written_out_.clear();
   // What has no proof may have one again when facts that are undecided are back, which rules of higher strata would not notice.
   if (!rederivable_.empty()) {
     rederivable_.insert(rederivable_.end(), unproven_.begin(), unproven_.end());
@@ -211,7 +246,7 @@ absl::Status Materialiser::Rederive(int stratum) {
     if (!derivable.ok()) return derivable.status();
     if (*derivable && seen_.insert(triple).second) candidates_.push_back(triple);
   }
-  return absl::OkStatus();
+  return RederivePairs(stratum);
 }
 
 // Solutions of checks with negation that may be gone or not.

@@ -21,6 +21,7 @@ constexpr size_t kManyAxioms = 4000;    // from here on those of axioms do, and 
 constexpr size_t kManyAnswers = 100;    // more are as good as any
 constexpr size_t kItself = ~size_t{0};
 constexpr uint32_t kNone = ~uint32_t{0};
+constexpr uint32_t kFirstEqual = uint32_t{1} << 31;  // from here on instances are pairs of equal things
 
 // A pattern of a body, with what an instance puts into it.
 struct Taker {
@@ -102,8 +103,8 @@ void AddNew(const std::vector<TermId>& from, std::vector<TermId>& to) {
 
 class Order {
  public:
-  Order(const RuleProgram& program, const SchemaIndex& schema, const GraphVersion& graph,
-        const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask)
+  Order(const RuleProgram& program, const SchemaIndex& schema, const EqualityClasses& classes,
+        const GraphVersion& graph, const Dictionary& dictionary, const AxiomAnswers& before, AskAxioms ask)
       : program_(program),
         schema_(schema),
         graph_(graph),
@@ -122,6 +123,7 @@ class Order {
         return;
       AddTakers(instance.rule, id);
     });
+    if (program.equality.by_classes) AddEquals(classes);
   }
 
   absl::StatusOr<NegationOrder> Find() {
@@ -162,6 +164,38 @@ class Order {
  private:
   using Key = absl::InlinedVector<TermId, 8>;
 
+  // The rules of equality have no instances in the index. From and to the representative is enough: what leads from one name to
+  // another leads over it.
+  void AddEquals(const EqualityClasses& classes) {
+    for (uint32_t r = 0; r < program_.rules.size(); ++r) {
+      if (!program_.rules[r].of_equality || program_.rules[r].schema == 0 || !program_.IsEntangled(r))
+        continue;
+      classes.ForEach([&](const EqualityClasses::Class& each) {
+        const TermId first = each.representative();
+        for (const std::vector<TermId>* names : {&each.members, &each.literals}) {
+          for (const TermId name : *names) {
+            if (name == first) continue;
+            AddEqual(r, first, name);
+            if (!name.IsLiteral()) AddEqual(r, name, first);
+          }
+        }
+      });
+    }
+  }
+  void AddEqual(uint32_t rule, TermId subject, TermId object) {
+    const CompiledRule& compiled = program_.rules[rule];
+    const auto pair = static_cast<size_t>(__builtin_ctz(compiled.schema));
+    const auto& columns = compiled.body->patterns()[pair].columns;
+    std::vector<TermId> row(compiled.body->columns().size());
+    row[static_cast<size_t>(columns[0])] = subject;
+    row[static_cast<size_t>(columns[2])] = object;
+    equals_.push_back({.rule = rule, .row = std::move(row), .triggers = {}, .heads = {}});
+    AddTakers(rule, kFirstEqual + static_cast<uint32_t>(equals_.size()) - 1);
+  }
+  const SchemaIndex::Instance& InstanceOf(uint32_t id) const {
+    return id < kFirstEqual ? schema_.instance(id) : equals_[id - kFirstEqual];
+  }
+
   // Of a rule with a schema part: its axioms; its facts are taken by its instances.
   void AddTakers(uint32_t rule, uint32_t instance) {
     const CompiledRule& compiled = program_.rules[rule];
@@ -171,7 +205,7 @@ class Order {
       if (compiled.schema != 0 && of_axioms != (instance == kNone)) continue;
       QuadPattern pattern = triggers[i].match.constants;
       if (instance != kNone) {
-        const std::vector<TermId>& row = schema_.instance(instance).row;
+        const std::vector<TermId>& row = InstanceOf(instance).row;
         pattern = compiled.body->Instantiate(triggers[i], row).constants;
         if (!IsOther(rule, i, pattern, row)) continue;
         pattern.subject = TermId();  // that of one among many
@@ -243,7 +277,7 @@ class Order {
                   .row = {},
                   .of_instance = {}};
     if (taker.instance != kNone) {
-      taking.row = schema_.instance(taker.instance).row;
+      taking.row = InstanceOf(taker.instance).row;
       for (const TermId known : taking.row) taking.of_instance.push_back(!known.IsNone());
     }
     taking.row.resize(rule.body->columns().size());
@@ -447,7 +481,7 @@ class Order {
     std::string text;
     for (size_t i = 0; i < rule.body->patterns().size(); ++i) {
       if ((rule.schema & (1u << i)) == 0) continue;
-      const Triple axiom = rule.Premise(i, schema_.instance(step.instance).row);
+      const Triple axiom = rule.Premise(i, InstanceOf(step.instance).row);
       absl::StrAppend(&text, text.empty() ? " (" : " . ", Shown(axiom.subject), " ", Shown(axiom.predicate),
                       " ", Shown(axiom.object));
     }
@@ -461,6 +495,7 @@ class Order {
   const Dictionary& dictionary_;
   const AxiomAnswers& before_;
   const AskAxioms ask_;
+  std::vector<SchemaIndex::Instance> equals_;
   std::vector<int> place_;  // of a rule in program_.ordered; -1: it is none of them
   std::vector<Taker> takers_;
   absl::flat_hash_set<Key> instances_;
@@ -480,9 +515,10 @@ class Order {
 }  // namespace
 
 absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema,
-                                            const GraphVersion& graph, const Dictionary& dictionary,
-                                            const AxiomAnswers& before, AskAxioms ask) {
-  return Order(program, schema, graph, dictionary, before, ask).Find();
+                                            const EqualityClasses& classes, const GraphVersion& graph,
+                                            const Dictionary& dictionary, const AxiomAnswers& before,
+                                            AskAxioms ask) {
+  return Order(program, schema, classes, graph, dictionary, before, ask).Find();
 }
 
 bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph) {

@@ -19,20 +19,21 @@
 #define DOCENT_REASONER_RULES_NEGATION_ORDER_H_
 
 #include "absl/status/statusor.h"
+#include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
 namespace docent {
 
-// FAILED_PRECONDITION, with the way round, the axioms on it among them: there is no order. `schema`, `graph`: the axioms that are
-// there. `dictionary`: of all. An order for some axioms holds for less of them, too.
+// FAILED_PRECONDITION, with the way round, the axioms on it among them: there is no order. `schema`, `classes`, `graph`: the axioms that
+// are there. `dictionary`: of all. An order for some axioms holds for less of them, too.
 //
 // Rules about axioms alone are joined with those in `graph`. An order may put off the very axioms that it was asked for; so they
 // count, too, that an earlier one was (`before`). kNothing: as if there might be any.
 enum class AskAxioms : uint8_t { kNothing, kGraph };
 absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const SchemaIndex& schema,
-                                            const GraphVersion& graph, const Dictionary& dictionary,
-                                            const AxiomAnswers& before = {},
+                                            const EqualityClasses& classes, const GraphVersion& graph,
+                                            const Dictionary& dictionary, const AxiomAnswers& before = {},
                                             AskAxioms ask = AskAxioms::kGraph);
 
 // Whether the order knew all that `graph` answers now to what it asked.

@@ -3,10 +3,12 @@
 #include <algorithm>
 
 #include "absl/container/inlined_vector.h"
+#include "graph/base/step_costs.h"
 
 namespace docent {
 
 bool ProofSearch::IsTold(const Triple& fact) const {
+  if (cancellation_ != nullptr) cancellation_->Spend(kStepsOfLookup);
   for (QuadCursor c = writer_.current().Scan({fact.subject, fact.predicate, fact.object, TermId()});
        c.Valid(); c.Next()) {
     if (c.quad().graph != inferred_graph_) return true;
@@ -49,6 +51,7 @@ absl::StatusOr<ProofSearch::Answer> ProofSearch::Prove(const Triple& fact) {
   open_.clear();
   const Answer answer = Search(fact, 0);
   if (!status_.ok()) return status_;
+  if (answer == Answer::kProven) premises_left_ += kPremisesOfSuccess;
   return answer;
 }
 
@@ -68,7 +71,12 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
   }
   // Its check alone knows. One that is asked about for itself has lost what its check matched.
   if (inconsistencies_.IsOfReport(fact)) return depth > 0 ? Answer::kUndecided : Answer::kUnproven;
-  if (depth == kDepth || --steps_left_ < 0) return Answer::kUndecided;
+  const bool by_equality = program_.equality.by_classes && certain_.MayMake(fact);
+  if (by_equality && certain_.Proves(fact)) {
+    proven_.insert(fact);
+    return Answer::kProven;
+  }
+  if (depth == kDepth || --steps_left_ < 0 || premises_left_ < 0) return Answer::kUndecided;
   open_.emplace(fact, false);
   const size_t failures_before = failures_.size();
 
@@ -87,6 +95,8 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
     if (here != Answer::kUnproven) answer = here;
   }
 
+  if (by_equality && answer == Answer::kProven) certain_.Note(fact);
+  if (by_equality && answer == Answer::kUnproven) answer = Answer::kUndecided;
   const bool asked_again = open_.find(fact)->second;
   open_.erase(fact);
   if (asked_again && answer != Answer::kUnproven) {  // who failed because of this fact may not have to
@@ -138,6 +148,7 @@ ProofSearch::Answer ProofSearch::Collect(const CompiledRule& rule, absl::Span<co
     std::vector<Triple> open;
     for (size_t i = 0; i < count; ++i) {
       const Triple premise = rule.Premise(i, row);
+      --premises_left_;
       if (proven_.contains(premise)) continue;
       if (lost_.contains(premise) || failed_.contains(premise)) return true;
       if (IsTold(premise)) {

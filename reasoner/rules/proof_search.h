@@ -19,6 +19,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "graph/store/graph_writer.h"
+#include "reasoner/rules/certain_equality.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
@@ -52,15 +53,16 @@ class ProofSearch {
   enum class Answer : uint8_t {
     kProven,     // follows from told facts by facts that are not in `lost`
     kUnproven,   // by positive rules certainly not, from what is in the graph now and not in `lost`
-    kUndecided,  // too far to tell, or a rule that is not positive may make it
+    kUndecided,  // too far to tell, or a rule that is not positive may make it, or equality
   };
 
   // `lost`: facts that the graph still holds, but that do not count. Grows meanwhile. `cancellation`: null: none.
-  ProofSearch(RuleProgram& program, const SchemaIndex& schema, const GraphWriter& writer,
-              const InconsistencyFacts& inconsistencies, TermId inferred_graph,
+  ProofSearch(RuleProgram& program, const SchemaIndex& schema, const EqualityClasses& classes,
+              const GraphWriter& writer, const InconsistencyFacts& inconsistencies, TermId inferred_graph,
               const absl::flat_hash_set<Triple>& lost, Cancellation* cancellation)
       : program_(program),
         schema_(schema),
+        certain_(program, classes, writer, inferred_graph, cancellation),
         writer_(writer),
         inconsistencies_(inconsistencies),
         inferred_graph_(inferred_graph),
@@ -71,13 +73,18 @@ class ProofSearch {
   // To be called where facts came into the graph since the last Prove, or `lost` became smaller.
   void Forget() {
     failed_.clear();
+    certain_.Forget();
     surroundings_.Forget();
   }
+  CertainEquality& certain() { return certain_; }
 
  private:
   static constexpr int kSteps = 64;      // facts looked at for one question
   static constexpr int kDepth = 24;      // rules one after the other
   static constexpr size_t kBodies = 24;  // ways of one rule to make one fact
+  // Premises looked at for all questions of an Update: so many, and more for each fact that was proven. Where hardly any is, as
+  // when a long chain is cut, it costs less to take away and to derive again.
+  static constexpr int64_t kPremises = 200000, kPremisesOfSuccess = 1000;
   using Bodies = std::vector<std::vector<Triple>>;
 
   struct Maker {
@@ -95,6 +102,7 @@ class ProofSearch {
 
   RuleProgram& program_;
   const SchemaIndex& schema_;
+  CertainEquality certain_;
   const GraphWriter& writer_;
   const InconsistencyFacts& inconsistencies_;
   const TermId inferred_graph_;
@@ -107,6 +115,7 @@ class ProofSearch {
   absl::flat_hash_map<Triple, bool> open_;  // on the way; true: somebody asked again
   std::vector<Triple> failures_;            // failed_ of the running question, in order
   int steps_left_ = 0;
+  int64_t premises_left_ = kPremises;
   absl::Status status_;
 };
 

@@ -2,8 +2,10 @@
 
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
+#include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/inconsistency.h"
 #include "reasoner/rules/materialiser.h"
 #include "reasoner/rules/rule_program.h"
@@ -44,7 +46,28 @@ struct RuleEngine::Impl {
   const sparql::FunctionRegistry* functions;
   const TermId inferred_graph;
   InconsistencyFacts inconsistencies;
+  // Of the terms of the graph as it was before `told`.
+  void BuildClasses(const RuleProgram& before, const RuleProgram& program, const GraphVersion& graph,
+                    const Delta& told) {
+    classes.Clear();
+    if (!before.equality.by_classes && !program.equality.by_classes) return;
+    const TermId same_as = (before.equality.by_classes ? before : program).equality.same_as;
+    absl::flat_hash_set<Quad> added;
+    for (const Quad& q : told.added) {
+      if (q.predicate == same_as) added.insert(q);
+    }
+    graph.ForEach({TermId(), same_as, TermId(), TermId()}, [&](const Quad& q) {
+      if (!added.contains(q)) classes.Join(q.subject, q.object);
+      return true;
+    });
+    for (const Quad& q : told.removed) {
+      if (q.predicate == same_as) classes.Join(q.subject, q.object);
+    }
+    classes.Settle();
+  }
+
   RuleProgram no_rules;
+  EqualityClasses classes;                 // as schema
   SchemaIndex schema;                      // of the applied program, in the graph as of the last Update
   const RuleProgram* schema_of = nullptr;  // null: to be made anew
   bool changed_since_commit = false;
@@ -95,15 +118,18 @@ absl::StatusOr<Delta> RuleEngine::Update(GraphWriter& writer, const Delta& told,
     impl.schema_of = nullptr;
     if (absl::Status status = impl.schema.Build(program, writer.current(), cancellation); !status.ok())
       return status;
+    impl.BuildClasses(before, program, writer.current(), told);
     impl.inconsistencies.InternWords();
     impl.schema_of = &program;
   }
   impl.changed_since_commit = true;
   if (other_rules) ++impl.counters.rule_changes;
-  Materialiser materialiser(program, before, told,
-                            {writer, impl.schema, impl.inconsistencies, impl.dictionary, impl.inferred_graph,
-                             impl.limits, impl.inferred_since_commit, impl.counters, cancellation});
+  Materialiser materialiser(
+      program, before, told,
+      {writer, impl.schema, impl.classes, impl.inconsistencies, impl.dictionary, impl.inferred_graph,
+       impl.limits, impl.inferred_since_commit, impl.counters, cancellation});
   if (absl::Status status = materialiser.Maintain(); !status.ok()) return status;
+  if (!program.equality.by_classes) impl.classes.Clear();
   impl.state.applied = impl.state.wanted;
   Delta delta = materialiser.InferredChange();
   impl.counters.inferred += delta.added.size();

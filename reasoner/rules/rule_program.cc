@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
+#include "reasoner/rules/equality_rules.h"
 #include "reasoner/rules/schema_words.h"
 
 namespace docent {
@@ -60,16 +62,23 @@ std::string CanonicalText(const Rule& rule) {
   return absl::StrCat(text, "\n<-\n", sparql::PrintPattern(*rule.body.algebra));
 }
 
-// Splits a positive body into what speaks of the schema and the rest.
+// Splits a positive body into what speaks of the schema and the rest. A check that asks for equal things and for other facts
+// about them (eq-diff1) is joined as it is: there may be very many pairs, and an instance of it saves one lookup.
 void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
   const auto text = [&](TermId id) { return id.IsIri() ? dictionary.Lexical(id) : std::string_view(); };
   uint32_t schema = 0;
+  bool of_equality_alone = rule.check;
   for (size_t i = 0; i < rule.body->patterns().size(); ++i) {
     const Body::Pattern& pattern = rule.body->patterns()[i];
-    if (IsSchemaPattern(text(pattern.constants[1]), text(pattern.constants[2]))) schema |= 1u << i;
+    if (!IsSchemaPattern(text(pattern.constants[1]), text(pattern.constants[2]))) {
+      of_equality_alone = of_equality_alone && !pattern.constants[1].IsNone();
+      continue;
+    }
+    schema |= 1u << i;
+    of_equality_alone = of_equality_alone && text(pattern.constants[1]) == kOwlSameAs;
   }
   rule.of_schema = schema == rule.patterns;
-  rule.schema = rule.of_schema ? 0 : schema;
+  rule.schema = rule.of_schema || of_equality_alone ? 0 : schema;
   rule.filters = rule.body->has_filters() && (rule.schema == 0 || !rule.body->FiltersDecidedBy(rule.schema));
 }
 
@@ -198,6 +207,24 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
   return ok;
 }
 
+void RuleProgram::FindEquality(const RuleSets& sets, Dictionary& dictionary) {
+  std::array<std::vector<uint32_t>, kEqualityRules> found;
+  uint32_t number = 0;
+  for (const auto& [name, parsed] : sets) {
+    for (const Rule& rule : parsed->rules) {
+      if (const auto which = EqualityRuleOf(rule)) found[static_cast<size_t>(*which)].push_back(number);
+      ++number;
+    }
+  }
+  if (std::any_of(found.begin(), found.end(), [](const auto& rules_of) { return rules_of.empty(); })) return;
+  equality = {true, found[static_cast<size_t>(EqualityRule::kTransitivity)][0],
+              found[static_cast<size_t>(EqualityRule::kSubject)][0],
+              dictionary.InternIri(std::string(kOwlSameAs))};
+  for (const std::vector<uint32_t>& rules_of : found) {
+    for (const uint32_t r : rules_of) rules[r].of_equality = true;
+  }
+}
+
 // Components in order of dependency → as few strata as negation needs: a rule lies above those that it negates and not below
 // those that it uses.
 bool RuleProgram::Place(NegationOrder order) {
@@ -283,6 +310,7 @@ bool RuleProgram::FindOrdered(Diagnostics& diagnostics) {
 
 void RuleProgram::Index() {
   for (uint32_t r = 0; r < rules.size(); ++r) {
+    if (rules[r].of_equality) continue;
     const std::vector<Trigger>& patterns = rules[r].body->triggers();
     for (uint32_t i = 0; i < patterns.size(); ++i) {
       const bool of_schema = patterns[i].pattern >= 0 && (rules[r].schema & (1u << patterns[i].pattern));
@@ -304,6 +332,7 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
                                                 Diagnostics& diagnostics) {
   auto program = std::make_shared<RuleProgram>();
   if (!program->Compile(sets, dictionary, functions, diagnostics)) return nullptr;
+  program->FindEquality(sets, dictionary);
   const auto count = static_cast<uint32_t>(program->rules.size());
   for (uint32_t a = 0; a < count; ++a) {
     for (uint32_t b = 0; b < count; ++b) AddDependencies(program->rules, a, b, program->dependencies_);

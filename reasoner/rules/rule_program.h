@@ -64,8 +64,9 @@ struct CompiledRule {
   uint32_t patterns = 0;  // bit set: all of a positive body
   // Those of them that speak of the schema, if others do not: the SchemaIndex knows their solutions. Else 0.
   uint32_t schema = 0;
-  bool filters = false;    // there are filters that the schema part alone does not decide
-  bool of_schema = false;  // positive, and all of its patterns speak of the schema
+  bool filters = false;      // there are filters that the schema part alone does not decide
+  bool of_schema = false;    // positive, and all of its patterns speak of the schema
+  bool of_equality = false;  // what it makes is written out by EqualityClasses; it is never evaluated
 
   // The triple that a solution matches with pattern `i` of a flat body.
   Triple Premise(size_t i, absl::Span<const TermId> row) const;
@@ -112,6 +113,16 @@ class RuleProgram {
     return rules[rule].stratum == stratum ||
            (IsEntangled(rule) && rules[rule].stratum < stratum && stratum <= last_entangled);
   }
+  // Whether the rules of equality are there, all five of them, and which speak for them in messages.
+  struct Equality {
+    bool by_classes = false;
+    uint32_t transitivity = 0, replacement = 0;
+    TermId same_as;
+  };
+  Equality equality;
+  bool ClosesEquality(int stratum) const {
+    return equality.by_classes && Runs(equality.replacement, stratum);
+  }
   // Where it is entangled rules that make it.
   int StratumOf(const Triple& fact) const;
 
@@ -125,6 +136,7 @@ class RuleProgram {
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
                Diagnostics& diagnostics);
+  void FindEquality(const RuleSets& sets, Dictionary& dictionary);
   bool FindOrdered(Diagnostics& diagnostics);
   void Index();
 

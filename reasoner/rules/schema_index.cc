@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/hash/hash.h"
+#include "graph/base/step_costs.h"
+
 namespace docent {
 
 absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph, Cancellation* cancellation) {
@@ -12,10 +15,11 @@ absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph,
   instances_.clear();
   free_.clear();
   by_triple_.clear();
+  by_row_.clear();
   triggers_ = PatternIndex();
   heads_ = PatternIndex();
   for (uint32_t r = 0; r < program.rules.size(); ++r) {
-    if (program.rules[r].schema == 0) continue;
+    if (program.rules[r].schema == 0 || program.rules[r].of_equality) continue;
     const std::vector<TermId> nothing(program.rules[r].body->columns().size());
     if (absl::Status status = Find(r, nothing, 0, run); !status.ok()) return status;
   }
@@ -47,19 +51,27 @@ absl::Status SchemaIndex::Find(uint32_t rule, absl::Span<const TermId> seed, uin
   return compiled.Named(compiled.body->EvaluateRest(run, seed, matched | data, Body::Filters::kBound,
                                                     [&](absl::Span<const TermId> row) {
                                                       Add(rule, row);
+                                                      if (run.cancellation != nullptr)
+                                                        run.cancellation->Spend(kStepsOfInstance);
                                                       return true;
                                                     }));
 }
 
-void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
+SchemaIndex::Support SchemaIndex::SupportOf(uint32_t rule, absl::Span<const TermId> row) const {
   const CompiledRule& compiled = program_->rules[rule];
-  absl::InlinedVector<Triple, 4> support;
+  Support support;
   for (size_t i = 0; i < compiled.body->patterns().size(); ++i) {
     if (compiled.schema & (1u << i)) support.push_back(compiled.Premise(i, row));
   }
   std::sort(support.begin(), support.end());
   support.erase(std::unique(support.begin(), support.end()), support.end());
-  for (const uint32_t id : by_triple_[support[0]]) {
+  return support;
+}
+
+void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
+  const CompiledRule& compiled = program_->rules[rule];
+  auto& of_row = by_row_[absl::HashOf(rule, row)];
+  for (const uint32_t id : of_row) {
     if (instances_[id].rule == rule && std::equal(row.begin(), row.end(), instances_[id].row.begin())) return;
   }
   uint32_t id;
@@ -70,9 +82,15 @@ void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
     id = free_.back();
     free_.pop_back();
   }
+  of_row.push_back(id);
   ++changes_;
-  for (const Triple& triple : support) by_triple_[triple].push_back(id);
   Instance& instance = instances_[id];
+  const Support support = SupportOf(rule, row);
+  for (uint32_t i = 0; i < support.size(); ++i) {
+    auto& places = by_triple_[support[i]];
+    instance.places.push_back(static_cast<uint32_t>(places.size()));
+    places.push_back({id, i});
+  }
   instance.rule = rule;
   instance.row.assign(row.begin(), row.end());
   const std::vector<Trigger>& triggers = compiled.body->triggers();
@@ -93,23 +111,26 @@ void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
 }
 
 void SchemaIndex::Lost(const Triple& triple) {
-  const auto found = by_triple_.find(triple);
-  if (found == by_triple_.end()) return;
-  const absl::InlinedVector<uint32_t, 2> gone = found->second;
-  for (const uint32_t id : gone) Remove(id);
+  for (auto found = by_triple_.find(triple); found != by_triple_.end(); found = by_triple_.find(triple))
+    Remove(found->second.back().instance);
 }
 
+// From each list the last one comes to its place.
 void SchemaIndex::Remove(uint32_t id) {
   Instance& instance = instances_[id];
-  const CompiledRule& compiled = program_->rules[instance.rule];
-  for (size_t i = 0; i < compiled.body->patterns().size(); ++i) {
-    if (!(compiled.schema & (1u << i))) continue;
-    const auto place = by_triple_.find(compiled.Premise(i, instance.row));
-    if (place == by_triple_.end()) continue;  // two patterns on one triple
-    auto& ids = place->second;
-    ids.erase(std::remove(ids.begin(), ids.end(), id), ids.end());
-    if (ids.empty()) by_triple_.erase(place);
+  const Support support = SupportOf(instance.rule, instance.row);
+  for (size_t i = 0; i < support.size(); ++i) {
+    const auto found = by_triple_.find(support[i]);
+    auto& places = found->second;
+    const uint32_t at = instance.places[i];
+    places[at] = places.back();
+    instances_[places[at].instance].places[places[at].number] = at;
+    places.pop_back();
+    if (places.empty()) by_triple_.erase(found);
   }
+  const auto of_row = by_row_.find(absl::HashOf(instance.rule, absl::MakeConstSpan(instance.row)));
+  of_row->second.erase(std::find(of_row->second.begin(), of_row->second.end(), id));
+  if (of_row->second.empty()) by_row_.erase(of_row);
   for (const PatternIndex::Handle handle : instance.triggers) triggers_.Remove(handle);
   for (const PatternIndex::Handle handle : instance.heads) heads_.Remove(handle);
   instance = Instance();

@@ -32,6 +32,7 @@ class SchemaIndex {
     std::vector<TermId> row;  // columns of the body that the schema part binds; the others none
     std::vector<PatternIndex::Handle> triggers;
     std::vector<PatternIndex::Handle> heads;
+    absl::InlinedVector<uint32_t, 4> places;  // in the lists of the triples that it rests on
   };
 
   // All instances of `program` in `graph`. `program` must outlive this or the next Build.
@@ -68,11 +69,19 @@ class SchemaIndex {
                     const sparql::RunOptions& run);
   void Add(uint32_t rule, absl::Span<const TermId> row);
   void Remove(uint32_t id);
+  // The triples that an instance rests on, sorted, each once.
+  using Support = absl::InlinedVector<Triple, 4>;
+  Support SupportOf(uint32_t rule, absl::Span<const TermId> row) const;
 
+  // An instance, and which of its triples this is.
+  struct Place {
+    uint32_t instance, number;
+  };
   RuleProgram* program_ = nullptr;
   std::vector<Instance> instances_;
   std::vector<uint32_t> free_;
-  absl::flat_hash_map<Triple, absl::InlinedVector<uint32_t, 2>> by_triple_;  // instances that rest on it
+  absl::flat_hash_map<Triple, absl::InlinedVector<Place, 1>> by_triple_;  // instances that rest on it
+  absl::flat_hash_map<size_t, absl::InlinedVector<uint32_t, 1>> by_row_;  // by hash of rule and row
   PatternIndex triggers_;
   PatternIndex heads_;
   std::vector<TermId> seed_;

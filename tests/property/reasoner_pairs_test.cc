@@ -95,6 +95,26 @@ Theme EqualThings() {
   return theme;
 }
 
+// Literals, properties and classes that are equal to things, equality itself by another name, and larger classes that are told
+// and derived in several ways at once.
+Theme EqualInEveryPlace() {
+  Theme theme{
+      "EqualInEveryPlace",
+      {"badge a owl:InverseFunctionalProperty", "code a owl:FunctionalProperty", "e0 likes x",
+       "z likes e3 @g1", "e5 differs e2"},
+      {"e1 owl:sameAs 5", "e3 owl:sameAs 5", "e1 code 7", "e1 code e4", "e6 code e2",
+       "likes owl:sameAs loves", "loves owl:sameAs e6", "loves rdfs:domain Lover", "Lover owl:sameAs Fan",
+       "e2 a Lover", "same rdfs:subPropertyOf owl:sameAs", "owl:sameAs owl:sameAs equal",
+       "equal a owl:SymmetricProperty", "e3 loves e3", "e4 likes 5", "y likes 5", "e0 a Fan @g1"}};
+  for (int i = 0; i < 7; ++i) {
+    theme.pool.push_back(absl::StrCat("e", i, " owl:sameAs e", (i * 3 + 1) % 7));
+    theme.pool.push_back(absl::StrCat("e", i, " badge ", i % 3));
+    theme.pool.push_back(absl::StrCat("e", i, i % 2 == 0 ? " same e" : " equal e", (i + 2) % 7));
+    theme.pool.push_back(absl::StrCat("e", i, " likes e", (i * 2) % 7));
+  }
+  return theme;
+}
+
 // Cycles of a transitive property and of one that is symmetric besides, cut and closed again.
 Theme TransitiveCycles() {
   Theme theme{
@@ -251,7 +271,7 @@ TEST_P(ReasonerRulesPairs, LeaveWhatACompletionFromScratchGives) {
 
 INSTANTIATE_TEST_SUITE_P(Themes, ReasonerRulesPairs,
                          testing::Values(InverseProperties(), SharedSupport(), EqualThings(),
-                                         TransitiveCycles(), AllTogether()),
+                                         EqualInEveryPlace(), TransitiveCycles(), AllTogether()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -275,26 +275,30 @@ constexpr char kSchemaRules[] =
     "RULE { } WHERE { ?c1 owl:disjointWith ?c2 . ?x a ?c1 . ?x a ?c2 }\n"
     "RULE { ?x :p3 ?y } WHERE { ?x :p2 ?y FILTER NOT EXISTS { ?y a :n0 } }\n";
 
+// Of the five of equality all or, as often, some.
+std::string SomeSchemaRules(RandomWorld& random, int percent) {
+  const std::vector<std::string> all = Lines(kSchemaRules);
+  const bool whole_equality = random.Chance(50);
+  std::string rules;
+  for (size_t i = 0; i < all.size(); ++i) {
+    // the last negates what the others make of types: left out where recursion would go through it
+    const bool wanted = random.Chance(percent) || (whole_equality && i < 5);
+    if (wanted && i + 1 < all.size()) rules += all[i] + "\n";
+  }
+  return rules;
+}
+
 TEST(ReasonerRulesProperty, SchemaAndDataChangeTogether) {
   const int count = SequenceCount() / 5;
   for (int seed = 1; seed <= count; ++seed) {
     RandomWorld random(static_cast<unsigned>(seed));
     random.schema_percent = 45;
-    std::string rules;
-    const std::vector<std::string> all = Lines(kSchemaRules);
-    for (const std::string& rule : all) {
-      // the last negates what the others make of types: left out where recursion would go through it
-      if (random.Chance(70) && &rule != &all.back()) rules += rule + "\n";
-    }
+    const std::string rules = SomeSchemaRules(random, 70);
     std::vector<Step> steps;
     std::set<std::string> told;
     for (int i = 0; i < 12; ++i) {
       Step step{random.Batch(told), {}};
-      if (i > 0 && random.Chance(8)) {
-        for (const std::string& rule : all) {
-          if (random.Chance(60) && &rule != &all.back()) step.new_rules += rule + "\n";
-        }
-      }
+      if (i > 0 && random.Chance(8)) step.new_rules = SomeSchemaRules(random, 60);
       steps.push_back(std::move(step));
     }
     std::string trace;
@@ -339,10 +343,13 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
     const auto property = [&] { return (random.Chance(60) ? "p" : "q") + std::to_string(random.Pick(4)); };
     const auto some = [&] {
       std::string rules;
+      const bool whole_equality = random.Chance(50);
       for (const auto& [from, percent] :
            {std::pair(&pool.schema, pool.schema_percent), std::pair(&pool.likes, 60)}) {
         for (const std::string& rule : *from) {
-          if (random.Chance(percent)) rules += rule + "\n";
+          const bool of_equality =
+              rule.find("owl:sameAs ?") != rule.npos && rule.find("Functional") == rule.npos;
+          if (random.Chance(percent) || (of_equality && whole_equality)) rules += rule + "\n";
         }
       }
       for (const std::string& rule : pool.negating) {

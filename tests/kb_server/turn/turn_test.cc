@@ -323,6 +323,25 @@ TEST_F(FailingTurnTest, ARuleWithAPatternThatCannotBeEvaluated) {
   twin_.Must(batch);
 }
 
+// Much follows from few facts, and every fact that followed allowed more steps.
+TEST_F(FailingTurnTest, TooManyEqualThings) {
+  Cancellation cancellation;
+  world_.stages.cancellation = &cancellation;
+  for (World* world : {&world_, &twin_}) {
+    world->stages.cancellation = nullptr;
+    world->Must(Put(Document::Kind::kRules, "owl2rl", BuiltInRuleSet("owl2rl")));
+  }
+  world_.stages.cancellation = &cancellation;
+  WriteBatch batch;
+  for (int i = 1; i < 200; ++i) {
+    const Term same = Term::Iri("http://www.w3.org/2002/07/owl#sameAs");
+    batch.operations.push_back(
+        {QuadOperation::Kind::kAdd, {Iri("n0"), same, Iri(absl::StrCat("n", i)), Term()}});
+  }
+  Fail(batch, absl::StatusCode::kResourceExhausted, "owl2rl eq-trans");
+  GoOn();
+}
+
 // Its place was shown with a line of the other set.
 TEST_F(FailingTurnTest, ARuleThatClosesACycleWithAnotherSet) {
   for (World* world : {&world_, &twin_}) {

@@ -213,5 +213,52 @@ TEST_F(WhyParts, WhatIsInTheWayByAPathIsEachFactOfTheChain) {
   EXPECT_TRUE(answer.whole);
 }
 
+// Every pair of a class stands on many others, so a search through all of them never ended for a large class.
+class WhyEqual : public ExplainWorld {
+ protected:
+  WhyEqual() { BuiltIn("owl2rl"); }
+};
+
+TEST_F(WhyEqual, IsAWayOverToldPairs) {
+  Tell({"a owl:sameAs b", "c owl:sameAs b", "c owl:sameAs d", "b likes x"});
+  EXPECT_THAT(Why("ASK { :a owl:sameAs :c }"),
+              HasSubstr(":a owl:sameAs :c\n"
+                        "  by owl2rl eq-trans (line 15), ?x = :a, ?y = :b, ?z = :c\n"
+                        "  :a owl:sameAs :b\n"
+                        "    told by docent:default\n"
+                        "  :b owl:sameAs :c\n"
+                        "    by owl2rl eq-sym (line 14), ?x = :c, ?y = :b\n"
+                        "    :c owl:sameAs :b\n"
+                        "      told by docent:default\n"));
+  EXPECT_THAT(Why("ASK { :d :likes :x }"), AllOf(HasSubstr("by owl2rl eq-rep-s"), HasSubstr(":b :likes :x"),
+                                                 HasSubstr("told by docent:default")));
+  EXPECT_THAT(Why("ASK { :a owl:sameAs :a }"),
+              AllOf(HasSubstr("by owl2rl eq-trans"), HasSubstr(":a owl:sameAs :b")));
+}
+
+TEST_F(WhyEqual, IsFoundInALargeClass) {
+  std::vector<std::string> told = {"e7 likes x"};
+  for (int i = 0; i < 300; ++i) told.push_back(absl::StrCat("e", i, " owl:sameAs e", i + 1));
+  Tell(told);
+  const std::string why = Why("ASK { :e0 owl:sameAs :e300 }");
+  EXPECT_THAT(why, AllOf(HasSubstr(":e0 owl:sameAs :e1\n"), HasSubstr(":e299 owl:sameAs :e300\n")));
+  EXPECT_THAT(Why("ASK { :e300 :likes :x }"), HasSubstr(":e7 :likes :x"));
+}
+
+TEST_F(WhyEqual, MayRestOnOtherRules) {
+  Tell({"badge a owl:InverseFunctionalProperty", "a badge 7", "b badge 7", "c owl:sameAs b", "c likes x",
+        "home a owl:FunctionalProperty", "w home d", "w home a"});
+  EXPECT_THAT(
+      Why("ASK { :a owl:sameAs :c }"),
+      AllOf(HasSubstr("by owl2rl prp-ifp"), HasSubstr(":c owl:sameAs :b"), Not(HasSubstr("unknown"))));
+  EXPECT_THAT(Why("ASK { :d :likes :x }"), AllOf(HasSubstr("by owl2rl prp-fp"), HasSubstr(":c :likes :x")));
+}
+
+TEST_F(WhyEqual, ReachesLiteralsAndProperties) {
+  Tell({"a owl:sameAs b", "b owl:sameAs 5", "s likes a", "likes owl:sameAs loves"});
+  EXPECT_THAT(Why("ASK { :a owl:sameAs 5 }"), HasSubstr(":b owl:sameAs 5\n"));
+  EXPECT_THAT(Why("ASK { :s :loves 5 }"), AllOf(HasSubstr("by owl2rl eq-rep"), HasSubstr(":s :likes :a")));
+}
+
 }  // namespace
 }  // namespace docent

@@ -1,4 +1,5 @@
 #include "reasoner/matching/body.h"
+#include "graph/base/step_costs.h"
 
 #include <algorithm>
 
@@ -149,7 +150,7 @@ TEST_F(BodyTest, AScanForWhatIsLeftCountsItsSteps) {
   world_.Apply({"r at b"});
   const auto body = Compile("ASK { ?x :at ?b . ?b :in ?where }");
   Cancellation cancellation;
-  cancellation.AllowSteps(50);
+  cancellation.AllowSteps(50 + kStepsOfLookup);
   std::vector<TermId> seed;
   body->SeedFrom(body->triggers()[0], world_.QuadOf("r at b"), seed);
   int rows = 0;
