@@ -116,7 +116,8 @@ void FileChecker::CheckShapes() {
   shapes_read_ = true;
   const shapes::GraphView view = graph_.View(kGraph);
   for (Diagnostic& d :
-       shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph)).diagnostics) {
+       shapes::ReadShapes(view, graph_.dictionary(), limits_, &graph_.Places(kGraph), &functions_)
+           .diagnostics) {
     of_shapes_[d.file].push_back(std::move(d));
   }
 }

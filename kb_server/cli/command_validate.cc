@@ -1,19 +1,23 @@
-// docent validate: SHACL Core validation of files, or of what a running server holds.
+// docent validate: SHACL validation of files, or of what a running server holds.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "graph/rdf/parser.h"
 #include "graph/rdf/serializer.h"
 #include "graph/rdf/text_input.h"
 #include "graph/rdf/vocabulary.h"
+#include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/validation_proto.h"
+#include "kb_server/turn/spatial_functions.h"
 #include "nlohmann/json.hpp"
 #include "reasoner/shapes/file_graph.h"
 #include "reasoner/shapes/report.h"
@@ -77,7 +81,9 @@ void PrintEnd(bool json, bool conforms, uint64_t total, uint64_t focus_nodes, co
 // Files are validated here, without a server.
 class FileValidator {
  public:
-  explicit FileValidator(const ValidateArguments& arguments) : arguments_(arguments) {}
+  explicit FileValidator(const ValidateArguments& arguments) : arguments_(arguments) {
+    RegisterSpatialFunctions(&functions_);
+  }
 
   int Run() {
     for (const std::string& file : arguments_.data) {
@@ -90,17 +96,20 @@ class FileValidator {
     const char* shapes_graph = arguments_.shapes.empty() ? kDataGraph : kShapesGraph;
     const shapes::GraphView view = graph_.View(shapes_graph);
     const shapes::SourceMap& places = graph_.Places(shapes_graph);
-    const shapes::ParsedShapes parsed = shapes::ReadShapes(view, graph_.dictionary(), {}, &places);
+    const shapes::ParsedShapes parsed =
+        shapes::ReadShapes(view, graph_.dictionary(), {}, &places, &functions_);
     for (const Diagnostic& d : parsed.diagnostics) std::cerr << Render({d}, texts_[d.file]);
     if (!parsed.ok()) return kExitBad;
     if (!parsed.shapes.HasTargets()) {
       std::cerr << "docent: no shape has a target; name the file of shapes with --shapes, and give them "
                    "sh:targetClass, "
-                   "sh:targetNode, sh:targetSubjectsOf or sh:targetObjectsOf\n";
+                   "sh:targetNode, sh:targetSubjectsOf, sh:targetObjectsOf or sh:target\n";
       return kExitBad;
     }
     Cancellation cancellation{std::chrono::milliseconds(arguments_.timeout_ms)};
     shapes::ValidateOptions options;
+    options.functions = &functions_;
+    options.now_us = absl::ToUnixMicros(absl::Now());
     if (arguments_.timeout_ms > 0) options.cancellation = &cancellation;
     auto report = shapes::Validate(parsed.shapes, graph_.View(kDataGraph), graph_.dictionary(), options);
     if (!report.ok()) return Fail(report.status());
@@ -141,6 +150,7 @@ class FileValidator {
   }
 
   const ValidateArguments& arguments_;
+  sparql::FunctionRegistry functions_;
   shapes::FileGraph graph_;
   std::map<std::string, std::string> texts_;
 };

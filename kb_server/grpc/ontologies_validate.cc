@@ -86,7 +86,7 @@ absl::Status Fill(const shapes::ValidationReport& report, const Dictionary& dict
   }
   for (const shapes::ValidationResult& result : report.results) {
     v1::ValidationResult* out = reply->add_results();
-    const Term value = result.value.IsNone() ? Term() : dictionary.Decode(result.value);
+    const Term value = shapes::ValueOf(result, dictionary).value_or(Term());
     ToProto(shapes::Describe(result, dictionary, nullptr, &shape_places), dictionary.Decode(result.focus),
             value, dictionary.Decode(result.shape), out);
     bytes += out->ByteSizeLong();
@@ -109,13 +109,14 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
   const Dictionary& dictionary = own ? *ports.dictionary : given.dictionary;
   const shapes::GraphView graph = own ? shapes::GraphView(**version, ModuleGraphs(**version, dictionary))
                                       : shapes::GraphView(given.writer.current());
-  const shapes::ParsedShapes parsed = shapes::ReadShapes(graph, dictionary, {}, &given.places);
+  const shapes::ParsedShapes parsed =
+      shapes::ReadShapes(graph, dictionary, {}, &given.places, ports.functions);
   if (!parsed.ok()) return ToStatus(parsed.diagnostics, "");
   if (!parsed.shapes.HasTargets()) {
     return absl::InvalidArgumentError(
         own ? "no shape is loaded that has a target; load one as an ontology, or give shapes"
             : "no shape has a target: give them sh:targetClass, sh:targetNode, "
-              "sh:targetSubjectsOf or sh:targetObjectsOf");
+              "sh:targetSubjectsOf, sh:targetObjectsOf or sh:target");
   }
   for (const Diagnostic& diagnostic : parsed.diagnostics)
     docent::ToProto(diagnostic, reply->add_diagnostics());

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_writer.h"
 #include "kb_server/door/catalog.h"
@@ -42,20 +44,36 @@ void Apply(const WriteBatch& batch, Dictionary& dictionary, GraphWriter& writer)
   }
 }
 
+// Whether a module is loaded that has words of SHACL.
+bool SpeaksOfShapes(const WriteBatch& batch) {
+  const bool module = std::any_of(batch.documents.begin(), batch.documents.end(),
+                                  [](const Document& d) { return d.kind == Document::Kind::kOntology; });
+  return module && std::any_of(batch.operations.begin(), batch.operations.end(), [](const QuadOperation& o) {
+           return o.quad.predicate.lexical.starts_with(shapes::kShaclNs);
+         });
+}
+
+// Warnings about shapes of other modules are left out: who loaded those was told.
+Diagnostics OfText(Diagnostics diagnostics, const LoadedText& text) {
+  std::erase_if(diagnostics, [&](const Diagnostic& d) {
+    return d.severity != Diagnostic::Severity::kError && (text.name.empty() || d.file != text.name);
+  });
+  return diagnostics;
+}
+
 struct Outcome {
   shapes::ParsedShapes shapes;
   shapes::ValidationReport report;
 };
 
 absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& version,
-                                 const Dictionary& dictionary, Cancellation* cancellation) {
+                                 const Dictionary& dictionary, const shapes::SourceMap* places,
+                                 Cancellation* cancellation) {
   Outcome outcome;
-  outcome.shapes =
-      shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)), dictionary);
+  outcome.shapes = shapes::ReadShapes(shapes::GraphView(version, ModuleGraphs(version, dictionary)),
+                                      dictionary, {}, places, ports.functions);
   if (!outcome.shapes.ok() || !outcome.shapes.shapes.HasTargets()) return outcome;
-  shapes::ValidateOptions options;
-  options.memory_bytes = ports.limits.query_memory_bytes;
-  options.cancellation = cancellation;
+  const shapes::ValidateOptions options = ValidateOptionsOf(ports, cancellation);
   auto report = shapes::Validate(outcome.shapes.shapes, shapes::GraphView(version), dictionary, options);
   if (!report.ok()) return report.status();
   outcome.report = *std::move(report);
@@ -65,7 +83,8 @@ absl::StatusOr<Outcome> Validate(const ServicePorts& ports, const GraphVersion& 
 // What makes a result the same one before and after. Ids of the version are those of its copy.
 std::string KeyOf(const shapes::ValidationResult& result, const Dictionary& dictionary) {
   return absl::StrCat(result.focus.bits(), " ", result.value.bits(), " ", result.shape.bits(), " ",
-                      static_cast<int>(result.component), " ",
+                      static_cast<int>(result.component), " ", result.own_component.bits(), " ",
+                      result.computed ? ToNTriples(*result.computed) : "", " ",
                       result.has_path ? shapes::PathText(result.path, dictionary) : "", " ",
                       result.messages[0].lexical);
 }
@@ -101,7 +120,7 @@ void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batc
     // shapes are those of modules: data that speak of one do not say where it is
     judged.text = shapes::Describe(result, dictionary, &places, batch.documents.empty() ? nullptr : &places);
     judged.focus = dictionary.Decode(result.focus);
-    if (!result.value.IsNone()) judged.value = dictionary.Decode(result.value);
+    if (auto value = shapes::ValueOf(result, dictionary)) judged.value = *std::move(value);
     judged.shape = dictionary.Decode(result.shape);
     judged.violation = judged.text.severity == "violation";
     verdict->results.push_back(std::move(judged));
@@ -109,6 +128,30 @@ void Collect(const Outcome& before, const Outcome& after, const WriteBatch& batc
 }
 
 }  // namespace
+
+shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellation* cancellation) {
+  shapes::ValidateOptions options;
+  options.memory_bytes = ports.limits.query_memory_bytes;
+  options.all_memory = ports.query_memory;
+  options.cancellation = cancellation;
+  options.functions = ports.functions;
+  options.now_us = absl::ToUnixMicros(absl::Now());
+  return options;
+}
+
+Diagnostics CheckLoadedShapes(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+                              const LoadedText& text) {
+  if (!SpeaksOfShapes(batch)) return {};
+  Dictionary dictionary(ports.dictionary);
+  GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
+  Apply(batch, dictionary, writer);
+  const shapes::SourceMap places = PlacesOf(text, dictionary);
+  const GraphVersion& after = writer.current();
+  return OfText(shapes::ReadShapes(shapes::GraphView(after, ModuleGraphs(after, dictionary)), dictionary, {},
+                                   &places, ports.functions)
+                    .diagnostics,
+                text);
+}
 
 bool LoadVerdict::HasViolations() const {
   return HasErrors(diagnostics) ||
@@ -131,12 +174,14 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatc
   // a version without owner: it outlives the writer, which only shares its nodes
   GraphWriter writer(GraphVersionPtr(&version, [](const GraphVersion*) {}));
   Apply(batch, dictionary, writer);
-  auto after = Validate(ports, writer.current(), dictionary, cancellation);
+  shapes::SourceMap places;
+  if (SpeaksOfShapes(batch)) places = PlacesOf(text, dictionary);
+  auto after = Validate(ports, writer.current(), dictionary, &places, cancellation);
   if (!after.ok()) return after.status();
   LoadVerdict verdict;
-  verdict.diagnostics = after->shapes.diagnostics;
+  verdict.diagnostics = OfText(std::move(after->shapes.diagnostics), text);
   // Whether there are shapes at all is looked for, too.
-  for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf"}) {
+  for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf", "target"}) {
     verdict.reads.push_back({std::nullopt, Term::Iri(shapes::Shacl(word)), std::nullopt, std::nullopt});
   }
   for (const char* word : {"NodeShape", "PropertyShape"}) {
@@ -151,7 +196,7 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatc
     }
   }
   if (after->report.conforms()) return verdict;
-  auto before = Validate(ports, version, dictionary, cancellation);
+  auto before = Validate(ports, version, dictionary, nullptr, cancellation);
   if (!before.ok()) return before.status();
   Collect(*before, *after, batch, text, dictionary, &verdict);
   if (verdict.results.empty() && after->report.total > before->report.total) {

@@ -15,6 +15,7 @@
 #include "graph/store/write_batch.h"
 #include "kb_server/door/ports.h"
 #include "reasoner/shapes/report.h"
+#include "reasoner/shapes/validator.h"
 
 namespace docent {
 
@@ -43,6 +44,14 @@ struct LoadedText {
 absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatch& batch,
                                       const GraphVersion& version, const LoadedText& text,
                                       Cancellation* cancellation);
+
+// What a module's shapes say that is wrong or is not evaluated, as warnings and errors with their places in `text`. Nothing is
+// validated. Errors elsewhere, which the module may have brought about, have no place.
+Diagnostics CheckLoadedShapes(const ServicePorts& ports, const WriteBatch& batch, const GraphVersion& version,
+                              const LoadedText& text);
+
+// A server's limits and functions for a validation.
+shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellation* cancellation);
 
 // The graphs of the ontology modules: where shapes are looked for.
 std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);

@@ -124,9 +124,11 @@ void LoadRunner::Run(LoadJob job) {
   if (ports_.on_violation != OnViolation::kIgnore && !rules_alone) {
     return std::make_shared<Attempt>(ports_, std::move(job))->Judge();
   }
-  auto done = [done = std::move(job.done)](const absl::StatusOr<BatchOutcome>& outcome) {
-    done(outcome, {});
-  };
+  LoadVerdict unjudged;
+  if (!rules_alone)
+    unjudged.diagnostics = CheckLoadedShapes(ports_, job.batch, *ports_.queries->Newest(), job.text);
+  auto done = [done = std::move(job.done), warnings = AsWarnings(unjudged)](
+                  const absl::StatusOr<BatchOutcome>& outcome) { done(outcome, warnings); };
   ports_.inbox->Push(std::move(job.batch), std::move(done), std::move(job.prepare));
 }
 

@@ -95,6 +95,9 @@ void Evaluation::CheckConstraint(const Place& place) {
     case Component::kHasValue:
     case Component::kIn:
       return CheckOthers(place);
+    case Component::kSparql:
+    case Component::kOwn:
+      return CheckQuery(place);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,9 +14,21 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "graph/sparql/regex/regex.h"
+#include "graph/sparql/run/evaluator.h"
 #include "reasoner/shapes/validator.h"
 
 namespace docent::shapes {
+
+// A query of a shape, prepared for the variables that have values before it runs, in this order: parameters, ?this, ?value, ?currentShape,
+// ?shapesGraph, as far as it mentions them.
+struct PreparedShapeQuery {
+  std::unique_ptr<sparql::PreparedQuery> query;
+  std::vector<std::string> names;  // of those
+  std::vector<TermId> values;
+  int this_at = -1, value_at = -1, shape_at = -1;             // among them
+  int this_column = -1, value_column = -1, path_column = -1;  // of a row
+  int message_column = -1, failure_column = -1;
+};
 
 class Evaluation {
  public:
@@ -62,6 +75,21 @@ class Evaluation {
   void CheckClosed(const Place& place);
   void CheckOthers(const Place& place);
 
+  // query_checks.cc: constraints and targets in SPARQL
+  using Prepared = PreparedShapeQuery;
+  void CheckQuery(const Place& place);
+  void AddTargetsOf(const ShapeQuery& query, std::vector<TermId>* nodes);
+  Prepared* Prepare(const ShapeQuery& query);
+  Prepared* Start(const Place& place, TermId value);
+  void SetDataset(sparql::Query* query) const;
+  sparql::RunOptions RunNow() const;
+  void Fail(const ShapeQuery& query, const absl::Status& status);
+  void ReportRow(const Place& place, const Prepared& prepared);
+  std::vector<std::pair<std::string, std::string>> GivenTexts(const Place& place) const;
+  void AddOfQuery(const Place& place, ValidationResult result,
+                  const std::vector<std::pair<std::string, std::string>>& values,
+                  std::optional<Term> message);
+
   // A result about `value` (none: about the focus node), with our message where the shape has none.
   void Report(const Place& place, TermId value, const std::string& message);
   void Add(const Place& place, ValidationResult result, const std::string& message);
@@ -98,6 +126,7 @@ class Evaluation {
   absl::flat_hash_map<std::pair<ShapeIndex, TermId>, bool> conforms_;
   std::map<TermId, absl::flat_hash_set<TermId>> classes_;
   absl::flat_hash_map<const Constraint*, std::unique_ptr<sparql::Regex>> regexes_;
+  absl::flat_hash_map<const ShapeQuery*, std::unique_ptr<Prepared>> prepared_;
 };
 
 }  // namespace docent::shapes

@@ -25,6 +25,9 @@ class GraphView {
   }
 
   const GraphVersion& version() const { return *version_; }
+  // All graphs of the version, or graphs().
+  bool IsWhole() const { return all_; }
+  const std::vector<TermId>& graphs() const { return graphs_; }
 
   // Calls `visit(quad)` for each distinct triple that matches (none is a wildcard) until it returns false.
   template <typename Visit>

@@ -83,10 +83,14 @@ class RdfReport {
     Say(node, std::string(kRdfType), Term::Iri(Shacl("ValidationResult")));
     Say(node, Shacl("focusNode"), dictionary_.Decode(result.focus));
     if (result.has_path) Say(node, Shacl("resultPath"), Write(result.path));
-    if (!result.value.IsNone()) Say(node, Shacl("value"), dictionary_.Decode(result.value));
+    if (const auto value = ValueOf(result, dictionary_)) Say(node, Shacl("value"), *value);
     Say(node, Shacl("resultSeverity"),
         result.severity == kAbsentTerm ? Term::Iri(Shacl("Violation")) : dictionary_.Decode(result.severity));
-    Say(node, Shacl("sourceConstraintComponent"), Term::Iri(ComponentIri(result.component)));
+    Say(node, Shacl("sourceConstraintComponent"),
+        result.component == Component::kOwn ? dictionary_.Decode(result.own_component)
+                                            : Term::Iri(ComponentIri(result.component)));
+    if (!result.constraint.IsNone())
+      Say(node, Shacl("sourceConstraint"), dictionary_.Decode(result.constraint));
     Say(node, Shacl("sourceShape"), dictionary_.Decode(result.shape));
     for (const Term& message : result.messages) Say(node, Shacl("resultMessage"), message);
     for (const ValidationResult& detail : result.details) Say(node, Shacl("detail"), Write(detail));
@@ -146,6 +150,12 @@ const SourcePlace* PlaceOf(const ValidationResult& result, const SourceMap& data
 
 }  // namespace
 
+std::optional<Term> ValueOf(const ValidationResult& result, const Dictionary& dictionary) {
+  if (result.computed) return result.computed;
+  if (result.value.IsNone()) return std::nullopt;
+  return dictionary.Decode(result.value);
+}
+
 std::string PathText(const Path& path, const Dictionary& dictionary) {
   switch (path.kind) {
     case Path::Kind::kPredicate:
@@ -176,11 +186,12 @@ ResultText Describe(const ValidationResult& result, const Dictionary& dictionary
   text.severity = result.severity == kAbsentTerm ? "violation" : SeverityText(result.severity, dictionary);
   text.focus = ToDisplay(dictionary.Decode(result.focus));
   if (result.has_path) text.path = PathText(result.path, dictionary);
-  if (!result.value.IsNone() && (result.has_path || result.value != result.focus)) {
-    text.value = ToDisplay(dictionary.Decode(result.value));
-  }
+  const std::optional<Term> value = ValueOf(result, dictionary);
+  if (value && (result.has_path || result.computed || result.value != result.focus))
+    text.value = ToDisplay(*value);
   text.shape = ToDisplay(dictionary.Decode(result.shape));
-  text.component = Concat("sh:", ParameterName(result.component));
+  text.component = result.component == Component::kOwn ? ToDisplay(dictionary.Decode(result.own_component))
+                                                       : Concat("sh:", ParameterName(result.component));
   text.message = MessageText(result.messages);
   AddDetails(result, dictionary, 0, &text.details);
   return text;

@@ -3,6 +3,7 @@
 #ifndef DOCENT_REASONER_SHAPES_REPORT_H_
 #define DOCENT_REASONER_SHAPES_REPORT_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "reasoner/shapes/validator.h"
 
 namespace docent::shapes {
+
+// nullopt: the result names no value.
+std::optional<Term> ValueOf(const ValidationResult& result, const Dictionary& dictionary);
 
 // As SPARQL writes it: docent:at/^docent:of*.
 std::string PathText(const Path& path, const Dictionary& dictionary);
@@ -24,7 +28,7 @@ struct ResultText {
   int shape_line = 0, shape_column = 0;
   std::string severity;                   // "violation", "warning", "info", or the IRI
   std::string focus, path, value, shape;  // for people; path and value may be empty
-  std::string component;                  // "sh:minCount"
+  std::string component;                  // "sh:minCount", or the IRI of one of the shapes' own
   std::string message;                    // the first that suits people: English before others
   std::vector<std::string> details;       // why a nested shape is violated, indented by depth
 };

@@ -6,7 +6,7 @@ namespace docent::shapes {
 namespace {
 
 // In the order of Component.
-constexpr std::array<std::string_view, 29> kNames = {"Class",
+constexpr std::array<std::string_view, 31> kNames = {"Class",
                                                      "Datatype",
                                                      "NodeKind",
                                                      "MinCount",
@@ -34,7 +34,9 @@ constexpr std::array<std::string_view, 29> kNames = {"Class",
                                                      "QualifiedMaxCount",
                                                      "Closed",
                                                      "HasValue",
-                                                     "In"};
+                                                     "In",
+                                                     "SPARQL",
+                                                     ""};
 
 }  // namespace
 
@@ -43,8 +45,9 @@ std::string_view ComponentName(Component component) {
 }
 
 std::string ParameterName(Component component) {
+  if (component == Component::kSparql) return "sparql";
   std::string name(ComponentName(component));
-  name[0] = static_cast<char>(name[0] | 0x20);
+  if (!name.empty()) name[0] = static_cast<char>(name[0] | 0x20);
   return name;
 }
 

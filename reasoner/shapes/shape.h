@@ -1,15 +1,18 @@
-// SHACL Core shapes (W3C Recommendation 20 July 2017, sections 2 to 4), read and checked: what the shape reader makes and
-// the validator evaluates. Values; any thread.
+// SHACL shapes (W3C Recommendation 20 July 2017, sections 2 to 6), read and checked: what the shape reader makes and the
+// validator evaluates. Values; any thread.
 #ifndef DOCENT_REASONER_SHAPES_SHAPE_H_
 #define DOCENT_REASONER_SHAPES_SHAPE_H_
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "graph/rdf/term.h"
 #include "graph/rdf/term_id.h"
+#include "graph/sparql/syntax/algebra.h"
 
 namespace docent::shapes {
 
@@ -34,7 +37,7 @@ struct Path {
   std::vector<Path> children;
 };
 
-// The constraint components of section 4, in its order.
+// The constraint components of section 4, in its order; and those whose constraints are queries.
 enum class Component : uint8_t {
   kClass,
   kDatatype,
@@ -65,8 +68,11 @@ enum class Component : uint8_t {
   kClosed,
   kHasValue,
   kIn,
+  kSparql,  // sh:sparql (section 5)
+  kOwn,     // declared in the shapes graph (section 6)
 };
 // "MinCount" of sh:MinCountConstraintComponent, "minCount" of the parameter sh:minCount.
+// Of kOwn: "".
 std::string_view ComponentName(Component component);
 std::string ParameterName(Component component);
 inline std::string ComponentIri(Component component) {
@@ -74,6 +80,20 @@ inline std::string ComponentIri(Component component) {
 }
 
 using ShapeIndex = uint32_t;
+
+// A query of a shape, with the path of the shape in it where it says $PATH.
+struct ShapeQuery {
+  sparql::Query query;                 // SELECT, or ASK of each value node
+  std::vector<std::string> variables;  // that it mentions
+  // Parameters, by the names of their variables, with their values at the shape.
+  std::vector<std::pair<std::string, TermId>> parameters;
+  std::vector<TermId> messages;            // of the constraint or validator, with {?variables}
+  std::vector<TermId> component_messages;  // of the component
+  TermId node;                             // the constraint, validator or target
+  TermId component;                        // of kOwn
+  bool is_target = false;
+};
+using ShapeQueryPtr = std::shared_ptr<const ShapeQuery>;
 
 // One constraint of a shape; which fields it uses depends on the component.
 struct Constraint {
@@ -85,12 +105,14 @@ struct Constraint {
   std::vector<TermId> terms;       // kIn: the members; kClosed: the properties that are allowed
   std::vector<ShapeIndex> shapes;  // kNot, kAnd, kOr, kXone, kNode, kProperty, kQualified…: what they name
   std::vector<ShapeIndex> siblings;  // kQualified… with sh:qualifiedValueShapesDisjoint
+  ShapeQueryPtr query;               // kSparql, kOwn
 };
 
 struct Shape {
   TermId node;  // what names it in the shapes graph
   bool is_property = false;
-  Path path;  // of a property shape
+  Path path;              // of a property shape
+  bool has_path = false;  // it is well-formed
   std::vector<Constraint> constraints;
   TermId severity;               // sh:Violation where none is given
   std::vector<TermId> messages;  // sh:message
@@ -101,9 +123,11 @@ struct Shape {
   std::vector<TermId> target_classes;  // sh:targetClass, and the shape itself where it is a class
   std::vector<TermId> target_subjects_of;
   std::vector<TermId> target_objects_of;
+  std::vector<ShapeQueryPtr>
+      target_queries;  // SHACL Advanced Features, section 3: sh:SPARQLTarget and its kin
   bool HasTargets() const {
     return !target_nodes.empty() || !target_classes.empty() || !target_subjects_of.empty() ||
-           !target_objects_of.empty();
+           !target_objects_of.empty() || !target_queries.empty();
   }
 };
 
@@ -111,7 +135,8 @@ struct Shape {
 // through others.
 struct ShapeSet {
   std::vector<Shape> shapes;  // by ShapeIndex
-  // The properties whose triples can matter for a validation; `any_property`: all (a closed shape).
+  TermId shapes_graph;        // its name, for $shapesGraph; none: it is several graphs
+  // The properties whose triples can matter for a validation; `any_property`: all (a closed shape, a query).
   std::vector<TermId> properties;
   bool any_property = false;
 

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
@@ -15,6 +16,8 @@
 #include "graph/sparql/regex/regex_parser.h"
 #include "reasoner/shapes/path_reader.h"
 #include "reasoner/shapes/shape_order.h"
+#include "reasoner/shapes/shape_words.h"
+#include "reasoner/shapes/sparql_reader.h"
 
 namespace docent::shapes {
 namespace {
@@ -68,40 +71,21 @@ constexpr std::array<Parameter, 27> kParameters = {{
     {Component::kIn, ValueRule::kList, true, false},
 }};
 
-// Words that are no parameters of Core but may stand at a shape.
-constexpr std::array<std::string_view, 18> kOtherWords = {"path",
-                                                          "severity",
-                                                          "message",
-                                                          "deactivated",
-                                                          "targetNode",
-                                                          "targetClass",
-                                                          "name",
-                                                          "targetSubjectsOf",
-                                                          "targetObjectsOf",
-                                                          "flags",
-                                                          "description",
-                                                          "group",
-                                                          "order",
-                                                          "defaultValue",
-                                                          "ignoredProperties",
-                                                          "qualifiedValueShape",
-                                                          "qualifiedMinCount",
-                                                          "qualifiedMaxCount"};
-// What they would do is not done.
-constexpr std::array<std::string_view, 9> kBeyondCore = {"sparql",    "target",        "rule",
-                                                         "js",        "expression",    "values",
-                                                         "validator", "nodeValidator", "propertyValidator"};
-
 class ShapeReader {
  public:
   ShapeReader(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-              const SourceMap* places)
+              const SourceMap* places, const sparql::FunctionRegistry* functions)
       : graph_(graph),
         dictionary_(dictionary),
         limits_(limits),
         places_(places),
         paths_(graph, dictionary, limits.shape_nesting),
-        type_(Id(kRdfType)) {}
+        type_(Id(kRdfType)),
+        sparql_(graph, dictionary, functions, roles_,
+                [this](TermId node, std::string_view local, std::string message, std::string hint,
+                       Diagnostic::Severity severity) {
+                  Report(node, local, std::move(message), std::move(hint), severity);
+                }) {}
 
   ParsedShapes Run() {
     for (const TermId node : Roots()) IndexOf(node);
@@ -110,6 +94,9 @@ class ShapeReader {
       waiting_.pop_front();
       Read(index);
     }
+    sparql_.CheckUnused();
+    CheckWords();
+    if (graph_.graphs().size() == 1) parsed_.shapes.shapes_graph = graph_.graphs()[0];
     if (!HasErrors(parsed_.diagnostics)) CheckOrder();
     if (!HasErrors(parsed_.diagnostics)) CollectProperties();
     std::stable_sort(
@@ -147,7 +134,7 @@ class ShapeReader {
   // The nodes that are shapes by their targets or types, ascending.
   std::vector<TermId> Roots() {
     std::vector<TermId> roots;
-    for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf"}) {
+    for (const char* word : {"targetNode", "targetClass", "targetSubjectsOf", "targetObjectsOf", "target"}) {
       graph_.ForEach(TermId(), Sh(word), TermId(), [&roots](const Quad& q) {
         roots.push_back(q.subject);
         return true;
@@ -176,12 +163,14 @@ class ShapeReader {
     if (shape.node.IsLiteral()) {
       return Report(shape.node, "", "a literal is no shape", "name the shape by an IRI or a blank node");
     }
+    roles_.Add(shape.node, NodeRole::kShape);
+    for (const TermId rule : Values(shape.node, "rule")) roles_.Add(rule, NodeRole::kRule);
     ReadPath(&shape);
     ReadTargets(&shape);
     ReadOthers(&shape);
     for (const Parameter& parameter : kParameters) ReadParameter(parameter, &shape);
     ReadQualified(&shape);
-    CheckWords(shape.node);
+    if (!shape.is_property || shape.has_path) sparql_.ReadConstraints(&shape);
     parsed_.shapes.shapes[index] = std::move(shape);
   }
 
@@ -204,6 +193,7 @@ class ShapeReader {
       return Report(shape->node, "path", "ill-formed sh:path: " + paths_.problem(),
                     "see SHACL section 2.3.1");
     shape->path = *std::move(path);
+    shape->has_path = true;
   }
 
   void ReadTargets(Shape* shape) {
@@ -216,6 +206,7 @@ class ShapeReader {
     shape->target_subjects_of = IriValues(shape->node, "targetSubjectsOf");
     shape->target_objects_of = IriValues(shape->node, "targetObjectsOf");
     if (shape->node.IsIri() && IsClass(shape->node)) shape->target_classes.push_back(shape->node);
+    sparql_.ReadTargets(shape);
   }
 
   // Section 2.1.3.3, with owl:Class as well.
@@ -489,43 +480,58 @@ class ShapeReader {
     for (const TermId sibling : sorted) out->siblings.push_back(IndexOf(sibling));
   }
 
-  // Words of the sh: namespace that mean nothing here.
-  void CheckWords(TermId node) {
-    TermId last;
-    graph_.ForEach(node, TermId(), TermId(), [&](const Quad& q) {
-      if (q.predicate == last) return true;
-      last = q.predicate;
-      const std::string_view iri = dictionary_.Lexical(q.predicate);
-      if (!iri.starts_with(kShaclNs)) return true;
+  // What the shapes graph says in words of the sh: namespace and nobody evaluates.
+  void CheckWords() {
+    for (const TermId predicate : graph_.version().predicates()) {
+      const std::string_view iri = dictionary_.Lexical(predicate);
+      if (!iri.starts_with(kShaclNs)) continue;
       const std::string word(iri.substr(kShaclNs.size()));
-      if (IsKnown(word)) return true;
-      if (std::find(kBeyondCore.begin(), kBeyondCore.end(), word) != kBeyondCore.end()) {
-        Report(node, word, Concat("sh:", word, " is not SHACL Core and is not checked"),
-               word == "rule" ? "a sh:SPARQLRule is put in use by docent rules use FILE"
-                              : "say it with SHACL Core, or as a rule",
-               Diagnostic::Severity::kWarning);
-        return true;
-      }
-      const std::string nearest = Nearest(word, KnownWords());
-      Report(node, word, Concat("sh:", word, " is not known and says nothing"),
-             nearest.empty() ? "see SHACL section 4" : Concat("did you mean sh:", nearest, "?"),
+      TermId last;
+      graph_.ForEach(TermId(), predicate, TermId(), [&](const Quad& q) {
+        const bool own = q.subject.IsIri() && dictionary_.Lexical(q.subject).starts_with(kShaclNs);
+        if (q.subject != last && !own) CheckWord(q.subject, word);
+        last = q.subject;
+        return parsed_.diagnostics.size() < limits_.check_diagnostics;
+      });
+    }
+    for (const TermId node : strays_) {
+      Report(node, "", "is never used: it has no target, and no shape refers to it",
+             "give it a target such as sh:targetClass, or the type sh:NodeShape or sh:PropertyShape",
              Diagnostic::Severity::kWarning);
-      return true;
-    });
+    }
+    for (const char* type : {"SPARQLFunction", "JSFunction", "JSConstraint", "JSValidator", "JSRule"}) {
+      for (const TermId node : graph_.Subjects(type_, Sh(type))) {
+        Report(node, "", Concat("sh:", type, " is not evaluated"),
+               "write its pattern into the queries that call it", Diagnostic::Severity::kWarning);
+      }
+    }
   }
 
-  static bool IsKnown(const std::string& word) {
-    const std::vector<std::string>& known = KnownWords();
-    return std::find(known.begin(), known.end(), word) != known.end();
-  }
-  static const std::vector<std::string>& KnownWords() {
-    static const std::vector<std::string>* known = [] {
-      auto* words = new std::vector<std::string>(kOtherWords.begin(), kOtherWords.end());
-      for (const Parameter& parameter : kParameters) words->push_back(ParameterName(parameter.component));
-      words->push_back("qualifiedValueShapesDisjoint");
-      return words;
-    }();
-    return *known;
+  void CheckWord(TermId node, const std::string& word) {
+    const uint8_t roles = roles_.Of(node);
+    std::string message, hint;
+    switch (UseOf(word, roles)) {
+      case WordUse::kSays:
+        return;
+      case WordUse::kElsewhere:
+        if (roles == 0 && MakesAShape(word)) {
+          strays_.insert(node);
+          return;
+        }
+        message = Concat("sh:", word, " says nothing here");
+        hint = Concat("it says something at ", PlaceOfWord(word));
+        break;
+      case WordUse::kNotEvaluated:
+        message = Concat("sh:", word, " is not evaluated");
+        hint = std::string(AdviceFor(word));
+        break;
+      case WordUse::kUnknown: {
+        const std::string nearest = Nearest(word, ShapeWords());
+        message = Concat("sh:", word, " is not known and says nothing");
+        hint = nearest.empty() ? "see SHACL section 4" : Concat("did you mean sh:", nearest, "?");
+      }
+    }
+    Report(node, word, std::move(message), std::move(hint), Diagnostic::Severity::kWarning);
   }
 
   void CheckOrder() {
@@ -557,13 +563,14 @@ class ShapeReader {
     };
     for (const Shape& shape : parsed_.shapes.shapes) {
       walk(shape.path);
+      if (!shape.target_queries.empty()) parsed_.shapes.any_property = true;
       for (const std::vector<TermId>* targets : {&shape.target_subjects_of, &shape.target_objects_of}) {
         found.insert(targets->begin(), targets->end());
       }
       for (const Constraint& c : shape.constraints) {
         if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals)
           found.insert(c.value);
-        if (c.component == Component::kClosed) parsed_.shapes.any_property = true;
+        if (c.component == Component::kClosed || c.query != nullptr) parsed_.shapes.any_property = true;
       }
     }
     found.erase(kAbsentTerm);
@@ -577,6 +584,9 @@ class ShapeReader {
   const SourceMap* places_;
   PathReader paths_;
   const TermId type_;
+  NodeRoles roles_;
+  SparqlReader sparql_;
+  absl::btree_set<TermId> strays_;  // say what shapes say, and are none that is used
   absl::flat_hash_map<TermId, ShapeIndex> index_;
   std::deque<ShapeIndex> waiting_;
   ParsedShapes parsed_;
@@ -585,8 +595,8 @@ class ShapeReader {
 }  // namespace
 
 ParsedShapes ReadShapes(const GraphView& graph, const Dictionary& dictionary, const CheckLimits& limits,
-                        const SourceMap* places) {
-  return ShapeReader(graph, dictionary, limits, places).Run();
+                        const SourceMap* places, const sparql::FunctionRegistry* functions) {
+  return ShapeReader(graph, dictionary, limits, places, functions).Run();
 }
 
 }  // namespace docent::shapes

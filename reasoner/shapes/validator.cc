@@ -69,6 +69,7 @@ std::vector<TermId> Evaluation::FocusNodes(const Shape& shape) {
       return Poll();
     });
   }
+  for (const ShapeQueryPtr& query : shape.target_queries) AddTargetsOf(*query, &nodes);
   Charge(nodes.size() * sizeof(TermId));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
@@ -118,7 +119,9 @@ void Evaluation::Add(const Place& place, ValidationResult result, const std::str
   result.component = place.constraint.component;
   result.shape = place.shape.node;
   result.severity = place.shape.severity;
-  for (const TermId id : place.shape.messages) result.messages.push_back(dictionary_.Decode(id));
+  if (result.messages.empty()) {
+    for (const TermId id : place.shape.messages) result.messages.push_back(dictionary_.Decode(id));
+  }
   if (result.messages.empty()) result.messages.push_back(Term::LangString(message, "en"));
   Charge(sizeof(result) + message.size());
   place.sink.results->push_back(std::move(result));
