@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "bench/constraint_graph.h"
 #include "bench/measurement.h"
+#include "bench/worlds/constraint_graph.h"
 
 namespace docent::bench {
 namespace {

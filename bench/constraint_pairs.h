@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bench/constraint_world.h"
+#include "bench/worlds/constraint_world.h"
 
 namespace docent::bench {
 

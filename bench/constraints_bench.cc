@@ -12,11 +12,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "bench/command_line.h"
-#include "bench/constraint_graph.h"
 #include "bench/constraint_pairs.h"
-#include "bench/constraint_world.h"
 #include "bench/constraints_peers.h"
 #include "bench/measurement.h"
+#include "bench/worlds/constraint_graph.h"
+#include "bench/worlds/constraint_world.h"
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/conditions/standing_conditions.h"
 

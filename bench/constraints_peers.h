@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/constraint_world.h"
 #include "bench/measurement.h"
+#include "bench/worlds/constraint_world.h"
 
 namespace docent::bench {
 

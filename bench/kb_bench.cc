@@ -15,9 +15,9 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "bench/command_line.h"
-#include "bench/kb_data.h"
-#include "bench/kb_queries.h"
-#include "bench/kb_systems.h"
+#include "bench/kb/kb_data.h"
+#include "bench/kb/kb_queries.h"
+#include "bench/kb/kb_systems.h"
 #include "bench/measurement.h"
 
 namespace docent::bench {
@@ -31,7 +31,7 @@ struct Arguments {
   int timeout_s = 300;
   uint64_t seed = 1;
   std::vector<std::string> only;
-  std::string scripts = "bench/kb_peers";
+  std::string scripts = "bench/kb/peers";
   std::string npm = "build/kb_peers";
 };
 

@@ -10,8 +10,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "bench/command_line.h"
-#include "bench/kb_data.h"
-#include "bench/kb_process.h"
+#include "bench/kb/kb_data.h"
+#include "bench/kb/kb_process.h"
 #include "bench/measurement.h"
 #include "bench/server_process.h"
 #include "kb_server/cli/part_loader.h"

@@ -9,10 +9,10 @@
 
 #include "absl/strings/str_format.h"
 #include "bench/command_line.h"
-#include "bench/hall_tour.h"
 #include "bench/measurement.h"
 #include "bench/mrpt_stock.h"
 #include "bench/real_log.h"
+#include "bench/worlds/hall_tour.h"
 #include "maps/hall_layout.h"
 #include "maps/hall_model.h"
 #include "robot_adapters/localization/localiser.h"

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "bench/command_line.h"
-#include "bench/kb_process.h"
+#include "bench/kb/kb_process.h"
 #include "bench/measurement.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/turn/turn.h"

@@ -12,7 +12,7 @@
 #include "bench/command_line.h"
 #include "bench/measurement.h"
 #include "bench/rules_peers.h"
-#include "bench/university_data.h"
+#include "bench/worlds/university_data.h"
 #include "graph/rdf/dictionary.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/bulk_loader.h"

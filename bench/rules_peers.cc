@@ -9,7 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "bench/peer_process.h"
-#include "bench/university_data.h"
+#include "bench/worlds/university_data.h"
 
 namespace docent::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "bench/constraint_world.h"
+#include "bench/worlds/constraint_world.h"
 #include "docent/v1/context.grpc.pb.h"
 
 namespace docent::bench {

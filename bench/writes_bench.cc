@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "bench/command_line.h"
-#include "bench/kb_process.h"
+#include "bench/kb/kb_process.h"
 #include "bench/measurement.h"
 #include "graph/base/clock.h"
 #include "graph/log/sqlite_log.h"

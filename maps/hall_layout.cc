@@ -11,7 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "maps/wkt.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "graph/rdf/line_parser.h"
+#include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "graph/rdf/dictionary.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/store/graph_writer.h"
 
 namespace docent {

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <utility>
 
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/serializer.h"
 #include "kb_server/cli/client.h"
 
 namespace docent {

@@ -10,9 +10,9 @@
 
 #include "graph/base/check_limits.h"
 #include "graph/rdf/dictionary.h"
+#include "graph/rdf/formats/located_parser.h"
+#include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/iri_names.h"
-#include "graph/rdf/located_parser.h"
-#include "graph/rdf/text_input.h"
 #include "graph/sparql/values/function_registry.h"
 #include "kb_server/cli/consistency_check.h"
 #include "reasoner/ontology/finding.h"

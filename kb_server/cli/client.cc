@@ -10,8 +10,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/limits.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
-#include "graph/rdf/parser.h"
 #include "graph/wire/term_proto.h"
 
 namespace docent {

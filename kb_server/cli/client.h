@@ -14,7 +14,7 @@
 #include "docent/v1/context.pb.h"
 #include "docent/v1/term.pb.h"
 #include "graph/command_line/program.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term.h"
 
 namespace docent {

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/context.grpc.pb.h"
-#include "graph/rdf/text_input.h"
+#include "graph/rdf/formats/text_input.h"
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/cli/answer_printer.h"
 #include "kb_server/cli/client.h"

@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "docent/v1/ontologies.grpc.pb.h"
-#include "graph/rdf/located_parser.h"
-#include "graph/rdf/text_input.h"
+#include "graph/rdf/formats/located_parser.h"
+#include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/presenter.h"

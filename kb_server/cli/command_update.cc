@@ -4,7 +4,7 @@
 #include <string>
 
 #include "docent/v1/context.grpc.pb.h"
-#include "graph/rdf/text_input.h"
+#include "graph/rdf/formats/text_input.h"
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 

@@ -16,7 +16,7 @@
 #include "graph/base/cancellation.h"
 #include "graph/base/check_limits.h"
 #include "graph/rdf/dictionary.h"
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/graph_version.h"
 #include "reasoner/explain/proof.h"

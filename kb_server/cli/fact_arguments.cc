@@ -8,7 +8,7 @@
 #include "absl/strings/str_split.h"
 #include "graph/base/diagnostic.h"
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/wire/term_proto.h"
 #include "kb_server/cli/client.h"

@@ -7,8 +7,8 @@
 
 #include "docent/v1/ontologies.grpc.pb.h"
 #include "graph/rdf/document_name.h"
-#include "graph/rdf/line_parser.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/line_parser.h"
+#include "graph/rdf/formats/serializer.h"
 
 namespace docent {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "docent/v1/ontologies.pb.h"
 #include "graph/base/diagnostic.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 
 namespace docent {
 

@@ -8,7 +8,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "graph/rdf/text_input.h"
+#include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/utf8.h"
 
 namespace docent {

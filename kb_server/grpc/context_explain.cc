@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/serializer.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 #include "graph/sparql/syntax/parser.h"

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 #include "graph/rdf/document_name.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term_check.h"
 #include "kb_server/work/measures.h"
 

@@ -5,9 +5,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/document_name.h"
-#include "graph/rdf/line_parser.h"
-#include "graph/rdf/located_parser.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/line_parser.h"
+#include "graph/rdf/formats/located_parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "kb_server/door/catalog.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/work/known_prefixes.h"

@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/store/graph_writer.h"
 #include "kb_server/door/await_version.h"
 #include "kb_server/grpc/convert.h"

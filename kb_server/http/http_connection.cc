@@ -16,8 +16,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/time.h"
 #include "graph/base/text.h"
-#include "kb_server/http/http_body_reader.h"
 #include "kb_server/http/http_body.h"
+#include "kb_server/http/http_body_reader.h"
 
 namespace docent {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "graph/rdf/rdf_xml.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/rdf_xml.h"
+#include "graph/rdf/formats/serializer.h"
 
 namespace docent {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term.h"
 #include "graph/sparql/results/results.h"
 #include "kb_server/work/http_message.h"

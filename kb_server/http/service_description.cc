@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/serializer.h"
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/http/http_formats.h"
 #include "kb_server/work/remote_access.h"

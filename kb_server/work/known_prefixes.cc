@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/prefix_places.h"
 

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "graph/base/cancellation.h"
 #include "graph/base/diagnostic.h"
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/store/recent_changes.h"
 #include "graph/store/write_batch.h"
 #include "kb_server/door/ports.h"

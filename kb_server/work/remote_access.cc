@@ -13,8 +13,8 @@
 #include "graph/base/diagnostic.h"
 #include "graph/base/gzip.h"
 #include "graph/base/text.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
-#include "graph/rdf/parser.h"
 
 namespace docent {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/sparql/syntax/algebra.h"
 #include "reasoner/ontology/finding.h"
 #include "reasoner/ontology/vocabulary.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "graph/base/diagnostic.h"
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/sparql/syntax/algebra.h"
 
 namespace docent::sparql {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "graph/rdf/dictionary.h"
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "graph/store/graph_writer.h"
 #include "reasoner/shapes/graph_view.h"
 #include "reasoner/shapes/source_map.h"

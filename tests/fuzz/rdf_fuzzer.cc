@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "graph/rdf/parser.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/parser.h"
+#include "graph/rdf/formats/serializer.h"
 #include "graph/rdf/term_check.h"
 #include "tests/fuzz/fuzz_check.h"
 

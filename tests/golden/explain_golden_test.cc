@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/parser.h"
 #include "reasoner/explain/explainer.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/results/results.h"
 #include "graph/sparql/run/evaluator.h"

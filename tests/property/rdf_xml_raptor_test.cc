@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "tests/conformance/rdf/isomorphism.h"
 
 namespace docent {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 
 namespace docent::sparql {
 

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/sparql/results/results.h"
 #include "kb_server/server.h"
 #include "kb_server/work/http_message.h"

@@ -12,8 +12,8 @@
 #include <map>
 #include <sstream>
 
-#include "graph/rdf/parser.h"
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/parser.h"
+#include "graph/rdf/formats/serializer.h"
 #include "tests/conformance/rdf/isomorphism.h"
 #include "tests/conformance/sparql/suite_support.h"
 

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/store/graph_writer.h"
 #include "reasoner/shapes/report.h"
 #include "reasoner/shapes/shape_reader.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/values/value.h"
 #include "tests/conformance/rdf/isomorphism.h"

@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/results/results.h"
 #include "graph/sparql/run/describe.h"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/batch_applier.h"
 #include "tests/conformance/sparql/w3c_manifest.h"

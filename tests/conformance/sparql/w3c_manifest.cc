@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "graph/base/text.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {

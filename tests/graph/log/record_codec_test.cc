@@ -136,8 +136,9 @@ TEST(TurnRecordTest, DifferenceNamesPlaceAndBothSides) {
           "  derived:  BoothGuide-1/Move2Booth waiting → failed"));
   EXPECT_THAT(
       *text,
-      HasSubstr("command 1\n  recorded: BoothGuide-1/Move2Booth/0/0/0/1 to <https://w3id.org/docent/expo#R01>: "
-                "moveToBooth(booth="));
+      HasSubstr(
+          "command 1\n  recorded: BoothGuide-1/Move2Booth/0/0/0/1 to <https://w3id.org/docent/expo#R01>: "
+          "moveToBooth(booth="));
   EXPECT_THAT(*text, HasSubstr("derived:  none"));
 }
 

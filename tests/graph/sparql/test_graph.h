@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/parser.h"

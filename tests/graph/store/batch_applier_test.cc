@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 
 namespace docent {

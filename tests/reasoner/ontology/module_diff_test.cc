@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 
 namespace docent::ontology {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "graph/rdf/parser.h"
+#include "graph/rdf/formats/parser.h"
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"

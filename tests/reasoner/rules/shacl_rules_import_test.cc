@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "graph/rdf/located_parser.h"
+#include "graph/rdf/formats/located_parser.h"
 #include "reasoner/rules/rule_engine.h"
 #include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/test_world.h"

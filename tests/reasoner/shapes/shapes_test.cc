@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "graph/rdf/serializer.h"
+#include "graph/rdf/formats/serializer.h"
 #include "reasoner/shapes/datatype_check.h"
 #include "tests/reasoner/shapes/shapes_world.h"
 

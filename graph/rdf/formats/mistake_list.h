@@ -1,0 +1,62 @@
+// Mistakes that a parser finds in one document, up to Limits::document_diagnostics. Private to this
+// folder. One thread.
+#ifndef DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
+#define DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "graph/base/diagnostic.h"
+#include "graph/rdf/formats/parser.h"
+
+namespace docent {
+
+class MistakeList {
+ public:
+  // `text` and `options` must outlive it.
+  MistakeList(std::string_view text, const ParseRdfOptions& options) : text_(text), options_(options) {}
+
+  // `offset` is the byte of the text where the mistake stands. No more than the limit are kept.
+  void Error(size_t offset, std::string message, std::string hint = "") {
+    Add(&errors_, Diagnostic::Severity::kError, offset, std::move(message), std::move(hint));
+  }
+  void Warning(size_t offset, std::string message, std::string hint = "") {
+    Add(&warnings_, Diagnostic::Severity::kWarning, offset, std::move(message), std::move(hint));
+  }
+
+  bool has_errors() const { return !errors_.empty(); }
+  // Whether further errors would not be kept: parsing may end.
+  bool full() const { return errors_.size() >= options_.limits.document_diagnostics; }
+
+  // In order of the text. Errors come before warnings where both do not fit.
+  Diagnostics Take() {
+    const size_t room = options_.limits.document_diagnostics - errors_.size();
+    if (warnings_.size() > room) warnings_.resize(room);
+    Diagnostics all = std::move(errors_);
+    std::move(warnings_.begin(), warnings_.end(), std::back_inserter(all));
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Diagnostic& a, const Diagnostic& b) { return a.span.offset < b.span.offset; });
+    errors_.clear();
+    warnings_.clear();
+    return all;
+  }
+
+ private:
+  void Add(Diagnostics* to, Diagnostic::Severity severity, size_t offset, std::string message,
+           std::string hint) {
+    if (to->size() >= options_.limits.document_diagnostics) return;
+    offset = std::min(offset, text_.size());
+    to->push_back({options_.file, SpanAt(text_, offset, offset < text_.size() ? 1 : 0), std::move(message),
+                   std::move(hint), severity});
+  }
+
+  std::string_view text_;
+  const ParseRdfOptions& options_;
+  Diagnostics errors_, warnings_;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_FORMATS_MISTAKE_LIST_H_

@@ -1,0 +1,69 @@
+// Output of the parsers: collects quads, names blank nodes, holds terms to their size limit.
+// Included only by the parsers of this folder. One thread.
+#ifndef DOCENT_GRAPH_RDF_FORMATS_QUAD_COLLECTOR_H_
+#define DOCENT_GRAPH_RDF_FORMATS_QUAD_COLLECTOR_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/container/flat_hash_set.h"
+#include "graph/base/limits.h"
+#include "graph/rdf/term.h"
+#include "graph/rdf/text_bytes.h"
+
+namespace docent {
+
+class QuadCollector {
+ public:
+  // `limits` bounds the document.
+  QuadCollector(std::string scope, const Limits& limits)
+      : scope_(std::move(scope)),
+        most_(std::max(kFewQuads, limits.document_bytes / kBytesOfQuad)),
+        most_bytes_(std::max(kFewBytes, limits.document_bytes > SIZE_MAX / kGrowth
+                                            ? SIZE_MAX
+                                            : limits.document_bytes * kGrowth)) {}
+
+  // The blank node that the document calls `label`.
+  Term NamedBlank(std::string_view label);
+  // A blank node without a label in the document; its final label ("b1", "b2" …, none that the document uses)
+  // is given by TakeQuads.
+  Term NewBlank();
+
+  // False, and it is not taken: it is one too many, or the texts of all have become too long, as those of short names
+  // under a long prefix do (see Refusal). A quad takes many times the memory of its shortest text.
+  bool Add(TermQuad quad) {
+    if (quads_.size() == most_ || !Charge(TextBytes(quad))) return false;
+    quads_.push_back(std::move(quad));
+    return true;
+  }
+  // Counts text that a parser keeps beside the quads.
+  bool Charge(size_t bytes) {
+    bytes_ += bytes;
+    return bytes_ <= most_bytes_;
+  }
+  std::string Refusal() const;
+
+  // All quads; the collector is empty afterwards.
+  std::vector<TermQuad> TakeQuads();
+
+ private:
+  static constexpr size_t kBytesOfQuad = 32;  // of text
+  static constexpr size_t kFewQuads = 1000;   // are taken in any case
+  static constexpr size_t kGrowth = 16;       // bytes of all terms for each byte of the limit
+  static constexpr size_t kFewBytes = 1 << 20;
+
+  std::string scope_;
+  const size_t most_, most_bytes_;
+  size_t bytes_ = 0;
+  std::vector<TermQuad> quads_;
+  absl::flat_hash_set<std::string> named_like_new_;  // labels of the document of the form b[0-9]+
+  uint64_t new_blanks_ = 0;
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_FORMATS_QUAD_COLLECTOR_H_

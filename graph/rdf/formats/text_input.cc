@@ -1,0 +1,117 @@
+#include "graph/rdf/formats/text_input.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "graph/base/diagnostic.h"
+#include "graph/base/document_limits.h"
+#include "graph/base/gzip.h"
+#include "graph/rdf/document_name.h"
+#include "graph/rdf/formats/xml_encoding.h"
+#include "graph/rdf/utf8.h"
+
+namespace docent {
+
+namespace {
+
+absl::StatusOr<std::string> ReadPacked(const std::string& path) {
+  std::ostringstream text;
+  if (path == "-") {
+    text << std::cin.rdbuf();
+    return text.str();
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::NotFoundError(absl::StrCat("cannot read ", path, ": ", std::strerror(errno)));
+  // a directory can be opened, and then reads as if it were empty
+  if (std::error_code error; std::filesystem::is_directory(path, error))
+    return absl::InvalidArgumentError(absl::StrCat(path, " is a directory; name its files"));
+  text << file.rdbuf();
+  if (file.bad())
+    return absl::UnavailableError(absl::StrCat("reading ", path, " failed: ", std::strerror(errno)));
+  return text.str();
+}
+
+std::string ShownName(const std::string& path) {
+  return path == "-" ? "stdin" : path;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ReadBytes(const std::string& path) {
+  auto bytes = ReadPacked(path);
+  if (!bytes.ok() || !IsGzip(*bytes)) return bytes;
+  auto unpacked = Gunzip(*bytes, DocumentLimits().unpacked_bytes, "unpacked_bytes");
+  if (unpacked.ok()) return unpacked;
+  return absl::Status(unpacked.status().code(),
+                      absl::StrCat(ShownName(path), ": ", unpacked.status().message()));
+}
+
+ParseRdfOptions RdfText::Options(const std::string& file) const {
+  ParseRdfOptions options;
+  options.file = file;
+  options.base_iri = base_iri;
+  if (is_utf8) options.charset = "utf-8";
+  return options;
+}
+
+absl::StatusOr<RdfText> ReadRdf(const std::string& path, const std::string& base, const std::string& format) {
+  RdfText rdf;
+  const std::string name = format.empty() ? path : absl::StrCat(".", format);
+  if (absl::Status unread = CheckFormatOfFile(name); !unread.ok()) return unread;
+  rdf.format = FormatOfFile(name).value_or(RdfFormat::kTurtle);
+  rdf.base_iri = !base.empty() ? base : path == "-" ? "" : FileIri(path);
+  auto bytes = ReadBytes(path);
+  if (!bytes.ok()) return bytes.status();
+  std::string_view text = *bytes;
+  std::string decoded;
+  const bool read = rdf.format != RdfFormat::kRdfXml || !DecodeXml("", &text, &decoded);
+  rdf.text = read && !decoded.empty() ? std::move(decoded) : *std::move(bytes);
+  rdf.is_utf8 = read && !FindInvalidUtf8(rdf.text);
+  return rdf;
+}
+
+absl::StatusOr<RdfText> ReadRdfToSend(const std::string& path, const std::string& base,
+                                      const std::string& format) {
+  auto rdf = ReadRdf(path, base, format);
+  if (!rdf.ok() || rdf->is_utf8) return rdf;
+  const std::string shown = ShownName(path);
+  const ParsedRdf refused = ParseRdf(rdf->text, rdf->format, rdf->Options(shown));
+  const bool of_xml = rdf->format == RdfFormat::kRdfXml && !refused.ok();  // which encodings are read
+  return of_xml ? ToStatus(refused, rdf->text) : CheckUtf8(rdf->text, shown);
+}
+
+absl::StatusOr<std::string> ReadText(const std::string& path) {
+  auto text = ReadBytes(path);
+  if (!text.ok()) return text;
+  if (absl::Status status = CheckUtf8(*text, ShownName(path)); !status.ok()) return status;
+  return text;
+}
+
+absl::Status CheckUtf8(const std::string& text, const std::string& file) {
+  const auto bad = FindInvalidUtf8(text);
+  if (!bad) return absl::OkStatus();
+  // SpanAt would count code points in what is no UTF-8
+  const SourceSpan span = SpanAt(std::string_view(text).substr(0, *bad), *bad);
+  const std::string message =
+      absl::StrFormat("the byte 0x%02X here is not UTF-8", static_cast<unsigned char>(text[*bad]));
+  return ToStatus({{file, span, message, "save the text as UTF-8"}}, text);
+}
+
+absl::StatusOr<std::string> GivenText(const std::string& what, const std::string& argument,
+                                      const std::string& file) {
+  if (!file.empty()) return ReadText(file);
+  if (argument.empty())
+    return absl::InvalidArgumentError(
+        absl::StrCat("no ", what, " given; pass it as an argument or with --file"));
+  if (absl::Status status = CheckUtf8(argument, ""); !status.ok()) return status;
+  return argument;
+}
+
+}  // namespace docent

@@ -1,0 +1,49 @@
+// The lexical form of an rdf:XMLLiteral: what stands inside a property element with rdf:parseType="Literal", as exclusive
+// canonical XML with comments (RDF/XML section 7.2.17; Exclusive XML Canonicalization 1.0, no inclusive prefixes). Private
+// to this folder. One thread.
+#ifndef DOCENT_GRAPH_RDF_FORMATS_XML_LITERAL_H_
+#define DOCENT_GRAPH_RDF_FORMATS_XML_LITERAL_H_
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "graph/rdf/formats/xml_reader.h"
+
+namespace docent {
+
+class XmlLiteral {
+ public:
+  void Start(const XmlElement& element);
+  void End(const XmlName& name);
+  void Text(std::string_view text);
+  void Comment(std::string_view text);
+  void Instruction(std::string_view target, std::string_view data);
+
+  size_t size() const { return out_.size(); }
+  // How many elements are open.
+  size_t depth() const { return marks_.size(); }
+  // The literal is empty afterwards, and has no open elements.
+  std::string Take();
+  // The text so far goes; open elements stay open.
+  void DropText() { out_.clear(); }
+
+ private:
+  // Declares the prefix of a name in the tag that is written, unless an element around it has done so.
+  void Use(const XmlName& name);
+  std::string_view Declared(std::string_view prefix) const;
+
+  std::string out_;
+  // Declarations written by open elements: prefix → namespaces, the innermost last.
+  absl::flat_hash_map<std::string, std::vector<std::string>> declared_;
+  std::vector<std::string> undo_;  // prefixes in order of their declaration
+  std::vector<size_t> marks_;      // size of undo_ before each open element
+  std::vector<std::pair<std::string_view, std::string_view>>
+      now_;  // declarations of the element that is written
+};
+
+}  // namespace docent
+
+#endif  // DOCENT_GRAPH_RDF_FORMATS_XML_LITERAL_H_
