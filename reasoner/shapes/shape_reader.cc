@@ -16,6 +16,7 @@
 #include "graph/sparql/regex/regex_parser.h"
 #include "reasoner/shapes/path_reader.h"
 #include "reasoner/shapes/shape_order.h"
+#include "reasoner/shapes/shape_properties.h"
 #include "reasoner/shapes/shape_words.h"
 #include "reasoner/shapes/sparql_reader.h"
 
@@ -98,7 +99,7 @@ class ShapeReader {
     CheckWords();
     if (graph_.graphs().size() == 1) parsed_.shapes.shapes_graph = graph_.graphs()[0];
     if (!HasErrors(parsed_.diagnostics)) CheckOrder();
-    if (!HasErrors(parsed_.diagnostics)) CollectProperties();
+    if (!HasErrors(parsed_.diagnostics)) CollectProperties(dictionary_, &parsed_.shapes);
     std::stable_sort(
         parsed_.diagnostics.begin(), parsed_.diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
           return std::tie(a.file, a.span.line, a.span.column) < std::tie(b.file, b.span.line, b.span.column);
@@ -553,29 +554,6 @@ class ShapeReader {
                           limits_.shape_nesting),
              "give inner shapes targets of their own");
     }
-  }
-
-  void CollectProperties() {
-    absl::flat_hash_set<TermId> found = {type_, Id(Concat(kRdfsNs, "subClassOf"))};
-    const std::function<void(const Path&)> walk = [&](const Path& path) {
-      if (path.kind == Path::Kind::kPredicate && !path.predicate.IsNone()) found.insert(path.predicate);
-      for (const Path& child : path.children) walk(child);
-    };
-    for (const Shape& shape : parsed_.shapes.shapes) {
-      walk(shape.path);
-      if (!shape.target_queries.empty()) parsed_.shapes.any_property = true;
-      for (const std::vector<TermId>* targets : {&shape.target_subjects_of, &shape.target_objects_of}) {
-        found.insert(targets->begin(), targets->end());
-      }
-      for (const Constraint& c : shape.constraints) {
-        if (c.component >= Component::kEquals && c.component <= Component::kLessThanOrEquals)
-          found.insert(c.value);
-        if (c.component == Component::kClosed || c.query != nullptr) parsed_.shapes.any_property = true;
-      }
-    }
-    found.erase(kAbsentTerm);
-    parsed_.shapes.properties.assign(found.begin(), found.end());
-    std::sort(parsed_.shapes.properties.begin(), parsed_.shapes.properties.end());
   }
 
   const GraphView& graph_;

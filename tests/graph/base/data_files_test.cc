@@ -28,7 +28,8 @@ class DataFilesTest : public testing::Test {
   }
   std::string In(const std::string& name) const { return (root_ / name).string(); }
 
-  const fs::path root_ = fs::path(testing::TempDir()) / "docent_data_files";
+  const fs::path root_ = fs::path(testing::TempDir()) / "docent_data_files" /
+                         testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 TEST_F(DataFilesTest, AnInstalledProgramFindsThemInShare) {

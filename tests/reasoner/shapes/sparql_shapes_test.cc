@@ -207,7 +207,7 @@ TEST_F(SparqlShapesTest, WhatIsNotEvaluatedIsAWarning) {
                "sh:minCout 1 ] ;\n"
                "  sh:sparql [ sh:select \"SELECT $this { }\" ; sh:ask \"ASK { }\" ; sh:minCount 1 ] .\n"
                ":Lost sh:targetClas :C ; sh:property [ sh:path :q ; sh:minCount 1 ] .\n"
-               "<> sh:entailment <http://www.w3.org/ns/entailment/RDFS> .\n:f a sh:SPARQLFunction .");
+               ":graph sh:entailment <http://www.w3.org/ns/entailment/RDFS> .\n:f a sh:SPARQLFunction .");
   EXPECT_THAT(text, Not(HasSubstr("error")));
   for (const char* part :
        {"<http://e/Unused>: of <http://e/Unused>: has no parameter that is not optional", "line 1, column",

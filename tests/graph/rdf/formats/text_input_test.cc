@@ -17,10 +17,11 @@ using testing::StartsWith;
 class TextInputTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) / "text input";
+    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) / test->name() / "text input";
     std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_.parent_path()); }
 
   std::string File(const std::string& name, const std::string& bytes) {
     const std::string path = folder_ / name;
