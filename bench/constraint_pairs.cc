@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 
 // Microseconds an update. `flips`: constraints that each changes.
 double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& graph,
-               StandingConditions& set) {
+               conditions::StandingConditions& set) {
   const Clock::time_point start = Clock::now();
   for (const Quad& fact : facts) {
     for (const bool add : {true, false}) {
@@ -41,7 +41,7 @@ double Measure(const std::vector<Quad>& facts, size_t flips, ConstraintGraph& gr
 
 std::array<double, kConstraintShapes> MeasurePairs(size_t constraints, uint32_t seed) {
   ConstraintGraph graph(constraints);
-  StandingConditions set(graph.dictionary());
+  conditions::StandingConditions set(graph.dictionary());
   RegisterAll(ParseConstraints(constraints), graph, set);
   std::mt19937_64 random(seed);
   uint64_t serial = 0;

@@ -104,10 +104,10 @@ class ConstraintsBench {
   void Measure(size_t count, uint32_t seed, Figures& figures) {
     ConstraintGraph graph(count);
     const std::vector<Update> updates = EncodedUpdates(count, seed, kWarmUp + kUpdates, graph);
-    StandingConditions set(graph.dictionary());
+    conditions::StandingConditions set(graph.dictionary());
     const ConstraintQueries queries = ParseConstraints(count);
     const Clock::time_point begin = Clock::now();
-    const std::vector<ConditionId> ids = RegisterAll(queries, graph, set);
+    const std::vector<conditions::ConditionId> ids = RegisterAll(queries, graph, set);
     figures.registered_s.push_back(Micros(Clock::now() - begin) / 1e6);
     const double clock_us = ClockCost();
     std::vector<double> times;
@@ -150,7 +150,8 @@ class ConstraintsBench {
   }
 
   // A turn from the fact to the immutable version, with the constraints or without; microseconds each.
-  static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph, StandingConditions* set) {
+  static double Turns(const std::vector<Update>& updates, ConstraintGraph& graph,
+                      conditions::StandingConditions* set) {
     Clock::time_point start;
     for (size_t i = 0; i < updates.size(); ++i) {
       if (i == kWarmUp) start = Clock::now();

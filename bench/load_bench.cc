@@ -41,11 +41,11 @@ bool LoadOnce(const std::string& text, const std::string& folder, Figures* figur
   if (!channel->WaitForConnected(std::chrono::system_clock::now() + std::chrono::seconds(10))) return false;
   const double cpu_before = (*server)->CpuSeconds();
   const auto start = std::chrono::steady_clock::now();
-  const auto document = CutDocument(text, RdfFormat::kNTriples, "data.nt");
+  const auto document = server::CutDocument(text, RdfFormat::kNTriples, "data.nt");
   const double checked_s = SecondsSince(start);
   v1::LoadRequest request;
   request.set_name("data.nt");
-  const PartsOutcome outcome = LoadParts(channel, *document, request, [](size_t) {});
+  const server::PartsOutcome outcome = server::LoadParts(channel, *document, request, [](size_t) {});
   if (!outcome.status.ok() || outcome.parts != document->parts.size()) {
     std::fprintf(stderr, "docent-bench: %s (%zu of %zu parts)\n", outcome.status.error_message().c_str(),
                  outcome.parts, document->parts.size());

@@ -191,7 +191,7 @@ int Measure(const Arguments& arguments, std::vector<Measurement>* figures) {
     return 2;
   }
   KeepToUpperHalfOfCores();
-  const OneCallbackThread one_callback_thread;  // as in the server
+  const server::OneCallbackThread one_callback_thread;  // as in the server
   auto channel = grpc::CreateChannel((*server)->grpc_address(), grpc::InsecureChannelCredentials());
   std::fprintf(stderr, "loading %zu triples ...\n", arguments.triples);
   const grpc::Status loaded = LoadWorld(channel, World(arguments.triples, arguments.constraints));

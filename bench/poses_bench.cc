@@ -77,7 +77,7 @@ struct Memory {
   double anonymous = 0, index = 0, dictionary = 0, terms = 0;
 };
 
-Memory Look(const Stages& stages) {
+Memory Look(const server::Stages& stages) {
   return {static_cast<double>(AnonymousBytes()), static_cast<double>(stages.writer.current().bytes()),
           static_cast<double>(stages.dictionary.bytes()), static_cast<double>(stages.dictionary.size())};
 }
@@ -96,7 +96,7 @@ int RunPosesBench(const std::vector<std::string>& args) {
       ->check(CLI::Range(uint64_t{200'000}, uint64_t{1} << 40));
   if (std::optional<int> code = Parse(&app, args)) return *code;
   Dictionary dictionary;
-  Stages stages(&dictionary, nullptr, Limits{});
+  server::Stages stages(&dictionary, nullptr, Limits{});
   WriteBatch declarations;
   for (const char* property : kProperties) {
     declarations.operations.push_back({QuadOperation::Kind::kAdd,
@@ -107,7 +107,7 @@ int RunPosesBench(const std::vector<std::string>& args) {
   GraphVersionPtr version;  // as the readers' newest
   const auto turn = [&](WriteBatch batch) {
     std::string record;
-    auto result = RunTurn(&stages, std::move(batch), ++offset, &record);
+    auto result = server::RunTurn(&stages, std::move(batch), ++offset, &record);
     if (!result.ok()) {
       std::fprintf(stderr, "docent-bench: %s\n", std::string(result.status().message()).c_str());
       return false;

@@ -226,7 +226,7 @@ Measurement Figure(const std::string& name, const std::string& system, const std
 }
 
 int EndToEnd(const Arguments& arguments, std::vector<Measurement>* figures) {
-  const OneCallbackThread one_callback_thread;  // as in the server
+  const server::OneCallbackThread one_callback_thread;  // as in the server
   Reactions reactions;
   InstantAdapter adapter(&reactions);
   grpc::ServerBuilder builder;

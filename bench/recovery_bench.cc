@@ -51,7 +51,7 @@ double Seconds(SteadyClock::time_point since) {
 // Writes the log as a server does, but without waiting for a disk at each turn.
 class LogWriter {
  public:
-  LogWriter(SqliteLog* log, const Options& options, bool replace)
+  LogWriter(log::SqliteLog* log, const Options& options, bool replace)
       : log_(*log), options_(options), replace_(replace) {}
 
   absl::Status Write() {
@@ -76,8 +76,8 @@ class LogWriter {
   absl::Status Turn(WriteBatch batch) {
     batch.time_us = ++time_us_;
     std::string record;
-    absl::StatusOr<TurnResult> result =
-        RunTurn(&stages_, std::move(batch), head_ + pending_.size() + 1, &record);
+    absl::StatusOr<server::TurnResult> result =
+        server::RunTurn(&stages_, std::move(batch), head_ + pending_.size() + 1, &record);
     if (!result.ok()) return result.status();
     pending_.push_back(std::move(record));
     return pending_.size() < kTurnsPerCommit ? absl::OkStatus() : Flush();
@@ -85,7 +85,7 @@ class LogWriter {
   absl::Status Flush() {
     auto appended = log_.Append(pending_, 1, head_);
     if (!appended.ok()) return appended.status();
-    if (appended->outcome != AppendResult::Outcome::kAppended) {
+    if (appended->outcome != log::AppendResult::Outcome::kAppended) {
       return absl::InvalidArgumentError(
           absl::StrCat(options_.folder, " holds a log already; choose another folder"));
     }
@@ -128,8 +128,9 @@ class LogWriter {
   }
   absl::Status Snapshot() {
     const auto start = SteadyClock::now();
-    auto state = EncodeState(
-        TakeState(stages_, RequestMemory(1), stages_.writer.Freeze(Revision(head_)), time_us_), dictionary_);
+    auto state = server::EncodeState(server::TakeState(stages_, server::RequestMemory(1),
+                                                       stages_.writer.Freeze(Revision(head_)), time_us_),
+                                     dictionary_);
     if (!state.ok()) return state.status();
     snapshot_bytes_ = state->size();
     absl::Status status = log_.SnapshotPut(head_, *state);
@@ -138,12 +139,12 @@ class LogWriter {
     return status;
   }
 
-  SqliteLog& log_;
+  log::SqliteLog& log_;
   const Options& options_;
   const bool replace_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
-  Stages stages_{&dictionary_, &functions_, Limits()};
+  server::Stages stages_{&dictionary_, &functions_, Limits()};
   std::vector<std::string> pending_;
   uint64_t head_ = 0;
   TimeMicros time_us_ = 1'700'000'000'000'000;
@@ -159,18 +160,19 @@ struct Recovery {
 absl::StatusOr<Recovery> Recover(const std::string& folder) {
   Recovery recovery;
   auto start = SteadyClock::now();
-  auto log = SqliteLog::Open(folder);
+  auto log = log::SqliteLog::Open(folder);
   if (!log.ok()) return log.status();
   const auto head = (*log)->Head();
   if (!head.ok()) return head.status();
   Dictionary dictionary;
   sparql::FunctionRegistry functions;
-  auto state = FindStart(log->get(), head->offset, &dictionary, &functions, {});
+  auto state = server::FindStart(log->get(), head->offset, &dictionary, &functions, {});
   if (!state.ok()) return state.status();
   recovery.snapshot_s = Seconds(start);
   start = SteadyClock::now();
-  const absl::Status status = ReplayTurns(log->get(), state->offset + 1, head->offset, state->stages.get(),
-                                          [](const TurnResult&, size_t) { return absl::OkStatus(); });
+  const absl::Status status =
+      server::ReplayTurns(log->get(), state->offset + 1, head->offset, state->stages.get(),
+                          [](const server::TurnResult&, size_t) { return absl::OkStatus(); });
   if (!status.ok()) return status;
   recovery.replay_s = Seconds(start);
   recovery.quads = state->stages->writer.current().size();
@@ -181,7 +183,7 @@ absl::Status Measure(const Options& options, bool replace, std::vector<Measureme
   uint64_t quads = 0;
   size_t snapshot_bytes = 0;
   {
-    auto log = SqliteLog::Open(options.folder);
+    auto log = log::SqliteLog::Open(options.folder);
     if (!log.ok()) return log.status();
     LogWriter writer(log->get(), options, replace);
     if (absl::Status status = writer.Write(); !status.ok()) return status;

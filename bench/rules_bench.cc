@@ -115,7 +115,7 @@ class RulesBench {
     const Diagnostics mistakes = loader.Add(text, RdfFormat::kNTriples, options);
     GraphWriter writer(nullptr);
     loader.Build(writer);
-    RuleEngine engine(dictionary);
+    rules::RuleEngine engine(dictionary);
     const Diagnostics diagnostics = engine.PutRules("bench", kTenRules);
     const absl::StatusOr<Delta> delta = engine.Update(writer, {});
     const double us = Micros(start);
@@ -128,10 +128,10 @@ class RulesBench {
     University data(size);
     GraphWriter writer(nullptr);
     writer.AddAll(data.quads());
-    RuleEngine engine(data.dictionary());
+    rules::RuleEngine engine(data.dictionary());
     const std::string name = absl::StrCat(size, " facts, ", all_rules ? "owl2rl" : "10 rules");
     const Diagnostics diagnostics =
-        engine.PutRules("bench", all_rules ? BuiltInRuleSet("owl2rl") : std::string(kTenRules));
+        engine.PutRules("bench", all_rules ? rules::BuiltInRuleSet("owl2rl") : std::string(kTenRules));
     if (HasErrors(diagnostics)) {
       std::fprintf(stderr, "%s", Render(diagnostics, "").c_str());
       std::exit(1);
@@ -157,7 +157,7 @@ class RulesBench {
   }
 
   // The whole turn in memory: store, rules, a version.
-  double Turn(GraphWriter& writer, RuleEngine& engine, const std::vector<Quad>& add,
+  double Turn(GraphWriter& writer, rules::RuleEngine& engine, const std::vector<Quad>& add,
               const std::vector<Quad>& remove) {
     const Clock::time_point start = Clock::now();
     const Delta told = writer.Apply(add, remove);
@@ -169,7 +169,7 @@ class RulesBench {
   }
 
   void OneFact(const std::string& name, size_t size, University& data, GraphWriter& writer,
-               RuleEngine& engine) {
+               rules::RuleEngine& engine) {
     constexpr int kFacts = 2000;
     std::vector<double> in, out;
     size_t inferred = 0;
@@ -196,7 +196,7 @@ class RulesBench {
   }
 
   void Axiom(const std::string& name, const char* subclass, const char* of, size_t size, University& data,
-             GraphWriter& writer, RuleEngine& engine) {
+             GraphWriter& writer, rules::RuleEngine& engine) {
     const Quad axiom = data.QuadOf(subclass, "subClassOf", of);
     std::vector<double> in, out;
     size_t gone = 0;

@@ -72,7 +72,7 @@ WriteBatch Background(size_t triples) {
 class LocalWriter {
  public:
   static absl::StatusOr<std::unique_ptr<LocalWriter>> Start(const std::string& folder) {
-    auto log = SqliteLog::Open(folder);
+    auto log = log::SqliteLog::Open(folder);
     if (!log.ok()) return log.status();
     std::unique_ptr<LocalWriter> local(new LocalWriter(*std::move(log)));
     if (absl::Status status = local->writer_->Recover(nullptr); !status.ok()) return status;
@@ -87,7 +87,7 @@ class LocalWriter {
   absl::Status Tell(WriteBatch batch) {
     absl::Mutex mutex;
     std::optional<absl::Status> answer;
-    inbox_.Push(std::move(batch), [&](const absl::StatusOr<BatchOutcome>& outcome) {
+    inbox_.Push(std::move(batch), [&](const absl::StatusOr<server::BatchOutcome>& outcome) {
       absl::MutexLock lock(&mutex);
       answer = outcome.status();
     });
@@ -96,15 +96,15 @@ class LocalWriter {
     mutex.Await(absl::Condition(&answered));
     return *answer;
   }
-  Inbox& inbox() { return inbox_; }
-  const QueryPort& queries() const { return queries_; }
+  server::Inbox& inbox() { return inbox_; }
+  const server::QueryPort& queries() const { return queries_; }
   const Dictionary& dictionary() const { return dictionary_; }
 
  private:
-  explicit LocalWriter(std::unique_ptr<SqliteLog> log) : log_(std::move(log)) {
-    snapshots_ = std::make_unique<SnapshotKeeper>(log_.get(), &dictionary_, Limits{});
-    history_ = std::make_unique<History>(log_.get(), &queries_, &dictionary_, &functions_, Limits{});
-    Writer::Ports ports;
+  explicit LocalWriter(std::unique_ptr<log::SqliteLog> log) : log_(std::move(log)) {
+    snapshots_ = std::make_unique<server::SnapshotKeeper>(log_.get(), &dictionary_, Limits{});
+    history_ = std::make_unique<server::History>(log_.get(), &queries_, &dictionary_, &functions_, Limits{});
+    server::Writer::Ports ports;
     ports.inbox = &inbox_;
     ports.log = log_.get();
     ports.queries = &queries_;
@@ -114,20 +114,20 @@ class LocalWriter {
     ports.history = history_.get();
     ports.dictionary = &dictionary_;
     ports.functions = &functions_;
-    writer_ = std::make_unique<Writer>(ports);
+    writer_ = std::make_unique<server::Writer>(ports);
   }
 
   SystemClock clock_;
   Dictionary dictionary_;
-  Inbox inbox_{&clock_, Limits{}};
-  QueryPort queries_;
-  CatalogPort catalog_;
-  RunFeed feed_;
+  server::Inbox inbox_{&clock_, Limits{}};
+  server::QueryPort queries_;
+  server::CatalogPort catalog_;
+  server::RunFeed feed_;
   sparql::FunctionRegistry functions_;
-  std::unique_ptr<SqliteLog> log_;
-  std::unique_ptr<SnapshotKeeper> snapshots_;
-  std::unique_ptr<History> history_;
-  std::unique_ptr<Writer> writer_;
+  std::unique_ptr<log::SqliteLog> log_;
+  std::unique_ptr<server::SnapshotKeeper> snapshots_;
+  std::unique_ptr<server::History> history_;
+  std::unique_ptr<server::Writer> writer_;
   std::thread thread_;
 };
 
@@ -150,17 +150,18 @@ class Client {
       // A client that keeps a pace also counts what it waited for room; one that does not tells when it has room.
       const auto told = period.count() > 0 ? due : SteadyClock::now();
       due += period;
-      writer_.inbox().Push(
-          OneFact(number_, next->fetch_add(1)), [this, told](const absl::StatusOr<BatchOutcome>& outcome) {
-            const double ms = std::chrono::duration<double, std::milli>(SteadyClock::now() - told).count();
-            absl::MutexLock lock(&mutex_);
-            --open_;
-            if (outcome.ok()) {
-              latencies_ms_.push_back(ms);
-            } else {
-              ++refused_;
-            }
-          });
+      writer_.inbox().Push(OneFact(number_, next->fetch_add(1)),
+                           [this, told](const absl::StatusOr<server::BatchOutcome>& outcome) {
+                             const double ms =
+                                 std::chrono::duration<double, std::milli>(SteadyClock::now() - told).count();
+                             absl::MutexLock lock(&mutex_);
+                             --open_;
+                             if (outcome.ok()) {
+                               latencies_ms_.push_back(ms);
+                             } else {
+                               ++refused_;
+                             }
+                           });
     }
     absl::MutexLock lock(&mutex_);
     mutex_.Await(absl::Condition(this, &Client::Done));
@@ -244,14 +245,14 @@ std::string MillisecondQuery(const LocalWriter& writer) {
 
 double VersionsPerSecond(size_t triples, double seconds) {
   Dictionary dictionary;
-  Stages stages(&dictionary, nullptr, Limits{});
+  server::Stages stages(&dictionary, nullptr, Limits{});
   uint64_t offset = 0;
-  (void)RunTurn(&stages, Background(triples), ++offset);
+  (void)server::RunTurn(&stages, Background(triples), ++offset);
   GraphVersionPtr newest;
   const auto start = SteadyClock::now();
   uint64_t n = 0;
   for (; n % 1024 != 0 || SecondsSince(start) < seconds; ++n) {
-    auto result = RunTurn(&stages, OneFact(static_cast<int>(n % 64), n), ++offset);
+    auto result = server::RunTurn(&stages, OneFact(static_cast<int>(n % 64), n), ++offset);
     if (!result.ok()) return 0;
     newest = std::move(result->version);
   }

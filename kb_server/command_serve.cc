@@ -16,7 +16,7 @@
 #include "spdlog/sinks/stdout_color_sinks.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 void ShowProgress(uint64_t done, uint64_t all) {
@@ -193,4 +193,4 @@ void AddServeCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

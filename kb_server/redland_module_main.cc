@@ -18,7 +18,7 @@
 #include "spdlog/sinks/null_sink.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kServer[] = "grpc://";
@@ -46,7 +46,7 @@ absl::StatusOr<std::unique_ptr<redland::QuadStore>> OpenStore(const std::string&
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server
 
 // Called by librdf for each world that is opened.
 extern "C" __attribute__((visibility("default"))) void librdf_storage_module_register_factory(
@@ -55,5 +55,5 @@ extern "C" __attribute__((visibility("default"))) void librdf_storage_module_reg
   setenv("GRPC_VERBOSITY", "NONE", 0);
   spdlog::set_default_logger(
       std::make_shared<spdlog::logger>("docent", std::make_shared<spdlog::sinks::null_sink_mt>()));
-  docent::redland::RegisterStorage(world, docent::OpenStore);
+  docent::redland::RegisterStorage(world, docent::server::OpenStore);
 }

@@ -32,7 +32,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kBesideDocument = 1u << 20;  // of a gRPC message that brings a document
@@ -102,14 +102,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(
   }
   std::unique_ptr<Server> server(new Server(settings));
   Server& s = *server;
-  SqliteLogOptions log_options;
+  log::SqliteLogOptions log_options;
   log_options.snapshots_kept = settings.limits.snapshots_kept;
-  auto log = SqliteLog::Open(settings.data_folder, log_options);
+  auto log = log::SqliteLog::Open(settings.data_folder, log_options);
   if (!log.ok()) return log.status();
   s.log_ = *std::move(log);
-  s.proxies_ = std::make_unique<RobotProxies>(
-      [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); }, ProxySettings{},
-      &s.clock_);
+  s.proxies_ = std::make_unique<proxy::RobotProxies>(
+      [inbox = &s.inbox_](WriteBatch batch) { inbox->Push(std::move(batch), nullptr); },
+      proxy::ProxySettings{}, &s.clock_);
   s.snapshots_ = std::make_unique<SnapshotKeeper>(s.log_.get(), &s.dictionary_, settings.limits);
   s.history_ =
       std::make_unique<History>(s.log_.get(), &s.queries_, &s.dictionary_, &s.functions_, settings.limits);
@@ -450,7 +450,7 @@ absl::Status Server::LoadOntologies() {
 
 // Naming a built-in rule set, or none, says which of them are in force.
 absl::Status Server::LoadRules() {
-  const std::vector<std::string> built_in = BuiltInRuleSets();
+  const std::vector<std::string> built_in = rules::BuiltInRuleSets();
   const auto named = [&](const std::string& name) {
     return std::find(settings_.rules.begin(), settings_.rules.end(), name) != settings_.rules.end();
   };
@@ -466,7 +466,7 @@ absl::Status Server::LoadRules() {
   for (const std::string& given : settings_.rules) {
     if (given == "none") continue;
     std::string name = given;
-    std::string text = BuiltInRuleSet(given);
+    std::string text = rules::BuiltInRuleSet(given);
     if (text.empty()) {
       auto file = ReadText(given);
       if (!file.ok()) {
@@ -496,14 +496,14 @@ absl::StatusOr<RulesPreview> Server::PreviewRuleChange(const std::string& name, 
                                                        size_t shown, Cancellation* cancellation) const {
   // The version first: the catalog that goes with it may be a turn newer, never older than its rules.
   const GraphVersionPtr version = queries_.Newest();
-  std::vector<RuleSetText> current;
+  std::vector<rules::RuleSetText> current;
   for (const ModuleEntry& module : catalog_.Get()->modules) {
     if (module.kind == Document::Kind::kRules && module.text != nullptr)
       current.push_back({module.name, *module.text});
   }
-  const auto preview = PreviewRules(dictionary_, version, current, name,
-                                    text != nullptr ? std::optional<std::string>(*text) : std::nullopt, shown,
-                                    settings_.limits, &functions_, cancellation);
+  const auto preview = rules::PreviewRules(dictionary_, version, current, name,
+                                           text != nullptr ? std::optional<std::string>(*text) : std::nullopt,
+                                           shown, settings_.limits, &functions_, cancellation);
   if (!preview.ok()) return preview.status();
   return RulesPreview{version->revision().value(), preview->added, preview->removed, preview->added_triples,
                       preview->removed_triples};
@@ -550,4 +550,4 @@ absl::Status Server::status() const {
   return writer_status_;
 }
 
-}  // namespace docent
+}  // namespace docent::server

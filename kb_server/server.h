@@ -27,7 +27,7 @@
 #include "kb_server/writer/what_if.h"
 #include "kb_server/writer/writer.h"
 
-namespace docent {
+namespace docent::server {
 
 struct ServerSettings {
   std::string data_folder;                      // made if absent
@@ -92,14 +92,14 @@ class Server {
   const Clock& clock_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
-  std::unique_ptr<ContextLog> log_;
+  std::unique_ptr<log::ContextLog> log_;
   Inbox inbox_;
   QueryPort queries_;
   CatalogPort catalog_;
   RunFeed feed_;
   FleetLeases leases_;
   Metrics metrics_;
-  std::unique_ptr<RobotProxies> proxies_;
+  std::unique_ptr<proxy::RobotProxies> proxies_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
   std::unique_ptr<History> history_;
   std::unique_ptr<Writer> writer_;
@@ -129,6 +129,6 @@ class Server {
   std::string http_address_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SERVER_H_

@@ -34,14 +34,15 @@ ConstraintQueries ParseConstraints(size_t count) {
   ConstraintQueries queries;
   for (size_t i = 0; i < count; ++i) {
     const StandingConstraint constraint = StandingConstraintNumber(i);
-    queries.emplace_back(ParseConstraint(constraint.ask), RegisterOptions{constraint.keys, 0});
+    queries.emplace_back(ParseConstraint(constraint.ask), conditions::RegisterOptions{constraint.keys, 0});
   }
   return queries;
 }
 
-std::vector<ConditionId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
-                                     StandingConditions& set) {
-  std::vector<ConditionId> ids;
+std::vector<conditions::ConditionId> RegisterAll(const ConstraintQueries& queries,
+                                                 const ConstraintGraph& graph,
+                                                 conditions::StandingConditions& set) {
+  std::vector<conditions::ConditionId> ids;
   for (const auto& [query, options] : queries) {
     const auto id = set.Register(query, graph.version(), options);
     if (!id.ok()) {

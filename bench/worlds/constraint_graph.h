@@ -41,11 +41,12 @@ class ConstraintGraph {
 
 // Ends the program where the text is no query.
 sparql::Query ParseConstraint(const std::string& text);
-using ConstraintQueries = std::vector<std::pair<sparql::Query, RegisterOptions>>;
+using ConstraintQueries = std::vector<std::pair<sparql::Query, conditions::RegisterOptions>>;
 ConstraintQueries ParseConstraints(size_t count);
 // By number. Ends the program where one is refused.
-std::vector<ConditionId> RegisterAll(const ConstraintQueries& queries, const ConstraintGraph& graph,
-                                     StandingConditions& set);
+std::vector<conditions::ConditionId> RegisterAll(const ConstraintQueries& queries,
+                                                 const ConstraintGraph& graph,
+                                                 conditions::StandingConditions& set);
 
 }  // namespace docent::bench
 

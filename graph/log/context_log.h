@@ -22,7 +22,7 @@
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
 
-namespace docent {
+namespace docent::log {
 
 struct LogEntry {
   uint64_t offset = 0;
@@ -115,6 +115,6 @@ class ContextLog {
   virtual std::optional<uint64_t> FreeBytes() { return std::nullopt; }
 };
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_CONTEXT_LOG_H_

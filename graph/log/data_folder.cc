@@ -16,7 +16,7 @@
 #include "graph/base/overload.h"
 #include "graph/log/record_chain.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 struct Mark {
@@ -186,4 +186,4 @@ void DataFolder::SyncHeadMark() {
   if (mark_.valid()) fdatasync(mark_.fd());
 }
 
-}  // namespace docent
+}  // namespace docent::log

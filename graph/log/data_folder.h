@@ -18,7 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace docent {
+namespace docent::log {
 
 // A file descriptor that is closed at the end of its life.
 class FileHandle {
@@ -91,6 +91,6 @@ absl::Status SyncPath(const std::string& path);
 // Makes a folder and those above it that are not there, to outlast a power cut.
 absl::Status MakeFolders(const std::string& path);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_DATA_FOLDER_H_

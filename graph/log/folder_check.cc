@@ -21,7 +21,7 @@
 #include "graph/log/sqlite_log.h"
 #include "graph/log/sqlite_schema.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 constexpr uint64_t kRecordsPerProgress = 10000;
@@ -256,4 +256,4 @@ absl::StatusOr<FolderReport> CheckFolder(const std::string& folder,
   return FolderChecker(folder, progress).Run();
 }
 
-}  // namespace docent
+}  // namespace docent::log

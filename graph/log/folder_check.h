@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "graph/log/record_chain.h"
 
-namespace docent {
+namespace docent::log {
 
 struct FolderReport {
   std::string database;             // the log's file
@@ -33,6 +33,6 @@ inline constexpr size_t kFaultsKept = 100;
 absl::StatusOr<FolderReport> CheckFolder(const std::string& folder,
                                          const std::function<void(uint64_t, uint64_t)>& progress);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_FOLDER_CHECK_H_

@@ -19,7 +19,7 @@
 #include "graph/log/sqlite_log.h"
 #include "graph/log/sqlite_schema.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 namespace fs = std::filesystem;
@@ -181,4 +181,4 @@ absl::StatusOr<FolderReport> CopyNewestSnapshot(const std::string& from, const s
   return report;
 }
 
-}  // namespace docent
+}  // namespace docent::log

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "graph/log/folder_check.h"
 
-namespace docent {
+namespace docent::log {
 
 // Copies the log as of one moment and the snapshots that belong to it to `to`, which must be absent or an
 // empty folder; a server may go on using `from`. The copy is checked whole and is durable before it has its
@@ -21,6 +21,6 @@ absl::StatusOr<FolderReport> CopyFolder(const std::string& from, const std::stri
 // before it as history. `from` stays as it is. Otherwise as CopyFolder; DATA_LOSS: no snapshot is whole.
 absl::StatusOr<FolderReport> CopyNewestSnapshot(const std::string& from, const std::string& to);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_FOLDER_COPY_H_

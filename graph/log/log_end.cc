@@ -10,7 +10,7 @@
 #include "graph/log/snapshot_files.h"
 #include "graph/log/sqlite_log.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 // `end`: nullopt if there is no log.
@@ -74,4 +74,4 @@ absl::Status CheckReach(const std::string& folder, uint64_t end) {
   return Check(folder, end);
 }
 
-}  // namespace docent
+}  // namespace docent::log

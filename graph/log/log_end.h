@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 
-namespace docent {
+namespace docent::log {
 
 // OK if `folder` has a log, whatever is in it. NOT_FOUND: there is no such folder. INVALID_ARGUMENT: it is
 // not a folder, or none of ours. DATA_LOSS: the log is gone, since it had records or there are snapshots; the
@@ -21,6 +21,6 @@ absl::Status FindLog(const std::string& folder);
 // says how to go on.
 absl::Status CheckReach(const std::string& folder, uint64_t end);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_LOG_END_H_

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <memory>
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 using TableOfEight = std::array<std::array<uint32_t, 256>, 8>;
@@ -130,11 +130,11 @@ void RecordHasher::Free::operator()(evp_md_ctx_st* context) const {
 }
 
 void RecordHasher::Add(std::string_view data) {
-  docent::Add(context_.get(), data);
+  log::Add(context_.get(), data);
 }
 
 ChainHash RecordHasher::Finish() {
-  return docent::Finish(context_.get());
+  return log::Finish(context_.get());
 }
 
 ChainHash Sha256(std::string_view bytes) {
@@ -144,4 +144,4 @@ ChainHash Sha256(std::string_view bytes) {
   return Finish(context);
 }
 
-}  // namespace docent
+}  // namespace docent::log

@@ -10,7 +10,7 @@
 
 struct evp_md_ctx_st;  // OpenSSL's EVP_MD_CTX
 
-namespace docent {
+namespace docent::log {
 
 using ChainHash = std::array<unsigned char, 32>;
 
@@ -54,6 +54,6 @@ class RecordHasher {
 // SHA-256 of `bytes`.
 ChainHash Sha256(std::string_view bytes);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_RECORD_CHAIN_H_

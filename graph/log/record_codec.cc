@@ -12,12 +12,12 @@
 #include "absl/strings/str_cat.h"
 #include "graph/log/record.pb.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 // The enums' values are written as they are: their order is part of the log's format. New values go to the
 // end.
-static_assert(static_cast<int>(TermKind::kLiteral) == log::TermEntry::LITERAL);
+static_assert(static_cast<int>(TermKind::kLiteral) == record::TermEntry::LITERAL);
 static_assert(static_cast<int>(WriteBatch::Mode::kLoad) == 1);
 static_assert(static_cast<int>(Document::Kind::kRsel) == 3);
 static_assert(static_cast<int>(Document::Action::kRemove) == 1);
@@ -28,7 +28,7 @@ static_assert(static_cast<int>(RunRequest::Kind::kInvokeService) == 2);
 class RecordArena {
  public:
   RecordArena() : arena_(Options(&first_)) {}
-  log::Turn* NewTurn() { return google::protobuf::Arena::CreateMessage<log::Turn>(&arena_); }
+  record::Turn* NewTurn() { return google::protobuf::Arena::CreateMessage<record::Turn>(&arena_); }
 
  private:
   using Block = std::array<char, 4096>;
@@ -45,15 +45,15 @@ class RecordArena {
 // Gives each distinct term of a record its number. The terms must outlive the table.
 class TermTable {
  public:
-  explicit TermTable(log::Turn* turn) : turn_(turn) {}
+  explicit TermTable(record::Turn* turn) : turn_(turn) {}
 
   uint32_t Number(const Term& term) {
     if (term == Term{}) return 0;
     if (const uint32_t known = Find(term); known > 0) return known;
     // The datatype first: a term refers only to terms before it.
     const uint32_t datatype = term.datatype.empty() ? 0 : NumberOfDatatype(term.datatype);
-    log::TermEntry* entry = turn_->add_terms();
-    entry->set_kind(static_cast<log::TermEntry::Kind>(term.kind));
+    record::TermEntry* entry = turn_->add_terms();
+    entry->set_kind(static_cast<record::TermEntry::Kind>(term.kind));
     entry->set_lexical(term.lexical);
     entry->set_datatype(datatype);
     entry->set_language(term.language);
@@ -65,7 +65,7 @@ class TermTable {
   template <typename List>
   void AddNamed(const std::vector<std::pair<std::string, Term>>& values, List* list) {
     for (const auto& [name, value] : values) {
-      log::NamedTerm* entry = list->Add();
+      record::NamedTerm* entry = list->Add();
       entry->set_name(name);
       entry->set_term(Number(value));
     }
@@ -108,14 +108,14 @@ class TermTable {
 
   static constexpr size_t kFew = 8;  // terms that are compared one by one more quickly than by hash
 
-  log::Turn* turn_;
+  record::Turn* turn_;
   absl::InlinedVector<std::pair<const Term*, uint32_t>, kFew> few_;
   absl::flat_hash_map<const Term*, uint32_t, HashTerm, SameTerm> numbers_;  // all, once there are more
   absl::flat_hash_map<std::string, uint32_t> datatypes_;
   std::deque<Term> owned_;  // datatypes as terms
 };
 
-void EncodeBatch(const WriteBatch& batch, TermTable* terms, log::Batch* out) {
+void EncodeBatch(const WriteBatch& batch, TermTable* terms, record::Batch* out) {
   out->set_request_id(batch.request_id);
   out->set_source(batch.source);
   out->set_mode(static_cast<uint32_t>(batch.mode));
@@ -131,20 +131,20 @@ void EncodeBatch(const WriteBatch& batch, TermTable* terms, log::Batch* out) {
     if (batch.operations[i].kind == QuadOperation::Kind::kRemove) out->add_removes(static_cast<uint32_t>(i));
   }
   for (const SensorReading& reading : batch.readings) {
-    log::Reading* entry = out->add_readings();
+    record::Reading* entry = out->add_readings();
     entry->set_sensor(reading.sensor);
     entry->set_value(terms->Number(reading.value));
     entry->set_time_us(reading.time_us);
   }
   for (const Document& document : batch.documents) {
-    log::DocumentChange* entry = out->add_documents();
+    record::DocumentChange* entry = out->add_documents();
     entry->set_kind(static_cast<uint32_t>(document.kind));
     entry->set_action(static_cast<uint32_t>(document.action));
     entry->set_name(document.name);
     entry->set_text(document.text);
   }
   for (const CommandReport& report : batch.reports) {
-    log::Report* entry = out->add_reports();
+    record::Report* entry = out->add_reports();
     entry->set_command(report.command.value());
     entry->set_outcome(static_cast<uint32_t>(report.outcome));
     entry->set_message(report.message);
@@ -153,23 +153,23 @@ void EncodeBatch(const WriteBatch& batch, TermTable* terms, log::Batch* out) {
     terms->AddNamed(report.results, entry->mutable_results());
   }
   for (const RunRequest& request : batch.run_requests) {
-    log::RunWish* entry = out->add_run_requests();
+    record::RunWish* entry = out->add_run_requests();
     entry->set_kind(static_cast<uint32_t>(request.kind));
     entry->set_target(request.target);
     terms->AddNamed(request.arguments, entry->mutable_arguments());
   }
 }
 
-void EncodeDecisions(const TurnRecord& record, TermTable* terms, log::Turn* turn) {
+void EncodeDecisions(const TurnRecord& record, TermTable* terms, record::Turn* turn) {
   for (const Transition& transition : record.transitions) {
-    log::TransitionEntry* entry = turn->add_transitions();
+    record::TransitionEntry* entry = turn->add_transitions();
     entry->set_subject(transition.subject);
     entry->set_from(transition.from);
     entry->set_to(transition.to);
     entry->set_cause(transition.cause);
   }
   for (const RobotCommand& command : record.commands) {
-    log::Command* entry = turn->add_commands();
+    record::Command* entry = turn->add_commands();
     entry->set_id(command.id.value());
     entry->set_robot(command.robot.value());
     entry->set_operation(command.operation);
@@ -185,7 +185,7 @@ void EncodeDecisions(const TurnRecord& record, TermTable* terms, log::Turn* turn
 // unused.
 class Decoder {
  public:
-  Decoder(uint64_t offset, const log::Turn& turn) : offset_(offset), turn_(turn) {}
+  Decoder(uint64_t offset, const record::Turn& turn) : offset_(offset), turn_(turn) {}
 
   absl::StatusOr<TurnRecord> Decode() {
     if (turn_.min_reader() > kRecordReader) {
@@ -213,9 +213,9 @@ class Decoder {
   void DecodeTerms() {
     terms_.reserve(static_cast<size_t>(turn_.terms_size()) + 1);
     terms_.emplace_back();  // number 0: no term
-    for (const log::TermEntry& entry : turn_.terms()) {
+    for (const record::TermEntry& entry : turn_.terms()) {
       Term term;
-      if (entry.kind() < log::TermEntry::IRI || entry.kind() > log::TermEntry::LITERAL)
+      if (entry.kind() < record::TermEntry::IRI || entry.kind() > record::TermEntry::LITERAL)
         Fail("unknown kind of term");
       term.kind = static_cast<TermKind>(entry.kind());
       term.lexical = entry.lexical();
@@ -247,11 +247,11 @@ class Decoder {
   std::vector<std::pair<std::string, Term>> Named(const List& list) {
     std::vector<std::pair<std::string, Term>> values;
     values.reserve(static_cast<size_t>(list.size()));
-    for (const log::NamedTerm& entry : list) values.emplace_back(entry.name(), TermOf(entry.term()));
+    for (const record::NamedTerm& entry : list) values.emplace_back(entry.name(), TermOf(entry.term()));
     return values;
   }
 
-  void DecodeOperations(const log::Batch& in, WriteBatch* batch) {
+  void DecodeOperations(const record::Batch& in, WriteBatch* batch) {
     if (in.quads_size() % 4 != 0) return Fail("quads of less than four terms");
     batch->operations.resize(static_cast<size_t>(in.quads_size() / 4));
     for (size_t i = 0; i < batch->operations.size(); ++i) {
@@ -266,7 +266,7 @@ class Decoder {
     }
   }
 
-  void DecodeBatch(const log::Batch& in, WriteBatch* batch) {
+  void DecodeBatch(const record::Batch& in, WriteBatch* batch) {
     batch->request_id = in.request_id();
     batch->source = in.source();
     batch->mode = EnumOf(in.mode(), WriteBatch::Mode::kLoad, "batch mode");
@@ -274,31 +274,31 @@ class Decoder {
     batch->lifetime_ms = in.lifetime_ms();
     batch->clock_tick = in.clock_tick();
     DecodeOperations(in, batch);
-    for (const log::Reading& entry : in.readings()) {
+    for (const record::Reading& entry : in.readings()) {
       batch->readings.push_back({entry.sensor(), TermOf(entry.value()), entry.time_us()});
     }
-    for (const log::DocumentChange& entry : in.documents()) {
+    for (const record::DocumentChange& entry : in.documents()) {
       batch->documents.push_back({EnumOf(entry.kind(), Document::Kind::kRsel, "kind of document"),
                                   EnumOf(entry.action(), Document::Action::kRemove, "document action"),
                                   entry.name(), entry.text()});
     }
-    for (const log::Report& entry : in.reports()) {
+    for (const record::Report& entry : in.reports()) {
       batch->reports.push_back({CommandId(entry.command()),
                                 EnumOf(entry.outcome(), CommandReport::Outcome::kRefused, "command outcome"),
                                 entry.message(), entry.progress(), entry.incarnation(),
                                 Named(entry.results())});
     }
-    for (const log::RunWish& entry : in.run_requests()) {
+    for (const record::RunWish& entry : in.run_requests()) {
       batch->run_requests.push_back({EnumOf(entry.kind(), RunRequest::Kind::kInvokeService, "run request"),
                                      entry.target(), Named(entry.arguments())});
     }
   }
 
   void DecodeDecisions(TurnRecord* record) {
-    for (const log::TransitionEntry& entry : turn_.transitions()) {
+    for (const record::TransitionEntry& entry : turn_.transitions()) {
       record->transitions.push_back({entry.subject(), entry.from(), entry.to(), entry.cause()});
     }
-    for (const log::Command& entry : turn_.commands()) {
+    for (const record::Command& entry : turn_.commands()) {
       record->commands.push_back({CommandId(entry.id()), RobotId(entry.robot()), entry.operation(),
                                   Named(entry.arguments()), entry.expected_incarnation(),
                                   Revision(entry.guard_revision()), entry.deadline_us(), entry.idempotent()});
@@ -306,7 +306,7 @@ class Decoder {
   }
 
   const uint64_t offset_;
-  const log::Turn& turn_;
+  const record::Turn& turn_;
   std::vector<Term> terms_;
   absl::Status status_;
 };
@@ -315,7 +315,7 @@ class Decoder {
 
 absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
   RecordArena arena;
-  log::Turn* turn = arena.NewTurn();
+  record::Turn* turn = arena.NewTurn();
   turn->set_min_reader(1);
   turn->set_time_us(record.time_us);
   turn->set_engine_version(record.engine_version);
@@ -332,7 +332,7 @@ absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record) {
 
 absl::StatusOr<TurnRecord> DecodeTurnRecord(uint64_t offset, std::string_view data) {
   RecordArena arena;
-  log::Turn* turn = arena.NewTurn();
+  record::Turn* turn = arena.NewTurn();
   if (data.size() > std::numeric_limits<int>::max() ||
       !turn->ParseFromArray(data.data(), static_cast<int>(data.size()))) {
     return absl::DataLossError(absl::StrCat("log record ", offset, " does not decode: not a record's bytes"));
@@ -340,4 +340,4 @@ absl::StatusOr<TurnRecord> DecodeTurnRecord(uint64_t offset, std::string_view da
   return Decoder(offset, *turn).Decode();
 }
 
-}  // namespace docent
+}  // namespace docent::log

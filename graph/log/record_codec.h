@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "graph/log/turn_record.h"
 
-namespace docent {
+namespace docent::log {
 
 // What this code writes, and the newest that it can read (record.proto, Turn.min_reader).
 inline constexpr uint32_t kRecordReader = 1;
@@ -24,6 +24,6 @@ absl::StatusOr<std::string> EncodeTurnRecord(const TurnRecord& record);
 // one must not misread. Never crashes, whatever the bytes.
 absl::StatusOr<TurnRecord> DecodeTurnRecord(uint64_t offset, std::string_view data);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_RECORD_CODEC_H_

@@ -15,7 +15,7 @@
 #include "graph/log/data_folder.h"
 #include "graph/log/record_chain.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 constexpr std::string_view kPrefix = "snapshot-";
@@ -185,4 +185,4 @@ absl::StatusOr<std::optional<SnapshotFiles::Snapshot>> SnapshotFiles::Get(uint64
   return std::optional<Snapshot>(std::move(result));
 }
 
-}  // namespace docent
+}  // namespace docent::log

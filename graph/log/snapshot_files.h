@@ -16,7 +16,7 @@
 #include "graph/log/context_log.h"
 #include "graph/log/record_chain.h"
 
-namespace docent {
+namespace docent::log {
 
 class SnapshotFiles {
  public:
@@ -51,6 +51,6 @@ class SnapshotFiles {
   size_t kept_;
 };
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_SNAPSHOT_FILES_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/overload.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 bool HasNoRoom(sqlite3* db, int code) {
@@ -127,4 +127,4 @@ bool Statement::IsBytes(int column) const {
   return sqlite3_column_type(statement_.get(), column) == SQLITE_BLOB;
 }
 
-}  // namespace docent
+}  // namespace docent::log

@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace docent {
+namespace docent::log {
 
 struct CloseDatabase {
   void operator()(sqlite3* db) const { sqlite3_close_v2(db); }
@@ -61,6 +61,6 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_SQLITE_HANDLES_H_

@@ -8,7 +8,7 @@
 #include "absl/time/time.h"
 #include "graph/log/log_end.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 absl::Status Damaged(uint64_t offset, const char* how) {
@@ -349,4 +349,4 @@ absl::StatusOr<ChainHash> SqliteLog::HashAt(uint64_t offset) {
   return at->hash;
 }
 
-}  // namespace docent
+}  // namespace docent::log

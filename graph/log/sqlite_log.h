@@ -22,7 +22,7 @@
 #include "graph/log/snapshot_files.h"
 #include "graph/log/sqlite_schema.h"
 
-namespace docent {
+namespace docent::log {
 
 struct SqliteLogOptions {
   // Pages (4 KiB) of write-ahead log after which the background thread carries them over, beside the appends.
@@ -141,6 +141,6 @@ class SqliteLog final : public ContextLog {
   std::thread checkpoint_thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_SQLITE_LOG_H_

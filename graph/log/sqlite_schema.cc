@@ -9,7 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "graph/log/data_folder.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 // The value of a statement that gives one integer.
@@ -177,4 +177,4 @@ absl::StatusOr<HeadRow> ReadHead(sqlite3* db) {
   return head;
 }
 
-}  // namespace docent
+}  // namespace docent::log

@@ -17,7 +17,7 @@
 #include "graph/log/record_chain.h"
 #include "graph/log/sqlite_handles.h"
 
-namespace docent {
+namespace docent::log {
 
 inline constexpr uint64_t kLogFormat = 1;
 inline constexpr uint64_t kLogApplicationId = 0x646F634C;  // "docL"
@@ -50,6 +50,6 @@ absl::Status CheckFormat(sqlite3* db, const std::string& path);
 // Reads and verifies the head row.
 absl::StatusOr<HeadRow> ReadHead(sqlite3* db);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_SQLITE_SCHEMA_H_

@@ -10,7 +10,7 @@
 #include "absl/time/time.h"
 #include "graph/log/sqlite_log.h"
 
-namespace docent {
+namespace docent::log {
 
 absl::Status SqliteLog::Trim(uint64_t before) {
   if (before == 0) return absl::OkStatus();
@@ -179,4 +179,4 @@ void SqliteLog::CheckpointLoop() {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::log

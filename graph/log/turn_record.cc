@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 constexpr size_t kDifferencesShown =
@@ -58,4 +58,4 @@ std::string ToDisplay(const RobotCommand& command) {
                       command.idempotent ? ", idempotent" : "");
 }
 
-}  // namespace docent
+}  // namespace docent::log

@@ -19,7 +19,7 @@
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::log {
 
 struct TurnRecord {
   uint64_t offset = 0;         // place in the log, from 1; given by the log, not stored in the record's bytes
@@ -42,6 +42,6 @@ std::string ToDisplay(const Transition& transition);
 // For people, on one line: id, robot, operation(arguments), guard, deadline.
 std::string ToDisplay(const RobotCommand& command);
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_GRAPH_LOG_TURN_RECORD_H_

@@ -7,7 +7,7 @@
 #include "graph/rdf/formats/serializer.h"
 #include "kb_server/cli/client.h"
 
-namespace docent {
+namespace docent::server {
 
 void AnswerPrinter::Begin(std::vector<std::string> variables) {
   if (variables.empty()) return;
@@ -78,4 +78,4 @@ void AnswerPrinter::PrintTable() const {
   if (table_) std::cout << table_->Render(presenter_.terminal()) << std::flush;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include "kb_server/cli/presenter.h"
 #include "kb_server/cli/table.h"
 
-namespace docent {
+namespace docent::server {
 
 class AnswerPrinter {
  public:
@@ -47,6 +47,6 @@ class AnswerPrinter {
   std::vector<TermQuad> triples_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_ANSWER_PRINTER_H_

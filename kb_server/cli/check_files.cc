@@ -12,7 +12,7 @@
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/shapes/shape_reader.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kGraph[] = "urn:docent:checked";
@@ -67,7 +67,7 @@ void FileChecker::AddRdf(const std::string& file, const RdfText& rdf, bool only_
     for (const auto& [prefix, name_space] : document.rdf.prefixes) names_.Add(prefix, name_space);
     if (!only_words) graph_.Add(file, document, kGraph);
     consistency_.AddDocument(file, document, !only_words);
-    ImportedRules imported = ImportShaclRules(document, rdf.text, file, &functions_);
+    rules::ImportedRules imported = rules::ImportShaclRules(document, rdf.text, file, &functions_);
     if (imported.ok() && imported.rules > 0) consistency_.AddRules(file, imported.text, !only_words);
     if (!only_words) imported_[file] = std::move(imported);
   }
@@ -79,11 +79,11 @@ void FileChecker::AddRules(const std::string& file, const std::string& text) {
 }
 
 void FileChecker::CheckImported(const std::string& file, ontology::Findings& findings) {
-  const ImportedRules& imported = imported_[file];
+  const rules::ImportedRules& imported = imported_[file];
   for (const Diagnostic& d : imported.diagnostics) {
     findings.Add({d.severity == Diagnostic::Severity::kError ? "syntax" : "rule", d, ""});
   }
-  for (const ImportedConstruct& construct : imported.constructs) {
+  for (const rules::ImportedConstruct& construct : imported.constructs) {
     ontology::Findings in_query(file, limits_.check_diagnostics);
     ontology::CheckWords(construct.query, vocabulary_, in_query);
     for (ontology::Finding& finding : in_query.Take()) {
@@ -149,7 +149,7 @@ std::vector<ontology::Finding> FileChecker::CheckRules(const std::string& file, 
   if (HasErrors(diagnostics)) return AsFindings("syntax", diagnostics);
   ontology::Findings findings(file, limits_.check_diagnostics);
   for (const Diagnostic& d : diagnostics) findings.Warning("rule", d.span, d.message, d.hint);
-  ontology::CheckWords(ParseRules(text, file, {}, &functions_), vocabulary_, findings);
+  ontology::CheckWords(rules::ParseRules(text, file, {}, &functions_), vocabulary_, findings);
   ontology::CheckPrefixes(sparql::PrefixPlaces(text), findings);
   AddInconsistencies(file, findings);
   return TakeAll(file, findings);
@@ -166,4 +166,4 @@ std::vector<ontology::Finding> FileChecker::CheckQuery(const std::string& file, 
   return TakeAll(file, findings);
 }
 
-}  // namespace docent
+}  // namespace docent::server

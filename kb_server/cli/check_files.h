@@ -21,7 +21,7 @@
 #include "reasoner/rules/shacl_rules_import.h"
 #include "reasoner/shapes/file_graph.h"
 
-namespace docent {
+namespace docent::server {
 
 class FileChecker {
  public:
@@ -53,16 +53,16 @@ class FileChecker {
   const CheckLimits limits_;
   sparql::FunctionRegistry functions_;  // that a server has
   Dictionary dictionary_;
-  RuleEngine rules_{dictionary_, {}, &functions_};
+  rules::RuleEngine rules_{dictionary_, {}, &functions_};
   ontology::Vocabulary vocabulary_;
   IriNames names_ = IriNames::WellKnown();
   std::map<std::string, LocatedRdf> documents_;
   std::set<std::string> cycles_;
   shapes::FileGraph graph_;
   bool shapes_read_ = false;
-  std::map<std::string, Diagnostics> of_shapes_;   // by file
-  std::map<std::string, ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
-  size_t texts_ = 0;                               // that were added: each has blank nodes of its own
+  std::map<std::string, Diagnostics> of_shapes_;          // by file
+  std::map<std::string, rules::ImportedRules> imported_;  // the rules of shapes (sh:SPARQLRule), by file
+  size_t texts_ = 0;                                      // that were added: each has blank nodes of its own
   ConsistencyCheck consistency_{limits_, &functions_};
   bool consistency_checked_ = false;
   std::map<std::string, std::vector<ConsistencyCheck::Result>> inconsistencies_;  // by file
@@ -71,6 +71,6 @@ class FileChecker {
 // Diagnostics that need no rule of their own, under one name.
 std::vector<ontology::Finding> AsFindings(const std::string& rule, const Diagnostics& diagnostics);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_CHECK_FILES_H_

@@ -14,7 +14,7 @@
 #include "graph/rdf/iri.h"
 #include "graph/wire/term_proto.h"
 
-namespace docent {
+namespace docent::server {
 void AddClientOptions(CLI::App* command, ClientOptions* options) {
   command->add_option("--server", options->server, "gRPC address of the server, HOST:PORT")
       ->type_name("ADDRESS")
@@ -133,4 +133,4 @@ void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& 
 std::string ToNTriples(const v1::Term& term) {
   return ToNTriples(FromProto(term).value_or(Term::Literal("")));
 }
-}  // namespace docent
+}  // namespace docent::server

@@ -17,7 +17,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/term.h"
 
-namespace docent {
+namespace docent::server {
 
 struct ClientOptions {
   std::string server = "127.0.0.1:7400";  // also from the environment variable DOCENT_SERVER
@@ -59,6 +59,6 @@ void PrintDiagnostics(const google::protobuf::RepeatedPtrField<v1::Diagnostic>& 
 // A term of the API as N-Triples.
 std::string ToNTriples(const v1::Term& term);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_CLIENT_H_

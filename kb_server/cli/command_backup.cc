@@ -7,7 +7,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct CopyArguments {
@@ -17,7 +17,7 @@ struct CopyArguments {
 };
 
 int Copy(const std::string& from, const std::string& to) {
-  const absl::StatusOr<FolderReport> report = CopyFolder(from, to);
+  const absl::StatusOr<log::FolderReport> report = log::CopyFolder(from, to);
   if (!report.ok()) return Fail(report.status());
   std::cout << to << ": records " << report->first << " to " << report->last << ", "
             << report->snapshots.size() << (report->snapshots.size() == 1 ? " snapshot" : " snapshots")
@@ -26,7 +26,7 @@ int Copy(const std::string& from, const std::string& to) {
 }
 
 int GoOnFromSnapshot(const std::string& from, const std::string& to) {
-  const absl::StatusOr<FolderReport> report = CopyNewestSnapshot(from, to);
+  const absl::StatusOr<log::FolderReport> report = log::CopyNewestSnapshot(from, to);
   if (!report.ok()) return Fail(report.status());
   for (const std::string& damaged : report->passed_over) std::cerr << "passed over: " << damaged << "\n";
   std::cout << to << ": goes on from the snapshot at offset " << report->last << " of " << from
@@ -72,4 +72,4 @@ void AddRestoreCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -20,7 +20,7 @@
 #include "workflow/rsel/parser.h"
 #include "workflow/rsel/service_registry.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct CheckArguments {
@@ -141,7 +141,7 @@ class Checker {
     bool check_words = has_environment_ || has_operations_;
     cawl::CheckReport report = cawl::CheckDocument(text, file, check_words ? &environment_ : nullptr);
     if (report.ok()) {
-      Diagnostics unsupported = Engine::CheckSupported(*report.document);
+      Diagnostics unsupported = engine::Engine::CheckSupported(*report.document);
       report.diagnostics.insert(report.diagnostics.end(), unsupported.begin(), unsupported.end());
     }
     if (!arguments_.ask) return report.diagnostics;
@@ -245,4 +245,4 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -22,7 +22,7 @@
 #include "kb_server/cli/part_loader.h"
 #include "nlohmann/json.hpp"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct LoadArguments {
@@ -296,4 +296,4 @@ void AddLoadCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -21,7 +21,7 @@
 #include "reasoner/ontology/module_diff.h"
 #include "reasoner/shapes/report.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct OntologyArguments {
@@ -321,4 +321,4 @@ void AddOntologyCommand(CLI::App* app, int* exit_code) {
   diff->footer("Exit code 1: they are different.\nExample:\n  docent ontology diff place.ttl");
 }
 
-}  // namespace docent
+}  // namespace docent::server

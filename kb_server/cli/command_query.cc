@@ -14,7 +14,7 @@
 #include "kb_server/grpc/convert.h"
 #include "nlohmann/json.hpp"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct QueryArguments {
@@ -164,4 +164,4 @@ void AddQueryCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

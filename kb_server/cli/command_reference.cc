@@ -8,7 +8,7 @@
 #include "reasoner/ontology/finding_kinds.h"
 #include "reasoner/shapes/shape.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 nlohmann::json Reference() {
@@ -40,4 +40,4 @@ void AddReferenceCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

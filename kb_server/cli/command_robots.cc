@@ -8,7 +8,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/presenter.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 std::string PoseText(const v1::RobotStatus& robot) {
@@ -57,4 +57,4 @@ void AddRobotsCommand(CLI::App* app, int* exit_code) {
   command->callback([options, exit_code] { *exit_code = ListRobots(*options); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

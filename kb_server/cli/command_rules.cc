@@ -15,7 +15,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/rules/shacl_rules_import.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct RulesArguments {
@@ -33,7 +33,7 @@ struct RuleText {
 };
 
 absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
-  if (std::string text = BuiltInRuleSet(name_or_file); !text.empty())
+  if (std::string text = rules::BuiltInRuleSet(name_or_file); !text.empty())
     return RuleText{name_or_file, std::move(text)};
   std::string name = std::filesystem::path(name_or_file).filename().string();
   if (!FormatOfFile(name_or_file)) {
@@ -45,7 +45,7 @@ absl::StatusOr<RuleText> ReadRules(const std::string& name_or_file) {
   if (!rdf.ok()) return rdf.status();
   const LocatedRdf parsed = ParseLocatedRdf(rdf->text, rdf->format, rdf->Options(name_or_file));
   if (!parsed.rdf.ok()) return ToStatus(parsed.rdf, rdf->text);
-  ImportedRules imported = ImportShaclRules(parsed, rdf->text, name_or_file);
+  rules::ImportedRules imported = rules::ImportShaclRules(parsed, rdf->text, name_or_file);
   if (!imported.ok()) return ToStatus(imported.diagnostics, rdf->text);
   if (imported.rules == 0)
     return absl::InvalidArgumentError(absl::StrCat(name_or_file, " holds no sh:SPARQLRule"));
@@ -203,4 +203,4 @@ void AddRulesCommand(CLI::App* app, int* exit_code) {
   preview->footer("Example:\n  docent rules preview owl2rl --shown 5");
 }
 
-}  // namespace docent
+}  // namespace docent::server

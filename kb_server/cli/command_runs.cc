@@ -19,7 +19,7 @@
 #include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct RunArguments {
@@ -360,4 +360,4 @@ void AddRunsCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = ShowRuns(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 #include "kb_server/cli/variable_argument.h"
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct ServicesArguments {
@@ -111,4 +111,4 @@ void AddServicesCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -10,7 +10,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct TellArguments {
@@ -111,4 +111,4 @@ void AddTellCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = RunTell(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

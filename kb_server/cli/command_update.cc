@@ -8,7 +8,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct UpdateArguments {
@@ -57,4 +57,4 @@ void AddUpdateCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = RunUpdate(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -24,7 +24,7 @@
 #include "reasoner/shapes/shape_reader.h"
 #include "reasoner/shapes/validator.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kDataGraph[] = "urn:docent:data";
@@ -231,4 +231,4 @@ void AddValidateCommand(CLI::App* app, int* exit_code) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -10,7 +10,7 @@
 #include "kb_server/cli/client.h"
 #include "kb_server/cli/commands.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct VerifyArguments {
@@ -24,7 +24,7 @@ void ShowChecked(uint64_t done, uint64_t all) {
 }
 
 int Verify(const VerifyArguments& arguments) {
-  const absl::StatusOr<FolderReport> report = CheckFolder(arguments.folder, ShowChecked);
+  const absl::StatusOr<log::FolderReport> report = log::CheckFolder(arguments.folder, ShowChecked);
   if (!report.ok()) return Fail(report.status());
   if (arguments.json) {
     const nlohmann::json json = {{"first", report->first},
@@ -56,4 +56,4 @@ void AddVerifyCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = Verify(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

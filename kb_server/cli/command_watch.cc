@@ -14,7 +14,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/presenter.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct WatchArguments {
@@ -193,4 +193,4 @@ void AddWatchCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = RunWatch(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

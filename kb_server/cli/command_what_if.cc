@@ -6,7 +6,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct WhatIfArguments {
@@ -101,4 +101,4 @@ void AddWhatIfCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = RunWhatIf(*arguments); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -10,7 +10,7 @@
 #include "kb_server/cli/commands.h"
 #include "kb_server/cli/fact_arguments.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 struct WhyArguments {
@@ -140,4 +140,4 @@ void AddWhyNotCommand(CLI::App* app, int* exit_code) {
   command->callback([arguments, exit_code] { *exit_code = RunWhy(*arguments, false); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

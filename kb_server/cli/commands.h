@@ -8,7 +8,7 @@
 
 #include "CLI/App.hpp"
 
-namespace docent {
+namespace docent::server {
 
 // Headings of `docent --help`.
 inline constexpr char kServerGroup[] = "Server";
@@ -45,6 +45,6 @@ std::string DefaultDataFolder();
 // be taken for an option.
 std::vector<std::string> WithSignedFacts(std::vector<std::string> arguments);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_COMMANDS_H_

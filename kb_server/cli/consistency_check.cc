@@ -16,7 +16,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "reasoner/rules/schema_words.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kRuleSet[] = "owl2rl";
@@ -25,7 +25,7 @@ constexpr char kMend[] = "correct or remove one of the facts that are told, or t
 
 // Of what words mean, rather than of things: an inconsistency is told at a fact about a thing, if there is one.
 bool IsAxiom(const TermQuad& q) {
-  return IsSchemaPattern(q.predicate.lexical, q.object.IsIri() ? q.object.lexical : "");
+  return rules::IsSchemaPattern(q.predicate.lexical, q.object.IsIri() ? q.object.lexical : "");
 }
 
 bool Before(const SourceSpan& a, const SourceSpan& b) {
@@ -70,9 +70,10 @@ void ConsistencyCheck::AddRules(const std::string& file, const std::string& text
   const size_t source = sources_.size();
   sources_.push_back({file, findings});
   rules_.push_back({source, {file, std::make_shared<const std::string>(text)}});
-  const ParsedRules parsed = ParseRules(text, file, {}, functions_);
+  const rules::ParsedRules parsed = rules::ParseRules(text, file, {}, functions_);
   for (size_t i = 0; i < parsed.rules.size(); ++i) {
-    rule_places_[RuleLabel(file, parsed.rules[i], static_cast<int>(i) + 1)] = {source, parsed.rules[i].span};
+    rule_places_[rules::RuleLabel(file, parsed.rules[i], static_cast<int>(i) + 1)] = {source,
+                                                                                      parsed.rules[i].span};
   }
 }
 
@@ -94,8 +95,8 @@ void ConsistencyCheck::Warn(size_t file, std::string message, std::string hint) 
 absl::Status ConsistencyCheck::Materialise(Cancellation* cancellation, GraphVersionPtr* version) {
   Limits limits;
   limits.inferred_per_turn = limits_.check_facts;
-  RuleEngine engine(dictionary_, limits, functions_);
-  followed_ = {{kRuleSet, std::make_shared<const std::string>(BuiltInRuleSet(kRuleSet))}};
+  rules::RuleEngine engine(dictionary_, limits, functions_);
+  followed_ = {{kRuleSet, std::make_shared<const std::string>(rules::BuiltInRuleSet(kRuleSet))}};
   if (absl::Status status = ToStatus(engine.PutRules(kRuleSet, *followed_[0].text), ""); !status.ok())
     return status;
   for (size_t i = 0; i < rules_.size(); ++i) {
@@ -298,4 +299,4 @@ std::map<std::string, std::vector<ConsistencyCheck::Result>> ConsistencyCheck::R
   return std::move(results_);
 }
 
-}  // namespace docent
+}  // namespace docent::server

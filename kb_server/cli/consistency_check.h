@@ -23,7 +23,7 @@
 #include "reasoner/explain/rule_text.h"
 #include "reasoner/ontology/finding.h"
 
-namespace docent {
+namespace docent::server {
 
 class ConsistencyCheck {
  public:
@@ -87,6 +87,6 @@ class ConsistencyCheck {
   std::map<std::string, std::vector<Result>> results_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_CONSISTENCY_CHECK_H_

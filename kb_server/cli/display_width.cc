@@ -8,7 +8,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/utf8.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
@@ -78,4 +78,4 @@ std::string Printable(std::string_view text) {
   return out;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace docent {
+namespace docent::server {
 
 // Wide characters take two columns, combining marks and other characters without a width none.
 size_t DisplayWidth(std::string_view text);
@@ -19,6 +19,6 @@ std::string CutToWidth(std::string_view text, size_t columns);
 // change the direction of writing, as U+FFFD; so are bytes that are not UTF-8.
 std::string Printable(std::string_view text);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_DISPLAY_WIDTH_H_

@@ -13,7 +13,7 @@
 #include "graph/wire/term_proto.h"
 #include "kb_server/cli/client.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // "NAME=IRI", "NAME:=IRI" or ":=IRI".
@@ -145,4 +145,4 @@ void AddPrefixes(const IriNames& known, const PrefixList& given,
   for (const auto& [prefix, name_space] : given) (*out)[prefix] = name_space;
 }
 
-}  // namespace docent
+}  // namespace docent::server

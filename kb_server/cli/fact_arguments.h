@@ -14,7 +14,7 @@
 #include "graph/rdf/term.h"
 #include "kb_server/cli/presenter.h"
 
-namespace docent {
+namespace docent::server {
 
 // Known are the well-known prefixes, those of --prefix, and, where these do not do, those of the server: what it prints can
 // be given back to it.
@@ -59,6 +59,6 @@ std::string WhereElse(v1::Context::Stub& server, const google::protobuf::Repeate
 void AddPrefixes(const IriNames& known, const PrefixList& given,
                  google::protobuf::Map<std::string, std::string>* out);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_FACT_ARGUMENTS_H_

@@ -10,7 +10,7 @@
 #include "graph/rdf/formats/line_parser.h"
 #include "graph/rdf/formats/serializer.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kInFlight = 3;
@@ -109,4 +109,4 @@ PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const Docu
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

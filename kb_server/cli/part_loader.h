@@ -17,7 +17,7 @@
 #include "graph/base/diagnostic.h"
 #include "graph/rdf/formats/parser.h"
 
-namespace docent {
+namespace docent::server {
 
 // Above this size a data file goes in parts of about this size.
 inline constexpr size_t kPartBytes = 4u << 20;
@@ -48,6 +48,6 @@ struct PartsOutcome {
 PartsOutcome LoadParts(const std::shared_ptr<grpc::Channel>& channel, const DocumentParts& document,
                        const v1::LoadRequest& request, const std::function<void(size_t)>& progress);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_PART_LOADER_H_

@@ -6,7 +6,7 @@
 #include "graph/wire/term_proto.h"
 #include "kb_server/cli/display_width.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Names are for people: a result does not wait longer for them.
@@ -56,4 +56,4 @@ std::string Presenter::State(std::string_view state) const {
   return terminal_.In(StyleOfState(state), state);
 }
 
-}  // namespace docent
+}  // namespace docent::server

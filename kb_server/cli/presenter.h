@@ -14,7 +14,7 @@
 #include "kb_server/cli/table.h"
 #include "kb_server/cli/terminal.h"
 
-namespace docent {
+namespace docent::server {
 
 using PrefixList = std::vector<std::pair<std::string, std::string>>;
 
@@ -49,6 +49,6 @@ class Presenter {
   const Terminal terminal_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_PRESENTER_H_

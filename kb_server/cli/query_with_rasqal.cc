@@ -22,7 +22,7 @@
 #include "kb_server/cli/answer_printer.h"
 #include "kb_server/cli/client.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr auto kGrace = std::chrono::seconds(5);
@@ -113,4 +113,4 @@ int QueryWithRasqal(const std::string& query, const std::string& address, const 
   return Print(*std::move(answer), format, presenter, (*copy)->version->revision().value());
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -7,7 +7,7 @@
 
 #include "kb_server/cli/presenter.h"
 
-namespace docent {
+namespace docent::server {
 
 // Copies the graph of the server at `address` (one revision, at most `rasqal_quads`), runs the query on it in
 // this process, so that Rasqal cannot harm the server, and prints the answer. `timeout_ms`: of Rasqal's part;
@@ -16,6 +16,6 @@ namespace docent {
 int QueryWithRasqal(const std::string& query, const std::string& address, const std::string& format,
                     const Presenter& presenter, uint32_t timeout_ms);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_QUERY_WITH_RASQAL_H_

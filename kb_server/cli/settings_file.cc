@@ -11,7 +11,7 @@
 #include "graph/rdf/formats/text_input.h"
 #include "graph/rdf/utf8.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 class SettingsReader {
@@ -279,4 +279,4 @@ std::string SettingsText(const CLI::App& command, const std::vector<std::string>
   return out;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -16,7 +16,7 @@
 #include "absl/status/status.h"
 #include "graph/base/diagnostic.h"
 
-namespace docent {
+namespace docent::server {
 
 struct Setting {
   std::string name;
@@ -41,6 +41,6 @@ absl::Status ApplySettings(const std::string& file, const std::vector<std::strin
 // they are, the others as comments with their defaults.
 std::string SettingsText(const CLI::App& command, const std::vector<std::string>& not_in_files);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_SETTINGS_FILE_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/cli/display_width.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kGap = 2;  // columns between two cells
@@ -75,4 +75,4 @@ std::string Table::Render(const Terminal& terminal) const {
   return out;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -8,7 +8,7 @@
 
 #include "kb_server/cli/terminal.h"
 
-namespace docent {
+namespace docent::server {
 
 class Table {
  public:
@@ -39,6 +39,6 @@ class Table {
   std::vector<std::vector<Cell>> rows_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_TABLE_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kUsualColumns = 80;
@@ -71,4 +71,4 @@ Style StyleOfState(std::string_view state) {
   return Style::kPlain;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace docent {
+namespace docent::server {
 
 // A colour or weight of text.
 enum class Style { kPlain, kStrong, kGood, kBad, kBusy, kFaint };
@@ -26,6 +26,6 @@ struct Terminal {
 // The style of a state of a run, node, invocation or robot: "done", "failed", "offline".
 Style StyleOfState(std::string_view state);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_TERMINAL_H_

@@ -8,7 +8,7 @@
 #include "graph/rdf/iri.h"
 #include "workflow/xml/term_text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The prefix of a word prefix:local; nullopt: it is none, as in "12:30" or "note: two words".
@@ -71,4 +71,4 @@ absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& te
   return with(Term::Literal(value));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "graph/rdf/term.h"
 
-namespace docent {
+namespace docent::server {
 
 // The namespace of a prefix (without ":"); nullopt: not known.
 using PrefixLookup = std::function<std::optional<std::string>(std::string_view prefix)>;
@@ -30,6 +30,6 @@ inline constexpr char kVariableValueHelp[] =
 absl::StatusOr<std::pair<std::string, Term>> ParseVariable(const std::string& text,
                                                            const PrefixLookup& prefixes);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_CLI_VARIABLE_ARGUMENT_H_

@@ -1,6 +1,6 @@
 #include "kb_server/door/await_version.h"
 
-namespace docent {
+namespace docent::server {
 
 absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision revision,
                                              absl::Time deadline, Cancellation* cancellation) {
@@ -10,4 +10,4 @@ absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision
   return ports.queries->WaitForRevision(revision, deadline, cancellation);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -7,13 +7,13 @@
 #include "graph/base/cancellation.h"
 #include "kb_server/door/ports.h"
 
-namespace docent {
+namespace docent::server {
 
 // The newest version that is at least `revision`; others have the worker's place while it is not there.
 // DEADLINE_EXCEEDED after `deadline`; CANCELLED soon after the caller went away.
 absl::StatusOr<GraphVersionPtr> AwaitVersion(const ServicePorts& ports, Revision revision,
                                              absl::Time deadline, Cancellation* cancellation);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_AWAIT_VERSION_H_

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/document_name.h"
 
-namespace docent {
+namespace docent::server {
 
 std::string OntologyGraph(const std::string& name) {
   return absl::StrCat("https://w3id.org/docent/ontology/", NameInIri(name));
@@ -18,4 +18,4 @@ cawl::DocumentPtr Catalog::FindWorkflow(std::string_view name) const {
   return found != workflows.end() && found->first->name.value == name ? found->first : nullptr;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -18,7 +18,7 @@
 #include "workflow/cawl/ast.h"
 #include "workflow/rsel/service_registry.h"
 
-namespace docent {
+namespace docent::server {
 
 // The named graph of an ontology module.
 std::string OntologyGraph(const std::string& name);
@@ -60,6 +60,6 @@ class CatalogPort {
   std::shared_ptr<const Catalog> catalog_ ABSL_GUARDED_BY(mutex_) = std::make_shared<const Catalog>();
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_CATALOG_H_

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kKept = 12;  // and one in kKeptPart of all: for what is not a connection of a door
@@ -51,4 +51,4 @@ ConnectionShares ShareDescriptors(size_t limit, size_t open, const Limits& limit
   return shares;
 }
 
-}  // namespace docent
+}  // namespace docent::server

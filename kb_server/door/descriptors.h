@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "graph/base/limits.h"
 
-namespace docent {
+namespace docent::server {
 
 // With fewer a server is not started.
 inline constexpr size_t kLeastDescriptors = 48;
@@ -28,6 +28,6 @@ struct ConnectionShares {
 // `limit`, `open`: descriptors that there may be, and that are open before the doors are.
 ConnectionShares ShareDescriptors(size_t limit, size_t open, const Limits& limits);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_DESCRIPTORS_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace docent {
+namespace docent::server {
 
 void FleetLeases::Renew(const std::string& robot, const std::string& description, Decided decided) {
   bool tell = false;
@@ -88,4 +88,4 @@ void FleetLeases::End(const std::string& robot, const std::function<void(Lease*)
   if (next != nullptr) next(true);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -17,7 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "graph/base/clock.h"
 
-namespace docent {
+namespace docent::server {
 
 class FleetLeases {
  public:
@@ -71,6 +71,6 @@ class FleetLeases {
   std::map<std::string, Lease> leases_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_FLEET_LEASES_H_

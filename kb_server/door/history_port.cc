@@ -9,7 +9,7 @@
 #include "graph/sparql/values/time_text.h"
 #include "kb_server/door/await_version.h"
 
-namespace docent {
+namespace docent::server {
 
 absl::StatusOr<AsOf> ParseAsOf(const std::string& text) {
   uint64_t revision = 0;
@@ -40,4 +40,4 @@ absl::StatusOr<QueryGraph> GraphForQuery(const ServicePorts& ports, Revision min
                     *std::move(newest)};
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -15,7 +15,7 @@
 #include "graph/store/graph_version.h"
 #include "kb_server/door/ports.h"
 
-namespace docent {
+namespace docent::server {
 
 // A version and the dictionary of its ids: a version that was made again from the log has its own.
 struct QueryGraph {
@@ -44,6 +44,6 @@ absl::StatusOr<QueryGraph> GraphForQuery(const ServicePorts& ports, Revision min
                                          const std::string& as_of, absl::Time deadline,
                                          Cancellation* cancellation);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_HISTORY_PORT_H_

@@ -9,7 +9,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/text_bytes.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 size_t BytesOf(const WriteBatch& batch) {
@@ -132,4 +132,4 @@ size_t Inbox::size() const {
   return queue_.size();
 }
 
-}  // namespace docent
+}  // namespace docent::server

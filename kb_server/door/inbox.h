@@ -24,7 +24,7 @@
 #include "graph/store/recent_changes.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::server {
 
 // What became of a batch, once it is durable and visible.
 struct BatchOutcome {
@@ -102,6 +102,6 @@ class Inbox {
   bool woken_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_INBOX_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Shortest form that reads back as the same double.
@@ -156,4 +156,4 @@ std::string Metrics::Render() const {
   return out;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -17,7 +17,7 @@
 
 #include "absl/synchronization/mutex.h"
 
-namespace docent {
+namespace docent::server {
 
 // Only grows.
 class Counter {
@@ -109,6 +109,6 @@ class Metrics {
   std::map<std::string, std::string> deprecated_ ABSL_GUARDED_BY(mutex_);  // old name → name
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_METRICS_H_

@@ -7,7 +7,7 @@
 #include "workflow/cawl/ast.h"
 #include "workflow/rsel/ast.h"
 
-namespace docent {
+namespace docent::server {
 
 // One of the two is set: a correct document, parsed from the text of the same Document under its name.
 struct ParsedDocument final : ParsedText {
@@ -18,6 +18,6 @@ struct ParsedDocument final : ParsedText {
   const rsel::DocumentPtr rsel;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_PARSED_DOCUMENT_H_

@@ -22,18 +22,22 @@
 #include "kb_server/door/worker_pool.h"
 
 namespace docent {
+class MemoryBudget;
+}  // namespace docent
+
+namespace docent::explain {
+class FactHistory;
+}  // namespace docent::explain
+
+namespace docent::server {
 
 class HistoryPort;
 class LoadRunner;
-class MemoryBudget;
 class RemoteAccess;
 class SendBudget;
 class Subscriptions;
 class UpdateRunner;
 class WhatIfPort;
-namespace explain {
-class FactHistory;
-}
 
 // What is done about a load after which the graph violates the shapes of the ontology modules, as it did not before.
 enum class OnViolation { kIgnore, kWarn, kRefuse };
@@ -74,6 +78,6 @@ struct ServicePorts {
   OnViolation on_violation = OnViolation::kIgnore;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_PORTS_H_

@@ -16,7 +16,7 @@
 #include "graph/base/cancellation.h"
 #include "graph/store/graph_version.h"
 
-namespace docent {
+namespace docent::server {
 
 class QueryPort {
  public:
@@ -57,6 +57,6 @@ class QueryPort {
   GraphVersionPtr newest_ ABSL_GUARDED_BY(mutex_) = std::make_shared<const GraphVersion>();
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_QUERY_PORT_H_

@@ -13,7 +13,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "kb_server/door/inbox.h"
 
-namespace docent {
+namespace docent::server {
 
 // Shared by the memory and by snapshots that are being written.
 struct RememberedRequest {
@@ -56,6 +56,6 @@ class RequestMemory {
   std::deque<RememberedRequestPtr> order_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_REQUEST_MEMORY_H_

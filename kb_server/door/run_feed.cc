@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 
 uint64_t RunFeed::Subscribe(Callback callback) {
   absl::MutexLock lock(&subscribers_mutex_);
@@ -72,4 +72,4 @@ absl::StatusOr<RunEventPtr> RunFeed::Get(uint64_t number) const {
   return events_[number - first_];
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -24,7 +24,7 @@
 #include "graph/base/ids.h"
 #include "graph/base/limits.h"
 
-namespace docent {
+namespace docent::server {
 
 // One thing that happened. `kind`: fact, run, node, invocation, command, report.
 struct RunEvent {
@@ -76,6 +76,6 @@ class RunFeed {
   std::map<uint64_t, Callback> subscribers_ ABSL_GUARDED_BY(subscribers_mutex_);
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_RUN_FEED_H_

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 
-namespace docent {
+namespace docent::server {
 
 SendBudget::SendBudget(size_t limit) : limit_(limit) {
   thread_ = std::thread([this] {
@@ -102,4 +102,4 @@ void SendBudget::Loop() {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

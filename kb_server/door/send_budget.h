@@ -19,7 +19,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 
-namespace docent {
+namespace docent::server {
 
 class SendBudget {
  public:
@@ -73,6 +73,6 @@ class SendBudget {
   std::thread thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_SEND_BUDGET_H_

@@ -15,7 +15,7 @@
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::server {
 
 // A standing condition that would begin or cease to hold, or whose bindings would change.
 struct ConditionFlip {
@@ -47,6 +47,6 @@ class WhatIfPort {
   virtual void Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, Answered answered) = 0;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_WHAT_IF_PORT_H_

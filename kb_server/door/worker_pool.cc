@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr absl::Duration kLookAtQueue = absl::Milliseconds(20);
@@ -226,4 +226,4 @@ absl::Status NotBegun(int timeout_ms) {
                    ", and was not begun; try again"));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -23,7 +23,7 @@
 #include "graph/base/cancellation.h"
 #include "graph/base/limits.h"
 
-namespace docent {
+namespace docent::server {
 
 // When a piece of work has to begin, and what is called instead, on a thread of the pool's, when it did not.
 struct Patience {
@@ -143,6 +143,6 @@ class WorkerPool {
 // DEADLINE_EXCEEDED: what is said of work whose patience is over.
 absl::Status NotBegun(int timeout_ms);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_DOOR_WORKER_POOL_H_

@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Of one reply; what is more goes into the next.
@@ -134,4 +134,4 @@ void AnswerCursor::Write(v1::SubscribeReply* reply) {
   last_sent_ = absl::Now();
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include "kb_server/subscriptions/subscription_answer.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
-namespace docent {
+namespace docent::server {
 
 SubscribedQuery ToFollowed(const v1::SubscribeRequest& request);
 
@@ -53,6 +53,6 @@ class AnswerCursor {
   absl::Time told_due_ = absl::InfinitePast();
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_ANSWER_CURSOR_H_

@@ -8,7 +8,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/grpc/write_pump.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Whether making a batch of it takes more than moments: then a worker does it.
@@ -150,4 +150,4 @@ grpc::ServerBidiReactor<v1::AssertRequest, v1::AssertStreamReply>* ContextServic
   return new AssertStreamReactor(context, ports_);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -14,7 +14,7 @@
 #include "reasoner/explain/explainer.h"
 #include "reasoner/explain/explanation_text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kDefaultSets = 3;
@@ -187,4 +187,4 @@ grpc::ServerUnaryReactor* ContextService::Explain(grpc::CallbackServerContext*,
   return reactor;
 }
 
-}  // namespace docent
+}  // namespace docent::server

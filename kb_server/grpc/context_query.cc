@@ -10,7 +10,7 @@
 #include "kb_server/grpc/stream_reactor.h"
 #include "kb_server/work/remote_access.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The answer's way to the client.
@@ -157,4 +157,4 @@ grpc::ServerWriteReactor<v1::QueryReply>* ContextService::Query(grpc::CallbackSe
   return reactor;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -8,7 +8,7 @@
 #include "kb_server/grpc/write_pump.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using SubscribePump = WritePump<grpc::ServerWriteReactor<v1::SubscribeReply>, v1::SubscribeReply>;
@@ -79,4 +79,4 @@ grpc::ServerWriteReactor<v1::SubscribeReply>* ContextService::Subscribe(grpc::Ca
   return reactor;
 }
 
-}  // namespace docent
+}  // namespace docent::server

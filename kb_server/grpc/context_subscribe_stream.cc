@@ -14,7 +14,7 @@
 #include "kb_server/grpc/write_pump.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kUnsettled =
@@ -211,4 +211,4 @@ ContextService::SubscribeStream(grpc::CallbackServerContext* context) {
   return new SubscribeStreamReactor(context, ports_);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -9,7 +9,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/update_runner.h"
 
-namespace docent {
+namespace docent::server {
 
 grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* context,
                                                  const v1::UpdateRequest* request, v1::AssertReply* reply) {
@@ -34,4 +34,4 @@ grpc::ServerUnaryReactor* ContextService::Update(grpc::CallbackServerContext* co
       });
 }
 
-}  // namespace docent
+}  // namespace docent::server

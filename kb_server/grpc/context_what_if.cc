@@ -12,7 +12,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "reasoner/explain/display.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using explain::Display;
@@ -105,4 +105,4 @@ grpc::ServerUnaryReactor* ContextService::WhatIf(grpc::CallbackServerContext*,
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -9,7 +9,7 @@
 #include "graph/rdf/term_check.h"
 #include "kb_server/work/measures.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Terms of a message are absolute: a scheme, a colon, and nothing that an IRI may not hold (RFC 3987, 2.2).
@@ -227,4 +227,4 @@ v1::StreamError ToStreamError(const absl::Status& status) {
   return error;
 }
 
-}  // namespace docent
+}  // namespace docent::server

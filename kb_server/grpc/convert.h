@@ -20,7 +20,10 @@
 #include "graph/wire/term_proto.h"
 #include "kb_server/door/inbox.h"
 
-namespace docent {
+namespace docent::server {
+
+using docent::FromProto;  // of terms: graph/wire/term_proto.h
+using docent::ToProto;
 
 void ToProto(const Diagnostic& diagnostic, v1::Diagnostic* out);
 
@@ -51,6 +54,6 @@ absl::Status CheckDocumentSize(std::string_view name, std::string_view text, con
 grpc::Status ToGrpc(const absl::Status& status);
 v1::StreamError ToStreamError(const absl::Status& status);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_CONVERT_H_

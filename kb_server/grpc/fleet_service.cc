@@ -11,7 +11,7 @@
 #include "kb_server/work/measures.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 grpc::ServerUnaryReactor* FleetService::Join(grpc::CallbackServerContext* context,
                                              const v1::JoinRequest* request, v1::JoinReply* reply) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -89,4 +89,4 @@ grpc::ServerUnaryReactor* FleetService::List(grpc::CallbackServerContext* contex
                   });
 }
 
-}  // namespace docent
+}  // namespace docent::server

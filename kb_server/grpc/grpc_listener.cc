@@ -24,7 +24,7 @@
 #include "absl/strings/str_cat.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr absl::Duration kPause = absl::Milliseconds(50);  // after an error
@@ -318,4 +318,4 @@ void GrpcListener::CloseIdle(size_t count) {
   std::erase_if(connections_, [&](const Connection&) { return closed[place++]; });
 }
 
-}  // namespace docent
+}  // namespace docent::server

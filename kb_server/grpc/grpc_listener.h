@@ -22,7 +22,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace docent {
+namespace docent::server {
 
 class GrpcListener {
  public:
@@ -94,6 +94,6 @@ class GrpcListener {
 // Ports from which a peer has a call under way now at a gRPC server of this process.
 absl::flat_hash_set<int> PeerPortsWithCalls();
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_GRPC_LISTENER_H_

@@ -20,7 +20,7 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/work/known_prefixes.h"
 
-namespace docent {
+namespace docent::server {
 
 class ContextService final : public v1::Context::CallbackService {
  public:
@@ -126,6 +126,6 @@ class FleetService final : public v1::Fleet::CallbackService {
   FleetLeases& leases_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_GRPC_SERVICES_H_

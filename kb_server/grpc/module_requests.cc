@@ -12,7 +12,7 @@
 #include "kb_server/grpc/convert.h"
 #include "kb_server/work/known_prefixes.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 ParseRdfOptions OptionsFor(const v1::LoadRequest& request, const Limits& limits) {
@@ -114,4 +114,4 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
   return batch;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -9,7 +9,7 @@
 #include "graph/store/write_batch.h"
 #include "kb_server/work/load_judge.h"
 
-namespace docent {
+namespace docent::server {
 
 // INVALID_ARGUMENT with all diagnostics where it does not parse, or has no name; RESOURCE_EXHAUSTED naming the limit.
 // CANCELLED, DEADLINE_EXCEEDED: what `cancellation`, which may be null, said meanwhile.
@@ -21,6 +21,6 @@ absl::StatusOr<WriteBatch> ToLoadBatch(const v1::LoadRequest& request, const Lim
 // are not the document's) and rules have no places.
 LoadedText TextOf(const v1::LoadRequest& request, const Limits& limits);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_MODULE_REQUESTS_H_

@@ -9,7 +9,7 @@
 
 #include "absl/synchronization/notification.h"
 
-namespace docent {
+namespace docent::server {
 
 // A call that fails at once, since its channel has no credentials; its end comes on a callback thread.
 struct OneCallbackThread::Call {
@@ -51,4 +51,4 @@ void OneCallbackThread::KeepAwake() {
   kept_->event = std::make_unique<Call>(&kept_->stub, nullptr);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace docent {
+namespace docent::server {
 
 class OneCallbackThread {
  public:
@@ -29,6 +29,6 @@ class OneCallbackThread {
   std::unique_ptr<KeptThread> kept_;  // null: gRPC has more than two
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_ONE_CALLBACK_THREAD_H_

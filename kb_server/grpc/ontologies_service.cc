@@ -12,7 +12,7 @@
 #include "kb_server/grpc/unary_reactors.h"
 #include "kb_server/work/load_runner.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr uint32_t kMostShown = 10000;  // facts of each kind in one preview
@@ -183,4 +183,4 @@ grpc::ServerUnaryReactor* OntologiesService::PreviewRules(grpc::CallbackServerCo
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, work);
 }
 
-}  // namespace docent
+}  // namespace docent::server

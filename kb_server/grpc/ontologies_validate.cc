@@ -19,7 +19,7 @@
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The shapes of a request's texts, in a graph of their own. Its dictionary knows the server's terms.
@@ -119,7 +119,7 @@ absl::Status Validate(const ServicePorts& ports, const v1::ValidateRequest& requ
               "sh:targetSubjectsOf, sh:targetObjectsOf or sh:target");
   }
   for (const Diagnostic& diagnostic : parsed.diagnostics)
-    docent::ToProto(diagnostic, reply->add_diagnostics());
+    server::ToProto(diagnostic, reply->add_diagnostics());
   shapes::ValidateOptions options;
   options.memory_bytes = ports.limits.query_memory_bytes;
   options.cancellation = cancellation;
@@ -140,7 +140,7 @@ absl::Status Check(const ServicePorts& ports, const v1::LoadRequest& request, Ca
   reply->set_revision(version->revision().value());
   reply->set_conforms(!verdict->HasViolations());
   for (const Diagnostic& diagnostic : verdict->diagnostics)
-    docent::ToProto(diagnostic, reply->add_diagnostics());
+    server::ToProto(diagnostic, reply->add_diagnostics());
   size_t bytes = 0;
   for (const JudgedResult& result : verdict->results) {
     v1::ValidationResult* out = reply->add_results();
@@ -164,7 +164,7 @@ grpc::ServerUnaryReactor* OntologiesService::Validate(grpc::CallbackServerContex
   auto cancellation = std::make_shared<Cancellation>(std::chrono::milliseconds(timeout_ms));
   const absl::Time deadline = absl::Now() + absl::Milliseconds(timeout_ms);
   const auto validate = [this, request, reply, cancellation, deadline](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(docent::Validate(ports_, *request, deadline, cancellation.get(), reply)));
+    reactor->Finish(ToGrpc(server::Validate(ports_, *request, deadline, cancellation.get(), reply)));
   };
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, validate);
 }
@@ -175,9 +175,9 @@ grpc::ServerUnaryReactor* OntologiesService::Check(grpc::CallbackServerContext*,
   auto cancellation =
       std::make_shared<Cancellation>(std::chrono::milliseconds(ports_.limits.query_timeout_ms));
   const auto check = [this, request, reply, cancellation](grpc::ServerUnaryReactor* reactor) {
-    reactor->Finish(ToGrpc(docent::Check(ports_, *request, cancellation.get(), reply)));
+    reactor->Finish(ToGrpc(server::Check(ports_, *request, cancellation.get(), reply)));
   };
   return OnWorker(new CancellableReactor(cancellation), ports_.workers, check);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -14,7 +14,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/work/graph_reader.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr std::string_view kKeptOfOffline[] = {"x",      "y",           "heading",
@@ -180,4 +180,4 @@ WriteBatch FactsOfLoss(const std::string& robot, TimeMicros seen_us, const Dicti
   return facts.Take();
 }
 
-}  // namespace docent
+}  // namespace docent::server

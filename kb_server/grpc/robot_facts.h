@@ -12,7 +12,7 @@
 #include "graph/store/graph_version.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::server {
 
 // A description without what cannot be taken: operations without a name that can stand in documents and IRIs, or named
 // twice; parts likewise; a class that is no IRI. `warnings` say what was left out, each on one line.
@@ -29,6 +29,6 @@ WriteBatch FactsOfJoin(const v1::JoinRequest& request, const Dictionary& diction
 WriteBatch FactsOfLoss(const std::string& robot, TimeMicros seen_us, const Dictionary& dictionary,
                        const GraphVersion& version);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_ROBOT_FACTS_H_

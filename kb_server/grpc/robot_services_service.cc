@@ -16,7 +16,7 @@
 #include "kb_server/work/graph_reader.h"
 #include "workflow/rsel/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Robots that offer every operation of the plan.
@@ -239,4 +239,4 @@ grpc::ServerWriteReactor<v1::InvokeServiceReply>* RobotServicesService::Invoke(
   return reactor;
 }
 
-}  // namespace docent
+}  // namespace docent::server

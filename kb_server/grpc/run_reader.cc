@@ -11,7 +11,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 void ReadInvocation(const GraphReader& graph, const std::string& iri, v1::Invocation* out) {
@@ -102,4 +102,4 @@ std::vector<std::string> RunIds(const GraphReader& graph, bool live_only) {
   return ids;
 }
 
-}  // namespace docent
+}  // namespace docent::server

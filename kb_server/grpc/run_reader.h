@@ -8,7 +8,7 @@
 #include "docent/v1/workflows.pb.h"
 #include "kb_server/work/graph_reader.h"
 
-namespace docent {
+namespace docent::server {
 
 // False: the graph has no run of this id.
 bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run);
@@ -16,6 +16,6 @@ bool ReadRun(const GraphReader& graph, const std::string& id, v1::Run* run);
 // Ids of all runs, oldest first.
 std::vector<std::string> RunIds(const GraphReader& graph, bool live_only);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_RUN_READER_H_

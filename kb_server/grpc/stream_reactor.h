@@ -24,7 +24,7 @@
 #include "graph/base/limits.h"
 #include "kb_server/grpc/write_pump.h"
 
-namespace docent {
+namespace docent::server {
 
 template <typename Message>
 class StreamHandle;
@@ -218,6 +218,6 @@ class StreamHandle : public std::enable_shared_from_this<StreamHandle<Message>> 
   std::unique_ptr<grpc::Alarm> alarm_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_STREAM_REACTOR_H_

@@ -11,7 +11,7 @@
 #include "graph/base/cancellation.h"
 #include "kb_server/door/worker_pool.h"
 
-namespace docent {
+namespace docent::server {
 
 // Of a call that is answered at once.
 inline grpc::ServerUnaryReactor* FinishNow(grpc::CallbackServerContext* context, const grpc::Status& status) {
@@ -42,6 +42,6 @@ class CancellableReactor final : public grpc::ServerUnaryReactor {
   const std::shared_ptr<Cancellation> cancellation_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_UNARY_REACTORS_H_

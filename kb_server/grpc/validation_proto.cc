@@ -4,7 +4,7 @@
 
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 void FillPlace(const std::string& file, int line, int column, v1::SourcePlace* out) {
@@ -53,4 +53,4 @@ shapes::ResultText FromProto(const v1::ValidationResult& result) {
   return text;
 }
 
-}  // namespace docent
+}  // namespace docent::server

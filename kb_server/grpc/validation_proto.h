@@ -6,7 +6,7 @@
 #include "graph/rdf/term.h"
 #include "reasoner/shapes/report.h"
 
-namespace docent {
+namespace docent::server {
 
 // Without a text for the value none is written.
 void ToProto(const shapes::ResultText& text, const Term& focus, const Term& value, const Term& shape,
@@ -15,6 +15,6 @@ void ToProto(const shapes::ResultText& text, const Term& focus, const Term& valu
 // As people are shown it; a term that is none is shown as "".
 shapes::ResultText FromProto(const v1::ValidationResult& result);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_VALIDATION_PROTO_H_

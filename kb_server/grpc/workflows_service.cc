@@ -14,7 +14,7 @@
 #include "kb_server/work/graph_environment.h"
 #include "workflow/cawl/check.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 cawl::CheckReport CheckText(const ServicePorts& ports, const std::string& text, const std::string& name) {
@@ -175,4 +175,4 @@ grpc::ServerUnaryReactor* WorkflowsService::Cancel(grpc::CallbackServerContext* 
   return reactor;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -5,7 +5,7 @@
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/write_pump.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 void ToProto(const RunEvent& event, v1::RunEvent* out) {
@@ -79,4 +79,4 @@ grpc::ServerWriteReactor<v1::RunEvent>* WorkflowsService::Watch(grpc::CallbackSe
   return new WatchReactor(context, ports_, *request);
 }
 
-}  // namespace docent
+}  // namespace docent::server

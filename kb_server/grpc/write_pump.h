@@ -21,7 +21,7 @@
 #include "kb_server/door/send_budget.h"
 #include "kb_server/grpc/convert.h"
 
-namespace docent {
+namespace docent::server {
 
 // `Reactor`: grpc::ServerWriteReactor<Message>, or a grpc::ServerBidiReactor<…, Message>.
 template <typename Reactor, typename Message>
@@ -159,6 +159,6 @@ class WritePump : public Reactor {
   grpc::Status status_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_GRPC_WRITE_PUMP_H_

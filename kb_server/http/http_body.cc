@@ -7,7 +7,7 @@
 #include "graph/base/gzip.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 bool IsGzipCoding(std::string_view coding) {
@@ -40,4 +40,4 @@ void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view lim
   body->text = body->unpacked;
 }
 
-}  // namespace docent
+}  // namespace docent::server

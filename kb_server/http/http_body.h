@@ -8,7 +8,7 @@
 
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 // 415 for a coding that is not read: all but gzip and identity. nullopt: go on.
 std::optional<HttpResponse> RefuseEncoding(std::string_view content_encoding);
@@ -21,6 +21,6 @@ struct HttpBody {
 // Fills *body for a request that RefuseEncoding let pass. Unpacking takes time: for a worker, where `most_bytes` is large.
 void UnpackBody(const HttpRequest& http, size_t most_bytes, std::string_view limit_name, HttpBody* body);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_BODY_H_

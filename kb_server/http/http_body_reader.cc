@@ -6,7 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kSizeDigits = 16;  // more of them are counted as overhead
@@ -182,4 +182,4 @@ void HttpBodyReader::TakeSize(std::string_view line) {
   part_ = size == 0 ? Part::kTrailer : Part::kData;
 }
 
-}  // namespace docent
+}  // namespace docent::server

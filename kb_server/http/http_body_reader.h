@@ -14,7 +14,7 @@
 #include "kb_server/http/http_head_reader.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 struct HttpBodyLimits {
   size_t bytes = Limits{}.http_body_bytes;       // beyond: 413
@@ -58,6 +58,6 @@ class HttpBodyReader {
   HttpResponse refusal_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_BODY_READER_H_

@@ -19,7 +19,7 @@
 #include "kb_server/http/http_body.h"
 #include "kb_server/http/http_body_reader.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 namespace net = boost::asio;
@@ -360,4 +360,4 @@ net::awaitable<void> HttpConnection::WaitForWake() {
   woken_ = false;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -21,7 +21,7 @@
 #include "kb_server/http/http_head_reader.h"
 #include "kb_server/http/http_server.h"
 
-namespace docent {
+namespace docent::server {
 
 // What all connections share.
 struct HttpShared {
@@ -107,6 +107,6 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::shared_ptr<HttpAnswer> answer_;      // of the request in work
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_CONNECTION_H_

@@ -4,7 +4,7 @@
 
 #include "absl/time/time.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr absl::Duration kLookAround = absl::Milliseconds(100);
@@ -143,4 +143,4 @@ void HttpExchange::OnGone(std::function<void()> callback) {
   callback();
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -17,8 +17,10 @@
 #include "kb_server/work/http_message.h"
 
 namespace docent {
-
 class MemoryUse;
+}  // namespace docent
+
+namespace docent::server {
 
 // What the connection and the handler share. Handlers use HttpExchange below.
 class HttpAnswer {
@@ -104,6 +106,6 @@ class HttpExchange {
 
 using HttpHandler = std::function<void(std::shared_ptr<HttpExchange>)>;
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_EXCHANGE_H_

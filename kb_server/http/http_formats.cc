@@ -9,7 +9,7 @@
 #include "graph/rdf/formats/rdf_xml.h"
 #include "graph/rdf/formats/serializer.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using sparql::ResultFormat;
@@ -89,4 +89,4 @@ HttpResponse NoGraphType() {
   return NotAcceptable(kGraphTypes);
 }
 
-}  // namespace docent
+}  // namespace docent::server

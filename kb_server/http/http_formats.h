@@ -13,7 +13,7 @@
 #include "graph/sparql/results/results.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 struct RowType {
   std::string_view asked;  // in Accept
@@ -43,6 +43,6 @@ GraphText WriteGraph(std::vector<TermQuad> triples, std::string_view accept,
 HttpResponse NoRowType();
 HttpResponse NoGraphType();
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_FORMATS_H_

@@ -27,7 +27,7 @@
 #include "kb_server/http/long_answer.h"
 #include "kb_server/work/update_runner.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr std::string_view kRoot = "/rdf-graphs";
@@ -423,4 +423,4 @@ void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports) {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -16,11 +16,11 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/http/http_server.h"
 
-namespace docent {
+namespace docent::server {
 
 // `ports` must outlive the server and the workers' last job.
 void AddGraphStoreRoutes(HttpRoutes* routes, const ServicePorts* ports);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_GRAPH_STORE_H_

@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr uint16_t kHttpPort = 80, kHttpsPort = 443;
@@ -83,4 +83,4 @@ std::optional<HttpResponse> HttpGuard::Refuse(const HttpRequest& request) const 
   return std::nullopt;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 class HttpGuard {
  public:
@@ -37,6 +37,6 @@ class HttpGuard {
   const std::vector<std::string> allowed_hosts_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_GUARD_H_

@@ -12,7 +12,7 @@
 #include "absl/strings/str_split.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kShownBytes = 60;  // of what is wrong, in a message
@@ -234,4 +234,4 @@ bool HttpHeadReader::FrameByTransferEncoding(bool has_length) {
   return true;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -14,7 +14,7 @@
 #include "graph/base/limits.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 struct HttpHeadLimits {
   size_t bytes = Limits{}.http_header_bytes;    // beyond: 414 in the request line, 431 in the fields
@@ -78,6 +78,6 @@ class HttpHeadReader {
   bool done_ = false;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_HEAD_READER_H_

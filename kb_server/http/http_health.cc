@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace docent {
+namespace docent::server {
 
 void AddHealthRoute(HttpRoutes* routes, std::function<absl::Status()> health) {
   routes->Add("GET", "/healthz", [health = std::move(health)](std::shared_ptr<HttpExchange> exchange) {
@@ -37,4 +37,4 @@ void AddHttpMetrics(Metrics* metrics, const HttpServer* server) {
       [server] { return static_cast<double>(server->counts().refused); });
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -8,7 +8,7 @@
 #include "kb_server/door/metrics.h"
 #include "kb_server/http/http_server.h"
 
-namespace docent {
+namespace docent::server {
 
 // GET /healthz: 200 "ok" while `health` is OK, otherwise 503 with its message. Called on a network thread:
 // quick.
@@ -20,6 +20,6 @@ void AddMetricsRoute(HttpRoutes* routes, const Metrics* metrics);
 // The server's own counts as metrics. `server` must outlive every Render.
 void AddHttpMetrics(Metrics* metrics, const HttpServer* server);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_HEALTH_H_

@@ -5,7 +5,7 @@
 #include "absl/strings/strip.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The value of `name`, e.g. "boundary=", in a header field, without quotes.
@@ -67,4 +67,4 @@ absl::StatusOr<std::vector<HttpPart>> ParseMultipart(std::string_view content_ty
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

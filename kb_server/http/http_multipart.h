@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "graph/base/limits.h"
 
-namespace docent {
+namespace docent::server {
 
 struct HttpPart {
   std::string content_type;  // as sent; empty: none
@@ -22,6 +22,6 @@ struct HttpPart {
 absl::StatusOr<std::vector<HttpPart>> ParseMultipart(std::string_view content_type, std::string_view body,
                                                      size_t limit = Limits{}.http_parameters);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_MULTIPART_H_

@@ -17,7 +17,7 @@
 #include "kb_server/http/long_answer.h"
 #include "kb_server/work/remote_access.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kCopies = 4;  // of a row on its way: as terms, as text, with its connection, as what is sent
@@ -168,4 +168,4 @@ int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
   return QueryAnswer(ports, request, std::move(exchange), cancellation).Run();
 }
 
-}  // namespace docent
+}  // namespace docent::server

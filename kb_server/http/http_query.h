@@ -10,12 +10,12 @@
 #include "kb_server/http/http_exchange.h"
 #include "kb_server/http/http_sparql_request.h"
 
-namespace docent {
+namespace docent::server {
 
 // Answers the exchange, whatever happens. The HTTP status that the answer has.
 int AnswerQuery(const ServicePorts& ports, const SparqlRequest& request,
                 std::shared_ptr<HttpExchange> exchange, Cancellation* cancellation);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_QUERY_H_

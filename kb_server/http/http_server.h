@@ -24,7 +24,7 @@
 #include "graph/base/limits.h"
 #include "kb_server/http/http_exchange.h"
 
-namespace docent {
+namespace docent::server {
 
 class SendBudget;
 
@@ -93,6 +93,6 @@ class HttpServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_SERVER_H_

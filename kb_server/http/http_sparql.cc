@@ -14,7 +14,7 @@
 #include "kb_server/http/service_description.h"
 #include "kb_server/work/update_runner.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using Kind = SparqlRequest::Kind;
@@ -147,4 +147,4 @@ void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* met
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -21,7 +21,7 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/http/http_server.h"
 
-namespace docent {
+namespace docent::server {
 
 // Queries run on `ports->workers`. Both pointers must outlive the server and the workers' last query.
 void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* metrics);
@@ -29,6 +29,6 @@ void AddSparqlRoutes(HttpRoutes* routes, const ServicePorts* ports, Metrics* met
 // What an update did, as JSON.
 HttpResponse OutcomeResponse(int status, const BatchOutcome& outcome);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_SPARQL_H_

@@ -9,7 +9,7 @@
 #include "graph/rdf/iri.h"
 #include "kb_server/http/http_body.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using Kind = SparqlRequest::Kind;
@@ -137,4 +137,4 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits) {
   return FromParameters(*form, false, std::move(request), limits);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 #include "graph/rdf/term.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 struct SparqlRequest {
   enum class Kind { kQuery, kUpdate, kDescription };  // kDescription: GET without anything to do
@@ -37,6 +37,6 @@ ReadSparqlRequest ReadSparql(const HttpRequest& http, const Limits& limits);
 // "http://host:port/path" of a request.
 std::string AddressOf(const HttpRequest& http);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_HTTP_SPARQL_REQUEST_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kShortBytes = 1u << 20;
@@ -55,4 +55,4 @@ absl::Status LongAnswer::SendAll(std::string text, Cancellation* cancellation) {
   return absl::OkStatus();
 }
 
-}  // namespace docent
+}  // namespace docent::server

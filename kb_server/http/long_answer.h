@@ -12,7 +12,7 @@
 #include "kb_server/door/worker_pool.h"
 #include "kb_server/http/http_exchange.h"
 
-namespace docent {
+namespace docent::server {
 
 // Used on a worker's thread.
 class LongAnswer {
@@ -36,6 +36,6 @@ class LongAnswer {
   WorkerPool& workers_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_LONG_ANSWER_H_

@@ -10,7 +10,7 @@
 #include "kb_server/http/http_formats.h"
 #include "kb_server/work/remote_access.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr std::string_view kSd = "http://www.w3.org/ns/sparql-service-description#";
@@ -101,4 +101,4 @@ HttpResponse DescribeService(const ServicePorts& ports, const std::string& addre
   return response;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -8,12 +8,12 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 // The description of the endpoint at `address`, with the graphs of the newest version, in what `accept` asks
 // for.
 HttpResponse DescribeService(const ServicePorts& ports, const std::string& address, std::string_view accept);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_HTTP_SERVICE_DESCRIPTION_H_

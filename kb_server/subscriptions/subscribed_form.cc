@@ -4,7 +4,7 @@
 
 #include "graph/sparql/syntax/algebra_walk.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using sparql::Algebra;
@@ -40,8 +40,9 @@ Outside OutsideOf(const Algebra& whole, const Algebra& where) {
 
 }  // namespace
 
-std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query, const TriggerAnalysis& analysis) {
-  const Algebra& where = WithoutModifiers(*query.algebra);
+std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query,
+                                               const matching::TriggerAnalysis& analysis) {
+  const Algebra& where = matching::WithoutModifiers(*query.algebra);
   const bool select = query.form == sparql::Query::Form::kSelect;
   if (!query.from.empty() || !query.from_named.empty() || analysis.is_volatile) return std::nullopt;
   const Outside outside = OutsideOf(*query.algebra, where);
@@ -51,7 +52,7 @@ std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query, const
     return std::nullopt;
   SubscribedForm form;
   if (!select) return form;
-  const absl::flat_hash_set<std::string> certain = CertainVariables(where);
+  const absl::flat_hash_set<std::string> certain = matching::CertainVariables(where);
   if (rows_count) {
     form.keys.assign(certain.begin(), certain.end());
     std::sort(form.keys.begin(), form.keys.end());
@@ -66,13 +67,14 @@ std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query, const
   return form;
 }
 
-std::vector<SubscriptionAnswer::Row> SubscribedForm::RowsOf(const std::vector<Binding>& bindings) const {
+std::vector<SubscriptionAnswer::Row> SubscribedForm::RowsOf(
+    const std::vector<conditions::Binding>& bindings) const {
   std::vector<SubscriptionAnswer::Row> rows;
-  for (const Binding& binding : bindings) {
+  for (const conditions::Binding& binding : bindings) {
     SubscriptionAnswer::Row& row = rows.emplace_back();
     for (const size_t column : columns) row.push_back(binding[column].second);
   }
   return rows;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -16,18 +16,19 @@
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::server {
 
 struct SubscribedForm {
   std::vector<std::string> keys;  // for RegisterOptions::key_variables; none for an ASK
   std::vector<size_t> columns;    // for each variable of the answer its place among `keys`
 
-  std::vector<SubscriptionAnswer::Row> RowsOf(const std::vector<Binding>& bindings) const;
+  std::vector<SubscriptionAnswer::Row> RowsOf(const std::vector<conditions::Binding>& bindings) const;
 };
 
 // nullopt: the query has to be asked whole. `analysis`: of its WHERE. Matching is in the union of all graphs.
-std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query, const TriggerAnalysis& analysis);
+std::optional<SubscribedForm> SubscribedFormOf(const sparql::Query& query,
+                                               const matching::TriggerAnalysis& analysis);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIBED_FORM_H_

@@ -11,23 +11,23 @@
 #include "kb_server/subscriptions/subscribed_form.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
-namespace docent {
+namespace docent::server {
 
 struct Subscriptions::Subscription {
   uint32_t number = 0;
   SubscribedQuery followed;
   sparql::Query query;
   std::optional<SubscribedForm> form;  // nullopt: always asked whole
-  TriggerAnalysis analysis;
+  matching::TriggerAnalysis analysis;
   std::vector<Term> unknown;  // constants that the dictionary did not know when it was prepared
   std::unique_ptr<sparql::PreparedQuery> prepared;  // null while it is kept
-  std::optional<ConditionId> kept;
-  std::vector<PatternIndex::Handle> watches;
+  std::optional<conditions::ConditionId> kept;
+  std::vector<matching::PatternIndex::Handle> watches;
   SubscriptionAnswerPtr answer;
   std::optional<TimeMicros> ripens_at_us;          // its place in ripening_
   absl::Time idle_since = absl::InfiniteFuture();  // its place in idle_
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIBED_QUERY_H_

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 std::string KeyOf(const CountedRow& row) {
@@ -303,4 +303,4 @@ absl::StatusOr<AnswerChangePtr> SubscriptionAnswer::Sum(uint64_t number) const {
   return AnswerChangePtr(std::move(sum));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -23,7 +23,7 @@
 #include "graph/rdf/term.h"
 #include "kb_server/subscriptions/young_rows.h"
 
-namespace docent {
+namespace docent::server {
 
 // A row and how often it comes or goes: answers are bags.
 struct CountedRow {
@@ -132,6 +132,6 @@ class SubscriptionAnswer {
 };
 using SubscriptionAnswerPtr = std::shared_ptr<SubscriptionAnswer>;
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTION_ANSWER_H_

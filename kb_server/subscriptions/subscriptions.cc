@@ -13,7 +13,7 @@
 #include "kb_server/subscriptions/subscribed_query.h"
 #include "kb_server/work/condition_cost.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using sparql::Algebra;
@@ -301,12 +301,12 @@ std::string Subscriptions::WarningOf(const Subscription& subscription, absl::Dur
 void Subscriptions::ForgetKept() {
   for (const auto& [id, number] : by_constraint_) by_number_[number]->kept.reset();
   by_constraint_.clear();
-  kept_ = std::make_unique<StandingConditions>(names_, settings_.functions);
+  kept_ = std::make_unique<conditions::StandingConditions>(names_, settings_.functions);
 }
 
 // What a changed quad must look like to matter to a trigger; nullopt: none can yet.
-std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) const {
-  MatchPattern match;
+std::optional<matching::MatchPattern> Subscriptions::MatchOf(const matching::TriggerSource& source) const {
+  matching::MatchPattern match;
   const std::array<std::pair<const PatternTerm*, TermId*>, 4> places = {
       {{&source.pattern.subject, &match.constants.subject},
        {&source.pattern.predicate, &match.constants.predicate},
@@ -322,7 +322,7 @@ std::optional<MatchPattern> Subscriptions::MatchOf(const TriggerSource& source) 
 }
 
 void Subscriptions::Watch(Subscription& subscription) {
-  const std::vector<TriggerSource>& triggers = subscription.analysis.triggers;
+  const std::vector<matching::TriggerSource>& triggers = subscription.analysis.triggers;
   for (uint32_t i = 0; i < triggers.size(); ++i) {
     if (const auto match = MatchOf(triggers[i])) {
       subscription.watches.push_back(watches_.Add(*match, {subscription.number, i}));
@@ -334,7 +334,7 @@ void Subscriptions::Watch(Subscription& subscription) {
 }
 
 void Subscriptions::Unwatch(Subscription& subscription) {
-  for (const PatternIndex::Handle handle : subscription.watches) watches_.Remove(handle);
+  for (const matching::PatternIndex::Handle handle : subscription.watches) watches_.Remove(handle);
   subscription.watches.clear();
   volatile_.erase(subscription.number);
 }
@@ -365,12 +365,12 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
   counters_.evaluations += kept_->evaluations() - before;
   if (!changes.ok()) return false;
   kept_->Commit();
-  for (const ConditionChange& change : *changes) {
+  for (const conditions::ConditionChange& change : *changes) {
     Subscription& subscription = *by_number_[by_constraint_.at(change.id)];
     bool changed = false;
     if (subscription.answer->is_boolean()) {
-      changed = subscription.answer->SetBoolean(version_->revision(),
-                                                change.edge == ConditionChange::Edge::kRose, time_us_);
+      changed = subscription.answer->SetBoolean(
+          version_->revision(), change.edge == conditions::ConditionChange::Edge::kRose, time_us_);
     } else {
       changed =
           subscription.answer->ChangeRows(version_->revision(), subscription.form->RowsOf(change.appeared),
@@ -386,18 +386,18 @@ bool Subscriptions::UpdateKept(const Delta& delta) {
   return true;
 }
 
-bool Subscriptions::MayTurn(PatternIndex::Reference reference, bool added) const {
+bool Subscriptions::MayTurn(matching::PatternIndex::Reference reference, bool added) const {
   const Subscription& subscription = *by_number_[reference.owner];
-  const Polarity polarity = subscription.analysis.triggers[reference.pattern].polarity;
-  if (!subscription.answer->is_boolean() || polarity == Polarity::kBoth) return true;
-  const bool helps = added == (polarity == Polarity::kPositive);
+  const matching::Polarity polarity = subscription.analysis.triggers[reference.pattern].polarity;
+  if (!subscription.answer->is_boolean() || polarity == matching::Polarity::kBoth) return true;
+  const bool helps = added == (polarity == matching::Polarity::kPositive);
   return helps != subscription.answer->boolean();
 }
 
 absl::btree_set<uint32_t> Subscriptions::Touched(const Delta& delta) const {
   absl::btree_set<uint32_t> touched(volatile_.begin(), volatile_.end());
   const auto look = [&](const Quad& quad, bool added) {
-    watches_.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+    watches_.ForEachMatch(quad, [&](matching::PatternIndex::Reference reference) {
       if (MayTurn(reference, added)) touched.insert(reference.owner);
     });
   };
@@ -483,7 +483,8 @@ absl::StatusOr<Subscriptions::Subscription*> Subscriptions::FindOrMake(const Sub
   auto subscription = std::make_unique<Subscription>();
   subscription->followed = followed;
   subscription->query = std::move(query);
-  subscription->analysis = AnalyseTriggers(WithoutModifiers(*subscription->query.algebra));
+  subscription->analysis =
+      matching::AnalyseTriggers(matching::WithoutModifiers(*subscription->query.algebra));
   if (settings_.default_graph == sparql::DefaultGraph::kUnion)
     subscription->form = SubscribedFormOf(subscription->query, subscription->analysis);
   if (free_.empty()) {
@@ -546,4 +547,4 @@ void Subscriptions::Drop(uint32_t number) {
   free_.push_back(number);
 }
 
-}  // namespace docent
+}  // namespace docent::server

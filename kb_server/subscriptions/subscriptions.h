@@ -43,7 +43,7 @@
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::server {
 
 // Read by any thread for /metrics.
 struct SubscriptionCounters {
@@ -157,7 +157,7 @@ class Subscriptions {
   void Watch(Subscription& subscription);
   void Unwatch(Subscription& subscription);
   void Forget(Subscription& subscription);  // neither kept nor watched
-  std::optional<MatchPattern> MatchOf(const TriggerSource& source) const;
+  std::optional<matching::MatchPattern> MatchOf(const matching::TriggerSource& source) const;
   // Those that named a term which the dictionary has learnt since; they are no longer watched.
   std::vector<uint32_t> LearnConstants();
   // False: too much for a StandingConditions at once.
@@ -165,7 +165,7 @@ class Subscriptions {
   // The watched queries whose answer the change may change.
   absl::btree_set<uint32_t> Touched(const Delta& delta) const;
   absl::Status TooManyRows() const;
-  bool MayTurn(PatternIndex::Reference reference, bool added) const;
+  bool MayTurn(matching::PatternIndex::Reference reference, bool added) const;
   void Changed(const Subscription& subscription);
   // What has lasted long enough by then is told.
   void Ripen(TimeMicros now_us);
@@ -218,9 +218,9 @@ class Subscriptions {
   absl::btree_set<std::pair<TimeMicros, uint32_t>> ripening_;  // when, and which
   absl::btree_set<std::pair<absl::Time, uint32_t>> idle_;      // nobody follows them: since when, and which
   Dictionary names_;  // the condition set's: the dictionary, read only
-  std::unique_ptr<StandingConditions> kept_;
-  absl::flat_hash_map<ConditionId, uint32_t> by_constraint_;
-  PatternIndex watches_;  // of the others
+  std::unique_ptr<conditions::StandingConditions> kept_;
+  absl::flat_hash_map<conditions::ConditionId, uint32_t> by_constraint_;
+  matching::PatternIndex watches_;  // of the others
   absl::flat_hash_set<uint32_t> volatile_;
   std::vector<uint32_t> changed_;  // of which the subscribers have not heard
   absl::Time changed_since_;
@@ -231,6 +231,6 @@ class Subscriptions {
   std::thread thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_SUBSCRIPTIONS_H_

@@ -8,7 +8,7 @@
 #include "kb_server/subscriptions/subscribed_query.h"
 #include "kb_server/subscriptions/subscriptions.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr absl::Duration kLinger = absl::Seconds(60);  // a query that nobody follows is kept for so long
@@ -107,4 +107,4 @@ void Subscriptions::DropIdle() {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include "graph/base/clock.h"
 #include "graph/rdf/term_id.h"
 
-namespace docent {
+namespace docent::server {
 
 class YoungRows {
  public:
@@ -68,6 +68,6 @@ class YoungRows {
   std::map<TimeMicros, absl::flat_hash_set<Row>> by_time_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_SUBSCRIPTIONS_YOUNG_ROWS_H_

@@ -7,11 +7,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The value of a position of a pattern; null where `binding` has none.
-const Term* ValueOf(const sparql::PatternTerm& term, const TermBinding& binding) {
+const Term* ValueOf(const sparql::PatternTerm& term, const engine::TermBinding& binding) {
   if (!term.IsVariable()) return &term.term();
   const auto value = binding.find(term.variable().name);
   return value == binding.end() ? nullptr : &value->second;
@@ -26,7 +26,7 @@ ConditionEvidence::ConditionEvidence(const sparql::Query& query, const Dictionar
   }
 }
 
-std::string ConditionEvidence::Text(const GraphVersion& version, const TermBinding& binding) const {
+std::string ConditionEvidence::Text(const GraphVersion& version, const engine::TermBinding& binding) const {
   std::vector<std::string> lines;
   for (const sparql::TriplePattern& pattern : patterns_) {
     const Term* subject = ValueOf(pattern.subject, binding);
@@ -44,4 +44,4 @@ std::string ConditionEvidence::Text(const GraphVersion& version, const TermBindi
   return absl::StrJoin(lines, "");
 }
 
-}  // namespace docent
+}  // namespace docent::server

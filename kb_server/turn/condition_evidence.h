@@ -15,7 +15,7 @@
 #include "graph/store/graph_version.h"
 #include "workflow/engine/ports.h"
 
-namespace docent {
+namespace docent::server {
 
 class ConditionEvidence {
  public:
@@ -24,13 +24,13 @@ class ConditionEvidence {
 
   // N-Triples: the facts of `version` that its positive triple patterns are with the values of `binding`, each once. A
   // pattern whose variables have no values there is of an alternative that was not taken.
-  std::string Text(const GraphVersion& version, const TermBinding& binding) const;
+  std::string Text(const GraphVersion& version, const engine::TermBinding& binding) const;
 
  private:
   std::vector<sparql::TriplePattern> patterns_;
   const Dictionary* dictionary_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_TURN_CONDITION_EVIDENCE_H_

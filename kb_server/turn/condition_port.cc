@@ -7,40 +7,40 @@
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/syntax/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // What is kept of a request: texts, not queries.
-ConditionRequest WithoutQueries(ConditionRequest request) {
+engine::ConditionRequest WithoutQueries(engine::ConditionRequest request) {
   request.query.reset();
-  for (LastingPart& part : request.lasting) part.query.reset();
+  for (engine::LastingPart& part : request.lasting) part.query.reset();
   return request;
 }
 
 }  // namespace
 
-ConditionPort::ConditionPort(Dictionary* dictionary, StandingConditions* standing)
+ConditionPort::ConditionPort(Dictionary* dictionary, conditions::StandingConditions* standing)
     : dictionary_(dictionary), standing_(standing) {}
 
-TermBinding ConditionPort::Decode(const Binding& binding) const {
-  TermBinding terms;
+engine::TermBinding ConditionPort::Decode(const conditions::Binding& binding) const {
+  engine::TermBinding terms;
   for (const auto& [name, id] : binding) {
     if (!id.IsNone()) terms.emplace(name, dictionary_->Decode(id));
   }
   return terms;
 }
 
-std::vector<TermBinding> ConditionPort::Decode(const std::vector<Binding>& bindings) const {
-  std::vector<TermBinding> terms;
-  for (const Binding& binding : bindings) terms.push_back(Decode(binding));
+std::vector<engine::TermBinding> ConditionPort::Decode(
+    const std::vector<conditions::Binding>& bindings) const {
+  std::vector<engine::TermBinding> terms;
+  for (const conditions::Binding& binding : bindings) terms.push_back(Decode(binding));
   return terms;
 }
 
-absl::StatusOr<ConditionId> ConditionPort::Register(const sparql::Query& query, const std::string& text,
-                                                    const std::vector<std::string>& key_variables,
-                                                    const GraphVersion& version, TimeMicros now_us,
-                                                    Cancellation* cancellation) {
-  RegisterOptions options;
+absl::StatusOr<conditions::ConditionId> ConditionPort::Register(
+    const sparql::Query& query, const std::string& text, const std::vector<std::string>& key_variables,
+    const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
+  conditions::RegisterOptions options;
   options.cancellation = cancellation;
   options.key_variables = key_variables;
   options.now_us = now_us;
@@ -57,9 +57,9 @@ absl::StatusOr<std::shared_ptr<const sparql::Query>> ConditionPort::QueryOf(
   return std::make_shared<const sparql::Query>(std::move(parsed.query));
 }
 
-absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, const GraphVersion& version,
-                                TimeMicros now_us, Cancellation* cancellation) {
-  for (const ConditionRequest& request : requests) {
+absl::Status ConditionPort::Arm(const std::vector<engine::ConditionRequest>& requests,
+                                const GraphVersion& version, TimeMicros now_us, Cancellation* cancellation) {
+  for (const engine::ConditionRequest& request : requests) {
     if (cancellation != nullptr) {
       if (absl::Status status = cancellation->CheckNow(); !status.ok()) return status;
     }
@@ -72,7 +72,7 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
                        version, now_us, cancellation);
     if (!id.ok()) return id.status();
     conditions_[request.handle] = {*id, std::make_shared<const ConditionEvidence>(query, dictionary_),
-                                   std::make_shared<const ConditionRequest>(WithoutQueries(request)),
+                                   std::make_shared<const engine::ConditionRequest>(WithoutQueries(request)),
                                    lasting};
     handles_[*id] = request.handle;
     armed_.push_back(request.handle);
@@ -83,7 +83,7 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
       continue;
     }
     if (request.only_new || !standing_->Holds(*id)) continue;
-    ConditionEdge edge;
+    engine::ConditionEdge edge;
     edge.handle = request.handle;
     edge.rose = true;
     if (!request.key_variables.empty()) edge.appeared = Decode(standing_->Keys(*id));
@@ -92,7 +92,7 @@ absl::Status ConditionPort::Arm(const std::vector<ConditionRequest>& requests, c
   return absl::OkStatus();
 }
 
-absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& requests,
+absl::Status ConditionPort::Restore(const std::vector<engine::ConditionRequest>& requests,
                                     const std::vector<LastingSince>& times, const GraphVersion& version,
                                     TimeMicros now_us, Cancellation* cancellation) {
   absl::Status status = Arm(requests, version, now_us, cancellation);
@@ -102,8 +102,8 @@ absl::Status ConditionPort::Restore(const std::vector<ConditionRequest>& request
   return status;
 }
 
-void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
-  for (ConditionHandle handle : handles) {
+void ConditionPort::Disarm(const std::vector<engine::ConditionHandle>& handles) {
+  for (engine::ConditionHandle handle : handles) {
     auto it = conditions_.find(handle);
     if (it == conditions_.end()) continue;
     standing_->Remove(it->second.id);
@@ -114,44 +114,46 @@ void ConditionPort::Disarm(const std::vector<ConditionHandle>& handles) {
   }
 }
 
-std::vector<ConditionRequest> ConditionPort::Requests() const {
-  std::vector<ConditionRequest> requests;
+std::vector<engine::ConditionRequest> ConditionPort::Requests() const {
+  std::vector<engine::ConditionRequest> requests;
   for (const auto& [handle, condition] : conditions_) requests.push_back(*condition.request);
   std::sort(requests.begin(), requests.end(),
-            [](const ConditionRequest& a, const ConditionRequest& b) { return a.handle < b.handle; });
+            [](const engine::ConditionRequest& a, const engine::ConditionRequest& b) {
+              return a.handle < b.handle;
+            });
   return requests;
 }
 
-void ConditionPort::Take(absl::Span<const ConditionChange> changes, TimeMicros now_us) {
-  for (const ConditionChange& change : changes) {
+void ConditionPort::Take(absl::Span<const conditions::ConditionChange> changes, TimeMicros now_us) {
+  for (const conditions::ConditionChange& change : changes) {
     if (TakeLasting(change, now_us)) continue;
     auto it = handles_.find(change.id);
     if (it == handles_.end()) continue;
-    ConditionEdge edge;
+    engine::ConditionEdge edge;
     edge.handle = it->second;
-    edge.rose = change.edge == ConditionChange::Edge::kRose;
-    edge.fell = change.edge == ConditionChange::Edge::kFell;
+    edge.rose = change.edge == conditions::ConditionChange::Edge::kRose;
+    edge.fell = change.edge == conditions::ConditionChange::Edge::kFell;
     edge.appeared = Decode(change.appeared);
     edge.disappeared = Decode(change.disappeared);
     Gather(std::move(edge));
   }
 }
 
-void ConditionPort::Gather(ConditionEdge edge) {
+void ConditionPort::Gather(engine::ConditionEdge edge) {
   auto [it, inserted] = gathered_at_.try_emplace(edge.handle, gathered_.size());
   if (inserted) {
     gathered_.push_back(std::move(edge));
     return;
   }
   // what appeared and went again before anybody looked was never there
-  ConditionEdge& before = gathered_[it->second];
-  ConditionEdge net;
+  engine::ConditionEdge& before = gathered_[it->second];
+  engine::ConditionEdge net;
   net.handle = edge.handle;
   net.rose = edge.rose || (before.rose && !edge.fell);
   net.fell = edge.fell ? !before.rose : before.fell && !edge.rose;
-  auto without = [](const std::vector<TermBinding>& all, const std::vector<TermBinding>& gone,
-                    std::vector<TermBinding>* out) {
-    std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const TermBinding& key) {
+  auto without = [](const std::vector<engine::TermBinding>& all, const std::vector<engine::TermBinding>& gone,
+                    std::vector<engine::TermBinding>* out) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(*out), [&gone](const engine::TermBinding& key) {
       return std::find(gone.begin(), gone.end(), key) == gone.end();
     });
   };
@@ -174,21 +176,21 @@ void ConditionPort::BeginRound(const GraphVersion& version, TimeMicros now_us, C
   cancellation_ = cancellation;
 }
 
-bool ConditionPort::Holds(ConditionHandle handle) const {
+bool ConditionPort::Holds(engine::ConditionHandle handle) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return false;
   if (it->second.lasting) return it->second.lasting->condition.holds();
   return standing_->Holds(it->second.id);
 }
 
-absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandle handle,
-                                                                  const TermBinding& fixed,
-                                                                  size_t limit) const {
+absl::StatusOr<std::vector<engine::TermBinding>> ConditionPort::Solutions(engine::ConditionHandle handle,
+                                                                          const engine::TermBinding& fixed,
+                                                                          size_t limit) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return absl::NotFoundError("the condition is not armed");
   const Lasting* lasting = it->second.lasting.get();
-  std::vector<TermBinding> bindings;
-  Binding wanted;
+  std::vector<engine::TermBinding> bindings;
+  conditions::Binding wanted;
   for (const auto& [name, term] : fixed) {
     const std::optional<TermId> id = dictionary_->Find(term);
     if (!id) return bindings;
@@ -197,7 +199,7 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
   auto solutions = standing_->Solutions(it->second.id, *version_, wanted,
                                         lasting != nullptr ? SIZE_MAX : limit, now_us_, cancellation_);
   if (!solutions.ok()) return solutions.status();
-  for (const Binding& solution : *solutions) {
+  for (const conditions::Binding& solution : *solutions) {
     if (lasting != nullptr && !lasting->condition.Admits(solution)) continue;
     bindings.push_back(Decode(solution));
     if (bindings.size() >= limit) break;
@@ -205,7 +207,8 @@ absl::StatusOr<std::vector<TermBinding>> ConditionPort::Solutions(ConditionHandl
   return bindings;
 }
 
-std::string ConditionPort::Evidence(ConditionHandle handle, const TermBinding& binding) const {
+std::string ConditionPort::Evidence(engine::ConditionHandle handle,
+                                    const engine::TermBinding& binding) const {
   auto it = conditions_.find(handle);
   if (it == conditions_.end()) return "";
   return it->second.evidence->Text(*version_, binding);
@@ -219,7 +222,7 @@ void ConditionPort::Commit() {
 }
 
 void ConditionPort::Rollback() {
-  for (ConditionHandle handle : armed_) {
+  for (engine::ConditionHandle handle : armed_) {
     auto it = conditions_.find(handle);
     if (it == conditions_.end()) continue;
     handles_.erase(it->second.id);
@@ -243,4 +246,4 @@ void ConditionPort::Rollback() {
   Commit();
 }
 
-}  // namespace docent
+}  // namespace docent::server

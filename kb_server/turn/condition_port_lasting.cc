@@ -5,47 +5,48 @@
 
 #include "kb_server/turn/condition_port.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
-std::vector<LastingCondition::Part> PartsOf(const ConditionRequest& request) {
-  std::vector<LastingCondition::Part> parts;
-  for (const LastingPart& part : request.lasting) parts.push_back({part.variables, part.at_least_us});
+std::vector<conditions::LastingCondition::Part> PartsOf(const engine::ConditionRequest& request) {
+  std::vector<conditions::LastingCondition::Part> parts;
+  for (const engine::LastingPart& part : request.lasting) parts.push_back({part.variables, part.at_least_us});
   return parts;
 }
 
 // The bindings that a change tells of; of a condition without key variables there is one, the empty one.
 template <typename Set>
-void Apply(const ConditionChange& change, Set set) {
+void Apply(const conditions::ConditionChange& change, Set set) {
   if (change.appeared.empty() && change.disappeared.empty()) {
-    if (change.edge == ConditionChange::Edge::kRose) set(Binding(), true);
-    if (change.edge == ConditionChange::Edge::kFell) set(Binding(), false);
+    if (change.edge == conditions::ConditionChange::Edge::kRose) set(conditions::Binding(), true);
+    if (change.edge == conditions::ConditionChange::Edge::kFell) set(conditions::Binding(), false);
   }
-  for (const Binding& binding : change.disappeared) set(binding, false);
-  for (const Binding& binding : change.appeared) set(binding, true);
+  for (const conditions::Binding& binding : change.disappeared) set(binding, false);
+  for (const conditions::Binding& binding : change.appeared) set(binding, true);
 }
 
 }  // namespace
 
-ConditionPort::Lasting::Lasting(ConditionHandle handle_in, const ConditionRequest& request)
+ConditionPort::Lasting::Lasting(engine::ConditionHandle handle_in, const engine::ConditionRequest& request)
     : handle(handle_in), condition(request.key_variables, PartsOf(request)) {}
 
-absl::Status ConditionPort::ArmParts(const ConditionRequest& request, const Condition& condition,
+absl::Status ConditionPort::ArmParts(const engine::ConditionRequest& request, const Condition& condition,
                                      const GraphVersion& version, TimeMicros now_us,
                                      Cancellation* cancellation) {
   Lasting& lasting = *condition.lasting;
   changed_.push_back(condition.lasting);
   for (size_t i = 0; i < request.lasting.size(); ++i) {
-    const LastingPart& part = request.lasting[i];
+    const engine::LastingPart& part = request.lasting[i];
     auto query = QueryOf(part.ask, part.query);
     if (!query.ok()) return query.status();
     auto id = Register(**query, part.ask, part.variables, version, now_us, cancellation);
     if (!id.ok()) return id.status();
     lasting.parts.push_back(*id);
-    for (const Binding& key : standing_->Keys(*id)) lasting.condition.SetPart(i, key, true, now_us);
+    for (const conditions::Binding& key : standing_->Keys(*id))
+      lasting.condition.SetPart(i, key, true, now_us);
   }
   RememberParts(lasting);
-  for (const Binding& key : standing_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
+  for (const conditions::Binding& key : standing_->Keys(condition.id)) lasting.condition.SetWhole(key, true);
   lasting.condition.Settle(now_us);
   List(lasting, lasting.condition.NextDeadline());
   return absl::OkStatus();
@@ -57,12 +58,12 @@ void ConditionPort::RememberParts(Lasting& lasting) {
 }
 
 void ConditionPort::ForgetParts(Lasting& lasting) {
-  for (const ConditionId id : lasting.parts) parts_.erase(id);
+  for (const conditions::ConditionId id : lasting.parts) parts_.erase(id);
   List(lasting, std::nullopt);
 }
 
 void ConditionPort::DisarmParts(Lasting& lasting) {
-  for (const ConditionId id : lasting.parts) standing_->Remove(id);
+  for (const conditions::ConditionId id : lasting.parts) standing_->Remove(id);
   ForgetParts(lasting);
 }
 
@@ -78,11 +79,11 @@ std::optional<TimeMicros> ConditionPort::NextDeadline() const {
   return deadlines_.begin()->first;
 }
 
-bool ConditionPort::TakeLasting(const ConditionChange& change, TimeMicros now_us) {
+bool ConditionPort::TakeLasting(const conditions::ConditionChange& change, TimeMicros now_us) {
   if (const auto part = parts_.find(change.id); part != parts_.end()) {
     const auto [handle, number] = part->second;
     const std::shared_ptr<Lasting>& lasting = conditions_[handle].lasting;
-    Apply(change, [&lasting, number = number, now_us](const Binding& binding, bool present) {
+    Apply(change, [&lasting, number = number, now_us](const conditions::Binding& binding, bool present) {
       lasting->condition.SetPart(number, binding, present, now_us);
     });
     Touch(lasting);
@@ -92,8 +93,9 @@ bool ConditionPort::TakeLasting(const ConditionChange& change, TimeMicros now_us
   if (whole == handles_.end()) return false;
   const std::shared_ptr<Lasting>& lasting = conditions_[whole->second].lasting;
   if (!lasting) return false;
-  Apply(change,
-        [&lasting](const Binding& binding, bool present) { lasting->condition.SetWhole(binding, present); });
+  Apply(change, [&lasting](const conditions::Binding& binding, bool present) {
+    lasting->condition.SetWhole(binding, present);
+  });
   Touch(lasting);
   return true;
 }
@@ -106,15 +108,15 @@ void ConditionPort::SettleLasting(TimeMicros now_us) {
   for (auto due = deadlines_.begin(); due != deadlines_.end() && due->first <= now_us; ++due) {
     Touch(conditions_[due->second].lasting);
   }
-  for (const ConditionHandle handle : unsettled_) {
+  for (const engine::ConditionHandle handle : unsettled_) {
     const auto found = conditions_.find(handle);
     if (found == conditions_.end()) continue;
     const std::shared_ptr<Lasting>& lasting = found->second.lasting;
-    const LastingCondition::Changes changes = lasting->condition.Settle(now_us);
+    const conditions::LastingCondition::Changes changes = lasting->condition.Settle(now_us);
     List(*lasting, lasting->condition.NextDeadline());
     if (!changes.any()) continue;
-    ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared),
-                       Decode(changes.disappeared)};
+    engine::ConditionEdge edge{handle, changes.rose, changes.fell, Decode(changes.appeared),
+                               Decode(changes.disappeared)};
     std::sort(edge.appeared.begin(), edge.appeared.end());
     std::sort(edge.disappeared.begin(), edge.disappeared.end());
     Gather(std::move(edge));
@@ -126,7 +128,7 @@ std::vector<LastingSince> ConditionPort::Times() const {
   std::vector<LastingSince> times;
   for (const auto& [handle, condition] : conditions_) {
     if (!condition.lasting) continue;
-    for (const LastingCondition::Since& since : condition.lasting->condition.Times()) {
+    for (const conditions::LastingCondition::Since& since : condition.lasting->condition.Times()) {
       times.push_back({handle, since.part, Decode(since.binding), since.since_us, since.full});
     }
   }
@@ -141,7 +143,7 @@ void ConditionPort::RestoreTimes(const std::vector<LastingSince>& times) {
     const auto found = conditions_.find(time.handle);
     if (found == conditions_.end() || !found->second.lasting) continue;
     if (time.part >= found->second.lasting->parts.size()) continue;
-    LastingCondition::Since since{time.part, {}, time.since_us, time.full};
+    conditions::LastingCondition::Since since{time.part, {}, time.since_us, time.full};
     for (const auto& [name, term] : time.binding) {
       if (const std::optional<TermId> id = dictionary_->Find(term)) since.binding.emplace_back(name, *id);
     }
@@ -151,4 +153,4 @@ void ConditionPort::RestoreTimes(const std::vector<LastingSince>& times) {
   SettleLasting(0);
 }
 
-}  // namespace docent
+}  // namespace docent::server

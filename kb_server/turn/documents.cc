@@ -13,7 +13,7 @@
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 const std::string& DocumentsGraph() {
@@ -25,7 +25,7 @@ using Fact = std::tuple<std::string, std::string, Term>;
 
 // What the graph says of one workflow, or of the robot services of one RSEL document; nothing if it is not
 // there.
-std::set<Fact> Facts(const Engine& engine, Document::Kind kind, const std::string& name) {
+std::set<Fact> Facts(const engine::Engine& engine, Document::Kind kind, const std::string& name) {
   std::set<Fact> facts;
   const std::string type(kRdfType);
   const std::string label = Concat(kRdfsNs, "label");
@@ -104,7 +104,8 @@ absl::Status Documents::ApplyOntology(const Document& document, const DocumentSt
   return absl::OkStatus();
 }
 
-absl::Status Documents::ApplyRules(const Document& document, RuleTextOrigin origin, RuleEngine* rules) {
+absl::Status Documents::ApplyRules(const Document& document, rules::RuleTextOrigin origin,
+                                   rules::RuleEngine* rules) {
   if (document.action == Document::Action::kRemove) {
     if (rules->RemoveRules(document.name)) return absl::OkStatus();
     return absl::NotFoundError(absl::StrCat("there is no rule set \"", document.name, "\""));
@@ -121,7 +122,7 @@ absl::Status Documents::ApplyRules(const Document& document, RuleTextOrigin orig
 
 absl::Status Documents::ApplyCawl(const Document& document, const DocumentStages& stages,
                                   Operations* operations, std::string* name) {
-  Engine* engine = stages.engine;
+  engine::Engine* engine = stages.engine;
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     if (!engine->Undeploy(document.name)) {
@@ -132,7 +133,7 @@ absl::Status Documents::ApplyCawl(const Document& document, const DocumentStages
   }
   const auto parsed = CawlOf(document, stages.limits);
   if (!parsed.ok()) return parsed.status();
-  const Diagnostics unsupported = Engine::CheckSupported(**parsed);
+  const Diagnostics unsupported = engine::Engine::CheckSupported(**parsed);
   if (HasErrors(unsupported)) return ToStatus(unsupported, document.text);
   *name = (*parsed)->name.value;
   std::set<Fact> before = Facts(*engine, document.kind, *name);
@@ -143,7 +144,7 @@ absl::Status Documents::ApplyCawl(const Document& document, const DocumentStages
 
 absl::Status Documents::ApplyRsel(const Document& document, const DocumentStages& stages,
                                   Operations* operations, std::string* name) {
-  Engine* engine = stages.engine;
+  engine::Engine* engine = stages.engine;
   if (document.action == Document::Action::kRemove) {
     std::set<Fact> before = Facts(*engine, document.kind, document.name);
     absl::Status status = engine->RemoveServices(document.name);
@@ -198,11 +199,12 @@ absl::StatusOr<std::vector<QuadOperation>> Documents::Apply(const WriteBatch& ba
   return operations;
 }
 
-absl::Status Documents::Restore(std::map<Key, Entry> entries, RuleEngine* rules) {
+absl::Status Documents::Restore(std::map<Key, Entry> entries, rules::RuleEngine* rules) {
   for (auto& [key, entry] : entries) {
     if (key.first != Document::Kind::kRules) continue;
     entry.fingerprint = std::hash<std::string>()(*entry.text);
-    const Diagnostics diagnostics = rules->PutRules(key.second, *entry.text, RuleTextOrigin::kAccepted);
+    const Diagnostics diagnostics =
+        rules->PutRules(key.second, *entry.text, rules::RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *entry.text);
   }
   entries_ = std::move(entries);
@@ -214,7 +216,7 @@ void Documents::Rollback() {
   undo_.reset();
 }
 
-std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) const {
+std::shared_ptr<const Catalog> Documents::MakeCatalog(const engine::Engine& engine) const {
   auto catalog = std::make_shared<Catalog>();
   for (const auto& [key, entry] : entries_) {
     if (key.first == Document::Kind::kOntology || key.first == Document::Kind::kRules) {
@@ -231,4 +233,4 @@ std::shared_ptr<const Catalog> Documents::MakeCatalog(const Engine& engine) cons
   return catalog;
 }
 
-}  // namespace docent
+}  // namespace docent::server

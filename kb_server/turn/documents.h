@@ -18,16 +18,16 @@
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
 
-namespace docent {
+namespace docent::server {
 
 // What documents are given to, and the graph before the batch that brings them.
 struct DocumentStages {
-  RuleEngine* rules;
-  Engine* engine;
+  rules::RuleEngine* rules;
+  engine::Engine* engine;
   const Dictionary& dictionary;
   const GraphVersion& version;
   const Limits& limits;
-  RuleTextOrigin rule_origin;  // of all documents of the batch
+  rules::RuleTextOrigin rule_origin;  // of all documents of the batch
 };
 
 class Documents {
@@ -51,15 +51,15 @@ class Documents {
   };
   // What is there, for snapshots; and the same put back into a fresh object, whose rules are given to `rules`.
   const std::map<Key, Entry>& entries() const { return entries_; }
-  absl::Status Restore(std::map<Key, Entry> entries, RuleEngine* rules);
+  absl::Status Restore(std::map<Key, Entry> entries, rules::RuleEngine* rules);
 
   // The picture for people and clients.
-  std::shared_ptr<const Catalog> MakeCatalog(const Engine& engine) const;
+  std::shared_ptr<const Catalog> MakeCatalog(const engine::Engine& engine) const;
 
  private:
   using Operations = std::vector<QuadOperation>;
   absl::Status ApplyOntology(const Document& document, const DocumentStages& stages, Operations* operations);
-  absl::Status ApplyRules(const Document& document, RuleTextOrigin origin, RuleEngine* rules);
+  absl::Status ApplyRules(const Document& document, rules::RuleTextOrigin origin, rules::RuleEngine* rules);
   absl::Status ApplyCawl(const Document& document, const DocumentStages& stages, Operations* operations,
                          std::string* name);
   absl::Status ApplyRsel(const Document& document, const DocumentStages& stages, Operations* operations,
@@ -69,6 +69,6 @@ class Documents {
   std::optional<std::map<Key, Entry>> undo_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_TURN_DOCUMENTS_H_

@@ -5,7 +5,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::server {
 
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate) {
@@ -38,7 +38,7 @@ void GraphRobotDirectory::Refresh(const GraphVersion& version, const Delta& delt
   if (changed_) known_.clear();
 }
 
-const std::vector<RobotOffer>& GraphRobotDirectory::Offers(const std::string& operation) const {
+const std::vector<engine::RobotOffer>& GraphRobotDirectory::Offers(const std::string& operation) const {
   auto it = known_.find(operation);
   if (it == known_.end()) it = known_.emplace(operation, Read(operation)).first;
   return it->second;
@@ -60,8 +60,8 @@ std::optional<std::vector<std::string>> GraphRobotDirectory::InputsOf(TermId ope
   return inputs;
 }
 
-std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) const {
-  std::vector<RobotOffer> offers;
+std::vector<engine::RobotOffer> GraphRobotDirectory::Read(const std::string& operation) const {
+  std::vector<engine::RobotOffer> offers;
   std::optional<TermId> offers_id = dictionary_.FindIri(DocentIri("offers"));
   std::optional<TermId> operation_id = dictionary_.FindIri(OperationIri(operation));
   if (!offers_id || !operation_id) return offers;
@@ -70,7 +70,7 @@ std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) 
   version_->ForEach({{}, *offers_id, *operation_id, {}}, [&](const Quad& quad) {
     if (quad.subject == last) return true;  // told in two graphs
     last = quad.subject;
-    RobotOffer offer;
+    engine::RobotOffer offer;
     offer.robot = RobotId(dictionary_.Decode(quad.subject).lexical);
     offer.incarnation = OneValue(dictionary_, *version_, quad.subject, DocentIri("incarnation"));
     offer.idempotent = idempotent;
@@ -81,8 +81,8 @@ std::vector<RobotOffer> GraphRobotDirectory::Read(const std::string& operation) 
     return true;
   });
   std::sort(offers.begin(), offers.end(),
-            [](const RobotOffer& a, const RobotOffer& b) { return a.robot < b.robot; });
+            [](const engine::RobotOffer& a, const engine::RobotOffer& b) { return a.robot < b.robot; });
   return offers;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -13,9 +13,9 @@
 #include "graph/store/graph_version.h"
 #include "workflow/engine/ports.h"
 
-namespace docent {
+namespace docent::server {
 
-class GraphRobotDirectory final : public RobotDirectory {
+class GraphRobotDirectory final : public engine::RobotDirectory {
  public:
   // `dictionary` must outlive the directory.
   explicit GraphRobotDirectory(Dictionary* dictionary);
@@ -25,24 +25,24 @@ class GraphRobotDirectory final : public RobotDirectory {
   // The turn failed: nothing that was kept counts.
   void Rollback() { known_.clear(); }
 
-  const std::vector<RobotOffer>& Offers(const std::string& operation) const override;
+  const std::vector<engine::RobotOffer>& Offers(const std::string& operation) const override;
   bool changed() const override { return changed_; }
 
  private:
-  std::vector<RobotOffer> Read(const std::string& operation) const;
+  std::vector<engine::RobotOffer> Read(const std::string& operation) const;
   std::optional<std::vector<std::string>> InputsOf(TermId operation, TermId robot) const;
 
   const Dictionary& dictionary_;
   const std::vector<TermId> properties_;  // what an offer is read from
   const GraphVersion* version_ = nullptr;
   bool changed_ = true;
-  mutable std::map<std::string, std::vector<RobotOffer>> known_;
+  mutable std::map<std::string, std::vector<engine::RobotOffer>> known_;
 };
 
 // The lexical form of the first object of (subject, predicate, ?) in term order; empty: none.
 std::string OneValue(const Dictionary& dictionary, const GraphVersion& version, TermId subject,
                      std::string_view predicate);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_TURN_ROBOT_DIRECTORY_H_

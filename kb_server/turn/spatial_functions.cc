@@ -12,7 +12,7 @@
 #include "maps/geometry.h"
 #include "maps/wkt.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Outlines are read once a thread; one that has seen so many begins anew.
@@ -60,4 +60,4 @@ void RegisterSpatialFunctions(sparql::FunctionRegistry* functions) {
   functions->Register(DocentIri("inRegion"), 3, 3, InRegion).IgnoreError();
 }
 
-}  // namespace docent
+}  // namespace docent::server

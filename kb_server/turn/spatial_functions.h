@@ -10,11 +10,11 @@
 
 #include "graph/sparql/values/function_registry.h"
 
-namespace docent {
+namespace docent::server {
 
 // Into a registry that has none of them. The functions may be called on any thread.
 void RegisterSpatialFunctions(sparql::FunctionRegistry* functions);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_TURN_SPATIAL_FUNCTIONS_H_

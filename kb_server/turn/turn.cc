@@ -8,7 +8,7 @@
 #include "graph/log/record_codec.h"
 #include "graph/store/delta_sum.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 template <typename T>
@@ -16,7 +16,7 @@ void Append(std::vector<T>&& from, std::vector<T>* to) {
   to->insert(to->end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
 }
 
-void Record(EngineOutput* output, TurnResult* result) {
+void Record(engine::EngineOutput* output, TurnResult* result) {
   Append(std::move(output->transitions), &result->record.transitions);
   Append(std::move(output->commands), &result->record.commands);
   Append(std::move(output->cancels), &result->cancels);
@@ -25,8 +25,8 @@ void Record(EngineOutput* output, TurnResult* result) {
 
 absl::StatusOr<Delta> ApplyToStore(Stages* stages, const WriteBatch& batch, uint64_t offset) {
   // Without a cancellation the log is replayed, whose texts were accepted.
-  const RuleTextOrigin origin =
-      stages->cancellation != nullptr ? RuleTextOrigin::kNew : RuleTextOrigin::kAccepted;
+  const rules::RuleTextOrigin origin =
+      stages->cancellation != nullptr ? rules::RuleTextOrigin::kNew : rules::RuleTextOrigin::kAccepted;
   const DocumentStages documents{&stages->rules,           &stages->engine, stages->dictionary,
                                  stages->writer.current(), stages->limits,  origin};
   absl::StatusOr<std::vector<QuadOperation>> brought_about =
@@ -71,15 +71,15 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
     stages->conditions.BeginRound(graph, batch.time_us, stages->cancellation);
 
     stages->robots.Refresh(graph, *delta);
-    EngineInput view;
+    engine::EngineInput view;
     view.now_us = batch.time_us;
     view.revision = Revision(offset);
     view.reports = round == 0 ? &batch.reports : nullptr;
     view.requests = round == 0 ? &batch.run_requests : nullptr;
     view.conditions = &stages->conditions;
     view.robots = &stages->robots;
-    EngineOutput output = stages->engine.Step(view);  // workflow engine
-    if (stages->cancellation != nullptr) {            // it took what it could get
+    engine::EngineOutput output = stages->engine.Step(view);  // workflow engine
+    if (stages->cancellation != nullptr) {                    // it took what it could get
       if (absl::Status status = stages->cancellation->CheckNow(); !status.ok()) return status;
     }
     const bool quiet = output.quiet();
@@ -97,8 +97,8 @@ absl::Status Decide(Stages* stages, const WriteBatch& batch, uint64_t offset, Tu
   return absl::OkStatus();
 }
 
-absl::Status Encode(const TurnRecord& record, const Limits& limits, std::string* bytes) {
-  absl::StatusOr<std::string> encoded = EncodeTurnRecord(record);
+absl::Status Encode(const log::TurnRecord& record, const Limits& limits, std::string* bytes) {
+  absl::StatusOr<std::string> encoded = log::EncodeTurnRecord(record);
   if (!encoded.ok()) return encoded.status();
   if (encoded->size() > limits.record_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("the turn's record has ", encoded->size(),
@@ -163,4 +163,4 @@ absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t of
   return result;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -26,7 +26,7 @@
 #include "reasoner/rules/rule_engine.h"
 #include "workflow/engine/engine.h"
 
-namespace docent {
+namespace docent::server {
 
 // Changes when the same log may lead to other decisions than before.
 inline constexpr char kEngineVersion[] = "8";
@@ -50,11 +50,11 @@ struct Stages {
   Dictionary& dictionary;
   GraphWriter writer;
   BatchApplier applier;
-  RuleEngine rules;
-  StandingConditions standing_conditions;
+  rules::RuleEngine rules;
+  conditions::StandingConditions standing_conditions;
   ConditionPort conditions;
   GraphRobotDirectory robots;
-  Engine engine;
+  engine::Engine engine;
   Documents documents;
   // Whether each turn makes an immutable version. It is quicker without; the caller freezes those that it needs.
   bool freezes = true;
@@ -69,7 +69,7 @@ struct Stages {
 };
 
 struct TurnResult {
-  TurnRecord record;
+  log::TurnRecord record;
   GraphVersionPtr version;         // null unless Stages::freezes
   Delta delta;                     // everything that changed in the graph, net
   size_t inferred = 0;             // facts that rules added or withdrew
@@ -85,6 +85,6 @@ struct TurnResult {
 absl::StatusOr<TurnResult> RunTurn(Stages* stages, WriteBatch batch, uint64_t offset,
                                    std::string* record_bytes = nullptr);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_TURN_TURN_H_

@@ -9,7 +9,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "graph/sparql/syntax/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
@@ -44,14 +44,14 @@ std::string Cost(const sparql::Query& query, const ServicePorts& ports, SteadyCl
 
 }  // namespace
 
-std::string WhyWhole(const TriggerAnalysis& analysis) {
+std::string WhyWhole(const matching::TriggerAnalysis& analysis) {
   if (analysis.is_volatile)
     return "it depends on more than the graph, so that it is evaluated whole at every change";
-  for (const TriggerSource& trigger : analysis.triggers) {
+  for (const matching::TriggerSource& trigger : analysis.triggers) {
     if (IsWild(trigger.pattern)) return "a pattern of three variables is matched by every change";
     if (trigger.required || !trigger.seeds.empty()) continue;
     const bool constant = !trigger.pattern.subject.IsVariable() && !trigger.pattern.object.IsVariable();
-    if (!constant && trigger.polarity == Polarity::kPositive)
+    if (!constant && trigger.polarity == matching::Polarity::kPositive)
       return "what a change matches in it binds nothing outside, so that it is evaluated whole";
   }
   return "";
@@ -64,7 +64,8 @@ Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& fil
   for (const cawl::ConditionText& condition : report.conditions) {
     const sparql::ParsedQuery parsed = sparql::ParseQuery(condition.ask);
     if (!parsed.ok()) continue;
-    const std::string why = WhyWhole(AnalyseTriggers(WithoutModifiers(*parsed.query.algebra)));
+    const std::string why =
+        WhyWhole(matching::AnalyseTriggers(matching::WithoutModifiers(*parsed.query.algebra)));
     if (why.empty()) continue;
     warnings.push_back(
         {file, condition.span, absl::StrCat("the condition of ", condition.place, " is expensive: ", why),
@@ -76,4 +77,4 @@ Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& fil
   return warnings;
 }
 
-}  // namespace docent
+}  // namespace docent::server

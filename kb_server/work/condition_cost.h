@@ -10,15 +10,15 @@
 #include "reasoner/matching/trigger_analysis.h"
 #include "workflow/cawl/check.h"
 
-namespace docent {
+namespace docent::server {
 
 // Why changes do not narrow a query, so that it is evaluated whole; empty: they do.
-std::string WhyWhole(const TriggerAnalysis& analysis);
+std::string WhyWhole(const matching::TriggerAnalysis& analysis);
 
 // A warning for each such condition of a correct document, at its place, with its cost as measured on the newest
 // version (on the calling thread, for at most 100 ms altogether). `file`: as diagnostics name it.
 Diagnostics CostWarnings(const cawl::CheckReport& report, const std::string& file, const ServicePorts& ports);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_CONDITION_COST_H_

@@ -9,7 +9,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 class LiveEnvironment final : public cawl::Environment {
@@ -166,4 +166,4 @@ std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary
   return std::make_unique<LiveEnvironment>(dictionary, std::move(version), std::move(catalog));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -12,7 +12,7 @@
 #include "workflow/cawl/environment.h"
 #include "workflow/rsel/feasibility.h"
 
-namespace docent {
+namespace docent::server {
 
 // The operations that robots offer, and what they say of their inputs (in each robot's own graph).
 std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictionary,
@@ -23,6 +23,6 @@ std::vector<rsel::OfferedOperation> OfferedOperations(const Dictionary& dictiona
 std::unique_ptr<cawl::Environment> GraphEnvironment(const Dictionary& dictionary, GraphVersionPtr version,
                                                     std::shared_ptr<const Catalog> catalog);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_GRAPH_ENVIRONMENT_H_

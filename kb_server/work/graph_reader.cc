@@ -4,7 +4,7 @@
 
 #include "absl/time/time.h"
 
-namespace docent {
+namespace docent::server {
 
 std::vector<Term> GraphReader::Objects(std::string_view subject, std::string_view predicate) const {
   std::vector<Term> terms;
@@ -45,4 +45,4 @@ int64_t MicrosOfDateTime(const std::string& lexical) {
   return absl::ToUnixMicros(time);
 }
 
-}  // namespace docent
+}  // namespace docent::server

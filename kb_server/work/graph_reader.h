@@ -11,7 +11,7 @@
 #include "graph/rdf/term.h"
 #include "graph/store/graph_version.h"
 
-namespace docent {
+namespace docent::server {
 
 class GraphReader {
  public:
@@ -34,6 +34,6 @@ class GraphReader {
 // Microseconds since 1970 of an xsd:dateTime in UTC; 0 if it is none.
 int64_t MicrosOfDateTime(const std::string& lexical);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_GRAPH_READER_H_

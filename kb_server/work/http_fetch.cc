@@ -25,7 +25,7 @@
 #include "graph/base/text.h"
 #include "graph/base/version.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 namespace net = boost::asio;
@@ -174,4 +174,4 @@ absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* ca
   return response;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -12,7 +12,7 @@
 #include "graph/base/cancellation.h"
 #include "kb_server/work/http_message.h"
 
-namespace docent {
+namespace docent::server {
 
 // "https://host:8443/a?b" → its parts. nullopt: not an http or https URL, or one with a user name in it.
 struct HttpUrl {
@@ -38,6 +38,6 @@ struct FetchRequest {
 // beyond `max_bytes`.
 absl::StatusOr<HttpResponse> Fetch(const FetchRequest& request, Cancellation* cancellation);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_HTTP_FETCH_H_

@@ -8,7 +8,7 @@
 #include "graph/base/overload.h"
 #include "graph/base/text.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 int HexDigit(char c) {
@@ -235,4 +235,4 @@ std::optional<HostAndPort> SplitHostAndPort(std::string_view text) {
   return result;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "graph/base/limits.h"
 
-namespace docent {
+namespace docent::server {
 
 using HttpFields = std::vector<std::pair<std::string, std::string>>;
 
@@ -72,6 +72,6 @@ struct HostAndPort {
 };
 std::optional<HostAndPort> SplitHostAndPort(std::string_view text);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_HTTP_MESSAGE_H_

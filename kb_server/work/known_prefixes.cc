@@ -7,7 +7,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/sparql/syntax/prefix_places.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 bool IsWellKnown(const std::pair<std::string, std::string>& prefix) {
@@ -67,4 +67,4 @@ std::shared_ptr<const IriNames> KnownPrefixes::Of(const std::shared_ptr<const Ca
   return names;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -12,7 +12,7 @@
 #include "graph/rdf/iri_names.h"
 #include "kb_server/door/catalog.h"
 
-namespace docent {
+namespace docent::server {
 
 // The declarations of an ontology module as Turtle, a line each, without the well-known ones and within the limits: what
 // the log and the catalog keep as the module's text.
@@ -35,6 +35,6 @@ class KnownPrefixes {
   std::shared_ptr<const IriNames> names_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_KNOWN_PREFIXES_H_

@@ -15,7 +15,7 @@
 #include "reasoner/shapes/source_map.h"
 #include "reasoner/shapes/validator.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The batch as the server's stages would apply it, rules aside.
@@ -208,4 +208,4 @@ absl::StatusOr<LoadVerdict> JudgeLoad(const ServicePorts& ports, const WriteBatc
   return verdict;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -17,7 +17,7 @@
 #include "reasoner/shapes/report.h"
 #include "reasoner/shapes/validator.h"
 
-namespace docent {
+namespace docent::server {
 
 // A result with terms in the place of ids, which a private copy's dictionary gave.
 struct JudgedResult {
@@ -56,6 +56,6 @@ shapes::ValidateOptions ValidateOptionsOf(const ServicePorts& ports, Cancellatio
 // The graphs of the ontology modules: where shapes are looked for.
 std::vector<TermId> ModuleGraphs(const GraphVersion& version, const Dictionary& dictionary);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_LOAD_JUDGE_H_

@@ -11,7 +11,7 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/work/load_judge.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Of many results a message shows so many.
@@ -132,4 +132,4 @@ void LoadRunner::Run(LoadJob job) {
   ports_.inbox->Push(std::move(job.batch), std::move(done), std::move(job.prepare));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -12,9 +12,12 @@
 #include "kb_server/work/load_judge.h"
 
 namespace docent {
+class Cancellation;
+}  // namespace docent
+
+namespace docent::server {
 
 struct ServicePorts;
-class Cancellation;
 
 using LoadCallback =
     std::function<void(const absl::StatusOr<BatchOutcome>& outcome, const Diagnostics& warnings)>;
@@ -41,6 +44,6 @@ class LoadRunner {
   const ServicePorts& ports_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_LOAD_RUNNER_H_

@@ -7,7 +7,7 @@
 #include "graph/rdf/number_literal.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The values that a property may have.
@@ -56,4 +56,4 @@ std::optional<double> MeasureOf(std::string_view local, const std::vector<Term>&
   return std::nullopt;
 }
 
-}  // namespace docent
+}  // namespace docent::server

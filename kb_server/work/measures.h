@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "graph/rdf/term.h"
 
-namespace docent {
+namespace docent::server {
 
 // INVALID_ARGUMENT where the value of a fact that is told (Context.Assert), or of a reading (empty predicate), cannot be
 // measured: a number that is not finite or not well-formed; a docent:x, y, heading or progress that is no number, or beyond what
@@ -20,6 +20,6 @@ absl::Status CheckMeasure(std::string_view predicate, const Term& value, const s
 // The first of the values that docent:x, y or heading (`local`) may have; nullopt: none of them is a measure.
 std::optional<double> MeasureOf(std::string_view local, const std::vector<Term>& values);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_MEASURES_H_

@@ -16,7 +16,7 @@
 #include "graph/rdf/formats/parser.h"
 #include "graph/rdf/iri.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr std::string_view kFile = "file://";
@@ -227,4 +227,4 @@ absl::StatusOr<std::vector<TermQuad>> RemoteAccess::Load(const std::string& url,
   return std::move(parsed.quads);
 }
 
-}  // namespace docent
+}  // namespace docent::server

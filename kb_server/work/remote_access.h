@@ -18,7 +18,7 @@
 #include "kb_server/door/worker_pool.h"
 #include "kb_server/work/http_fetch.h"
 
-namespace docent {
+namespace docent::server {
 
 class RemoteAccess final : public sparql::ServiceClient {
  public:
@@ -51,6 +51,6 @@ class RemoteAccess final : public sparql::ServiceClient {
   WorkerPool* const workers_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_REMOTE_ACCESS_H_

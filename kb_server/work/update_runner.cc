@@ -14,7 +14,7 @@
 #include "kb_server/door/ports.h"
 #include "kb_server/work/remote_access.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kRequestIdBytes = 256;  // as in Context.Assert
@@ -184,4 +184,4 @@ void UpdateRunner::Submit(UpdateRequest request, BatchCallback done) {
   done(OverloadError("too much work waits; try again"));
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -19,7 +19,7 @@
 #include "graph/store/graph_version.h"
 #include "kb_server/door/inbox.h"
 
-namespace docent {
+namespace docent::server {
 
 struct ServicePorts;
 
@@ -53,6 +53,6 @@ class UpdateRunner {
   std::atomic<uint64_t> count_{0};
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WORK_UPDATE_RUNNER_H_

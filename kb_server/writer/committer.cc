@@ -10,7 +10,7 @@
 #include "graph/store/delta_sum.h"
 #include "kb_server/writer/run_events.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 std::vector<History::Step> StepsOf(const DecidedGroup& group) {
@@ -132,9 +132,9 @@ absl::Status Committer::Append(const Groups& groups) {
     for (DecidedTurn& turn : group->turns) records.push_back(std::move(turn.record));
   }
   if (records.empty()) return absl::OkStatus();
-  const absl::StatusOr<AppendResult> appended = ports_.log->Append(records, epoch_, head_);
+  const absl::StatusOr<log::AppendResult> appended = ports_.log->Append(records, epoch_, head_);
   if (!appended.ok()) return appended.status();
-  replaced_ = appended->outcome != AppendResult::Outcome::kAppended;
+  replaced_ = appended->outcome != log::AppendResult::Outcome::kAppended;
   if (replaced_) {
     return absl::FailedPreconditionError("another server has taken over the log; this one stops");
   }
@@ -210,4 +210,4 @@ void Committer::TellAddress(const Quad& fact) {
                              ports_.dictionary->Decode(fact.object).lexical);
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -38,7 +38,7 @@
 #include "kb_server/writer/history.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
-namespace docent {
+namespace docent::server {
 
 // Read by any thread for /metrics.
 struct WriterCounters {
@@ -82,11 +82,11 @@ class Committer {
   // Everything must outlive the committer. These may be null: `proxies` (nothing is sent), `history`,
   // `subscriptions`.
   struct Ports {
-    ContextLog* log = nullptr;
+    log::ContextLog* log = nullptr;
     QueryPort* queries = nullptr;
     CatalogPort* catalog = nullptr;
     RunFeed* feed = nullptr;
-    RobotProxies* proxies = nullptr;
+    proxy::RobotProxies* proxies = nullptr;
     History* history = nullptr;
     Subscriptions* subscriptions = nullptr;
     const Dictionary* dictionary = nullptr;
@@ -155,6 +155,6 @@ class Committer {
   std::thread thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_COMMITTER_H_

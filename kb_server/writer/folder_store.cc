@@ -9,7 +9,7 @@
 #include "graph/redland/version_store.h"
 #include "kb_server/turn/spatial_functions.h"
 
-namespace docent {
+namespace docent::server {
 
 FolderStore::FolderStore(const Clock* clock, const Limits& limits)
     : limits_(limits), inbox_(clock, limits), feed_(limits.run_events_kept) {
@@ -19,16 +19,16 @@ FolderStore::FolderStore(const Clock* clock, const Limits& limits)
 absl::StatusOr<std::unique_ptr<FolderStore>> FolderStore::Open(const std::string& folder, bool make_new,
                                                                const Clock* clock, const Limits& limits) {
   // A name that was mistyped must not leave a log somewhere.
-  const absl::Status found = FindLog(folder);
+  const absl::Status found = log::FindLog(folder);
   if (!found.ok() && !make_new) {
     if (absl::IsDataLoss(found)) return found;
     return absl::NotFoundError(
         absl::StrCat("there is no data folder ", folder, "; new='yes' makes one (rdfproc --new)"));
   }
   std::unique_ptr<FolderStore> store(new FolderStore(clock, limits));
-  SqliteLogOptions options;
+  log::SqliteLogOptions options;
   options.snapshots_kept = limits.snapshots_kept;
-  auto log = SqliteLog::Open(folder, options);
+  auto log = log::SqliteLog::Open(folder, options);
   if (!log.ok()) return log.status();
   store->log_ = *std::move(log);
   auto head = store->log_->Head();
@@ -84,4 +84,4 @@ absl::Status FolderStore::Apply(std::vector<QuadOperation> operations) {
   return answer.get_future().get();
 }
 
-}  // namespace docent
+}  // namespace docent::server

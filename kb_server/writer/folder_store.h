@@ -25,7 +25,7 @@
 #include "kb_server/writer/snapshot_keeper.h"
 #include "kb_server/writer/writer.h"
 
-namespace docent {
+namespace docent::server {
 
 class FolderStore final : public redland::QuadStore {
  public:
@@ -48,7 +48,7 @@ class FolderStore final : public redland::QuadStore {
   const Limits limits_;
   Dictionary dictionary_;
   sparql::FunctionRegistry functions_;
-  std::unique_ptr<ContextLog> log_;
+  std::unique_ptr<log::ContextLog> log_;
   Inbox inbox_;
   QueryPort queries_;
   CatalogPort catalog_;
@@ -58,6 +58,6 @@ class FolderStore final : public redland::QuadStore {
   std::thread writer_thread_;  // from the first change on: whoever only reads writes nothing, timers neither
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_FOLDER_STORE_H_

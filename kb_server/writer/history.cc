@@ -10,7 +10,7 @@
 #include "graph/store/graph_writer.h"
 #include "kb_server/writer/recovery.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr absl::Duration kPoll = absl::Milliseconds(50);
@@ -21,7 +21,7 @@ std::string Show(TimeMicros time_us) {
 
 }  // namespace
 
-History::History(ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
+History::History(log::ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
                  const sparql::FunctionRegistry* functions, const Limits& limits)
     : log_(log), queries_(queries), dictionary_(dictionary), functions_(functions), limits_(limits) {}
 
@@ -125,10 +125,10 @@ std::optional<uint64_t> History::KeptAt(TimeMicros time_us) const {
 }
 
 absl::StatusOr<TimeMicros> History::TimeOf(uint64_t offset) {
-  absl::StatusOr<std::vector<LogEntry>> entries = log_->Read(offset, 1);
+  absl::StatusOr<std::vector<log::LogEntry>> entries = log_->Read(offset, 1);
   if (!entries.ok()) return entries.status();
   if (entries->empty()) return absl::DataLossError(absl::StrCat("the log has no record at offset ", offset));
-  const absl::StatusOr<TurnRecord> record = DecodeTurnRecord(offset, entries->front().data);
+  const absl::StatusOr<log::TurnRecord> record = log::DecodeTurnRecord(offset, entries->front().data);
   if (!record.ok()) return record.status();
   return record->time_us;
 }
@@ -233,4 +233,4 @@ absl::StatusOr<std::shared_ptr<const History::Remade>> History::Replay(uint64_t 
   return std::shared_ptr<const Remade>(std::move(remade));
 }
 
-}  // namespace docent
+}  // namespace docent::server

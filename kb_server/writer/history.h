@@ -22,12 +22,12 @@
 #include "kb_server/door/history_port.h"
 #include "kb_server/door/query_port.h"
 
-namespace docent {
+namespace docent::server {
 
 class History final : public HistoryPort {
  public:
   // All must outlive the history. `queries` says what is visible; `dictionary` is that of its versions.
-  History(ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
+  History(log::ContextLog* log, const QueryPort* queries, const Dictionary* dictionary,
           const sparql::FunctionRegistry* functions, const Limits& limits);
 
   // What a turn changed; of the first of several that led to a version it may be left empty.
@@ -77,7 +77,7 @@ class History final : public HistoryPort {
   // Makes room for one more among those that are remade.
   absl::Status MakeRoom() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  ContextLog* const log_;
+  log::ContextLog* const log_;
   const QueryPort* const queries_;
   const Dictionary* const dictionary_;
   const sparql::FunctionRegistry* const functions_;
@@ -90,6 +90,6 @@ class History final : public HistoryPort {
   bool making_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_HISTORY_H_

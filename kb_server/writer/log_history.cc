@@ -8,7 +8,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/reading_mapper.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr uint64_t kChunk = 500;  // records read at once
@@ -38,7 +38,7 @@ class Search {
   bool done() const { return wanted_.empty(); }
   std::vector<std::optional<explain::Telling>>& found() { return found_; }
 
-  void Look(const TurnRecord& record) {
+  void Look(const log::TurnRecord& record) {
     const WriteBatch& batch = record.batch;
     const std::string default_graph = batch.source.empty() ? std::string(kDefaultGraph) : batch.source;
     const auto take = [&](const QuadOperation& operation, const std::string& by) {
@@ -81,7 +81,7 @@ absl::StatusOr<std::vector<std::optional<explain::Telling>>> LogHistory::Find(
       if (absl::Status status = cancellation->Check(); !status.ok()) return status;
     }
     const uint64_t begin = end - std::min(kChunk, end - *first);
-    std::vector<LogEntry> chunk;
+    std::vector<log::LogEntry> chunk;
     while (chunk.size() < end - begin) {
       auto entries = log_.Read(begin + chunk.size(), end - begin - chunk.size());
       if (!entries.ok()) return entries.status();
@@ -89,7 +89,7 @@ absl::StatusOr<std::vector<std::optional<explain::Telling>>> LogHistory::Find(
       std::move(entries->begin(), entries->end(), std::back_inserter(chunk));
     }
     for (auto entry = chunk.rbegin(); entry != chunk.rend() && !search.done(); ++entry) {
-      auto record = DecodeTurnRecord(entry->offset, entry->data);
+      auto record = log::DecodeTurnRecord(entry->offset, entry->data);
       if (!record.ok()) return record.status();
       search.Look(*record);
     }
@@ -99,4 +99,4 @@ absl::StatusOr<std::vector<std::optional<explain::Telling>>> LogHistory::Find(
   return std::move(search.found());
 }
 
-}  // namespace docent
+}  // namespace docent::server

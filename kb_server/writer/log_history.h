@@ -7,12 +7,12 @@
 #include "graph/rdf/dictionary.h"
 #include "reasoner/explain/fact_history.h"
 
-namespace docent {
+namespace docent::server {
 
 class LogHistory final : public explain::FactHistory {
  public:
   // Both must outlive it.
-  LogHistory(ContextLog* log, const Dictionary* dictionary, const ExplainLimits& limits)
+  LogHistory(log::ContextLog* log, const Dictionary* dictionary, const ExplainLimits& limits)
       : log_(*log), dictionary_(*dictionary), limits_(limits) {}
 
   // Looks at the newest Limits::explain_log_records records up to the version's revision. What a reading became is
@@ -22,11 +22,11 @@ class LogHistory final : public explain::FactHistory {
                                                                     Cancellation* cancellation) override;
 
  private:
-  ContextLog& log_;
+  log::ContextLog& log_;
   const Dictionary& dictionary_;
   const ExplainLimits limits_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_LOG_HISTORY_H_

@@ -12,12 +12,12 @@
 #include "graph/log/record_codec.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr size_t kRecordsRead = 2000;  // of the log at a time
 
-absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& what,
+absl::Status DecidedOtherwise(const log::TurnRecord& recorded, const std::string& what,
                               absl::string_view difference) {
   const std::string text = absl::StrCat(
       "log offset ", recorded.offset, ": ", what, " (recorded by engine version ", recorded.engine_version,
@@ -32,20 +32,20 @@ absl::Status DecidedOtherwise(const TurnRecord& recorded, const std::string& wha
 
 // A record as it was read.
 struct Recorded {
-  TurnRecord turn;
+  log::TurnRecord turn;
   size_t bytes = 0;
 };
 
 // At least one record of `from` … `to`, more as they fit.
-absl::StatusOr<std::vector<Recorded>> ReadRecords(ContextLog* log, uint64_t from, uint64_t to) {
-  absl::StatusOr<std::vector<LogEntry>> entries =
+absl::StatusOr<std::vector<Recorded>> ReadRecords(log::ContextLog* log, uint64_t from, uint64_t to) {
+  absl::StatusOr<std::vector<log::LogEntry>> entries =
       log->Read(from, std::min<uint64_t>(kRecordsRead, to - from + 1));
   if (!entries.ok()) return entries.status();
   if (entries->empty()) return absl::DataLossError(absl::StrCat("the log has no record at offset ", from));
   std::vector<Recorded> records;
   records.reserve(entries->size());
-  for (const LogEntry& entry : *entries) {
-    absl::StatusOr<TurnRecord> turn = DecodeTurnRecord(entry.offset, entry.data);
+  for (const log::LogEntry& entry : *entries) {
+    absl::StatusOr<log::TurnRecord> turn = log::DecodeTurnRecord(entry.offset, entry.data);
     // those before it can be replayed
     if (!turn.ok() && !records.empty()) break;
     if (!turn.ok()) return turn.status();
@@ -61,7 +61,7 @@ absl::Status ReplayTurn(Recorded recorded, Stages* stages, const ReplayedTurn& d
     return DecidedOtherwise(recorded.turn, "the recorded batch is refused on replay",
                             derived.status().message());
   }
-  if (std::optional<std::string> difference = DecisionDifference(recorded.turn, derived->record)) {
+  if (std::optional<std::string> difference = log::DecisionDifference(recorded.turn, derived->record)) {
     return DecidedOtherwise(recorded.turn, "replay decides otherwise", *difference);
   }
   return done(*std::move(derived), recorded.bytes);
@@ -69,7 +69,7 @@ absl::Status ReplayTurn(Recorded recorded, Stages* stages, const ReplayedTurn& d
 
 }  // namespace
 
-absl::StatusOr<RestoredState> FindStart(ContextLog* log, uint64_t target, Dictionary* dictionary,
+absl::StatusOr<RestoredState> FindStart(log::ContextLog* log, uint64_t target, Dictionary* dictionary,
                                         const sparql::FunctionRegistry* functions, const Limits& limits) {
   const absl::StatusOr<uint64_t> first = log->First();
   if (!first.ok()) return first.status();
@@ -80,7 +80,7 @@ absl::StatusOr<RestoredState> FindStart(ContextLog* log, uint64_t target, Dictio
     while (!offsets->empty() && offsets->back() > at_most) offsets->pop_back();
     if (offsets->empty() || offsets->back() + 1 < *first) break;
     const uint64_t offset = offsets->back();
-    absl::StatusOr<std::optional<LogSnapshot>> snapshot = log->SnapshotGet(offset);
+    absl::StatusOr<std::optional<log::LogSnapshot>> snapshot = log->SnapshotGet(offset);
     absl::Status status = snapshot.status();
     if (status.ok() && *snapshot && (*snapshot)->offset == offset) {
       absl::StatusOr<RestoredState> state = DecodeState((*snapshot)->data, dictionary, functions, limits);
@@ -105,7 +105,7 @@ absl::StatusOr<RestoredState> FindStart(ContextLog* log, uint64_t target, Dictio
   return empty;
 }
 
-absl::Status ReplayTurns(ContextLog* log, uint64_t from, uint64_t to, Stages* stages,
+absl::Status ReplayTurns(log::ContextLog* log, uint64_t from, uint64_t to, Stages* stages,
                          const ReplayedTurn& done) {
   const bool freezes = std::exchange(stages->freezes, false);
   absl::Status status;
@@ -131,4 +131,4 @@ absl::Status ReplayTurns(ContextLog* log, uint64_t from, uint64_t to, Stages* st
   return status;  // what is still being read is waited for
 }
 
-}  // namespace docent
+}  // namespace docent::server

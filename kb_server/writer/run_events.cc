@@ -6,11 +6,11 @@
 #include "absl/strings/str_split.h"
 #include "graph/rdf/docent_iris.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // An event of that turn about "RUN/NODE/…".
-RunEvent NewEvent(const TurnRecord& record, const std::string& subject) {
+RunEvent NewEvent(const log::TurnRecord& record, const std::string& subject) {
   std::vector<std::string> parts = absl::StrSplit(subject, absl::MaxSplits('/', 2));
   RunEvent event;
   event.revision = Revision(record.offset);
@@ -23,7 +23,7 @@ RunEvent NewEvent(const TurnRecord& record, const std::string& subject) {
 
 }  // namespace
 
-std::vector<RunEvent> EventsOf(const TurnRecord& record) {
+std::vector<RunEvent> EventsOf(const log::TurnRecord& record) {
   std::vector<RunEvent> events;
   // What the turn was told, then what it decided.
   for (const CommandReport& report : record.batch.reports) {
@@ -46,9 +46,9 @@ std::vector<RunEvent> EventsOf(const TurnRecord& record) {
     RunEvent& event = events.emplace_back(NewEvent(record, command.id.value()));
     event.kind = "command";
     event.to = "sent";
-    event.detail = ToDisplay(command);
+    event.detail = log::ToDisplay(command);
   }
   return events;
 }
 
-}  // namespace docent
+}  // namespace docent::server

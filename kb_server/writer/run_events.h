@@ -7,11 +7,11 @@
 #include "graph/log/turn_record.h"
 #include "kb_server/door/run_feed.h"
 
-namespace docent {
+namespace docent::server {
 
 // In the order in which they happened in the turn.
-std::vector<RunEvent> EventsOf(const TurnRecord& record);
+std::vector<RunEvent> EventsOf(const log::TurnRecord& record);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_RUN_EVENTS_H_

@@ -13,7 +13,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/run_facts.h"
 
-namespace docent {
+namespace docent::server {
 
 template <class Archive>
 void Fields(Archive& a, BatchOutcome& o) {
@@ -251,10 +251,10 @@ absl::Status RestoreEngine(std::string_view bytes, const std::vector<LastingSinc
                            const Limits& limits, Stages* stages) {
   const GraphVersion& graph = stages->writer.current();
   const RunFactsOfGraph facts(stages->dictionary, graph);
-  absl::StatusOr<EngineState> engine = DecodeEngineState(bytes, limits, &stages->dictionary,
-                                                         [&facts](const RunId& run) { return facts(run); });
+  absl::StatusOr<engine::EngineState> engine = engine::DecodeEngineState(
+      bytes, limits, &stages->dictionary, [&facts](const RunId& run) { return facts(run); });
   if (!engine.ok()) return engine.status();
-  const std::vector<ConditionRequest> conditions = ArmedConditions(*engine);
+  const std::vector<engine::ConditionRequest> conditions = engine::ArmedConditions(*engine);
   stages->engine.Restore(*std::move(engine));
   return stages->conditions.Restore(conditions, times, graph, time_us);
 }
@@ -277,7 +277,7 @@ ServerState TakeState(const Stages& stages, const RequestMemory& requests, Graph
 }
 
 absl::StatusOr<std::string> EncodeState(const ServerState& state, const Dictionary& dictionary, Pace* pace) {
-  const absl::StatusOr<std::string> engine = EncodeEngineState(state.engine);
+  const absl::StatusOr<std::string> engine = engine::EncodeEngineState(state.engine);
   if (!engine.ok()) return engine.status();
   ByteWriter out;
   out.Reserve(state.terms * kBytesATerm + state.graph->size() * kBytesAQuad);
@@ -328,4 +328,4 @@ absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* di
   return restored;
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -21,7 +21,7 @@
 #include "kb_server/turn/turn.h"
 #include "workflow/engine/engine_state.h"
 
-namespace docent {
+namespace docent::server {
 
 struct ServerState {
   uint64_t offset = 0;     // of the log record that made it
@@ -30,7 +30,7 @@ struct ServerState {
   uint64_t terms = 0;  // entries of the dictionary that it may use
   std::vector<std::pair<TimeMicros, Quad>> lifetimes;
   std::map<Documents::Key, Documents::Entry> documents;
-  EngineState engine;
+  engine::EngineState engine;
   std::vector<LastingSince> times;  // of conditions that must have held for some time
   std::vector<RememberedRequestPtr> requests;
 };
@@ -55,6 +55,6 @@ struct RestoredState {
 absl::StatusOr<RestoredState> DecodeState(std::string_view bytes, Dictionary* dictionary,
                                           const sparql::FunctionRegistry* functions, const Limits& limits);
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_SERVER_STATE_H_

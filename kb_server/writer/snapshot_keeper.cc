@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // Below the threads that answer (setpriority(2): on Linux it may be one thread's).
@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kDurablePoll{50};
 
 }  // namespace
 
-SnapshotKeeper::SnapshotKeeper(ContextLog* log, const Dictionary* dictionary, const Limits& limits)
+SnapshotKeeper::SnapshotKeeper(log::ContextLog* log, const Dictionary* dictionary, const Limits& limits)
     : log_(log), dictionary_(dictionary), limits_(limits) {
   thread_ = std::thread([this] {
     pthread_setname_np(pthread_self(), "snapshots");
@@ -137,7 +137,7 @@ absl::Status SnapshotKeeper::Trim() {
   if (*bytes <= limits_.log_bytes_kept) return absl::OkStatus();
   const absl::StatusOr<uint64_t> first = log_->First();
   if (!first.ok()) return first.status();
-  const absl::StatusOr<LogHead> head = log_->Head();
+  const absl::StatusOr<log::LogHead> head = log_->Head();
   if (!head.ok()) return head.status();
   const double records = static_cast<double>(head->offset - *first + 1);
   const double kept = records * static_cast<double>(limits_.log_bytes_kept) / static_cast<double>(*bytes);
@@ -152,4 +152,4 @@ absl::Status SnapshotKeeper::Trim() {
   return status.ok() ? log_->Trim(start + 1) : status;
 }
 
-}  // namespace docent
+}  // namespace docent::server

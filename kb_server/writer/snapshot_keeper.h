@@ -17,12 +17,12 @@
 #include "graph/log/context_log.h"
 #include "kb_server/writer/server_state.h"
 
-namespace docent {
+namespace docent::server {
 
 class SnapshotKeeper {
  public:
   // Both must outlive the keeper.
-  SnapshotKeeper(ContextLog* log, const Dictionary* dictionary, const Limits& limits);
+  SnapshotKeeper(log::ContextLog* log, const Dictionary* dictionary, const Limits& limits);
   // A snapshot that is being written is finished.
   ~SnapshotKeeper();
   SnapshotKeeper(const SnapshotKeeper&) = delete;
@@ -57,7 +57,7 @@ class SnapshotKeeper {
   absl::Status Trim();
   bool Wanted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return job_.has_value() || closing_; }
 
-  ContextLog* const log_;
+  log::ContextLog* const log_;
   const Dictionary* const dictionary_;
   const Limits limits_;
   Counters counters_;
@@ -75,6 +75,6 @@ class SnapshotKeeper {
   std::thread thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_SNAPSHOT_KEEPER_H_

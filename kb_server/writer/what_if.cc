@@ -12,10 +12,11 @@
 #include "graph/sparql/syntax/parser.h"
 #include "kb_server/writer/writer.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
-std::vector<std::pair<std::string, Term>> Decode(const Binding& binding, const Dictionary& dictionary) {
+std::vector<std::pair<std::string, Term>> Decode(const conditions::Binding& binding,
+                                                 const Dictionary& dictionary) {
   std::vector<std::pair<std::string, Term>> terms;
   for (const auto& [name, id] : binding) terms.emplace_back(name, dictionary.Decode(id));
   return terms;
@@ -24,11 +25,11 @@ std::vector<std::pair<std::string, Term>> Decode(const Binding& binding, const D
 // Follows all conditions beside the engine, which disarms those that open.
 class FlipWatch {
  public:
-  FlipWatch(Stages* stages, const std::vector<ConditionRequest>& requests)
+  FlipWatch(Stages* stages, const std::vector<engine::ConditionRequest>& requests)
       : stages_(*stages), requests_(requests) {}
 
   absl::Status Begin(TimeMicros now_us) {
-    for (const ConditionRequest& request : requests_) {
+    for (const engine::ConditionRequest& request : requests_) {
       if (stages_.cancellation != nullptr) {
         if (absl::Status status = stages_.cancellation->CheckNow(); !status.ok()) return status;
       }
@@ -49,13 +50,13 @@ class FlipWatch {
       const Level& level = before_[i];
       ConditionFlip flip{
           level.place, requests_[i].ask, level.holds, stages_.standing_conditions.Holds(level.id), {}, {}, 0};
-      for (const LastingPart& part : requests_[i].lasting)
+      for (const engine::LastingPart& part : requests_[i].lasting)
         flip.lasting_us = std::max(flip.lasting_us, part.at_least_us);
-      const std::vector<Binding> now = stages_.standing_conditions.Keys(level.id);
-      const auto missing_in = [&](const std::vector<Binding>& all, const std::vector<Binding>& in,
-                                  auto* out) {
+      const std::vector<conditions::Binding> now = stages_.standing_conditions.Keys(level.id);
+      const auto missing_in = [&](const std::vector<conditions::Binding>& all,
+                                  const std::vector<conditions::Binding>& in, auto* out) {
         if (requests_[i].key_variables.empty()) return;
-        for (const Binding& key : all) {
+        for (const conditions::Binding& key : all) {
           if (std::find(in.begin(), in.end(), key) == in.end())
             out->push_back(Decode(key, stages_.dictionary));
         }
@@ -70,13 +71,13 @@ class FlipWatch {
 
  private:
   struct Level {
-    ConditionId id;
+    conditions::ConditionId id;
     std::string place;  // whose condition it is, before the turn
     bool holds;
-    std::vector<Binding> keys;
+    std::vector<conditions::Binding> keys;
   };
   Stages& stages_;
-  const std::vector<ConditionRequest>& requests_;
+  const std::vector<engine::ConditionRequest>& requests_;
   std::vector<Level> before_;
 };
 
@@ -123,7 +124,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   Stages stages(dictionary, functions, limits, copy.version);
   stages.cancellation = cancellation;
   for (const explain::RuleText& set : copy.rules) {
-    const Diagnostics diagnostics = stages.rules.PutRules(set.name, *set.text, RuleTextOrigin::kAccepted);
+    const Diagnostics diagnostics =
+        stages.rules.PutRules(set.name, *set.text, rules::RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *set.text);
   }
   stages.rules.Adopt();
@@ -147,7 +149,8 @@ absl::StatusOr<WhatIfAnswer> RunWhatIf(const StagesCopy& copy, Dictionary* dicti
   }
   answer.flips = watch.Flips();
   answer.transitions = std::move(turn->record.transitions);
-  for (const RobotCommand& command : turn->record.commands) answer.commands.push_back(ToDisplay(command));
+  for (const RobotCommand& command : turn->record.commands)
+    answer.commands.push_back(log::ToDisplay(command));
   return answer;
 }
 
@@ -185,4 +188,4 @@ void WhatIf::Ask(WriteBatch batch, std::shared_ptr<Cancellation> cancellation, A
       look);
 }
 
-}  // namespace docent
+}  // namespace docent::server

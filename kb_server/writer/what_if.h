@@ -14,15 +14,15 @@
 #include "kb_server/turn/turn.h"
 #include "workflow/engine/engine_state.h"
 
-namespace docent {
+namespace docent::server {
 
 // What private stages are made of. Value, but for the shared version.
 struct StagesCopy {
   GraphVersionPtr version;
   std::vector<explain::RuleText> rules;
-  std::vector<ConditionRequest> conditions;
+  std::vector<engine::ConditionRequest> conditions;
   std::vector<LastingSince> times;  // of those that must have held for some time
-  EngineState engine;
+  engine::EngineState engine;
 };
 
 // The state after the turn that ran last. On the writer's thread, between two turns.
@@ -56,6 +56,6 @@ class WhatIf final : public WhatIfPort {
   const Ports ports_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_WHAT_IF_H_

@@ -9,7 +9,7 @@
 #include "kb_server/writer/run_events.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // A clock tick that was refused (a full disk, a rule that explodes) is tried again after this time, not at
@@ -124,8 +124,8 @@ void Writer::FillFeed(uint64_t up_to) {
   for (uint64_t next = from; next <= up_to;) {
     auto entries = ports_.log->Read(next, up_to - next + 1);
     if (!entries.ok() || entries->empty()) break;
-    for (const LogEntry& entry : *entries) {
-      auto record = DecodeTurnRecord(entry.offset, entry.data);
+    for (const log::LogEntry& entry : *entries) {
+      auto record = log::DecodeTurnRecord(entry.offset, entry.data);
       if (!record.ok()) break;
       turns.push_back(EventsOf(*record));
       next = entry.offset + 1;
@@ -335,4 +335,4 @@ void Writer::PublishCounters() {
   counters_.live_runs = stages_->engine.live_runs();
 }
 
-}  // namespace docent
+}  // namespace docent::server

@@ -29,7 +29,7 @@
 #include "kb_server/writer/snapshot_keeper.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
-namespace docent {
+namespace docent::server {
 
 class Writer {
  public:
@@ -37,11 +37,11 @@ class Writer {
   // and `history` (none are kept).
   struct Ports {
     Inbox* inbox = nullptr;
-    ContextLog* log = nullptr;
+    log::ContextLog* log = nullptr;
     QueryPort* queries = nullptr;
     CatalogPort* catalog = nullptr;
     RunFeed* feed = nullptr;
-    RobotProxies* proxies = nullptr;
+    proxy::RobotProxies* proxies = nullptr;
     SnapshotKeeper* snapshots = nullptr;
     History* history = nullptr;
     Subscriptions* subscriptions = nullptr;  // may be null
@@ -110,6 +110,6 @@ class Writer {
   Committer committer_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_KB_SERVER_WRITER_WRITER_H_

@@ -5,7 +5,7 @@
 
 #include "graph/sparql/run/evaluator.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 int CompareBindings(const std::vector<Term>& a, const std::vector<Term>& b) {
@@ -30,4 +30,4 @@ void SortBindings(std::vector<Binding>& bindings, const Dictionary& dictionary) 
   for (size_t i = 0; i < keyed.size(); ++i) bindings[i] = std::move(keyed[i].second);
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -7,11 +7,11 @@
 #include "graph/rdf/dictionary.h"
 #include "reasoner/conditions/standing_conditions.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // Sorts by the values, first variable first, in SPARQL's term order (CompareTerms).
 void SortBindings(std::vector<Binding>& bindings, const Dictionary& dictionary);
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_BINDINGS_H_

@@ -5,7 +5,7 @@
 
 #include "graph/store/index_order.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 int ConstantCount(const QuadPattern& pattern) {
@@ -14,7 +14,7 @@ int ConstantCount(const QuadPattern& pattern) {
 
 }  // namespace
 
-Condition::Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes)
+Condition::Condition(uint32_t number, std::unique_ptr<matching::Body> body, Keys keys, WatchIndexes& indexes)
     : own_body_(std::move(body)),
       own_kind_(
           std::make_unique<ConditionKind>(*own_body_, std::move(keys), std::vector<int16_t>(), indexes)),
@@ -140,9 +140,10 @@ void Condition::ForgetKept() {
 
 void Condition::Watch(Witness& witness, uint32_t slot) {
   for (const ConditionKind::Breaker& breaker : kind_->breakers) {
-    const QuadPattern constants = Body::ConstantsOf(*breaker.trigger, witness.row);
-    const PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness, breaker.detail};
-    const MatchPattern& match = breaker.trigger->match;
+    const QuadPattern constants = matching::Body::ConstantsOf(*breaker.trigger, witness.row);
+    const matching::PatternIndex::Reference reference{number_, slot | WatchIndexes::kIsWitness,
+                                                      breaker.detail};
+    const matching::MatchPattern& match = breaker.trigger->match;
     witness.watches.push_back(breaker.comes ? kind_->indexes.Comes(match, constants, reference)
                                             : kind_->indexes.Goes(match, constants, reference));
   }
@@ -198,7 +199,7 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
   // What lost a match has most often no other.
   bool found = false;
   const bool known = trigger != WatchIndexes::kSomeTrigger;
-  if (known && Body::RejectsAll(kind_->body.triggers()[trigger], seed)) {
+  if (known && matching::Body::RejectsAll(kind_->body.triggers()[trigger], seed)) {
     // what must not be is there
   } else if (known && HasNoMatch(trigger, seed, *run.version)) {
     blocked_ = !has_keys() && watches_one() && armed_trigger_ == trigger;
@@ -231,14 +232,14 @@ absl::Status Condition::Recheck(uint32_t slot, uint16_t trigger, const sparql::R
 
 bool Condition::KeepsWitness(uint16_t trigger) const {
   return !has_keys() && trigger != WatchIndexes::kSomeTrigger &&
-         kind_->body.triggers()[trigger].polarity == Polarity::kNegative;
+         kind_->body.triggers()[trigger].polarity == matching::Polarity::kNegative;
 }
 
 absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, const sparql::RunOptions& run,
                               bool& full_done, Edits& edits) {
   if (full_done) return absl::OkStatus();
-  const Trigger& matched = kind_->body.triggers()[trigger];
-  if (matched.polarity == Polarity::kNegative && keeps_witness()) {
+  const matching::Trigger& matched = kind_->body.triggers()[trigger];
+  if (matched.polarity == matching::Polarity::kNegative && keeps_witness()) {
     if (absl::Status status = TakeKept(run, edits); !status.ok() || holds()) return status;
   }
   std::vector<TermId>& seed = BeginSeed();
@@ -262,7 +263,7 @@ absl::Status Condition::Probe(uint32_t trigger, const Quad& quad, bool added, co
 absl::Status Condition::TakeKept(const sparql::RunOptions& run, Edits& edits) {
   if (witnesses_.empty() || witnesses_[0].watches.empty() || !kind_->body.flat()) return absl::OkStatus();
   constexpr uint32_t kAllPatterns = ~0u;
-  return kind_->body.EvaluateRest(run, witnesses_[0].row, kAllPatterns, Body::Filters::kAll,
+  return kind_->body.EvaluateRest(run, witnesses_[0].row, kAllPatterns, matching::Body::Filters::kAll,
                                   [&](absl::Span<const TermId> row) {
                                     Take(row, edits);
                                     return false;
@@ -299,15 +300,15 @@ void Condition::Undo(const Edit& edit) {
   SetRow(witnesses_[static_cast<size_t>(slot)], static_cast<uint32_t>(slot), edit.before);
 }
 
-QuadPattern Condition::ConstantsOf(const Trigger& trigger) const {
-  return kind_->borrows ? Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
+QuadPattern Condition::ConstantsOf(const matching::Trigger& trigger) const {
+  return kind_->borrows ? matching::Body::ConstantsOf(trigger, BeginSeed()) : trigger.match.constants;
 }
 
 bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed,
                            const GraphVersion& version) const {
-  const Trigger& lost = kind_->body.triggers()[trigger];
-  return lost.required && lost.polarity == Polarity::kPositive &&
-         !version.ContainsMatch(Body::ConstantsOf(lost, seed));
+  const matching::Trigger& lost = kind_->body.triggers()[trigger];
+  return lost.required && lost.polarity == matching::Polarity::kPositive &&
+         !version.ContainsMatch(matching::Body::ConstantsOf(lost, seed));
 }
 
 // A required pattern without any match: nothing can rise before it has one. The most specific of them; the one that is
@@ -315,10 +316,10 @@ bool Condition::HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed,
 int Condition::BlockingTrigger(const GraphVersion& version) const {
   int best = -1;
   int best_constants = -1;
-  const std::vector<Trigger>& triggers = kind_->body.triggers();
+  const std::vector<matching::Trigger>& triggers = kind_->body.triggers();
   const auto look_at = [&](int i) {
-    const Trigger& trigger = triggers[static_cast<size_t>(i)];
-    if (!trigger.required || trigger.polarity != Polarity::kPositive) return;
+    const matching::Trigger& trigger = triggers[static_cast<size_t>(i)];
+    if (!trigger.required || trigger.polarity != matching::Polarity::kPositive) return;
     const QuadPattern constants = ConstantsOf(trigger);
     if (ConstantCount(constants) <= best_constants || version.ContainsMatch(constants)) return;
     best = i;
@@ -330,9 +331,9 @@ int Condition::BlockingTrigger(const GraphVersion& version) const {
 }
 
 void Condition::WatchTrigger(uint32_t trigger) {
-  const Trigger& watched = kind_->body.triggers()[trigger];
+  const matching::Trigger& watched = kind_->body.triggers()[trigger];
   const QuadPattern constants = ConstantsOf(watched);
-  const PatternIndex::Reference reference{number_, trigger, 0};
+  const matching::PatternIndex::Reference reference{number_, trigger, 0};
   if (RisesOnAdd(watched.polarity))
     armed_watches_.push_back(kind_->indexes.Comes(watched.match, constants, reference));
   if (RisesOnRemove(watched.polarity))
@@ -382,4 +383,4 @@ bool Condition::Arm(const GraphVersion* version, bool probed) {
   return true;
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

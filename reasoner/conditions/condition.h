@@ -26,7 +26,7 @@
 #include "reasoner/matching/body.h"
 #include "reasoner/matching/pattern_index.h"
 
-namespace docent {
+namespace docent::conditions {
 
 class Condition {
  public:
@@ -35,7 +35,7 @@ class Condition {
   using Keys = ConditionKind::Keys;
 
   // `keys`: columns of `body`. `number` is what references call it. Does not evaluate: call Refresh.
-  Condition(uint32_t number, std::unique_ptr<Body> body, Keys keys, WatchIndexes& indexes);
+  Condition(uint32_t number, std::unique_ptr<matching::Body> body, Keys keys, WatchIndexes& indexes);
   // A member of `condition_template`, with the template's body and these constants in it. `template` must outlive the condition.
   Condition(uint32_t number, ConditionTemplate* condition_template, ConditionTemplate::Constants constants,
             const Keys& keys);
@@ -46,8 +46,8 @@ class Condition {
   Condition(const Condition&) = delete;
   Condition& operator=(const Condition&) = delete;
 
-  Body& body() { return kind_->body; }
-  const std::vector<Body::Column>& columns() const { return kind_->body.columns(); }
+  matching::Body& body() { return kind_->body; }
+  const std::vector<matching::Body::Column>& columns() const { return kind_->body.columns(); }
   bool has_keys() const { return kind_->has_keys; }
   const Keys& keys() const { return kind_->keys; }
   bool holds() const { return present_ > 0; }
@@ -139,7 +139,7 @@ class Condition {
   // only filters are asked.
   absl::Status TakeKept(const sparql::RunOptions& run, Edits& edits);
   // Of its pattern, with the constants of the template in it.
-  QuadPattern ConstantsOf(const Trigger& trigger) const;
+  QuadPattern ConstantsOf(const matching::Trigger& trigger) const;
   int BlockingTrigger(const GraphVersion& version) const;
   // Whether the trigger has no match with the seed, so that there is no solution.
   bool HasNoMatch(uint16_t trigger, absl::Span<const TermId> seed, const GraphVersion& version) const;
@@ -152,7 +152,7 @@ class Condition {
   // One cache line that is read where the condition is armed or has many witnesses.
   Watches armed_watches_;
   std::unique_ptr<Slots> slots_;
-  std::unique_ptr<Body> own_body_;  // null: the body is the template's
+  std::unique_ptr<matching::Body> own_body_;  // null: the body is the template's
   std::unique_ptr<ConditionKind> own_kind_;
   // Cache lines that every relevant update reads.
   // Without keys: the first, while present_; or kept after it was broken, if it has watches.
@@ -172,6 +172,6 @@ class Condition {
   ConditionTemplate::Constants constants_;  // what tells this condition from others of the template
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_CONDITION_H_

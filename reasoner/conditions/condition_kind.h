@@ -12,7 +12,7 @@
 #include "reasoner/conditions/watch_indexes.h"
 #include "reasoner/matching/body.h"
 
-namespace docent {
+namespace docent::conditions {
 
 class ConditionTemplate;
 
@@ -21,7 +21,8 @@ struct ConditionKind {
   using Columns = absl::InlinedVector<int16_t, 4>;
 
   // `parameters`: columns of the body that the constants of a condition are for.
-  ConditionKind(Body& body, Keys keys, const std::vector<int16_t>& parameters, WatchIndexes& indexes);
+  ConditionKind(matching::Body& body, Keys keys, const std::vector<int16_t>& parameters,
+                WatchIndexes& indexes);
 
   // The constants in their columns, nothing else; until the next call.
   std::vector<TermId>& SeedWith(absl::Span<const TermId> constants) {
@@ -38,7 +39,7 @@ struct ConditionKind {
   using Gifts = absl::InlinedVector<Gift, 4>;
   // A change that breaks a witness: it comes or goes, and matches the trigger with the witness in it.
   struct Breaker {
-    const Trigger* trigger;
+    const matching::Trigger* trigger;
     bool comes;
     uint16_t detail;  // of its references
   };
@@ -47,7 +48,7 @@ struct ConditionKind {
   // whole evaluation.
   bool Narrows(uint32_t trigger) const { return (whole & (1u << std::min(trigger, 31u))) == 0; }
 
-  Body& body;
+  matching::Body& body;
   WatchIndexes& indexes;
   ConditionTemplate* condition_template = nullptr;  // null: none
   const bool has_keys;
@@ -61,6 +62,6 @@ struct ConditionKind {
   std::vector<TermId> seed;  // scratch
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_CONDITION_KIND_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 using sparql::Algebra;
@@ -80,7 +80,7 @@ void OpenConstants(Algebra& node, TemplateForm& form) {
       return;
     case Algebra::Kind::kFilter:
       OpenConstants(*node.children[0], form);
-      return OpenKnown(*node.expression, CertainVariables(*node.children[0]), form);
+      return OpenKnown(*node.expression, matching::CertainVariables(*node.children[0]), form);
     case Algebra::Kind::kMinus:
     case Algebra::Kind::kLeftJoin:
     case Algebra::Kind::kGraph:
@@ -97,17 +97,18 @@ std::optional<TemplateForm> SplitConstants(const sparql::Query& query) {
   form.shared.form = sparql::Query::Form::kAsk;
   form.shared.from = query.from;
   form.shared.from_named = query.from_named;
-  form.shared.algebra = WithoutModifiers(*query.algebra).Clone();
+  form.shared.algebra = matching::WithoutModifiers(*query.algebra).Clone();
   OpenConstants(*form.shared.algebra, form);
   if (form.parameters.empty()) return std::nullopt;
   return form;
 }
 
-ConditionTemplate::ConditionTemplate(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes)
+ConditionTemplate::ConditionTemplate(uint32_t number, std::unique_ptr<matching::Body> body,
+                                     WatchIndexes& indexes)
     : number_(number),
       body_(std::move(body)),
       all_certain_(std::all_of(body_->columns().begin(), body_->columns().end(),
-                               [](const Body::Column& column) { return column.certain; })),
+                               [](const matching::Body::Column& column) { return column.certain; })),
       indexes_(indexes) {}
 
 ConditionTemplate::~ConditionTemplate() {
@@ -115,9 +116,9 @@ ConditionTemplate::~ConditionTemplate() {
 }
 
 absl::StatusOr<std::unique_ptr<ConditionTemplate>> ConditionTemplate::Make(
-    uint32_t number, const TemplateForm& form, const Body& member, WatchIndexes& indexes,
+    uint32_t number, const TemplateForm& form, const matching::Body& member, WatchIndexes& indexes,
     Dictionary& dictionary, const sparql::FunctionRegistry* functions) {
-  auto body = Body::Compile(form.shared, dictionary, functions);
+  auto body = matching::Body::Compile(form.shared, dictionary, functions);
   if (!body.ok()) return body.status();
   std::unique_ptr<ConditionTemplate> condition_template(
       new ConditionTemplate(number, *std::move(body), indexes));
@@ -126,12 +127,12 @@ absl::StatusOr<std::unique_ptr<ConditionTemplate>> ConditionTemplate::Make(
     if (column < 0 || !condition_template->body_->columns()[column].certain) return nullptr;
     condition_template->parameters_.push_back(static_cast<int16_t>(column));
   }
-  for (const Body::Column& column : member.columns()) {
+  for (const matching::Body::Column& column : member.columns()) {
     const int found = condition_template->body_->ColumnOf(column.name);
     if (found < 0) return nullptr;
     condition_template->columns_.push_back(static_cast<int16_t>(found));
   }
-  const std::vector<Trigger>& open = condition_template->body_->triggers();
+  const std::vector<matching::Trigger>& open = condition_template->body_->triggers();
   if (open.size() != member.triggers().size() || member.is_volatile()) return nullptr;
   bool any = false;
   for (size_t i = 0; i < open.size(); ++i) {
@@ -159,13 +160,13 @@ ConditionKind& ConditionTemplate::KindWith(const ConditionKind::Keys& keys) {
 }
 
 // Whether the body with these constants in it looks at the same quads as `member`, and binds from them the same.
-bool ConditionTemplate::IsSame(const Body& member, const Constants& constants) const {
+bool ConditionTemplate::IsSame(const matching::Body& member, const Constants& constants) const {
   ConditionKind kind(*body_, {}, parameters_, indexes_);
   const std::vector<TermId>& seed = kind.SeedWith(constants);
   for (size_t i = 0; i < shared_.size(); ++i) {
-    const Trigger& open = body_->triggers()[i];
-    const Trigger& closed = member.triggers()[i];
-    const MatchPattern match = body_->Instantiate(open, seed);
+    const matching::Trigger& open = body_->triggers()[i];
+    const matching::Trigger& closed = member.triggers()[i];
+    const matching::MatchPattern match = body_->Instantiate(open, seed);
     if (!SameConstants(match.constants, closed.match.constants) || match.equal != closed.match.equal ||
         match.object_guard.has_value() != closed.match.object_guard.has_value() ||
         open.polarity != closed.polarity || open.required != closed.required) {
@@ -173,14 +174,14 @@ bool ConditionTemplate::IsSame(const Body& member, const Constants& constants) c
     }
     for (size_t j = 0; j < closed.columns.size(); ++j) {
       const int16_t column = closed.columns[j];
-      if (column != Trigger::kNoColumn && open.columns[j] != columns_[column]) return false;
-      const bool bound = open.columns[j] != Trigger::kNoColumn && seed[open.columns[j]].IsNone();
-      if (column == Trigger::kNoColumn && bound) return false;
+      if (column != matching::Trigger::kNoColumn && open.columns[j] != columns_[column]) return false;
+      const bool bound = open.columns[j] != matching::Trigger::kNoColumn && seed[open.columns[j]].IsNone();
+      if (column == matching::Trigger::kNoColumn && bound) return false;
     }
   }
   for (size_t i = 0; i < columns_.size(); ++i) {
-    const Body::Column& open = body_->columns()[columns_[i]];
-    const Body::Column& closed = member.columns()[i];
+    const matching::Body::Column& open = body_->columns()[columns_[i]];
+    const matching::Body::Column& closed = member.columns()[i];
     if (open.seedable != closed.seedable || open.certain != closed.certain) return false;
   }
   return body_->columns().size() == columns_.size() + parameters_.size();
@@ -189,8 +190,9 @@ bool ConditionTemplate::IsSame(const Body& member, const Constants& constants) c
 void ConditionTemplate::Watch() {
   for (size_t i = 0; i < shared_.size(); ++i) {
     if (!shared_[i]) continue;
-    const Trigger& trigger = body_->triggers()[i];
-    const PatternIndex::Reference reference{number_ | WatchIndexes::kIsTemplate, static_cast<uint32_t>(i)};
+    const matching::Trigger& trigger = body_->triggers()[i];
+    const matching::PatternIndex::Reference reference{number_ | WatchIndexes::kIsTemplate,
+                                                      static_cast<uint32_t>(i)};
     const QuadPattern& constants = trigger.match.constants;
     if (RisesOnAdd(trigger.polarity)) watches_.push_back(indexes_.Comes(trigger.match, constants, reference));
     if (RisesOnRemove(trigger.polarity))
@@ -251,4 +253,4 @@ absl::StatusOr<bool> ConditionTemplate::Probe(uint32_t trigger, const Quad* quad
   return solutions <= most;
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -26,7 +26,7 @@
 #include "reasoner/conditions/watch_indexes.h"
 #include "reasoner/matching/body.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // A query as a template: constants that are subjects or objects of the patterns that every solution matches are
 // variables, there and inside EXISTS. Objects of rdf:type stay: classes make another template.
@@ -45,7 +45,8 @@ class ConditionTemplate {
   // `form` with all its members' columns in the order of `member`. nullptr: nothing would be shared. `number`
   // is what references call it, with kIsTemplate.
   static absl::StatusOr<std::unique_ptr<ConditionTemplate>> Make(uint32_t number, const TemplateForm& form,
-                                                                 const Body& member, WatchIndexes& indexes,
+                                                                 const matching::Body& member,
+                                                                 WatchIndexes& indexes,
                                                                  Dictionary& dictionary,
                                                                  const sparql::FunctionRegistry* functions);
   ~ConditionTemplate();
@@ -55,7 +56,7 @@ class ConditionTemplate {
   // Whether members need no body of their own: this one with their constants in it is the same. Such a member's
   // columns are the template's.
   bool lends_body() const { return lends_body_; }
-  Body& body() { return *body_; }
+  matching::Body& body() { return *body_; }
   // Of members that borrow the body and have these keys.
   ConditionKind& KindWith(const ConditionKind::Keys& keys);
   // The template's columns in the order of those of a member with a body of its own.
@@ -85,13 +86,13 @@ class ConditionTemplate {
   }
 
  private:
-  ConditionTemplate(uint32_t number, std::unique_ptr<Body> body, WatchIndexes& indexes);
+  ConditionTemplate(uint32_t number, std::unique_ptr<matching::Body> body, WatchIndexes& indexes);
   void Watch();
   void Unwatch();
-  bool IsSame(const Body& member, const Constants& constants) const;
+  bool IsSame(const matching::Body& member, const Constants& constants) const;
 
   const uint32_t number_;
-  const std::unique_ptr<Body> body_;
+  const std::unique_ptr<matching::Body> body_;
   const bool all_certain_;  // columns of body_
   WatchIndexes& indexes_;
   std::vector<int16_t> parameters_;  // columns of body_
@@ -109,6 +110,6 @@ class ConditionTemplate {
   Constants found_;                                    // scratch
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_CONDITION_TEMPLATE_H_

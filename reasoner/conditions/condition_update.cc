@@ -8,7 +8,7 @@
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/conditions/standing_conditions_impl.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // What Update does is one function for the compiler: calls of its parts took 15 of 190 nanoseconds.
 ABSL_ATTRIBUTE_ALWAYS_INLINE inline StandingConditions::Impl::Touched& StandingConditions::Impl::Touch(
@@ -31,7 +31,7 @@ absl::Status StandingConditions::Impl::Whole(absl::FunctionRef<absl::Status()> e
 }
 
 ABSL_ATTRIBUTE_ALWAYS_INLINE inline void StandingConditions::Impl::GatherOf(const Quad& quad, bool added) {
-  const auto visit = [&](const PatternIndex::Reference& reference) {
+  const auto visit = [&](const matching::PatternIndex::Reference& reference) {
     ++counters.candidates;
     if ((reference.pattern & WatchIndexes::kIsWitness) != 0) {
       broken.push_back(reference);
@@ -62,8 +62,8 @@ ABSL_ATTRIBUTE_ALWAYS_INLINE inline absl::Status StandingConditions::Impl::Reche
       return std::tie(a.owner, a.pattern, a.detail) < std::tie(b.owner, b.pattern, b.detail);
     });
   }
-  const PatternIndex::Reference* last = nullptr;
-  for (const PatternIndex::Reference& reference : broken) {
+  const matching::PatternIndex::Reference* last = nullptr;
+  for (const matching::PatternIndex::Reference& reference : broken) {
     Condition& condition = conditions[reference.owner];
     const bool again =
         last != nullptr && last->owner == reference.owner && last->pattern == reference.pattern;
@@ -338,4 +338,4 @@ void StandingConditions::Rollback() {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace docent {
+namespace docent::conditions {
 
 LastingCondition::LastingCondition(std::vector<std::string> keys, std::vector<Part> parts)
     : keys_(std::move(keys)) {
@@ -198,4 +198,4 @@ std::vector<LastingCondition::Since> LastingCondition::Times() const {
   return times;
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -23,7 +23,7 @@
 #include "graph/base/clock.h"
 #include "reasoner/conditions/standing_conditions.h"
 
-namespace docent {
+namespace docent::conditions {
 
 class LastingCondition {
  public:
@@ -119,6 +119,6 @@ class LastingCondition {
   bool undoing_ = false;
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_LASTING_CONDITION_H_

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace docent {
+namespace docent::conditions {
 
 template <typename T>
 class NumberedPlaces {
@@ -69,6 +69,6 @@ class NumberedPlaces {
   std::vector<uint32_t> free_;
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_NUMBERED_PLACES_H_

@@ -10,12 +10,12 @@
 #include "reasoner/conditions/bindings.h"
 #include "reasoner/conditions/standing_conditions_impl.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 // Two queries with the same fingerprint have the same answers.
 std::string Fingerprint(const sparql::Query& query, const std::vector<std::string>& keys) {
-  std::string text = sparql::PrintAlgebra(WithoutModifiers(*query.algebra));
+  std::string text = sparql::PrintAlgebra(matching::WithoutModifiers(*query.algebra));
   for (const Term& term : query.from) absl::StrAppend(&text, "\nFROM ", term.lexical);
   for (const Term& term : query.from_named) absl::StrAppend(&text, "\nNAMED ", term.lexical);
   for (const std::string& key : keys) absl::StrAppend(&text, "\n?", key);
@@ -37,7 +37,8 @@ StandingConditions::~StandingConditions() = default;
 namespace {
 
 // The columns of the key variables.
-absl::StatusOr<Condition::Keys> KeyColumns(const Body& body, const std::vector<std::string>& names) {
+absl::StatusOr<Condition::Keys> KeyColumns(const matching::Body& body,
+                                           const std::vector<std::string>& names) {
   Condition::Keys keys;
   for (const std::string& name : names) {
     const int column = body.ColumnOf(name);
@@ -66,7 +67,7 @@ absl::StatusOr<uint32_t> StandingConditions::Impl::Make(const sparql::Query& que
   }
   const bool borrowed = condition != nullptr;
   if (!borrowed) {
-    auto body = Body::Compile(query, dictionary, functions);
+    auto body = matching::Body::Compile(query, dictionary, functions);
     if (!body.ok()) return body.status();
     auto keys = KeyColumns(**body, options.key_variables);
     if (!keys.ok()) return keys.status();
@@ -159,7 +160,7 @@ absl::StatusOr<std::optional<uint32_t>> StandingConditions::Impl::GroupCondition
   if (thresholds_alone.size() > 100000) thresholds_alone.clear();
   int64_t& alone = thresholds_alone[fingerprint];
   if (++alone <= kThresholdsAlone || alone >= kMaxGroupSolutions) return std::nullopt;
-  auto body = Body::Compile(form.shared, dictionary, functions);
+  auto body = matching::Body::Compile(form.shared, dictionary, functions);
   if (!body.ok()) return body.status();
   int64_t solutions = 0;
   const std::vector<TermId> nothing((*body)->columns().size());
@@ -287,7 +288,7 @@ absl::StatusOr<std::vector<Binding>> StandingConditions::Solutions(ConditionId i
   if (found == impl_->followers.end()) return absl::NotFoundError("no such condition");
   const Impl::Subscriber& follower = found->second;
   Condition& condition = impl_->conditions[follower.condition];
-  const std::vector<Body::Column>& columns = condition.body().columns();
+  const std::vector<matching::Body::Column>& columns = condition.body().columns();
   std::vector<TermId> seed = condition.Seed();
   std::vector<std::pair<size_t, TermId>> wanted;  // column and value
   for (const auto& [name, value] : fixed) {
@@ -336,4 +337,4 @@ const StandingConditions::Counters& StandingConditions::counters() const {
   return impl_->counters;
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -39,7 +39,7 @@
 #include "graph/store/delta.h"
 #include "graph/store/graph_version.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // Never reused within one StandingConditions.
 class ConditionId {
@@ -145,6 +145,6 @@ class StandingConditions {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_H_

@@ -18,7 +18,7 @@
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/conditions/threshold_group.h"
 
-namespace docent {
+namespace docent::conditions {
 
 struct StandingConditions::Impl {
   // A condition and who follows it: directly, or as one of many thresholds on its key variable.
@@ -167,9 +167,9 @@ struct StandingConditions::Impl {
   // of the running Update
   std::vector<Touched> touched;  // a condition knows its place
   std::vector<Rise> rises;
-  std::vector<PatternIndex::Reference> broken;
+  std::vector<matching::PatternIndex::Reference> broken;
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_STANDING_CONDITIONS_IMPL_H_

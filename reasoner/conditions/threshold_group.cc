@@ -9,7 +9,7 @@
 #include "reasoner/matching/comparison_form.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 using sparql::Algebra;
@@ -17,15 +17,15 @@ using sparql::Expression;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Expression::Kind KindOf(Comparison op) {
+Expression::Kind KindOf(matching::Comparison op) {
   switch (op) {
-    case Comparison::kLess:
+    case matching::Comparison::kLess:
       return Expression::Kind::kLess;
-    case Comparison::kLessOrEqual:
+    case matching::Comparison::kLessOrEqual:
       return Expression::Kind::kLessOrEqual;
-    case Comparison::kGreater:
+    case matching::Comparison::kGreater:
       return Expression::Kind::kGreater;
-    case Comparison::kGreaterOrEqual:
+    case matching::Comparison::kGreaterOrEqual:
       return Expression::Kind::kGreaterOrEqual;
   }
   return Expression::Kind::kLess;
@@ -33,7 +33,7 @@ Expression::Kind KindOf(Comparison op) {
 
 // ?variable op number, either way round.
 bool ReadThreshold(const Expression& expression, ThresholdForm& form) {
-  const std::optional<NumberComparison> comparison = ReadNumberComparison(expression);
+  const std::optional<matching::NumberComparison> comparison = matching::ReadNumberComparison(expression);
   if (!comparison || !comparison->op) return false;
   form.variable = comparison->variable->name;
   form.op = *comparison->op;
@@ -51,7 +51,7 @@ bool MayBeNumber(const Term& term) {
 std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
   if (!query.from.empty() || !query.from_named.empty()) return std::nullopt;
   std::vector<const Expression*> conjuncts;
-  const Algebra* base = &WithoutModifiers(*query.algebra);
+  const Algebra* base = &matching::WithoutModifiers(*query.algebra);
   for (; base->kind == Algebra::Kind::kFilter; base = base->children[0].get()) {
     sparql::CollectConjuncts(*base->expression, conjuncts);
   }
@@ -61,7 +61,8 @@ std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
     if (!ReadThreshold(*conjunct, form)) others.push_back(conjunct);
   }
   if (conjuncts.size() != others.size() + 1) return std::nullopt;
-  if (form.variable.starts_with('.') || !CertainVariables(*base).contains(form.variable)) return std::nullopt;
+  if (form.variable.starts_with('.') || !matching::CertainVariables(*base).contains(form.variable))
+    return std::nullopt;
   form.shared.form = sparql::Query::Form::kAsk;
   form.shared.algebra = base->Clone();
   for (const Expression* other : others) {
@@ -73,9 +74,9 @@ std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query) {
   return form;
 }
 
-absl::StatusOr<bool> NumberComparer::Compare(TermId left, Comparison op, TermId right,
+absl::StatusOr<bool> NumberComparer::Compare(TermId left, matching::Comparison op, TermId right,
                                              const sparql::RunOptions& run) {
-  if (const std::optional<bool> decided = CompareNumbers(left, op, right)) return *decided;
+  if (const std::optional<bool> decided = matching::CompareNumbers(left, op, right)) return *decided;
   auto& prepared = expressions_[static_cast<size_t>(op)];
   if (!prepared) {
     Expression expression(KindOf(op), {});
@@ -98,14 +99,14 @@ ThresholdGroup::ThresholdGroup(bool above, const Dictionary& dictionary, NumberC
       settled_extreme_(above ? -kInfinity : kInfinity) {}
 
 void ThresholdGroup::SetKey(TermId key, bool present) {
-  const NumberView view = ViewNumber(key);
-  if (view.kind == NumberView::Kind::kNumber) {
+  const matching::NumberView view = matching::ViewNumber(key);
+  if (view.kind == matching::NumberView::Kind::kNumber) {
     if (present) {
       numbers_.emplace(view.value, key);
     } else {
       numbers_.erase({view.value, key});
     }
-  } else if (view.kind == NumberView::Kind::kUnknown && !key.IsNone() &&
+  } else if (view.kind == matching::NumberView::Kind::kUnknown && !key.IsNone() &&
              MayBeNumber(dictionary_.Decode(key))) {
     const bool changed = present ? irregular_.insert(key).second : irregular_.erase(key) > 0;
     irregular_changed_ = irregular_changed_ || changed;
@@ -135,7 +136,7 @@ absl::StatusOr<bool> ThresholdGroup::LevelOf(const Place& place, const Member& m
   return false;
 }
 
-absl::Status ThresholdGroup::AddMember(ConditionId id, Comparison op, TermId constant,
+absl::Status ThresholdGroup::AddMember(ConditionId id, matching::Comparison op, TermId constant,
                                        const sparql::RunOptions& run) {
   const Place place = PlaceOf(id, constant);
   Member member{op, constant, false};
@@ -197,4 +198,4 @@ absl::Status ThresholdGroup::Relevel(const sparql::RunOptions& run,
   return absl::OkStatus();
 }
 
-}  // namespace docent
+}  // namespace docent::conditions

@@ -25,13 +25,13 @@
 #include "reasoner/conditions/standing_conditions.h"
 #include "reasoner/matching/number_range.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // A query as a template and one comparison of a variable with a number.
 struct ThresholdForm {
   sparql::Query shared;  // without the comparison
   std::string variable;
-  Comparison op = Comparison::kLess;  // ?variable op constant
+  matching::Comparison op = matching::Comparison::kLess;  // ?variable op constant
   Term constant;
 };
 // nullopt where `query` does not have exactly one such comparison in its outermost filters.
@@ -41,7 +41,8 @@ std::optional<ThresholdForm> SplitThreshold(const sparql::Query& query);
 class NumberComparer {
  public:
   explicit NumberComparer(const Dictionary& dictionary) : dictionary_(dictionary) {}
-  absl::StatusOr<bool> Compare(TermId left, Comparison op, TermId right, const sparql::RunOptions& run);
+  absl::StatusOr<bool> Compare(TermId left, matching::Comparison op, TermId right,
+                               const sparql::RunOptions& run);
 
  private:
   const Dictionary& dictionary_;
@@ -54,14 +55,15 @@ class ThresholdGroup {
   // `above`: its members ask for a value above their number (> and >=); otherwise for one below.
   ThresholdGroup(bool above, const Dictionary& dictionary, NumberComparer& comparer);
 
-  static bool IsAbove(Comparison op) {
-    return op == Comparison::kGreater || op == Comparison::kGreaterOrEqual;
+  static bool IsAbove(matching::Comparison op) {
+    return op == matching::Comparison::kGreater || op == matching::Comparison::kGreaterOrEqual;
   }
 
   // `key` is, or is no longer, a value of the variable. Levels follow at the next Relevel.
   void SetKey(TermId key, bool present);
   // Its level is right for the keys as of the last Relevel.
-  absl::Status AddMember(ConditionId id, Comparison op, TermId constant, const sparql::RunOptions& run);
+  absl::Status AddMember(ConditionId id, matching::Comparison op, TermId constant,
+                         const sparql::RunOptions& run);
   void RemoveMember(ConditionId id, TermId constant);
   bool Holds(ConditionId id, TermId constant) const;
   // Whether `value` of the variable makes the member hold.
@@ -74,14 +76,14 @@ class ThresholdGroup {
 
  private:
   struct Member {
-    Comparison op;
+    matching::Comparison op;
     TermId constant;
     bool level = false;
   };
   using Place = std::pair<double, ConditionId>;
   using Members = absl::btree_map<Place, Member>;
 
-  static Place PlaceOf(ConditionId id, TermId constant) { return {ViewNumber(constant).value, id}; }
+  static Place PlaceOf(ConditionId id, TermId constant) { return {matching::ViewNumber(constant).value, id}; }
   double Extreme() const;
   // The first with a number not below `low`, which is at most settled_extreme_.
   Members::iterator FirstFrom(double low);
@@ -101,6 +103,6 @@ class ThresholdGroup {
   double settled_extreme_;  // as of the last Relevel
 };
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_THRESHOLD_GROUP_H_

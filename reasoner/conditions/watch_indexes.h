@@ -9,7 +9,7 @@
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::conditions {
 
 // Who is concerned by a quad that comes, and by one that goes. A reference's owner is a condition, its pattern one of
 // its triggers, which may rise, or one of its witnesses, which may be broken; the detail then is the trigger.
@@ -19,14 +19,16 @@ struct WatchIndexes {
   static constexpr uint16_t kSomeTrigger = 0xffff;      // in a detail: too many triggers to say which
 
   // A handle of on_add, or with kGoes of on_remove.
-  using Watch = PatternIndex::Handle;
+  using Watch = matching::PatternIndex::Handle;
   static constexpr Watch kGoes = 0x80000000u;
 
   // `match` with `constants` instead of its own.
-  Watch Comes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+  Watch Comes(const matching::MatchPattern& match, const QuadPattern& constants,
+              matching::PatternIndex::Reference reference) {
     return on_add.Add(match, constants, reference);
   }
-  Watch Goes(const MatchPattern& match, const QuadPattern& constants, PatternIndex::Reference reference) {
+  Watch Goes(const matching::MatchPattern& match, const QuadPattern& constants,
+             matching::PatternIndex::Reference reference) {
     return on_remove.Add(match, constants, reference) | kGoes;
   }
   template <typename Watches>
@@ -41,10 +43,10 @@ struct WatchIndexes {
     watches.clear();
   }
 
-  const PatternIndex& ForChange(bool added) const { return added ? on_add : on_remove; }
+  const matching::PatternIndex& ForChange(bool added) const { return added ? on_add : on_remove; }
 
-  PatternIndex on_add;
-  PatternIndex on_remove;
+  matching::PatternIndex on_add;
+  matching::PatternIndex on_remove;
 };
 
 // Nothing in any column. (Most often it has the size; then this is quicker than assign.)
@@ -54,13 +56,13 @@ inline void ClearSeed(size_t columns, std::vector<TermId>& seed) {
 }
 
 // In which direction a trigger can make a condition rise.
-inline bool RisesOnAdd(Polarity polarity) {
-  return polarity != Polarity::kNegative;
+inline bool RisesOnAdd(matching::Polarity polarity) {
+  return polarity != matching::Polarity::kNegative;
 }
-inline bool RisesOnRemove(Polarity polarity) {
-  return polarity != Polarity::kPositive;
+inline bool RisesOnRemove(matching::Polarity polarity) {
+  return polarity != matching::Polarity::kPositive;
 }
 
-}  // namespace docent
+}  // namespace docent::conditions
 
 #endif  // DOCENT_REASONER_CONDITIONS_WATCH_INDEXES_H_

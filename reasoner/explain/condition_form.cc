@@ -359,7 +359,7 @@ class Builder {
 
   // Whether nothing but an outermost SELECT list looks at the variable; MentionedBeside counts that as well.
   bool IsOnlyShown(const std::string& name) const {
-    const Algebra& where = WithoutModifiers(whole_);
+    const Algebra& where = matching::WithoutModifiers(whole_);
     if (&where == &whole_) return false;
     std::set<std::string> names;
     const Algebra* inner = &where;

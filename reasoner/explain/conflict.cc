@@ -158,7 +158,8 @@ void ConflictFinder::Withdraw(const Quad& told, const Quad& fact, const std::str
       told.subject == fact.subject && told.predicate == fact.predicate && told.object == fact.object;
   const TermQuad as_terms = decode(told, Term());
   if (!itself && !parts_.telling.tell_schema &&
-      IsSchemaPattern(as_terms.predicate.lexical, as_terms.object.IsIri() ? as_terms.object.lexical : "")) {
+      rules::IsSchemaPattern(as_terms.predicate.lexical,
+                             as_terms.object.IsIri() ? as_terms.object.lexical : "")) {
     conflict.spared_schema = true;
     return;
   }

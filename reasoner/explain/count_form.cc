@@ -39,21 +39,21 @@ struct CountTest {
 };
 
 std::optional<CountTest> CountTestOf(const Expression& e) {
-  const std::optional<NumberComparison> comparison = ReadNumberComparison(e);
+  const std::optional<matching::NumberComparison> comparison = matching::ReadNumberComparison(e);
   if (!comparison) return std::nullopt;
-  const double number = ViewNumber(*InlineLiteral(*comparison->number)).value;
+  const double number = matching::ViewNumber(*InlineLiteral(*comparison->number)).value;
   if (std::abs(number) > kMostCounted) return std::nullopt;
   const int up = static_cast<int>(std::ceil(number)), down = static_cast<int>(std::floor(number));
   CountTest test{comparison->variable->name, {}};
   if (!comparison->op) {
     if (up != down) return std::nullopt;
     test.bounds = {up, up + 1};
-  } else if (*comparison->op == Comparison::kGreaterOrEqual) {
+  } else if (*comparison->op == matching::Comparison::kGreaterOrEqual) {
     test.bounds.least = up;
-  } else if (*comparison->op == Comparison::kGreater) {
+  } else if (*comparison->op == matching::Comparison::kGreater) {
     test.bounds.least = down + 1;
   } else {
-    test.bounds.below = *comparison->op == Comparison::kLess ? up : down + 1;
+    test.bounds.below = *comparison->op == matching::Comparison::kLess ? up : down + 1;
   }
   if (test.bounds.least > kMostCounted || test.bounds.below.value_or(1) > kMostCounted) return std::nullopt;
   return test;

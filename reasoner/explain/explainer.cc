@@ -79,7 +79,7 @@ absl::StatusOr<std::optional<Proof>> Explainer::WhyAsk(const sparql::Query& ask)
   auto holds = Holds(ask);
   if (!holds.ok()) return holds.status();
   if (!*holds) return std::optional<Proof>();
-  auto clauses = ToClauses(WithoutModifiers(*ask.algebra), dictionary_, default_graph_);
+  auto clauses = ToClauses(matching::WithoutModifiers(*ask.algebra), dictionary_, default_graph_);
   if (!clauses.ok()) return clauses.status();
   Solver solver(*settings_.version, dictionary_, settings_.functions, run_,
                 settings_.explain_limits.explain_steps);

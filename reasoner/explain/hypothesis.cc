@@ -10,7 +10,8 @@ absl::StatusOr<std::unique_ptr<Hypothesis>> Hypothesis::Make(GraphVersionPtr ver
                                                              const Limits& limits) {
   std::unique_ptr<Hypothesis> made(new Hypothesis(std::move(version), dictionary, functions, limits));
   for (const RuleText& set : rules) {
-    const Diagnostics diagnostics = made->rules_.PutRules(set.name, *set.text, RuleTextOrigin::kAccepted);
+    const Diagnostics diagnostics =
+        made->rules_.PutRules(set.name, *set.text, rules::RuleTextOrigin::kAccepted);
     if (HasErrors(diagnostics)) return ToStatus(diagnostics, *set.text);
   }
   made->rules_.Adopt();

@@ -36,7 +36,7 @@ class Hypothesis {
       : writer_(std::move(version)), rules_(dictionary, limits, functions) {}
 
   GraphWriter writer_;
-  RuleEngine rules_;
+  rules::RuleEngine rules_;
 };
 
 }  // namespace docent::explain

@@ -28,7 +28,7 @@ Prover::Prover(const GraphVersion& version, Dictionary& dictionary, const RuleBa
       reports_(version, dictionary, rules, functions, run),
       solver_(version, dictionary, functions, run, limits.explain_steps),
       part_facts_(version, dictionary, functions, run, limits.explain_steps),
-      same_as_(dictionary.InternIri(kOwlSameAs)),
+      same_as_(dictionary.InternIri(rules::kOwlSameAs)),
       ways_(version, same_as_, inferred_) {}
 
 std::vector<Quad> Prover::ToldQuads(const Quad& fact) const {

@@ -111,7 +111,7 @@ class Prover {
   // proof_equality.cc: by the rules of equality, one way each. Whether there is one.
   absl::StatusOr<bool> DeriveEqual(const Quad& fact, Known& known);
   absl::StatusOr<bool> DerivePair(const Quad& pair, Known& known);
-  void AddEqual(EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
+  void AddEqual(rules::EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
                 const std::vector<Quad>& facts, Known& known);
   absl::StatusOr<bool> ConnectByRules(TermId term);
   std::optional<Quad> ToldUnderOtherNames(const Quad& fact);

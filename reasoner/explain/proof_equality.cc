@@ -11,7 +11,7 @@ constexpr size_t kManyNames = 1 << 16;  // of a fact with more no told one is lo
 
 }  // namespace
 
-void Prover::AddEqual(EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
+void Prover::AddEqual(rules::EqualityRule rule, const std::vector<std::pair<const char*, TermId>>& values,
                       const std::vector<Quad>& facts, Known& known) {
   const uint32_t clause = rules_.equality()[static_cast<size_t>(rule)];
   const Clause& body = rules_.clauses()[clause].body;
@@ -75,12 +75,12 @@ absl::StatusOr<bool> Prover::DerivePair(const Quad& pair, Known& known) {
     way = ways_.Way(a, b);
   }
   if (way.size() == 2) {  // told, or made by another rule, in this direction or in the other
-    AddEqual(EqualityRule::kSymmetry, {{"x", b}, {"y", a}}, {pair_of(b, a)}, known);
+    AddEqual(rules::EqualityRule::kSymmetry, {{"x", b}, {"y", a}}, {pair_of(b, a)}, known);
     return true;
   }
   // Half way, so that a proof is not as deep as the way is long; to a literal only the last step leads.
   const TermId between = b.IsLiteral() ? way[way.size() - 2] : way[way.size() / 2];
-  AddEqual(EqualityRule::kTransitivity, {{"x", a}, {"y", between}, {"z", b}},
+  AddEqual(rules::EqualityRule::kTransitivity, {{"x", a}, {"y", between}, {"z", b}},
            {pair_of(a, between), pair_of(between, b)}, known);
   return true;
 }
@@ -117,17 +117,17 @@ absl::StatusOr<bool> Prover::DeriveEqual(const Quad& fact, Known& known) {
   Quad maker = fact;
   if (s_p_o.subject != fact.subject) {
     maker.subject = s_p_o.subject;
-    AddEqual(EqualityRule::kSubject,
+    AddEqual(rules::EqualityRule::kSubject,
              {{"s", maker.subject}, {"s2", fact.subject}, {"p", fact.predicate}, {"o", fact.object}},
              {{maker.subject, same_as_, fact.subject, TermId()}, maker}, known);
   } else if (s_p_o.object != fact.object) {
     maker.object = s_p_o.object;
-    AddEqual(EqualityRule::kObject,
+    AddEqual(rules::EqualityRule::kObject,
              {{"o", maker.object}, {"o2", fact.object}, {"s", fact.subject}, {"p", fact.predicate}},
              {{maker.object, same_as_, fact.object, TermId()}, maker}, known);
   } else {
     maker.predicate = s_p_o.predicate;
-    AddEqual(EqualityRule::kPredicate,
+    AddEqual(rules::EqualityRule::kPredicate,
              {{"p", maker.predicate}, {"p2", fact.predicate}, {"s", fact.subject}, {"o", fact.object}},
              {{maker.predicate, same_as_, fact.predicate, TermId()}, maker}, known);
   }

@@ -61,22 +61,22 @@ absl::StatusOr<std::vector<ReportOrigins::Origin>> ReportOrigins::Of(const Quad&
   if (!report) return origins;
   if (program_ == nullptr) {
     Diagnostics diagnostics;
-    program_ = RuleProgram::Build(rules_.sets(), dictionary_, functions_, diagnostics);
+    program_ = rules::RuleProgram::Build(rules_.sets(), dictionary_, functions_, diagnostics);
     if (program_ == nullptr) return ToStatus(diagnostics, "");
   }
   const GraphVersionPtr evidence = EvidenceOf(*report, version_, dictionary_);
   sparql::RunOptions on_evidence = run_;
   on_evidence.version = evidence.get();
   const TermId said_by = dictionary_.InternIri(DocentIri("rule"));
-  InconsistencyFacts reports(dictionary_);
-  std::vector<Triple> made;
+  rules::InconsistencyFacts reports(dictionary_);
+  std::vector<rules::Triple> made;
   for (uint32_t r = 0; r < program_->rules.size(); ++r) {
-    const CompiledRule& rule = program_->rules[r];
+    const rules::CompiledRule& rule = program_->rules[r];
     if (!rule.check) continue;
     const auto compare = [&](absl::Span<const TermId> row) {
       made.clear();
       reports.Make(rule, row, made);
-      if (std::find(made.begin(), made.end(), Triple{fact.subject, fact.predicate, fact.object}) !=
+      if (std::find(made.begin(), made.end(), rules::Triple{fact.subject, fact.predicate, fact.object}) !=
           made.end()) {
         Origin& origin = origins.emplace_back();
         origin.rule = r;
@@ -84,15 +84,16 @@ absl::StatusOr<std::vector<ReportOrigins::Origin>> ReportOrigins::Of(const Quad&
           origin.values.emplace_back(rule.body->columns()[i].name, row[i]);
       }
       return std::any_of(
-          made.begin(), made.end(), [&](const Triple& t) {  // else none of this check's is the report
+          made.begin(), made.end(), [&](const rules::Triple& t) {  // else none of this check's is the report
             return t.predicate == said_by && version_.Count({*report, said_by, t.object, TermId()}) > 0;
           });
     };
     const std::vector<TermId> open(rule.body->columns().size());
     // the filters may look at more than the evidence; what was reported has passed them
     const absl::Status status =
-        rule.body->flat() ? rule.body->EvaluateRest(on_evidence, open, 0, Body::Filters::kNone, compare)
-                          : rule.body->Evaluate(run_, open, compare);
+        rule.body->flat()
+            ? rule.body->EvaluateRest(on_evidence, open, 0, matching::Body::Filters::kNone, compare)
+            : rule.body->Evaluate(run_, open, compare);
     if (!status.ok()) return status;
   }
   return origins;

@@ -22,9 +22,9 @@
 #include "graph/store/graph_version.h"
 #include "reasoner/explain/rule_base.h"
 
-namespace docent {
+namespace docent::rules {
 class RuleProgram;
-}
+}  // namespace docent::rules
 
 namespace docent::explain {
 
@@ -51,7 +51,7 @@ class ReportOrigins {
   const RuleBase& rules_;
   const sparql::FunctionRegistry* functions_;
   const sparql::RunOptions run_;
-  std::shared_ptr<RuleProgram> program_;  // null: not needed yet
+  std::shared_ptr<rules::RuleProgram> program_;  // null: not needed yet
 };
 
 }  // namespace docent::explain

@@ -28,7 +28,7 @@ bool IsOnePattern(const Clause& clause) {
 }
 
 // Whether the head has a variable that `written` does not show: a count.
-bool LosesHead(const Rule& rule, const sparql::Algebra& written) {
+bool LosesHead(const rules::Rule& rule, const sparql::Algebra& written) {
   const std::vector<sparql::Variable> shown = sparql::InScopeVariables(written);
   const auto lost = [&](const sparql::PatternTerm& term) {
     return term.IsVariable() && std::none_of(shown.begin(), shown.end(), [&](const sparql::Variable& v) {
@@ -47,14 +47,14 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
   auto base = std::make_shared<RuleBase>();
   base->type_ = dictionary.InternIri(kRdfType);
   for (const RuleText& set : sets) {
-    auto parsed = std::make_shared<const ParsedRules>(
-        ParseRules(*set.text, set.name, limits, nullptr, RuleTextOrigin::kAccepted));
+    auto parsed = std::make_shared<const rules::ParsedRules>(
+        rules::ParseRules(*set.text, set.name, limits, nullptr, rules::RuleTextOrigin::kAccepted));
     if (!parsed->ok()) return ToStatus(parsed->diagnostics, *set.text);
     base->sets_[set.name] = std::move(parsed);
   }
   for (const auto& [name, parsed] : base->sets_) {
     int number = 0;
-    for (const Rule& rule : parsed->rules) {
+    for (const rules::Rule& rule : parsed->rules) {
       if (absl::Status status = base->Add(name, rule, ++number, dictionary); !status.ok()) return status;
     }
   }
@@ -63,8 +63,9 @@ absl::StatusOr<std::shared_ptr<const RuleBase>> RuleBase::Make(const std::vector
   return std::shared_ptr<const RuleBase>(std::move(base));
 }
 
-absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary) {
-  rules_.push_back({RuleLabel(set, rule, number), set, rule.span.line});
+absl::Status RuleBase::Add(const std::string& set, const rules::Rule& rule, int number,
+                           Dictionary& dictionary) {
+  rules_.push_back({rules::RuleLabel(set, rule, number), set, rule.span.line});
   const sparql::AlgebraPtr written = WithoutCounts(*rule.body.algebra);
   const bool tells = written == nullptr || LosesHead(rule, *written);
   absl::Status status = AddClauses(rule, *rule.body.algebra, true, tells, dictionary);
@@ -72,8 +73,8 @@ absl::Status RuleBase::Add(const std::string& set, const Rule& rule, int number,
   return status;
 }
 
-absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
-                                  Dictionary& dictionary) {
+absl::Status RuleBase::AddClauses(const rules::Rule& rule, const sparql::Algebra& body, bool proves,
+                                  bool tells, Dictionary& dictionary) {
   auto clauses = ToClauses(body, dictionary);
   if (!clauses.ok()) return clauses.status();
   for (Clause& clause : *clauses) {
@@ -81,7 +82,7 @@ absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body,
     made.rule = static_cast<uint32_t>(rules_.size()) - 1;
     made.proves = proves;
     made.tells = tells;
-    made.equality = EqualityRuleOf(rule);
+    made.equality = rules::EqualityRuleOf(rule);
     made.body = std::move(clause);
     if (rule.head.empty() && IsOnePattern(made.body)) {
       const auto& terms = made.body.atoms[0].terms;
@@ -106,14 +107,14 @@ absl::Status RuleBase::AddClauses(const Rule& rule, const sparql::Algebra& body,
 
 void RuleBase::FindEquality() {
   std::vector<uint32_t> found;
-  for (int rule = 0; rule < kEqualityRules; ++rule) {
+  for (int rule = 0; rule < rules::kEqualityRules; ++rule) {
     for (uint32_t c = 0; c < clauses_.size(); ++c) {
-      if (clauses_[c].equality != static_cast<EqualityRule>(rule)) continue;
+      if (clauses_[c].equality != static_cast<rules::EqualityRule>(rule)) continue;
       found.push_back(c);
       break;
     }
   }
-  if (found.size() == kEqualityRules) equality_ = std::move(found);
+  if (found.size() == rules::kEqualityRules) equality_ = std::move(found);
 }
 
 void RuleBase::MarkWhatClausesRestOn() {

@@ -35,7 +35,7 @@ struct RuleClause {
   std::vector<Atom> heads;  // over body's variables; the graph is left open
   // What it is for: a count is looked up to prove something, and written out (count_form.h) to find what to tell.
   bool proves = true, tells = true;
-  std::optional<EqualityRule> equality;  // the rule is this one
+  std::optional<rules::EqualityRule> equality;  // the rule is this one
   // Of the body and of those of rules that may make a fact for it: whether an absence is in it, and its predicates
   // (none: any).
   bool rests_on_absence = false;
@@ -53,7 +53,7 @@ class RuleBase {
   static absl::StatusOr<std::shared_ptr<const RuleBase>> Make(const std::vector<RuleText>& sets,
                                                               Dictionary& dictionary, const Limits& limits);
 
-  const RuleSets& sets() const { return sets_; }
+  const rules::RuleSets& sets() const { return sets_; }
   // In the order of `sets`, as RuleProgram numbers them.
   const std::vector<RuleInfo>& rules() const { return rules_; }
   const std::vector<RuleClause>& clauses() const { return clauses_; }
@@ -69,12 +69,12 @@ class RuleBase {
  private:
   void MarkWhatClausesRestOn();
   void FindEquality();
-  absl::Status Add(const std::string& set, const Rule& rule, int number, Dictionary& dictionary);
+  absl::Status Add(const std::string& set, const rules::Rule& rule, int number, Dictionary& dictionary);
   // The clauses of the last rule, by this body of it.
-  absl::Status AddClauses(const Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
+  absl::Status AddClauses(const rules::Rule& rule, const sparql::Algebra& body, bool proves, bool tells,
                           Dictionary& dictionary);
 
-  RuleSets sets_;
+  rules::RuleSets sets_;
   std::vector<RuleInfo> rules_;
   std::vector<RuleClause> clauses_;
   absl::flat_hash_map<TermId, std::vector<Head>> by_predicate_;  // none: the predicate is a variable

@@ -67,7 +67,7 @@ bool Solver::IsGivenAxiom(const Goal& goal) const {
   if (options_.tell_schema || frames_[goal.frame].depth == 0) return false;
   const QuadPattern p = PatternOf(goal);
   const auto text = [&](TermId id) { return id.IsIri() ? dictionary_.Lexical(id) : std::string_view(); };
-  return IsSchemaPattern(text(p.predicate), text(p.object));
+  return rules::IsSchemaPattern(text(p.predicate), text(p.object));
 }
 
 bool Solver::IsTellable(const Goal& goal) const {

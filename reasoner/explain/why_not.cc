@@ -440,7 +440,7 @@ absl::StatusOr<WhyNotAnswer> WhyNotFinder::Find(const sparql::Query& ask, size_t
   auto prepared = sparql::PreparedQuery::Prepare(ask, *parts_.dictionary, prepare);
   if (!prepared.ok()) return prepared.status();
   ask_ = *std::move(prepared);
-  const sparql::Algebra& where = WithoutModifiers(*ask.algebra);
+  const sparql::Algebra& where = matching::WithoutModifiers(*ask.algebra);
   const sparql::AlgebraPtr written = WithoutCounts(where);
   auto clauses =
       ToClauses(written ? *written : where, *parts_.dictionary, parts_.default_graph, PathForm::kWithGap);

@@ -9,7 +9,7 @@
 #include "reasoner/matching/body_plan.h"
 #include "reasoner/matching/comparison_form.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using sparql::Algebra;
@@ -491,4 +491,4 @@ absl::Status Body::EvaluateSeeded(const sparql::RunOptions& run, absl::Span<cons
   return plan_->Evaluate(run, seed, visit);
 }
 
-}  // namespace docent
+}  // namespace docent::matching

@@ -31,7 +31,7 @@
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::matching {
 
 // A triple pattern of a body, in ids and columns.
 struct Trigger {
@@ -169,6 +169,6 @@ class Body {
   std::vector<TermId> row_;  // of the running ScanFor
 };
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_BODY_H_

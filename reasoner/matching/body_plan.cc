@@ -6,7 +6,7 @@
 
 #include "graph/base/step_costs.h"
 
-namespace docent {
+namespace docent::matching {
 
 struct Body::FlatPlan::Run {
   static constexpr uint64_t kStepsAPoll = 1024;
@@ -261,4 +261,4 @@ absl::Status Body::GeneralPlan::Evaluate(const sparql::RunOptions& run, absl::Sp
   return query.status();
 }
 
-}  // namespace docent
+}  // namespace docent::matching

@@ -11,7 +11,7 @@
 
 #include "reasoner/matching/body.h"
 
-namespace docent {
+namespace docent::matching {
 
 // ?a = ?b, ?a != <iri>: decided on ids where both are IRIs or blank nodes.
 struct TermTest {
@@ -118,6 +118,6 @@ class Body::GeneralPlan final : public Body::Plan {
   std::vector<TermId> row_;
 };
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_BODY_PLAN_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using sparql::Expression;
@@ -57,4 +57,4 @@ std::optional<NumberComparison> ReadNumberComparison(const Expression& e) {
   return NumberComparison{&variable->variable, op, &number->term};
 }
 
-}  // namespace docent
+}  // namespace docent::matching

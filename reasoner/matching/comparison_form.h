@@ -7,7 +7,7 @@
 #include "graph/sparql/syntax/algebra.h"
 #include "reasoner/matching/number_range.h"
 
-namespace docent {
+namespace docent::matching {
 
 // nullopt: it has no direction.
 std::optional<Comparison> ComparisonOf(sparql::Expression::Kind kind);
@@ -23,6 +23,6 @@ struct NumberComparison {
 // Of parts of `e`, which is to outlive it; nullopt: it is none.
 std::optional<NumberComparison> ReadNumberComparison(const sparql::Expression& e);
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_COMPARISON_FORM_H_

@@ -7,7 +7,7 @@
 
 #include "graph/rdf/term.h"
 
-namespace docent {
+namespace docent::matching {
 
 namespace {
 
@@ -74,4 +74,4 @@ std::optional<bool> CompareNumbers(TermId left, Comparison op, TermId right) {
   return (op == Comparison::kLess || op == Comparison::kLessOrEqual) ? less : !less;
 }
 
-}  // namespace docent
+}  // namespace docent::matching

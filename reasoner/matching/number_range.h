@@ -7,7 +7,7 @@
 
 #include "graph/rdf/term_id.h"
 
-namespace docent {
+namespace docent::matching {
 
 // What a term is worth in a numeric comparison.
 struct NumberView {
@@ -35,6 +35,6 @@ struct NumberGuard {
   double bound = 0;
 };
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_NUMBER_RANGE_H_

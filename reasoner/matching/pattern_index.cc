@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 unsigned ShapeOf(const QuadPattern& key) {
@@ -155,4 +155,4 @@ void PatternIndex::VisitGuarded(const Quad& quad, absl::FunctionRef<void(Referen
   }
 }
 
-}  // namespace docent
+}  // namespace docent::matching

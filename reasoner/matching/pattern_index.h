@@ -23,7 +23,7 @@
 #include "graph/store/quad.h"
 #include "reasoner/matching/number_range.h"
 
-namespace docent {
+namespace docent::matching {
 
 // A quad pattern with what else one quad alone can decide.
 struct MatchPattern {
@@ -210,6 +210,6 @@ void PatternIndex::ForEachMatch(const Quad& quad, const Visit& visit) const {
   if (guarded_shapes_ != 0) VisitGuarded(quad, visit);
 }
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_PATTERN_INDEX_H_

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <utility>
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using sparql::Algebra;
@@ -371,4 +371,4 @@ TriggerAnalysis AnalyseTriggers(const Algebra& where) {
   return Analyser().Run(where);
 }
 
-}  // namespace docent
+}  // namespace docent::matching

@@ -12,7 +12,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "graph/sparql/syntax/algebra.h"
 
-namespace docent {
+namespace docent::matching {
 
 // In which direction a pattern counts.
 enum class Polarity : uint8_t {
@@ -56,6 +56,6 @@ const sparql::Algebra* GroupOf(const sparql::Algebra& project);
 // Reduced and OrderBy at the outside.
 const sparql::Algebra& WithoutModifiers(const sparql::Algebra& algebra);
 
-}  // namespace docent
+}  // namespace docent::matching
 
 #endif  // DOCENT_REASONER_MATCHING_TRIGGER_ANALYSIS_H_

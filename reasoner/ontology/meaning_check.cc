@@ -226,7 +226,7 @@ class MeaningCheck {
   void CheckListLength(const TermQuad& q, const QuadPlace& at) {
     const bool chain = q.predicate.lexical == Concat(kOwlNs, "propertyChainAxiom");
     if (!chain && q.predicate.lexical != Concat(kOwlNs, "hasKey")) return;
-    const int most = chain ? kChainProperties : kKeyProperties;
+    const int most = chain ? rules::kChainProperties : rules::kKeyProperties;
     const int length = LengthOf(q.object);
     if (length <= most) return;
     findings_.Warning("long-list", at.predicate,

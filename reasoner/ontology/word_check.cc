@@ -183,9 +183,9 @@ void CheckPrefixes(const std::vector<PrefixPlace>& prefixes, Findings& findings)
   }
 }
 
-void CheckWords(const ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings) {
+void CheckWords(const rules::ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings) {
   WordCheck check(vocabulary, findings);
-  for (const Rule& rule : rules.rules) {
+  for (const rules::Rule& rule : rules.rules) {
     for (const sparql::TriplePattern& t : rule.head) UsePattern(t, check);
     if (rule.body.algebra) UseAlgebra(*rule.body.algebra, check);
   }

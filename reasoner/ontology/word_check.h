@@ -18,7 +18,7 @@ namespace docent::ontology {
 //  warning  namespace           a namespace that is one of the covered ones but for http/https, case or its last sign
 //  warning  unused-prefix       of RDF, see CheckPrefixes
 void CheckWords(const LocatedRdf& document, const Vocabulary& vocabulary, Findings& findings);
-void CheckWords(const ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings);
+void CheckWords(const rules::ParsedRules& rules, const Vocabulary& vocabulary, Findings& findings);
 void CheckWords(const sparql::Query& query, const Vocabulary& vocabulary, Findings& findings);
 
 //  warning  unused-prefix       a prefix that is declared and not used (Turtle and TriG, rules, queries)

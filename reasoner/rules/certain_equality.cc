@@ -5,7 +5,7 @@
 
 #include "graph/base/step_costs.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 // The names of a term: in the place of an object literals, too.
@@ -140,4 +140,4 @@ std::vector<EqualityClasses::Class> CertainEquality::PartsOf(TermId member) {
   return parts;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -16,7 +16,7 @@
 #include "reasoner/rules/equality_classes.h"
 #include "reasoner/rules/rule_program.h"
 
-namespace docent {
+namespace docent::rules {
 
 class CertainEquality {
  public:
@@ -74,6 +74,6 @@ std::vector<TermId> ObjectsThatMake(const EqualityClasses& classes, TermId objec
 // How many these are.
 size_t CountNames(const EqualityClasses& classes, const Triple& fact);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_CERTAIN_EQUALITY_H_

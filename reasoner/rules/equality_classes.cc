@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-namespace docent {
+namespace docent::rules {
 uint32_t EqualityClasses::ClassOf(TermId term) {
   const auto [place, is_new] = class_of_.try_emplace(term, 0);
   if (!is_new) return place->second;
@@ -137,4 +137,4 @@ void EqualityClasses::Clear() {
   ++changes_;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -19,7 +19,7 @@
 #include "absl/types/span.h"
 #include "graph/rdf/term_id.h"
 
-namespace docent {
+namespace docent::rules {
 
 class EqualityClasses {
  public:
@@ -79,6 +79,6 @@ class EqualityClasses {
   uint64_t changes_ = 0;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_EQUALITY_CLASSES_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/syntax/algebra_printer.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 // In the order of EqualityRule.
@@ -44,4 +44,4 @@ std::optional<EqualityRule> EqualityRuleOf(const Rule& rule) {
   return std::nullopt;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -10,7 +10,7 @@
 
 #include "reasoner/rules/rule_parser.h"
 
-namespace docent {
+namespace docent::rules {
 
 inline constexpr std::string_view kOwlSameAs = "http://www.w3.org/2002/07/owl#sameAs";
 
@@ -20,6 +20,6 @@ inline constexpr int kEqualityRules = 5;
 // nullopt: another rule. The rule's name does not count, the names of its variables do.
 std::optional<EqualityRule> EqualityRuleOf(const Rule& rule);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_EQUALITY_RULES_H_

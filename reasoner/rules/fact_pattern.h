@@ -7,7 +7,7 @@
 
 #include "graph/rdf/term_id.h"
 
-namespace docent {
+namespace docent::rules {
 
 // None: any. `reflexive`: subject and object are the same, whatever they are; exactly where both are known and the same, too.
 struct FactPattern {
@@ -34,6 +34,6 @@ bool AnyWider(const FactPattern& p, bool also_subjects, Visit visit) {
   return p.reflexive && visit({any, p.predicate, any, true});
 }
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_FACT_PATTERN_H_

@@ -11,7 +11,7 @@
 #include "graph/rdf/document_name.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 // The triples that a solution must have matched, as far as its row alone tells them: what else the graph holds must not
@@ -22,12 +22,13 @@ std::vector<Triple> Matched(const CompiledRule& rule, absl::Span<const TermId> r
     for (size_t i = 0; i < rule.body->patterns().size(); ++i) matched.push_back(rule.Premise(i, row));
     return matched;
   }
-  for (const Trigger& trigger : rule.body->triggers()) {
-    if (!trigger.required || trigger.polarity != Polarity::kPositive) continue;
+  for (const matching::Trigger& trigger : rule.body->triggers()) {
+    if (!trigger.required || trigger.polarity != matching::Polarity::kPositive) continue;
     const QuadPattern& constants = trigger.match.constants;
     std::array<TermId, 3> terms = {constants.subject, constants.predicate, constants.object};
     for (size_t i = 0; i < terms.size(); ++i) {
-      if (trigger.columns[i] != Trigger::kNoColumn) terms[i] = row[static_cast<size_t>(trigger.columns[i])];
+      if (trigger.columns[i] != matching::Trigger::kNoColumn)
+        terms[i] = row[static_cast<size_t>(trigger.columns[i])];
     }
     if (std::none_of(terms.begin(), terms.end(), [](TermId id) { return id.IsNone(); }))
       matched.push_back({terms[0], terms[1], terms[2]});
@@ -70,7 +71,7 @@ void InconsistencyFacts::Make(const CompiledRule& rule, absl::Span<const TermId>
     out.push_back({evidence, words_[kObject], t.object});
   }
   for (size_t i = 0; !flat && i < row.size(); ++i) {
-    const Body::Column& column = rule.body->columns()[i];
+    const matching::Body::Column& column = rule.body->columns()[i];
     if (!column.visible || row[i].IsNone()) continue;
     const TermId binding = dictionary_.InternIri(absl::StrCat(iri, ":variable:", column.name));
     out.push_back({id, words_[kBinding], binding});
@@ -110,4 +111,4 @@ std::vector<Triple> InconsistencyFacts::FactsIn(const GraphVersion& graph) const
   return facts;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -31,7 +31,7 @@
 #include "graph/store/graph_version.h"
 #include "reasoner/rules/rule_program.h"
 
-namespace docent {
+namespace docent::rules {
 
 class InconsistencyFacts {
  public:
@@ -69,6 +69,6 @@ class InconsistencyFacts {
   TermId type_, inconsistency_;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_INCONSISTENCY_H_

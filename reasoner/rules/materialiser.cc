@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "graph/sparql/run/evaluator.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr int kMostPasses = 16;   // axioms are there after one
@@ -257,4 +257,4 @@ Delta Materialiser::InferredChange() const {
   return delta;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -40,7 +40,7 @@
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
-namespace docent {
+namespace docent::rules {
 
 class Materialiser {
  public:
@@ -256,6 +256,6 @@ class Materialiser {
   absl::Status status_;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_MATERIALISER_H_

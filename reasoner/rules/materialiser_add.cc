@@ -6,7 +6,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr size_t kMany = 1 << 17;  // triples
@@ -82,10 +82,10 @@ absl::Status Materialiser::FirstRound(int stratum) {
   if (absl::Status status = RepeatChecks(stratum); !status.ok()) return status;
   std::vector<Task> tasks;
   for (const Triple& t : lost_) {
-    program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
+    program_.triggers.ForEachMatch(InferredQuad(t), [&](matching::PatternIndex::Reference reference) {
       const CompiledRule& rule = program_.rules[reference.owner];
       if (!program_.Runs(reference.owner, stratum) || is_entering_[reference.owner]) return;
-      if (rule.body->triggers()[reference.pattern].polarity == Polarity::kPositive) return;
+      if (rule.body->triggers()[reference.pattern].polarity == matching::Polarity::kPositive) return;
       tasks.push_back({reference.owner, reference.pattern, t});
     });
   }
@@ -151,16 +151,16 @@ bool Materialiser::InScope(uint32_t rule) const {
 
 absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phase phase) {
   const sparql::RunOptions run = Now();
-  context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+  context_.schema.triggers().ForEachMatch(quad, [&](matching::PatternIndex::Reference reference) {
     const SchemaIndex::Instance& instance = context_.schema.instance(reference.owner);
     const CompiledRule& rule = program_.rules[instance.rule];
     if (!program_.Runs(instance.rule, stratum) || !status_.ok()) return;
     if (phase == Phase::kAdd && !InScope(instance.rule)) return;
-    const Trigger& trigger = rule.body->triggers()[reference.pattern];
+    const matching::Trigger& trigger = rule.body->triggers()[reference.pattern];
     seed_ = instance.row;
     const std::array<TermId, 3> terms = {quad.subject, quad.predicate, quad.object};
     for (int i = 0; i < 3; ++i) {
-      if (trigger.columns[i] != Trigger::kNoColumn) seed_[trigger.columns[i]] = terms[i];
+      if (trigger.columns[i] != matching::Trigger::kNoColumn) seed_[trigger.columns[i]] = terms[i];
     }
     const uint32_t matched = rule.schema | (1u << trigger.pattern);
     if (matched == rule.patterns && !rule.filters) {
@@ -168,7 +168,7 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
       return;
     }
     const absl::Status status = rule.body->EvaluateRest(
-        run, seed_, matched, rule.filters ? Body::Filters::kAll : Body::Filters::kNone,
+        run, seed_, matched, rule.filters ? matching::Body::Filters::kAll : matching::Body::Filters::kNone,
         [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     if (!status.ok()) status_ = rule.Named(status);
   });
@@ -178,14 +178,14 @@ absl::Status Materialiser::DispatchInstances(const Quad& quad, int stratum, Phas
 absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase phase, bool also_negative) {
   const sparql::RunOptions run = Now();
   const Triple triple = {quad.subject, quad.predicate, quad.object};
-  program_.triggers.ForEachMatch(quad, [&](PatternIndex::Reference reference) {
+  program_.triggers.ForEachMatch(quad, [&](matching::PatternIndex::Reference reference) {
     const CompiledRule& rule = program_.rules[reference.owner];
     if (!program_.Runs(reference.owner, stratum) || !status_.ok()) return;
     if (phase == Phase::kAdd && !InScope(reference.owner)) return;
-    const Trigger& trigger = rule.body->triggers()[reference.pattern];
+    const matching::Trigger& trigger = rule.body->triggers()[reference.pattern];
     absl::Status status;
     if (!rule.positive) {
-      if (!also_negative || trigger.polarity == Polarity::kNegative) return;
+      if (!also_negative || trigger.polarity == matching::Polarity::kNegative) return;
       status = FireTask({reference.owner, reference.pattern, triple}, phase);
     } else {
       rule.body->SeedFrom(trigger, quad, seed_);
@@ -194,7 +194,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
         Emit(rule, seed_, phase);
         return;
       }
-      status = rule.body->EvaluateRest(run, seed_, matched, Body::Filters::kAll,
+      status = rule.body->EvaluateRest(run, seed_, matched, matching::Body::Filters::kAll,
                                        [&](absl::Span<const TermId> row) { return Emit(rule, row, phase); });
     }
     if (!status.ok()) status_ = rule.Named(status);
@@ -203,7 +203,7 @@ absl::Status Materialiser::DispatchRules(const Quad& quad, int stratum, Phase ph
 }
 
 absl::Status Materialiser::FireTask(const Task& task, Phase phase) {
-  Body& body = *program_.rules[task.rule].body;
+  matching::Body& body = *program_.rules[task.rule].body;
   body.SeedFrom(body.triggers()[task.trigger], InferredQuad(task.triple), seed_);
   return FireSeeded(task.rule, phase);
 }
@@ -232,7 +232,7 @@ absl::Status Materialiser::FireWhole(RuleProgram& program, uint32_t number, Phas
 // A rule with a schema part, for each solution of it.
 absl::Status Materialiser::FireInstances(uint32_t number) {
   const CompiledRule& rule = program_.rules[number];
-  const auto filters = rule.filters ? Body::Filters::kAll : Body::Filters::kNone;
+  const auto filters = rule.filters ? matching::Body::Filters::kAll : matching::Body::Filters::kNone;
   absl::Status status;
   context_.schema.ForEachInstance(number, [&](const SchemaIndex::Instance& instance) {
     if (!status.ok() || !status_.ok()) return;
@@ -320,4 +320,4 @@ bool Materialiser::DropPresent(const CompiledRule& rule) {
   return false;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -7,7 +7,7 @@
 #include "reasoner/rules/certain_equality.h"
 #include "reasoner/rules/materialiser.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr size_t kPairsAsked =
@@ -369,8 +369,8 @@ absl::Status Materialiser::RederivePairsOf(const CompiledRule& rule, const HeadT
   if (instance != nullptr) of_pair = *instance;
   const auto bind = [](const HeadTriple& to, int position, TermId term, std::vector<TermId>& row) {
     const int16_t column = to.columns[static_cast<size_t>(position)];
-    TermId& place = column == Trigger::kNoColumn ? term : row[static_cast<size_t>(column)];
-    if (column == Trigger::kNoColumn) return to.constants[static_cast<size_t>(position)] == term;
+    TermId& place = column == matching::Trigger::kNoColumn ? term : row[static_cast<size_t>(column)];
+    if (column == matching::Trigger::kNoColumn) return to.constants[static_cast<size_t>(position)] == term;
     if (!place.IsNone() && place != term) return false;
     place = term;
     return true;
@@ -381,12 +381,13 @@ absl::Status Materialiser::RederivePairsOf(const CompiledRule& rule, const HeadT
     if (!bind(head, 0, term, seed_)) continue;
     const auto visit = [&](absl::Span<const TermId> row) { return Emit(rule, row, Phase::kAdd); };
     const absl::Status status =
-        instance != nullptr ? rule.body->EvaluateRest(Now(), seed_, rule.schema, Body::Filters::kAll, visit)
-                            : rule.body->Evaluate(Now(), seed_, visit);
+        instance != nullptr
+            ? rule.body->EvaluateRest(Now(), seed_, rule.schema, matching::Body::Filters::kAll, visit)
+            : rule.body->Evaluate(Now(), seed_, visit);
     if (!status.ok()) return rule.Named(status);
     if (!status_.ok()) return status_;
   }
   return absl::OkStatus();
 }
 
-}  // namespace docent
+}  // namespace docent::rules

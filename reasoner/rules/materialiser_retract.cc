@@ -8,7 +8,7 @@
 #include "graph/sparql/run/evaluator.h"
 #include "reasoner/rules/materialiser.h"
 
-namespace docent {
+namespace docent::rules {
 
 absl::Status Materialiser::TakeAwayFromLeavingRules() {
   // With no rules before, nobody here made the reports that there are: another engine did, and may have called them
@@ -69,9 +69,9 @@ absl::Status Materialiser::TakeAwayLost(int stratum) {
 // What rules of negation and aggregation made of the triples of lower strata that changed.
 absl::Status Materialiser::EvaluateBefore(int stratum) {
   std::vector<Task> tasks;
-  const auto collect = [&](const std::vector<Triple>& triples, Polarity unconcerned) {
+  const auto collect = [&](const std::vector<Triple>& triples, matching::Polarity unconcerned) {
     for (const Triple& t : triples) {
-      program_.triggers.ForEachMatch(InferredQuad(t), [&](PatternIndex::Reference reference) {
+      program_.triggers.ForEachMatch(InferredQuad(t), [&](matching::PatternIndex::Reference reference) {
         const CompiledRule& rule = program_.rules[reference.owner];
         if (rule.positive || !program_.Runs(reference.owner, stratum) || is_entering_[reference.owner])
           return;
@@ -80,8 +80,8 @@ absl::Status Materialiser::EvaluateBefore(int stratum) {
       });
     }
   };
-  collect(lost_, Polarity::kNegative);
-  collect(gained_, Polarity::kPositive);
+  collect(lost_, matching::Polarity::kNegative);
+  collect(gained_, matching::Polarity::kPositive);
   if (tasks.empty()) return absl::OkStatus();
   ToOldState();
   absl::Status status;
@@ -100,13 +100,14 @@ void Materialiser::AddGhosts(int stratum) {
   if (!needed) {
     const Quad quad = InferredQuad(queue_[0]);
     const auto matches_twice = [&](const CompiledRule& rule) {
-      const std::vector<Trigger>& triggers = rule.body->triggers();
+      const std::vector<matching::Trigger>& triggers = rule.body->triggers();
       return std::count_if(triggers.begin(), triggers.end(),
-                           [&](const Trigger& t) { return t.match.Matches(quad); }) > 1;
+                           [&](const matching::Trigger& t) { return t.match.Matches(quad); }) > 1;
     };
-    program_.triggers.ForEachMatch(
-        quad, [&](PatternIndex::Reference r) { needed = needed || matches_twice(program_.rules[r.owner]); });
-    context_.schema.triggers().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+    program_.triggers.ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
+      needed = needed || matches_twice(program_.rules[r.owner]);
+    });
+    context_.schema.triggers().ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
       needed = needed || matches_twice(program_.rules[context_.schema.instance(r.owner).rule]);
     });
   }
@@ -199,11 +200,11 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
   };
   absl::InlinedVector<Maker, 8> makers;
   const Quad quad = InferredQuad(triple);
-  context_.schema.heads().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+  context_.schema.heads().ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
     const SchemaIndex::Instance& instance = context_.schema.instance(r.owner);
     makers.push_back({instance.rule, r.pattern, &instance.row});
   });
-  program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) {
+  program_.heads.ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
     makers.push_back({r.owner, r.pattern, nullptr});
   });
   const sparql::RunOptions run = Now();
@@ -225,8 +226,9 @@ absl::StatusOr<bool> Materialiser::IsDerivable(const Triple& triple, int stratum
       return !derivable;
     };
     const absl::Status status =
-        maker.row != nullptr ? rule.body->EvaluateRest(run, seed_, rule.schema, Body::Filters::kAll, visit)
-                             : rule.body->Evaluate(run, seed_, visit);
+        maker.row != nullptr
+            ? rule.body->EvaluateRest(run, seed_, rule.schema, matching::Body::Filters::kAll, visit)
+            : rule.body->Evaluate(run, seed_, visit);
     if (!status.ok()) return rule.Named(status);
     if (derivable) return true;
   }
@@ -259,4 +261,4 @@ absl::Status Materialiser::RepeatChecks(int stratum) {
   return absl::OkStatus();
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -13,7 +13,7 @@
 #include "reasoner/rules/schema_words.h"
 #include "reasoner/rules/stratification.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr size_t kManyPatterns = 1000;  // from here on they forget their objects
@@ -61,8 +61,8 @@ struct Taking {
   uint32_t instance = kNone;
   std::vector<TermId> row;        // of its body; none: unknown
   std::vector<bool> of_instance;  // columns that the instance alone knows
-  std::array<int16_t, 2> same = {Trigger::kNoColumn,
-                                 Trigger::kNoColumn};  // columns that are so, being unknown
+  std::array<int16_t, 2> same = {matching::Trigger::kNoColumn,
+                                 matching::Trigger::kNoColumn};  // columns that are so, being unknown
 
   bool IsOfInstance(int16_t column) const { return instance != kNone && of_instance[column]; }
 };
@@ -71,15 +71,15 @@ struct Taking {
 struct Question {
   Taking taking;
   FactPattern about;
-  int side = 0;                         // which is asked for: 0: subject, 2: object
-  int16_t column = Trigger::kNoColumn;  // of it
-  std::array<size_t, 2> next = {0, 0};  // of all that is reached, by its predicate and by any
+  int side = 0;                                   // which is asked for: 0: subject, 2: object
+  int16_t column = matching::Trigger::kNoColumn;  // of it
+  std::array<size_t, 2> next = {0, 0};            // of all that is reached, by its predicate and by any
 };
 
 // A term of a triple of a body: which it is, or the column that would say so.
 struct Place {
   TermId term;
-  int16_t column = Trigger::kNoColumn;
+  int16_t column = matching::Trigger::kNoColumn;
   friend bool operator==(const Place&, const Place&) = default;
 };
 using Places = std::array<Place, 3>;
@@ -199,7 +199,7 @@ class Order {
   // Of a rule with a schema part: its axioms; its facts are taken by its instances.
   void AddTakers(uint32_t rule, uint32_t instance) {
     const CompiledRule& compiled = program_.rules[rule];
-    const std::vector<Trigger>& triggers = compiled.body->triggers();
+    const std::vector<matching::Trigger>& triggers = compiled.body->triggers();
     for (uint32_t i = 0; i < triggers.size(); ++i) {
       const bool of_axioms = triggers[i].pattern >= 0 && (compiled.schema & (1u << triggers[i].pattern)) != 0;
       if (compiled.schema != 0 && of_axioms != (instance == kNone)) continue;
@@ -220,7 +220,7 @@ class Order {
     Key key = {TermId(rule), TermId(trigger), pattern.predicate, pattern.object};
     for (const HeadTriple& head : program_.rules[rule].head) {
       for (const int i : {1, 2})
-        key.push_back(head.columns[i] == Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
+        key.push_back(head.columns[i] == matching::Trigger::kNoColumn ? TermId() : row[head.columns[i]]);
     }
     return instances_.insert(std::move(key)).second;
   }
@@ -261,14 +261,14 @@ class Order {
     std::array<TermId, 3> terms;
     if (!Unify(taker.pattern, pattern, terms)) return;
     const CompiledRule& rule = program_.rules[taker.rule];
-    const Trigger& trigger = rule.body->triggers()[taker.trigger];
+    const matching::Trigger& trigger = rule.body->triggers()[taker.trigger];
     if (place_[taker.rule] >= 0) {
-      const bool negative = trigger.polarity != Polarity::kPositive;
+      const bool negative = trigger.polarity != matching::Polarity::kPositive;
       if (known_.insert({static_cast<uint32_t>(place_[taker.rule]), number, negative}).second) {
         dependencies_.push_back({static_cast<uint32_t>(place_[taker.rule]), number, negative, true});
       }
       if (negative) ways_.try_emplace({static_cast<uint32_t>(place_[taker.rule]), number}, Way(number, from));
-      if (trigger.polarity == Polarity::kNegative) return;
+      if (trigger.polarity == matching::Polarity::kNegative) return;
     }
     Taking taking{.number = number,
                   .from = from,
@@ -283,7 +283,7 @@ class Order {
     taking.row.resize(rule.body->columns().size());
     taking.of_instance.resize(taking.row.size());
     for (int i = 0; i < 3; ++i) {
-      if (trigger.columns[i] == Trigger::kNoColumn || terms[i].IsNone()) continue;
+      if (trigger.columns[i] == matching::Trigger::kNoColumn || terms[i].IsNone()) continue;
       taking.row[trigger.columns[i]] = terms[i];
       taking.of_instance[trigger.columns[i]] = false;
     }
@@ -300,10 +300,11 @@ class Order {
   // ---- the triples of a body and of its head, as far as a taking knows them
 
   static Place At(const Taking& taking, TermId constant, int16_t column) {
-    if (column == Trigger::kNoColumn) return {constant};
+    if (column == matching::Trigger::kNoColumn) return {constant};
     if (!taking.row[column].IsNone()) return {taking.row[column]};
-    return {TermId(),
-            column == taking.same[1] && taking.same[0] != Trigger::kNoColumn ? taking.same[0] : column};
+    return {TermId(), column == taking.same[1] && taking.same[0] != matching::Trigger::kNoColumn
+                          ? taking.same[0]
+                          : column};
   }
   template <typename Pattern>  // HeadTriple, Body::Pattern
   static Places PlacesOf(const Taking& taking, const Pattern& pattern) {
@@ -316,9 +317,9 @@ class Order {
   bool IsPremise(const Taking& taking, const Places& made) const {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.positive) return false;
-    const std::vector<Body::Pattern>& patterns = rule.body->patterns();
+    const std::vector<matching::Body::Pattern>& patterns = rule.body->patterns();
     return std::any_of(patterns.begin(), patterns.end(),
-                       [&](const Body::Pattern& p) { return PlacesOf(taking, p) == made; });
+                       [&](const matching::Body::Pattern& p) { return PlacesOf(taking, p) == made; });
   }
   bool MakesNothingNew(const Taking& taking) const {
     const std::vector<HeadTriple>& head = program_.rules[taking.rule].head;
@@ -331,11 +332,12 @@ class Order {
     const CompiledRule& rule = program_.rules[taking.rule];
     if (!rule.body->has_filters()) return false;
     bool passes = false;
-    const absl::Status status = rule.body->EvaluateRest({.version = &graph_}, taking.row, rule.patterns,
-                                                        Body::Filters::kBound, [&](absl::Span<const TermId>) {
-                                                          passes = true;
-                                                          return false;
-                                                        });
+    const absl::Status status =
+        rule.body->EvaluateRest({.version = &graph_}, taking.row, rule.patterns,
+                                matching::Body::Filters::kBound, [&](absl::Span<const TermId>) {
+                                  passes = true;
+                                  return false;
+                                });
     return status.ok() && !passes;
   }
 
@@ -349,7 +351,7 @@ class Order {
       const int side = premise[2].term.IsNone() ? 2 : 0;
       const int16_t column = premise[side].column;
       if (i == taken || premise[2 - side].term.IsNone() || premise[1].term.IsNone() ||
-          column == Trigger::kNoColumn)
+          column == matching::Trigger::kNoColumn)
         continue;
       if (column == taking.same[0] || !IsMade(rule, column)) continue;
       Question question{taking, {premise[0].term, premise[1].term, premise[2].term}, side, column};
@@ -408,7 +410,7 @@ class Order {
       Places places = PlacesOf(taking, head);
       if (taking.instance == kNone && IsPremise(taking, places)) continue;
       // The subject of an instance may be another in one that is like it.
-      if (head.columns[0] != Trigger::kNoColumn && head.columns[0] != head.columns[2] &&
+      if (head.columns[0] != matching::Trigger::kNoColumn && head.columns[0] != head.columns[2] &&
           taking.IsOfInstance(head.columns[0]))
         places[0] = {};
       const TermId predicate = places[1].term, object = places[2].term;
@@ -531,4 +533,4 @@ bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph) {
   });
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -23,7 +23,7 @@
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
-namespace docent {
+namespace docent::rules {
 
 // FAILED_PRECONDITION, with the way round, the axioms on it among them: there is no order. `schema`, `classes`, `graph`: the axioms that
 // are there. `dictionary`: of all. An order for some axioms holds for less of them, too.
@@ -39,6 +39,6 @@ absl::StatusOr<NegationOrder> OrderNegation(const RuleProgram& program, const Sc
 // Whether the order knew all that `graph` answers now to what it asked.
 bool KnowsAnswers(const NegationOrder& order, const GraphVersion& graph);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_NEGATION_ORDER_H_

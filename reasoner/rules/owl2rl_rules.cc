@@ -8,7 +8,7 @@
 #include "absl/strings/str_replace.h"
 #include "reasoner/rules/rule_sets.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr char kEquality[] = R"rules(
@@ -303,4 +303,4 @@ std::string Owl2RlRules() {
                       LongIntersections());
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -4,10 +4,10 @@
 
 #include <string>
 
-namespace docent {
+namespace docent::rules {
 
 std::string Owl2RlRules();
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_OWL2RL_RULES_H_

@@ -5,7 +5,7 @@
 #include "absl/container/inlined_vector.h"
 #include "graph/base/step_costs.h"
 
-namespace docent {
+namespace docent::rules {
 
 bool ProofSearch::IsTold(const Triple& fact) const {
   if (cancellation_ != nullptr) cancellation_->Spend(kStepsOfLookup);
@@ -83,11 +83,11 @@ ProofSearch::Answer ProofSearch::Search(const Triple& fact, int depth) {
   Answer answer = Answer::kUnproven;
   const Quad quad = {fact.subject, fact.predicate, fact.object, TermId()};
   absl::InlinedVector<Maker, 16> makers;
-  schema_.heads().ForEachMatch(quad, [&](PatternIndex::Reference r) {
+  schema_.heads().ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
     const SchemaIndex::Instance& instance = schema_.instance(r.owner);
     makers.push_back({instance.rule, r.pattern, &instance.row});
   });
-  program_.heads.ForEachMatch(quad, [&](PatternIndex::Reference r) {
+  program_.heads.ForEachMatch(quad, [&](matching::PatternIndex::Reference r) {
     makers.push_back({r.owner, r.pattern, nullptr});
   });
   for (size_t i = 0; i < makers.size() && answer != Answer::kProven && status_.ok(); ++i) {
@@ -168,7 +168,7 @@ ProofSearch::Answer ProofSearch::Collect(const CompiledRule& rule, absl::Span<co
     bodies.push_back(std::move(open));
     return true;
   };
-  status_ = rule.Named(rule.body->EvaluateRest(run, seed, matched, Body::Filters::kAll, take));
+  status_ = rule.Named(rule.body->EvaluateRest(run, seed, matched, matching::Body::Filters::kAll, take));
   if (told) return Answer::kProven;
   return too_many ? Answer::kUndecided : Answer::kUnproven;
 }
@@ -192,4 +192,4 @@ ProofSearch::Answer ProofSearch::SearchBodies(const Bodies& bodies, int depth, b
   return answer;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

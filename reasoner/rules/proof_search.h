@@ -24,7 +24,7 @@
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
-namespace docent {
+namespace docent::rules {
 
 // The facts around a thing, kept where they are few: rules out most ways to a proof without a lookup each. Of
 // a graph that does not change meanwhile.
@@ -119,6 +119,6 @@ class ProofSearch {
   absl::Status status_;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_PROOF_SEARCH_H_

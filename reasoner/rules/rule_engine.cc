@@ -11,7 +11,7 @@
 #include "reasoner/rules/rule_program.h"
 #include "reasoner/rules/schema_index.h"
 
-namespace docent {
+namespace docent::rules {
 
 struct RuleEngine::Impl {
   // The rules that are put, made ready, and the rules that the inferred graph follows.
@@ -176,4 +176,4 @@ const RuleEngine::Counters& RuleEngine::counters() const {
   return impl_->counters;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

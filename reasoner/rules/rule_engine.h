@@ -32,7 +32,7 @@
 #include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_text_origin.h"
 
-namespace docent {
+namespace docent::rules {
 
 class RuleEngine {
  public:
@@ -87,6 +87,6 @@ class RuleEngine {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_ENGINE_H_

@@ -10,7 +10,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "reasoner/matching/trigger_analysis.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using sparql::Algebra;
@@ -108,7 +108,7 @@ class Checker {
     refused_ = false;
     CheckBody(body);
     if (refused_) return;  // what such a body binds is not known here
-    Names bound = CertainVariables(body);
+    Names bound = matching::CertainVariables(body);
     AddAssigned(body, bound);
     Names in_scope;
     for (const sparql::Variable& v : sparql::InScopeVariables(body)) in_scope.insert(v.name);
@@ -171,7 +171,7 @@ class Checker {
       case Algebra::Kind::kUnion:
         return AddAssignedByAll(node, names);
       case Algebra::Kind::kProject:
-        if (GroupOf(node) == nullptr) return;
+        if (matching::GroupOf(node) == nullptr) return;
         for (const sparql::Variable& v : node.variables) names.insert(v.name);
         return;
       case Algebra::Kind::kValues:
@@ -190,7 +190,7 @@ class Checker {
   void AddAssignedByAll(const Algebra& node, Names& names) {
     Names common;
     for (size_t i = 0; i < node.children.size(); ++i) {
-      Names here = CertainVariables(*node.children[i]);
+      Names here = matching::CertainVariables(*node.children[i]);
       AddAssigned(*node.children[i], here);
       if (i > 0) absl::erase_if(here, [&](const std::string& name) { return !common.contains(name); });
       common = std::move(here);
@@ -220,7 +220,7 @@ class Checker {
   }
 
   void CheckBody(const Algebra& node) {
-    if (const Algebra* group = GroupOf(node)) return CheckSelect(node, *group);
+    if (const Algebra* group = matching::GroupOf(node)) return CheckSelect(node, *group);
     if (const std::optional<Refusal> refusal = RefusalOf(node)) {
       refused_ = true;
       Report(node.span, absl::StrCat("a rule body cannot contain ", refusal->what), refusal->hint);
@@ -444,4 +444,4 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
   return result;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -33,7 +33,7 @@ namespace docent::sparql {
 class FunctionRegistry;
 }
 
-namespace docent {
+namespace docent::rules {
 
 // RULE { head } WHERE { body }. DATA is a rule with an empty body.
 struct Rule {
@@ -70,6 +70,6 @@ ParsedRules ParseRules(std::string_view text, std::string_view file, const Limit
                        const sparql::FunctionRegistry* functions = nullptr,
                        RuleTextOrigin origin = RuleTextOrigin::kNew);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_PARSER_H_

@@ -7,7 +7,7 @@
 #include "graph/store/graph_writer.h"
 #include "reasoner/rules/rule_engine.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 std::vector<std::string> Shown(const Dictionary& dictionary, const std::vector<Quad>& quads, size_t shown) {
@@ -58,4 +58,4 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
   return preview;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -15,7 +15,7 @@
 #include "graph/sparql/values/function_registry.h"
 #include "graph/store/graph_version.h"
 
-namespace docent {
+namespace docent::rules {
 
 struct RuleSetText {
   std::string name;
@@ -39,6 +39,6 @@ absl::StatusOr<RulePreview> PreviewRules(const Dictionary& dictionary, const Gra
                                          const Limits& limits, const sparql::FunctionRegistry* functions,
                                          Cancellation* cancellation = nullptr);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_PREVIEW_H_

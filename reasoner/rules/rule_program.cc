@@ -9,7 +9,7 @@
 #include "reasoner/rules/equality_rules.h"
 #include "reasoner/rules/schema_words.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 // a → b with the strongest sign that any of their patterns gives it, once where it is so whatever the axioms are and once
@@ -18,13 +18,13 @@ void AddDependencies(const std::vector<CompiledRule>& rules, uint32_t a, uint32_
                      std::vector<RuleDependency>& out) {
   RuleDependency found[2] = {{a, b, false, false}, {a, b, false, true}};
   bool any[2] = {false, false};
-  for (const Trigger& trigger : rules[a].body->triggers()) {
+  for (const matching::Trigger& trigger : rules[a].body->triggers()) {
     const bool about_axioms = trigger.pattern >= 0 && (rules[a].schema & (1u << trigger.pattern)) != 0;
     for (const HeadTriple& head : rules[b].head) {
       if (!CanUnify(trigger.match.constants, head.Pattern())) continue;
       const bool by_axioms = rules[b].schema != 0 || (rules[a].schema != 0 && !about_axioms);
       any[by_axioms] = true;
-      found[by_axioms].negative |= trigger.polarity != Polarity::kPositive;
+      found[by_axioms].negative |= trigger.polarity != matching::Polarity::kPositive;
     }
   }
   for (const int by_axioms : {0, 1}) {
@@ -40,7 +40,8 @@ std::vector<RuleDependency> WithoutAxioms(const std::vector<RuleDependency>& dep
   return certain;
 }
 
-HeadTriple CompileHead(const sparql::TriplePattern& triple, const Body& body, Dictionary& dictionary) {
+HeadTriple CompileHead(const sparql::TriplePattern& triple, const matching::Body& body,
+                       Dictionary& dictionary) {
   HeadTriple head;
   const std::array<const sparql::PatternTerm*, 3> terms = {&triple.subject, &triple.predicate,
                                                            &triple.object};
@@ -69,7 +70,7 @@ void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
   uint32_t schema = 0;
   bool of_equality_alone = rule.check;
   for (size_t i = 0; i < rule.body->patterns().size(); ++i) {
-    const Body::Pattern& pattern = rule.body->patterns()[i];
+    const matching::Body::Pattern& pattern = rule.body->patterns()[i];
     if (!IsSchemaPattern(text(pattern.constants[1]), text(pattern.constants[2]))) {
       of_equality_alone = of_equality_alone && !pattern.constants[1].IsNone();
       continue;
@@ -84,7 +85,7 @@ void FindSchemaPart(const Dictionary& dictionary, CompiledRule& rule) {
 
 bool Aggregates(const CompiledRule& rule) {
   return std::any_of(rule.body->triggers().begin(), rule.body->triggers().end(),
-                     [](const Trigger& t) { return t.polarity == Polarity::kBoth; });
+                     [](const matching::Trigger& t) { return t.polarity == matching::Polarity::kBoth; });
 }
 
 Diagnostic CycleDiagnostic(const std::vector<CompiledRule>& rules, const std::vector<uint32_t>& cycle) {
@@ -137,7 +138,7 @@ bool CanUnify(const QuadPattern& a, const QuadPattern& b) {
 bool HeadTriple::Make(absl::Span<const TermId> row, Triple& out) const {
   std::array<TermId, 3> terms;
   for (int i = 0; i < 3; ++i) {
-    terms[i] = columns[i] == Trigger::kNoColumn ? constants[i] : row[columns[i]];
+    terms[i] = columns[i] == matching::Trigger::kNoColumn ? constants[i] : row[columns[i]];
     if (terms[i].IsNone()) return false;
   }
   out = {terms[0], terms[1], terms[2]};
@@ -147,7 +148,7 @@ bool HeadTriple::Make(absl::Span<const TermId> row, Triple& out) const {
 bool HeadTriple::SeedFrom(const Triple& triple, absl::Span<TermId> seed) const {
   const std::array<TermId, 3> terms = {triple.subject, triple.predicate, triple.object};
   for (int i = 0; i < 3; ++i) {
-    if (columns[i] == Trigger::kNoColumn) {
+    if (columns[i] == matching::Trigger::kNoColumn) {
       if (constants[i] != terms[i]) return false;
       continue;
     }
@@ -159,9 +160,10 @@ bool HeadTriple::SeedFrom(const Triple& triple, absl::Span<TermId> seed) const {
 }
 
 Triple CompiledRule::Premise(size_t i, absl::Span<const TermId> row) const {
-  const Body::Pattern& pattern = body->patterns()[i];
+  const matching::Body::Pattern& pattern = body->patterns()[i];
   const auto at = [&](int k) {
-    return pattern.columns[k] == Trigger::kNoColumn ? pattern.constants[k] : row[pattern.columns[k]];
+    return pattern.columns[k] == matching::Trigger::kNoColumn ? pattern.constants[k]
+                                                              : row[pattern.columns[k]];
   };
   return {at(0), at(1), at(2)};
 }
@@ -184,7 +186,7 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
       compiled.label = RuleLabel(name, rule, ++number);
       compiled.text = CanonicalText(rule);
       compiled.check = rule.head.empty();
-      auto body = Body::Compile(rule.body, dictionary, functions);
+      auto body = matching::Body::Compile(rule.body, dictionary, functions);
       if (!body.ok()) {
         diagnostics.push_back({name, rule.span, std::string(body.status().message()), ""});
         ok = false;
@@ -194,9 +196,10 @@ bool RuleProgram::Compile(const RuleSets& sets, Dictionary& dictionary,
       for (const sparql::TriplePattern& triple : rule.head) {
         compiled.head.push_back(CompileHead(triple, *compiled.body, dictionary));
       }
-      const std::vector<Trigger>& patterns = compiled.body->triggers();
-      compiled.positive = compiled.body->flat() && std::all_of(patterns.begin(), patterns.end(),
-                                                               [](const Trigger& t) { return t.required; });
+      const std::vector<matching::Trigger>& patterns = compiled.body->triggers();
+      compiled.positive =
+          compiled.body->flat() && std::all_of(patterns.begin(), patterns.end(),
+                                               [](const matching::Trigger& t) { return t.required; });
       if (compiled.positive) {
         compiled.patterns = static_cast<uint32_t>((uint64_t{1} << compiled.body->patterns().size()) - 1);
         FindSchemaPart(dictionary, compiled);
@@ -311,7 +314,7 @@ bool RuleProgram::FindOrdered(Diagnostics& diagnostics) {
 void RuleProgram::Index() {
   for (uint32_t r = 0; r < rules.size(); ++r) {
     if (rules[r].of_equality) continue;
-    const std::vector<Trigger>& patterns = rules[r].body->triggers();
+    const std::vector<matching::Trigger>& patterns = rules[r].body->triggers();
     for (uint32_t i = 0; i < patterns.size(); ++i) {
       const bool of_schema = patterns[i].pattern >= 0 && (rules[r].schema & (1u << patterns[i].pattern));
       if (rules[r].schema != 0 && !of_schema) continue;
@@ -320,7 +323,7 @@ void RuleProgram::Index() {
     }
     if (rules[r].schema != 0) continue;
     for (uint32_t i = 0; i < rules[r].head.size(); ++i) {
-      MatchPattern match;
+      matching::MatchPattern match;
       match.constants = rules[r].head[i].Pattern();
       heads.Add(match, {r, i});
     }
@@ -345,4 +348,4 @@ std::shared_ptr<RuleProgram> RuleProgram::Build(const RuleSets& sets, Dictionary
   return program;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -24,7 +24,7 @@
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/stratification.h"
 
-namespace docent {
+namespace docent::rules {
 
 struct Triple {
   TermId subject, predicate, object;
@@ -38,7 +38,8 @@ struct Triple {
 // A triple of a head: constants, and columns of the body.
 struct HeadTriple {
   std::array<TermId, 3> constants;
-  std::array<int16_t, 3> columns = {Trigger::kNoColumn, Trigger::kNoColumn, Trigger::kNoColumn};
+  std::array<int16_t, 3> columns = {matching::Trigger::kNoColumn, matching::Trigger::kNoColumn,
+                                    matching::Trigger::kNoColumn};
 
   // False where the row does not make an RDF triple (unbound variable, literal as subject).
   bool Make(absl::Span<const TermId> row, Triple& out) const;
@@ -57,7 +58,7 @@ struct CompiledRule {
   std::string text;  // canonical: rules of the same set and text are the same rule
   SourceSpan span;
   std::vector<HeadTriple> head;
-  std::unique_ptr<Body> body;
+  std::unique_ptr<matching::Body> body;
   int stratum = 0;
   bool check = false;     // no head: each solution is an inconsistency
   bool positive = false;  // a conjunction of patterns without EXISTS: what its triples prove
@@ -129,9 +130,10 @@ class RuleProgram {
   std::vector<CompiledRule> rules;
   int stratum_count = 0;
   std::vector<std::vector<uint32_t>> rules_of_stratum;
-  PatternIndex triggers;  // reference: rule, trigger of its body; of rules with a schema part those alone
-  PatternIndex schema_triggers;  // the latter again
-  PatternIndex heads;            // reference: rule, triple of its head; not of rules with a schema part
+  matching::PatternIndex
+      triggers;  // reference: rule, trigger of its body; of rules with a schema part those alone
+  matching::PatternIndex schema_triggers;  // the latter again
+  matching::PatternIndex heads;  // reference: rule, triple of its head; not of rules with a schema part
 
  private:
   bool Compile(const RuleSets& sets, Dictionary& dictionary, const sparql::FunctionRegistry* functions,
@@ -147,6 +149,6 @@ class RuleProgram {
   NegationOrder order_;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_PROGRAM_H_

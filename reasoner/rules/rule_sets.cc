@@ -2,7 +2,7 @@
 
 #include "reasoner/rules/owl2rl_rules.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 // W3C RDF 1.1 Semantics, sections 8.1.1 and 9.2.1, with the axiomatic triples of 8 and 9 (those of rdf:_n for
@@ -68,4 +68,4 @@ std::string BuiltInRuleSet(std::string_view name) {
   return "";
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace docent {
+namespace docent::rules {
 
 // Names, in the order in which people should see them.
 std::vector<std::string> BuiltInRuleSets();
@@ -24,6 +24,6 @@ inline constexpr int kIntersectionClasses = 10;
 inline constexpr int kChainProperties = 8;
 inline constexpr int kKeyProperties = 6;
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_SETS_H_

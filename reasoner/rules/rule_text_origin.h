@@ -4,13 +4,13 @@
 
 #include <cstdint>
 
-namespace docent {
+namespace docent::rules {
 
 enum class RuleTextOrigin : uint8_t {
   kNew,       // somebody gives it now
   kAccepted,  // it is in force, or the log has it: what an older version took stays accepted
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_RULE_TEXT_ORIGIN_H_

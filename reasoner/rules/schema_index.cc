@@ -6,7 +6,7 @@
 #include "absl/hash/hash.h"
 #include "graph/base/step_costs.h"
 
-namespace docent {
+namespace docent::rules {
 
 absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph, Cancellation* cancellation) {
   program_ = &program;
@@ -16,8 +16,8 @@ absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph,
   free_.clear();
   by_triple_.clear();
   by_row_.clear();
-  triggers_ = PatternIndex();
-  heads_ = PatternIndex();
+  triggers_ = matching::PatternIndex();
+  heads_ = matching::PatternIndex();
   for (uint32_t r = 0; r < program.rules.size(); ++r) {
     if (program.rules[r].schema == 0 || program.rules[r].of_equality) continue;
     const std::vector<TermId> nothing(program.rules[r].body->columns().size());
@@ -29,13 +29,14 @@ absl::Status SchemaIndex::Build(RuleProgram& program, const GraphVersion& graph,
 absl::Status SchemaIndex::Gained(const Triple& triple, const GraphVersion& graph,
                                  Cancellation* cancellation) {
   if (program_ == nullptr) return absl::OkStatus();
-  absl::InlinedVector<PatternIndex::Reference, 4> found;
+  absl::InlinedVector<matching::PatternIndex::Reference, 4> found;
   const Quad quad = {triple.subject, triple.predicate, triple.object, TermId()};
-  program_->schema_triggers.ForEachMatch(quad, [&](PatternIndex::Reference r) { found.push_back(r); });
+  program_->schema_triggers.ForEachMatch(quad,
+                                         [&](matching::PatternIndex::Reference r) { found.push_back(r); });
   const sparql::RunOptions run{.version = &graph, .cancellation = cancellation};
-  for (const PatternIndex::Reference& reference : found) {
-    Body& body = *program_->rules[reference.owner].body;
-    const Trigger& trigger = body.triggers()[reference.pattern];
+  for (const matching::PatternIndex::Reference& reference : found) {
+    matching::Body& body = *program_->rules[reference.owner].body;
+    const matching::Trigger& trigger = body.triggers()[reference.pattern];
     std::vector<TermId> seed;
     body.SeedFrom(trigger, quad, seed);
     if (absl::Status status = Find(reference.owner, seed, 1u << trigger.pattern, run); !status.ok())
@@ -48,13 +49,12 @@ absl::Status SchemaIndex::Find(uint32_t rule, absl::Span<const TermId> seed, uin
                                const sparql::RunOptions& run) {
   const CompiledRule& compiled = program_->rules[rule];
   const uint32_t data = compiled.patterns & ~compiled.schema;
-  return compiled.Named(compiled.body->EvaluateRest(run, seed, matched | data, Body::Filters::kBound,
-                                                    [&](absl::Span<const TermId> row) {
-                                                      Add(rule, row);
-                                                      if (run.cancellation != nullptr)
-                                                        run.cancellation->Spend(kStepsOfInstance);
-                                                      return true;
-                                                    }));
+  return compiled.Named(compiled.body->EvaluateRest(
+      run, seed, matched | data, matching::Body::Filters::kBound, [&](absl::Span<const TermId> row) {
+        Add(rule, row);
+        if (run.cancellation != nullptr) run.cancellation->Spend(kStepsOfInstance);
+        return true;
+      }));
 }
 
 SchemaIndex::Support SchemaIndex::SupportOf(uint32_t rule, absl::Span<const TermId> row) const {
@@ -93,18 +93,18 @@ void SchemaIndex::Add(uint32_t rule, absl::Span<const TermId> row) {
   }
   instance.rule = rule;
   instance.row.assign(row.begin(), row.end());
-  const std::vector<Trigger>& triggers = compiled.body->triggers();
+  const std::vector<matching::Trigger>& triggers = compiled.body->triggers();
   for (uint32_t i = 0; i < triggers.size(); ++i) {
     if (compiled.schema & (1u << triggers[i].pattern)) continue;
     instance.triggers.push_back(triggers_.Add(compiled.body->Instantiate(triggers[i], row), {id, i}));
   }
   for (uint32_t i = 0; i < compiled.head.size(); ++i) {
     const HeadTriple& head = compiled.head[i];
-    MatchPattern match;
+    matching::MatchPattern match;
     const std::array<TermId*, 3> places = {&match.constants.subject, &match.constants.predicate,
                                            &match.constants.object};
     for (int k = 0; k < 3; ++k) {
-      *places[k] = head.columns[k] == Trigger::kNoColumn ? head.constants[k] : row[head.columns[k]];
+      *places[k] = head.columns[k] == matching::Trigger::kNoColumn ? head.constants[k] : row[head.columns[k]];
     }
     instance.heads.push_back(heads_.Add(match, {id, i}));
   }
@@ -131,11 +131,11 @@ void SchemaIndex::Remove(uint32_t id) {
   const auto of_row = by_row_.find(absl::HashOf(instance.rule, absl::MakeConstSpan(instance.row)));
   of_row->second.erase(std::find(of_row->second.begin(), of_row->second.end(), id));
   if (of_row->second.empty()) by_row_.erase(of_row);
-  for (const PatternIndex::Handle handle : instance.triggers) triggers_.Remove(handle);
-  for (const PatternIndex::Handle handle : instance.heads) heads_.Remove(handle);
+  for (const matching::PatternIndex::Handle handle : instance.triggers) triggers_.Remove(handle);
+  for (const matching::PatternIndex::Handle handle : instance.heads) heads_.Remove(handle);
   instance = Instance();
   ++changes_;
   free_.push_back(id);
 }
 
-}  // namespace docent
+}  // namespace docent::rules

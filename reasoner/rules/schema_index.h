@@ -23,15 +23,15 @@
 #include "reasoner/matching/pattern_index.h"
 #include "reasoner/rules/rule_program.h"
 
-namespace docent {
+namespace docent::rules {
 
 class SchemaIndex {
  public:
   struct Instance {
     uint32_t rule = 0;
     std::vector<TermId> row;  // columns of the body that the schema part binds; the others none
-    std::vector<PatternIndex::Handle> triggers;
-    std::vector<PatternIndex::Handle> heads;
+    std::vector<matching::PatternIndex::Handle> triggers;
+    std::vector<matching::PatternIndex::Handle> heads;
     absl::InlinedVector<uint32_t, 4> places;  // in the lists of the triples that it rests on
   };
 
@@ -51,8 +51,8 @@ class SchemaIndex {
     }
   }
   // References: instance, trigger of its rule's body; instance, triple of its rule's head.
-  const PatternIndex& triggers() const { return triggers_; }
-  const PatternIndex& heads() const { return heads_; }
+  const matching::PatternIndex& triggers() const { return triggers_; }
+  const matching::PatternIndex& heads() const { return heads_; }
   size_t size() const { return instances_.size() - free_.size(); }
   // Calls `visit(id, instance)` for each. O(size).
   template <typename Visit>
@@ -82,12 +82,12 @@ class SchemaIndex {
   std::vector<uint32_t> free_;
   absl::flat_hash_map<Triple, absl::InlinedVector<Place, 1>> by_triple_;  // instances that rest on it
   absl::flat_hash_map<size_t, absl::InlinedVector<uint32_t, 1>> by_row_;  // by hash of rule and row
-  PatternIndex triggers_;
-  PatternIndex heads_;
+  matching::PatternIndex triggers_;
+  matching::PatternIndex heads_;
   std::vector<TermId> seed_;
   uint64_t changes_ = 0;
 };
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_SCHEMA_INDEX_H_

@@ -4,7 +4,7 @@
 
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::rules {
 
 bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri) {
   const auto of_standard = [](std::string_view iri) {
@@ -23,4 +23,4 @@ bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri
          (predicate_iri.substr(kRdfNs.size()) == "first" || predicate_iri.substr(kRdfNs.size()) == "rest");
 }
 
-}  // namespace docent
+}  // namespace docent::rules

@@ -5,13 +5,13 @@
 
 #include <string_view>
 
-namespace docent {
+namespace docent::rules {
 
 // True for patterns whose predicate is a word of RDFS or OWL about classes and properties, of lists, or
 // owl:sameAs; and for those that ask for a class of RDF, RDFS or OWL. Each IRI: the text of a constant, empty
 // of a variable.
 bool IsSchemaPattern(std::string_view predicate_iri, std::string_view object_iri);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_SCHEMA_WORDS_H_

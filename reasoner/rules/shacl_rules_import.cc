@@ -13,7 +13,7 @@
 #include "graph/sparql/syntax/parser.h"
 #include "reasoner/rules/rule_parser.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 constexpr std::string_view kShNs = "http://www.w3.org/ns/shacl#";
@@ -281,4 +281,4 @@ ImportedRules ImportShaclRules(const LocatedRdf& shapes, std::string_view source
   return Importer(shapes, source, file, functions).Run();
 }
 
-}  // namespace docent
+}  // namespace docent::rules

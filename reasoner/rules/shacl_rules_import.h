@@ -21,7 +21,7 @@ namespace docent::sparql {
 class FunctionRegistry;
 }
 
-namespace docent {
+namespace docent::rules {
 
 // A sh:construct as it was read.
 struct ImportedConstruct {
@@ -51,6 +51,6 @@ struct ImportedRules {
 ImportedRules ImportShaclRules(const LocatedRdf& shapes, std::string_view source, std::string_view file,
                                const sparql::FunctionRegistry* functions = nullptr);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_SHACL_RULES_IMPORT_H_

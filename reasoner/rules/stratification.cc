@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using Graph = std::vector<std::vector<uint32_t>>;
@@ -127,4 +127,4 @@ Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& 
   return result;
 }
 
-}  // namespace docent
+}  // namespace docent::rules

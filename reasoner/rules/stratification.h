@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace docent {
+namespace docent::rules {
 
 // rules[a] needs what rules[b] derives.
 struct RuleDependency {
@@ -37,6 +37,6 @@ std::vector<uint32_t> CycleThrough(uint32_t rule, uint32_t rule_count,
 // Iterative, any size.
 Stratification Stratify(uint32_t rule_count, const std::vector<RuleDependency>& dependencies);
 
-}  // namespace docent
+}  // namespace docent::rules
 
 #endif  // DOCENT_REASONER_RULES_STRATIFICATION_H_

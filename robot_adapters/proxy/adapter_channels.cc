@@ -2,7 +2,7 @@
 
 #include <grpcpp/grpcpp.h>
 
-namespace docent {
+namespace docent::proxy {
 
 std::shared_ptr<v1::RobotAdapter::Stub> AdapterChannels::StubFor(const std::string& address) {
   std::shared_ptr<v1::RobotAdapter::Stub>& stub = stubs_[address];
@@ -22,4 +22,4 @@ std::shared_ptr<v1::RobotAdapter::Stub> AdapterChannels::StubFor(const std::stri
   return stub;
 }
 
-}  // namespace docent
+}  // namespace docent::proxy

@@ -9,7 +9,7 @@
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
 
-namespace docent {
+namespace docent::proxy {
 
 class AdapterChannels {
  public:
@@ -21,6 +21,6 @@ class AdapterChannels {
   std::map<std::string, std::shared_ptr<v1::RobotAdapter::Stub>> stubs_;
 };
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_ADAPTER_CHANNELS_H_

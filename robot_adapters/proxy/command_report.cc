@@ -11,7 +11,7 @@
 #include "graph/rdf/term_check.h"
 #include "graph/wire/term_proto.h"
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 CommandReport::Outcome OutcomeOf(v1::Feedback::State state) {
@@ -84,4 +84,4 @@ v1::InvokeRequest InvokeRequestOf(const RobotCommand& command, const std::string
   return request;
 }
 
-}  // namespace docent
+}  // namespace docent::proxy

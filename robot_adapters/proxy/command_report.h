@@ -6,7 +6,7 @@
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::proxy {
 
 bool IsFinal(v1::Feedback::State state);
 // Terms that are unset are left out of the results.
@@ -14,6 +14,6 @@ bool IsFinal(v1::Feedback::State state);
 CommandReport ReportOf(const CommandId& command, const v1::Feedback& feedback, std::string* left_out);
 v1::InvokeRequest InvokeRequestOf(const RobotCommand& command, const std::string& expected_incarnation);
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_REPORT_H_

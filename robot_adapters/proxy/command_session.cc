@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 // Codes that gRPC itself gives when a connection fails, or an adapter that is shutting down: nothing is
@@ -232,4 +232,4 @@ CommandReport CommandSession::NewReport(CommandReport::Outcome outcome, std::str
   return report;
 }
 
-}  // namespace docent
+}  // namespace docent::proxy

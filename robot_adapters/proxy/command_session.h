@@ -12,7 +12,7 @@
 #include "robot_adapters/proxy/feedback_call.h"
 #include "robot_adapters/proxy/robot_proxies.h"
 
-namespace docent {
+namespace docent::proxy {
 
 // What a session needs of the proxies. All on the proxies' thread.
 class SessionHost {
@@ -86,6 +86,6 @@ class CommandSession {
   std::string last_error_;
 };
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_COMMAND_SESSION_H_

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 // Steady, so that a step of the system's clock moves no timer.
@@ -58,4 +58,4 @@ void EventLoop::Run() {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::proxy

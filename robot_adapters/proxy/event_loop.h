@@ -14,7 +14,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 
-namespace docent {
+namespace docent::proxy {
 
 class EventLoop {
  public:
@@ -41,6 +41,6 @@ class EventLoop {
   std::thread thread_;
 };
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_EVENT_LOOP_H_

@@ -12,7 +12,7 @@
 
 #include "docent/v1/robot_adapter.grpc.pb.h"
 
-namespace docent {
+namespace docent::proxy {
 
 class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
  public:
@@ -77,6 +77,6 @@ class FeedbackCall final : public grpc::ClientReadReactor<v1::Feedback> {
   std::shared_ptr<FeedbackCall> self_;
 };
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_FEEDBACK_CALL_H_

@@ -11,7 +11,7 @@
 #include "robot_adapters/proxy/event_loop.h"
 #include "spdlog/spdlog.h"
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 constexpr std::chrono::milliseconds kCancelTimeout{2000};
@@ -201,4 +201,4 @@ uint64_t RobotProxies::refused_feedback() const {
   return impl_->refused();
 }
 
-}  // namespace docent
+}  // namespace docent::proxy

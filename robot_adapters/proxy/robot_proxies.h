@@ -29,7 +29,7 @@
 #include "graph/store/decisions.h"
 #include "graph/store/write_batch.h"
 
-namespace docent {
+namespace docent::proxy {
 
 struct ProxySettings {
   // How long to wait between attempts to reach an adapter; doubles from the first to the last.
@@ -75,6 +75,6 @@ class RobotProxies {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace docent
+}  // namespace docent::proxy
 
 #endif  // DOCENT_ROBOT_ADAPTERS_PROXY_ROBOT_PROXIES_H_

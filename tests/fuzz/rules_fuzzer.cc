@@ -26,7 +26,7 @@ Limits SmallLimits() {
 struct World {
   Dictionary dictionary;
   GraphWriter writer{nullptr};
-  RuleEngine engine{dictionary, SmallLimits()};
+  rules::RuleEngine engine{dictionary, SmallLimits()};
 
   std::vector<Quad> Facts() {
     std::vector<Quad> facts;

@@ -61,7 +61,7 @@ class Hall {
  private:
   Dictionary dictionary_;
   GraphWriter writer_;
-  RuleEngine rules_;
+  rules::RuleEngine rules_;
   std::shared_ptr<const std::string> rule_text_;
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 class RulesGolden : public testing::TestWithParam<std::string> {};
 
-std::string Infer(RuleEngine& engine, TestWorld& world, const std::string& turns) {
+std::string Infer(rules::RuleEngine& engine, TestWorld& world, const std::string& turns) {
   std::string out;
   std::vector<std::string> add, remove, before;
   int turn = 0;
@@ -63,7 +63,7 @@ TEST_P(RulesGolden, SaysAndInfersAsExpected) {
   TestWorld world;
   Limits limits;
   limits.rule_rounds = 100;
-  RuleEngine engine(world.dictionary, limits);
+  rules::RuleEngine engine(world.dictionary, limits);
   const Diagnostics diagnostics = engine.PutRules("input.rules", text);
   golden::Compare(folder, HasErrors(diagnostics)
                               ? Render(diagnostics, text)

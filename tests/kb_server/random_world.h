@@ -15,7 +15,7 @@
 #include "kb_server/turn/turn.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 
 // Greets all who are there at once, then calls the other workflow, and goes round while somebody is sad.
 inline constexpr char kRound[] = R"(<?xml version="1.0"?>
@@ -198,6 +198,6 @@ inline std::vector<std::string> Lines(const Dictionary& dictionary, const GraphV
   return lines;
 }
 
-}  // namespace docent::test
+}  // namespace docent::server::test
 
 #endif  // DOCENT_TESTS_KB_SERVER_RANDOM_WORLD_H_

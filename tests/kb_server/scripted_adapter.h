@@ -13,7 +13,7 @@
 #include "absl/synchronization/mutex.h"
 #include "docent/v1/robot_adapter.grpc.pb.h"
 
-namespace docent::test {
+namespace docent::server::test {
 
 class ScriptedAdapter final : public v1::RobotAdapter::Service {
  public:
@@ -70,6 +70,6 @@ class ScriptedAdapter final : public v1::RobotAdapter::Service {
   std::vector<std::string> commands_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace docent::test
+}  // namespace docent::server::test
 
 #endif  // DOCENT_TESTS_KB_SERVER_SCRIPTED_ADAPTER_H_

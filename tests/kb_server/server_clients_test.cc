@@ -10,7 +10,7 @@
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -302,4 +302,4 @@ TEST_F(ServerWatchTest, WhoComesBackTooLateIsToldSo) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -518,4 +518,4 @@ TEST_F(ServerContextTest, HealthAndReflectionAnswer) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

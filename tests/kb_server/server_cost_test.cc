@@ -2,7 +2,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST_F(ServerWorkflowTest, AConditionThatChangesNarrowIsDeployedWithoutOne) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::Contains;
@@ -255,4 +255,4 @@ TEST_F(ServerExplainTest, AQuestionThatWouldInferMillionsEndsInTime) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

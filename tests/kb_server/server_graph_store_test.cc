@@ -8,7 +8,7 @@
 #include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -380,4 +380,4 @@ TEST_F(GraphStoreTest, AnAddressThatIsNoneIsRefusedAtTheStart) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -7,7 +7,7 @@
 #include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -71,4 +71,4 @@ TEST_F(ServerHealthTest, AFullDiskIsToldThoughNothingIsWritten) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

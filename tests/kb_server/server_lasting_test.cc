@@ -4,7 +4,7 @@
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 // Waits until somebody has been in the hall for 200 ms while a robot is standing by.
@@ -77,4 +77,4 @@ TEST_F(ServerLastingTest, ANodeFiresOnceItsConditionHasHeldForTheTime) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -12,7 +12,7 @@
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::Contains;
@@ -146,4 +146,4 @@ TEST_F(ServerNamesTest, ARobotJoinsWithoutTheOperationsThatCannotBeNamed) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -14,7 +14,7 @@
 #include "graph/redland/client_store.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using redland::ClientStore;
@@ -155,4 +155,4 @@ TEST_F(ServerRedlandTest, NoServerIsOneClearLine) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -6,7 +6,7 @@
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -352,4 +352,4 @@ TEST_F(ServerWorkflowTest, AClientThatDoesNotReadItsServicesEventsIsToldSoAndThe
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -2,7 +2,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -221,4 +221,4 @@ TEST_F(ServerShapesTest, AModuleWithoutTriplesIsThere) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -7,7 +7,7 @@
 
 #include "tests/kb_server/server_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST_F(ServerStepsTest, TheEndOfTheServerEndsALongTurnAndAPreview) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -8,7 +8,7 @@
 #include "tests/kb_server/http/http_client.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -324,4 +324,4 @@ TEST_F(ServerSubscribeStreamTest, OneThatIsThrottledHoldsNobodyUp) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -190,4 +190,4 @@ TEST_F(ServerSubscribeTest, ManyFollowAndEachHearsItsOwn) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

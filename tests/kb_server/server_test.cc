@@ -16,7 +16,7 @@
 #include "tests/kb_server/server_world.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::Contains;
@@ -195,7 +195,7 @@ TEST_F(ServerWorkflowTest, AnOlderBackupPutBackGivesNoCommandIdTwice) {
   ScriptedAdapter adapter;
   StartServer();
   SetUpGreeting(adapter.address());
-  ASSERT_TRUE(CopyFolder(settings_.data_folder, folder_ / "backup").ok());
+  ASSERT_TRUE(log::CopyFolder(settings_.data_folder, folder_ / "backup").ok());
   const auto greet = [this] {
     v1::StartReply start;
     ASSERT_TRUE(StartRun("Greeting", &start).ok());
@@ -206,7 +206,7 @@ TEST_F(ServerWorkflowTest, AnOlderBackupPutBackGivesNoCommandIdTwice) {
   greet();
   StopServer();
   std::filesystem::remove_all(settings_.data_folder);
-  ASSERT_TRUE(CopyFolder(folder_ / "backup", settings_.data_folder).ok());
+  ASSERT_TRUE(log::CopyFolder(folder_ / "backup", settings_.data_folder).ok());
   StartServer();
   ASSERT_TRUE(Join("urn:w:R1", adapter.address()).ok());
   greet();
@@ -352,4 +352,4 @@ TEST_F(ServerStartTest, AFileMayHaveAnyName) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

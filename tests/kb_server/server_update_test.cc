@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -126,4 +126,4 @@ TEST_F(ServerUpdateTest, AnEvaluationOnTheWritersTurnEndsAtItsLimit) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -16,7 +16,7 @@
 #include "kb_server/server.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 
 // A folder of its own, gone with the object.
 class TestFolder {
@@ -255,6 +255,6 @@ class ServerWorkflowTest : public ServerTest {
   }
 };
 
-}  // namespace docent::test
+}  // namespace docent::server::test
 
 #endif  // DOCENT_TESTS_KB_SERVER_SERVER_WORLD_H_

@@ -12,7 +12,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "graph/store/write_batch.h"
 
-namespace docent::test {
+namespace docent::server::test {
 
 // "a" → rdf:type, "docent:x" → that property, an absolute IRI as it is, anything else → urn:w:…
 inline std::string Name(const std::string& word) {
@@ -148,6 +148,6 @@ inline constexpr char kServices[] = R"(<?xml version="1.0"?>
 </rsel>
 )";
 
-}  // namespace docent::test
+}  // namespace docent::server::test
 
 #endif  // DOCENT_TESTS_KB_SERVER_TEST_WORLD_H_

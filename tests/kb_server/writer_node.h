@@ -14,36 +14,36 @@
 #include "kb_server/writer/writer.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 
 // A log in memory that refuses appends when told to.
-class FakeLog final : public ContextLog {
+class FakeLog final : public log::ContextLog {
  public:
-  absl::StatusOr<AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch,
-                                      uint64_t expected) override {
+  absl::StatusOr<log::AppendResult> Append(absl::Span<const std::string> added, uint64_t epoch,
+                                           uint64_t expected) override {
     if (on_append) on_append(added.size());
     absl::MutexLock lock(&mutex_);
     const absl::Status refuse = refusal, lose = lost_answer;
     if (once) refusal = lost_answer = absl::OkStatus();
     if (!refuse.ok()) return refuse;
-    if (fenced) return AppendResult{AppendResult::Outcome::kFenced, {records_.size(), epoch + 1}};
+    if (fenced) return log::AppendResult{log::AppendResult::Outcome::kFenced, {records_.size(), epoch + 1}};
     EXPECT_EQ(expected, records_.size());
     records_.insert(records_.end(), added.begin(), added.end());
     if (!lose.ok()) return lose;
-    return AppendResult{AppendResult::Outcome::kAppended, {records_.size(), epoch}};
+    return log::AppendResult{log::AppendResult::Outcome::kAppended, {records_.size(), epoch}};
   }
-  absl::StatusOr<std::vector<LogEntry>> Read(uint64_t from, size_t max) override {
+  absl::StatusOr<std::vector<log::LogEntry>> Read(uint64_t from, size_t max) override {
     absl::MutexLock lock(&mutex_);
-    std::vector<LogEntry> entries;
+    std::vector<log::LogEntry> entries;
     for (uint64_t i = from; i <= records_.size() && entries.size() < max; ++i)
       entries.push_back({i, 1, records_[i - 1]});
     return entries;
   }
   absl::StatusOr<uint64_t> Wait(uint64_t, std::chrono::milliseconds) override { return size(); }
-  absl::StatusOr<LogHead> Head() override { return LogHead{size(), 1}; }
+  absl::StatusOr<log::LogHead> Head() override { return log::LogHead{size(), 1}; }
   absl::StatusOr<uint64_t> First() override { return 1; }
   absl::Status SnapshotPut(uint64_t, std::string_view) override { return absl::OkStatus(); }
-  absl::StatusOr<std::optional<LogSnapshot>> SnapshotGet(uint64_t) override { return std::nullopt; }
+  absl::StatusOr<std::optional<log::LogSnapshot>> SnapshotGet(uint64_t) override { return std::nullopt; }
   absl::StatusOr<std::vector<uint64_t>> SnapshotOffsets() override { return std::vector<uint64_t>(); }
   absl::Status SnapshotDrop(uint64_t) override { return absl::OkStatus(); }
   absl::Status Trim(uint64_t) override { return absl::OkStatus(); }
@@ -80,11 +80,12 @@ class FakeLog final : public ContextLog {
 // A writer with all its ports.
 class Node {
  public:
-  explicit Node(ContextLog* log, bool with_robots = false, const Limits& limits = {})
+  explicit Node(log::ContextLog* log, bool with_robots = false, const Limits& limits = {})
       : inbox(&clock, limits) {
     if (with_robots) {
-      proxies = std::make_unique<RobotProxies>(
-          [this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); }, ProxySettings{}, &clock);
+      proxies = std::make_unique<proxy::RobotProxies>(
+          [this](WriteBatch batch) { inbox.Push(std::move(batch), nullptr); }, proxy::ProxySettings{},
+          &clock);
     }
     feed.Subscribe([this](const RunEvent& event) {
       absl::MutexLock lock(&mutex);
@@ -164,7 +165,7 @@ class Node {
   RunFeed feed;
   Dictionary dictionary;
   sparql::FunctionRegistry functions;
-  std::unique_ptr<RobotProxies> proxies;
+  std::unique_ptr<proxy::RobotProxies> proxies;
   std::unique_ptr<Writer> writer;
   absl::Status recovered;
   absl::Status ended;
@@ -185,6 +186,6 @@ inline std::vector<WriteBatch> Story() {
           Reading("tag-17")};
 }
 
-}  // namespace docent::test
+}  // namespace docent::server::test
 
 #endif  // DOCENT_TESTS_KB_SERVER_WRITER_NODE_H_

@@ -32,11 +32,11 @@ int Cases(int usual) {
 // A graph with its rules applied, from told quads in the text of TestWorld and as terms.
 struct Closed {
   TestWorld world;
-  std::unique_ptr<RuleEngine> rules;
+  std::unique_ptr<rules::RuleEngine> rules;
   GraphVersionPtr version;
 
   Closed(const std::string& text, const std::set<std::string>& told) {
-    rules = std::make_unique<RuleEngine>(world.dictionary);
+    rules = std::make_unique<rules::RuleEngine>(world.dictionary);
     EXPECT_FALSE(HasErrors(rules->PutRules("rules", kPrefix + text)));
     world.Apply({told.begin(), told.end()});
   }

@@ -28,12 +28,13 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
   TestWorld world;
   world.Apply(std::vector<std::string>(told.begin(), told.end()));
   const TermId inferred = world.dictionary.InternIri(kInferredGraph);
-  RuleSets sets;
-  sets["rules"] = std::make_shared<const ParsedRules>(ParseRules(kRulesPrefix + rules, "rules"));
+  rules::RuleSets sets;
+  sets["rules"] =
+      std::make_shared<const rules::ParsedRules>(rules::ParseRules(kRulesPrefix + rules, "rules"));
   Diagnostics diagnostics;
-  const auto program = RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
+  const auto program = rules::RuleProgram::Build(sets, world.dictionary, nullptr, diagnostics);
   std::vector<std::unique_ptr<sparql::PreparedQuery>> constructs;
-  for (const Rule& rule : sets["rules"]->rules) {
+  for (const rules::Rule& rule : sets["rules"]->rules) {
     sparql::Query construct = rule.body.Clone();
     construct.form = sparql::Query::Form::kConstruct;
     construct.construct_template = rule.head;
@@ -58,16 +59,17 @@ inline std::vector<std::string> NaiveInferences(const std::string& rules, const 
       }
     }
     if (stratum != program->first_entangled || program->ordered.empty()) continue;
-    SchemaIndex schema;
+    rules::SchemaIndex schema;
     EXPECT_TRUE(schema.Build(*program, world.writer.current(), nullptr).ok());
-    EqualityClasses classes;
+    rules::EqualityClasses classes;
     world.writer.current().ForEach(
         {TermId(), world.dictionary.InternIri("http://www.w3.org/2002/07/owl#sameAs"), TermId(), TermId()},
         [&](const Quad& quad) {
           classes.Join(quad.subject, quad.object);
           return true;
         });
-    const auto order = OrderNegation(*program, schema, classes, world.writer.current(), world.dictionary);
+    const auto order =
+        rules::OrderNegation(*program, schema, classes, world.writer.current(), world.dictionary);
     EXPECT_TRUE(order.ok()) << order.status();
     if (order.ok()) program->Place(*order);
   }

@@ -155,9 +155,9 @@ class Followed {
     EXPECT_TRUE(status.ok()) << status;
     return keys;
   }
-  KeySet Texts(const std::vector<Binding>& bindings) const {
+  KeySet Texts(const std::vector<conditions::Binding>& bindings) const {
     KeySet keys;
-    for (const Binding& binding : bindings) {
+    for (const conditions::Binding& binding : bindings) {
       std::string key = "{";
       for (const auto& [name, id] : binding)
         key += name + "=" + ToNTriples(world_.dictionary.Decode(id)) + " ";
@@ -168,7 +168,7 @@ class Followed {
   const Asked& asked() const { return asked_; }
   const sparql::Query& query() const { return query_; }
 
-  ConditionId id;
+  conditions::ConditionId id;
   KeySet expected;  // as of the last update
   KeySet committed;
 
@@ -193,7 +193,7 @@ struct Step {
 std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>& steps,
                        size_t register_late) {
   TestWorld world;
-  StandingConditions set(world.dictionary);
+  conditions::StandingConditions set(world.dictionary);
   std::vector<std::unique_ptr<Followed>> followed;
   const auto follow = [&](const Asked& a) {
     auto f = std::make_unique<Followed>(world, a);
@@ -227,13 +227,13 @@ std::string Difference(const std::vector<Asked>& asked, const std::vector<Step>&
       f->expected = after;
       KeySet appeared, disappeared;
       std::string edge = "none";
-      for (const ConditionChange& change : *changes) {
+      for (const conditions::ConditionChange& change : *changes) {
         if (change.id != f->id) continue;
         appeared = f->Texts(change.appeared);
         disappeared = f->Texts(change.disappeared);
-        edge = change.edge == ConditionChange::Edge::kRose   ? "rose"
-               : change.edge == ConditionChange::Edge::kFell ? "fell"
-                                                             : "bindings";
+        edge = change.edge == conditions::ConditionChange::Edge::kRose   ? "rose"
+               : change.edge == conditions::ConditionChange::Edge::kFell ? "fell"
+                                                                         : "bindings";
       }
       KeySet new_keys, old_keys;
       std::set_difference(after.begin(), after.end(), before.begin(), before.end(),

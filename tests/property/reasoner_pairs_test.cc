@@ -150,7 +150,7 @@ class Reasoner {
   explicit Reasoner(const Facts& told) {
     // The order of ids is the order in which changes are looked at.
     for (int i = 5; i >= 0; --i) world_.Id(Node(i));
-    EXPECT_TRUE(engine_.PutRules("owl2rl", BuiltInRuleSet("owl2rl")).empty());
+    EXPECT_TRUE(engine_.PutRules("owl2rl", rules::BuiltInRuleSet("owl2rl")).empty());
     Tell(told, {});
   }
   void Tell(const Facts& add, const Facts& remove) {
@@ -185,7 +185,7 @@ class Reasoner {
 
  private:
   TestWorld world_;
-  RuleEngine engine_{world_.dictionary};
+  rules::RuleEngine engine_{world_.dictionary};
   std::set<std::string> told_;
   uint64_t revision_ = 0;
 };
@@ -215,7 +215,9 @@ class ReasonerRulesPairs : public testing::TestWithParam<Theme> {
     const Facts got = reasoner.Inferred(), scratch = Reasoner(told).Inferred();
     ASSERT_EQ(Difference(got, scratch), "") << when << all;
     if (!naive) return;
-    ASSERT_EQ(Difference(WithoutReports(got), NaiveInferences(BuiltInRuleSet("owl2rl"), reasoner.told())), "")
+    ASSERT_EQ(
+        Difference(WithoutReports(got), NaiveInferences(rules::BuiltInRuleSet("owl2rl"), reasoner.told())),
+        "")
         << when << all;
   }
 };

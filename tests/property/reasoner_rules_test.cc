@@ -72,7 +72,7 @@ struct Step {
 // Whether a new engine refuses these facts, too: their axioms give rules with negation no order.
 bool IsRefused(const std::string& rules, const std::set<std::string>& told) {
   TestWorld world;
-  RuleEngine engine(world.dictionary);
+  rules::RuleEngine engine(world.dictionary);
   EXPECT_FALSE(HasErrors(engine.PutRules("rules", kRulesPrefix + rules)));
   return !engine.Update(world.writer, world.Apply({told.begin(), told.end()})).ok();
 }
@@ -91,7 +91,7 @@ int FirstDifference(const std::string& rules, const std::vector<Step>& steps, st
   Limits limits;
   limits.inferred_per_turn =
       20000;  // far more than so few things have facts: what goes on without end fails soon
-  RuleEngine engine(world.dictionary, limits);
+  rules::RuleEngine engine(world.dictionary, limits);
   std::string current = rules;
   if (HasErrors(engine.PutRules("rules", kRulesPrefix + rules))) return -1;
   if (!engine.Update(world.writer, {}).ok()) {  // by axioms that the rules bring along
@@ -214,7 +214,7 @@ std::string AcceptedRules(RandomWorld& random, int wanted) {
   std::string rules;
   for (int attempt = 0; attempt < 4 * wanted; ++attempt) {
     const std::string more = rules + RandomRule(random);
-    RuleEngine engine(world.dictionary);
+    rules::RuleEngine engine(world.dictionary);
     if (!HasErrors(engine.PutRules("rules", kRulesPrefix + more))) rules = more;
     if (static_cast<int>(Lines(rules).size()) == wanted) break;
   }
@@ -355,7 +355,7 @@ void CheckNegationBeside(const RulePool& pool, int first, int last) {
       for (const std::string& rule : pool.negating) {
         if (!random.Chance(pool.negating_percent)) continue;
         TestWorld world;
-        RuleEngine engine(world.dictionary);
+        rules::RuleEngine engine(world.dictionary);
         if (!HasErrors(engine.PutRules("rules", kRulesPrefix + rules + rule)) &&
             engine.Update(world.writer, {}).ok())
           rules += rule + "\n";
@@ -403,7 +403,7 @@ TEST(ReasonerRulesProperty, NegationBesideASchema) {
 // One rule a line, and without names.
 std::vector<std::string> RdfsRules() {
   std::vector<std::string> rules;
-  for (const std::string& line : Lines(BuiltInRuleSet("rdfs"))) {
+  for (const std::string& line : Lines(rules::BuiltInRuleSet("rdfs"))) {
     if (line.starts_with("PREFIX")) continue;
     if (line.starts_with("RULE")) {
       rules.push_back("RULE " + line.substr(line.find('{')));

@@ -14,7 +14,7 @@
 #include "workflow/engine/run_stepper.h"
 #include "workflow/engine/service_workflow.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 std::string KeyOf(const TermBinding& binding) {
@@ -583,4 +583,4 @@ size_t Engine::live_runs() const {
   return core_->runs.size();
 }
 
-}  // namespace docent
+}  // namespace docent::engine

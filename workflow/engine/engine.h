@@ -26,7 +26,7 @@
 #include "workflow/rsel/ast.h"
 #include "workflow/rsel/service_registry.h"
 
-namespace docent {
+namespace docent::engine {
 
 // What one Step reads. `reports` and `requests` are given in the first round of a turn only.
 struct EngineInput {
@@ -94,6 +94,6 @@ class Engine {
   std::unique_ptr<Core> core_;
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_ENGINE_H_

@@ -17,7 +17,7 @@
 #include "workflow/engine/run_terms.h"
 #include "workflow/engine/waiting_room.h"
 
-namespace docent {
+namespace docent::engine {
 
 // Whose condition a handle is: a run's node, or (run empty) a workflow's activator.
 struct ConditionOwner {
@@ -134,6 +134,6 @@ struct Engine::Core {
   void RebuildDerived();
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_ENGINE_CORE_H_

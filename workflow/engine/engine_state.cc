@@ -11,10 +11,8 @@
 #include "workflow/engine/service_workflow.h"
 #include "workflow/rsel/parser.h"
 
-namespace docent {
-
 // Fields() of each type stands in the namespace of the type, where the archive finds it.
-namespace cawl {
+namespace docent::cawl {
 template <class Archive>
 void Fields(Archive& a, LastingAsk& part) {
   a(part.ask, part.variables, part.at_least_ms);
@@ -23,9 +21,9 @@ template <class Archive>
 void Fields(Archive& a, CompiledAsk& ask) {
   a(ask.name, ask.ask, ask.priority, ask.free_variables, ask.unset, ask.event_variables, ask.lasting);
 }
-}  // namespace cawl
+}  // namespace docent::cawl
 
-namespace rsel {
+namespace docent::rsel {
 template <class Archive>
 void Fields(Archive& a, PlanSource& source) {
   a(source.constant, source.slot);
@@ -47,7 +45,9 @@ template <class Archive>
 void Fields(Archive& a, InstructionHandler::Saved& saved) {
   a(saved.values, saved.steps, saved.state, saved.reason);
 }
-}  // namespace rsel
+}  // namespace docent::rsel
+
+namespace docent::engine {
 
 namespace {
 
@@ -377,4 +377,4 @@ void Engine::Restore(EngineState state) {
   Commit();
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -16,7 +16,7 @@
 #include "graph/base/limits.h"
 #include "workflow/engine/engine_core.h"
 
-namespace docent {
+namespace docent::engine {
 
 struct EngineState {
   std::map<RunId, Run> runs;
@@ -40,6 +40,6 @@ absl::StatusOr<EngineState> DecodeEngineState(std::string_view bytes, const Limi
 // The conditions that this state waits for, in the order in which they were armed.
 std::vector<ConditionRequest> ArmedConditions(const EngineState& state);
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_ENGINE_STATE_H_

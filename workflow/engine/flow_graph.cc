@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 void Visit(const cawl::Flow& flow, size_t node, bool follow_while, std::set<size_t>* seen) {
@@ -53,4 +53,4 @@ std::set<size_t> Reachable(const cawl::Flow& flow, size_t node) {
   return seen;
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -9,7 +9,7 @@
 
 #include "workflow/cawl/ast.h"
 
-namespace docent {
+namespace docent::engine {
 
 // Index of the node of that name; flow.nodes.size() for the source, the sink and unknown names.
 size_t NodeIndex(const cawl::Flow& flow, std::string_view name);
@@ -27,6 +27,6 @@ bool ClosesCycle(const cawl::Flow& flow, const cawl::Link& link);
 // Indexes of the nodes that can be reached from `node`, itself included, without going back over cycles.
 std::set<size_t> Reachable(const cawl::Flow& flow, size_t node);
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_FLOW_GRAPH_H_

@@ -20,11 +20,11 @@
 #include "graph/store/decisions.h"
 #include "graph/store/quad.h"
 
-namespace docent {
-
-namespace sparql {
+namespace docent::sparql {
 struct Query;
-}
+}  // namespace docent::sparql
+
+namespace docent::engine {
 
 // Chosen by the engine, unique within a data folder.
 using ConditionHandle = uint64_t;
@@ -114,6 +114,6 @@ struct EngineOutput {
   }
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_PORTS_H_

@@ -9,7 +9,7 @@
 #include "graph/rdf/docent_iris.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 Term Decimal(double value) {
@@ -156,4 +156,4 @@ void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, 
   std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(*remove));
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -9,7 +9,7 @@
 #include "workflow/engine/run_state.h"
 #include "workflow/engine/run_terms.h"
 
-namespace docent {
+namespace docent::engine {
 
 // All facts of a run (urn:docent:run:ID and, beneath it, /NODE, /NODE/N for invocations from 0, and /$VARIABLE), sorted, none twice. New terms are interned: writer thread only.
 std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
@@ -18,6 +18,6 @@ std::vector<Quad> RunFacts(const Run& run, RunTerms* terms);
 void DiffFacts(const std::vector<Quad>& before, const std::vector<Quad>& after, std::vector<Quad>* add,
                std::vector<Quad>* remove);
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_RUN_FACTS_H_

@@ -6,7 +6,7 @@
 #include "absl/strings/str_join.h"
 #include "workflow/engine/run_stepper.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 constexpr std::string_view kRobotVariable = "robot";
@@ -297,4 +297,4 @@ void RunStepper::ChildEnded(const CommandOwner& owner, const Run& child) {
   SetVariables(results);  // last: it may end the run
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -9,7 +9,7 @@
 
 #include "workflow/engine/run_stepper.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 // A run ended: its robots are free, and its parent goes on. Adds the robots to `freed`.
@@ -96,4 +96,4 @@ void AdvanceAll(Engine::Core* core) {
   }
 }
 
-}  // namespace docent
+}  // namespace docent::engine

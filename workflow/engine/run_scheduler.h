@@ -5,7 +5,7 @@
 
 #include "workflow/engine/engine_core.h"
 
-namespace docent {
+namespace docent::engine {
 
 // Robots came, went or changed, or robot services did: wakes as many of each queue as can be served, and
 // everybody whose reason to wait is another one now.
@@ -15,6 +15,6 @@ void ReconsiderWaiting(Engine::Core* core);
 // to those that wait.
 void AdvanceAll(Engine::Core* core);
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_RUN_SCHEDULER_H_

@@ -20,7 +20,7 @@
 #include "workflow/engine/ports.h"
 #include "workflow/rsel/instruction_handler.h"
 
-namespace docent {
+namespace docent::engine {
 
 // The words of docent:runState, docent:nodeState and docent:invocationState.
 //   run:        running → done | failed | cancelled
@@ -130,6 +130,6 @@ struct Run {
   const cawl::Flow& Flow() const { return document->flows[flow]; }
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_RUN_STATE_H_

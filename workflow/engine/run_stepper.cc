@@ -10,7 +10,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "workflow/engine/flow_graph.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 // Solutions looked at to find one whose robot is free, and the most that forEach takes.
@@ -514,4 +514,4 @@ std::optional<TimeMicros> RunStepper::NextDeadline() const {
   return next;
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -10,7 +10,7 @@
 
 #include "workflow/engine/engine_core.h"
 
-namespace docent {
+namespace docent::engine {
 
 // The key variables with which a node's condition is armed.
 std::vector<std::string> NodeKeys(const cawl::CompiledAsk& ask);
@@ -81,6 +81,6 @@ class RunStepper {
   const cawl::Flow& flow_;
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_RUN_STEPPER_H_

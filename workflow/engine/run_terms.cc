@@ -6,7 +6,7 @@
 #include "graph/base/text.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 struct Name {
@@ -64,4 +64,4 @@ TermId RunTerms::Of(WorkState state) {
   return id;
 }
 
-}  // namespace docent
+}  // namespace docent::engine

@@ -10,7 +10,7 @@
 #include "graph/rdf/dictionary.h"
 #include "workflow/engine/run_state.h"
 
-namespace docent {
+namespace docent::engine {
 
 // In the order of the table in run_terms.cc.
 enum class RunTerm : uint8_t {
@@ -64,6 +64,6 @@ class RunTerms {
   std::array<TermId, static_cast<size_t>(WorkState::kCancelled) + 1> states_;
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_RUN_TERMS_H_

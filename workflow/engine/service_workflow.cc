@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::engine {
 
 cawl::DocumentPtr ServiceWorkflow(const std::string& process) {
   auto document = std::make_shared<cawl::Document>();
@@ -37,4 +37,4 @@ std::string ServiceOf(const cawl::Document& document) {
   return document.source.empty() ? document.flows[0].name.value : "";
 }
 
-}  // namespace docent
+}  // namespace docent::engine

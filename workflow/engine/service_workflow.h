@@ -7,12 +7,12 @@
 
 #include "workflow/cawl/ast.h"
 
-namespace docent {
+namespace docent::engine {
 
 cawl::DocumentPtr ServiceWorkflow(const std::string& process);
 // The service of a document that ServiceWorkflow made; empty: somebody wrote the document.
 std::string ServiceOf(const cawl::Document& document);
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_SERVICE_WORKFLOW_H_

@@ -1,6 +1,6 @@
 #include "workflow/engine/waiting_room.h"
 
-namespace docent {
+namespace docent::engine {
 
 void WaitingRoom::Wait(uint64_t number, const CommandOwner& owner, RobotWish wish) {
   auto it = owners_.find(owner);
@@ -83,4 +83,4 @@ void WaitingRoom::Clear() {
   blocked_runs_.clear();
 }
 
-}  // namespace docent
+}  // namespace docent::engine

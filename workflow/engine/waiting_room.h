@@ -17,7 +17,7 @@
 
 #include "graph/base/ids.h"
 
-namespace docent {
+namespace docent::engine {
 
 // One invocation of a run.
 struct CommandOwner {
@@ -65,6 +65,6 @@ class WaitingRoom {
   std::map<RunId, std::pair<uint64_t, std::set<RobotId>>> blocked_runs_;
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_WORKFLOW_ENGINE_WAITING_ROOM_H_

@@ -54,7 +54,7 @@ class ReasonedStore {
     }
   }
   absl::Status Reason(const std::string& rule_set) {
-    if (!rule_set.empty() && HasErrors(engine_.PutRules(rule_set, BuiltInRuleSet(rule_set))))
+    if (!rule_set.empty() && HasErrors(engine_.PutRules(rule_set, rules::BuiltInRuleSet(rule_set))))
       return absl::InternalError("the rule set is refused");
     return engine_.Update(writer_, writer_.Apply(told_, {})).status();
   }
@@ -65,7 +65,7 @@ class ReasonedStore {
 
  private:
   GraphWriter writer_{nullptr};
-  RuleEngine engine_{dictionary};
+  rules::RuleEngine engine_{dictionary};
   std::vector<Quad> told_;
   int documents_ = 0;
 };

@@ -33,11 +33,11 @@ class Endpoint {
   Endpoint() {
     static int number = 0;
     folder_ = std::filesystem::temp_directory_path() / absl::StrCat("docent-w3c-", getpid(), "-", ++number);
-    ServerSettings settings;
+    server::ServerSettings settings;
     settings.data_folder = folder_.string();
     settings.grpc_address = settings.http_address = "127.0.0.1:0";
     settings.default_graph = sparql::DefaultGraph::kStrict;
-    auto started = Server::Start(settings, nullptr);
+    auto started = server::Server::Start(settings, nullptr);
     EXPECT_TRUE(started.ok()) << started.status();
     if (started.ok()) server_ = *std::move(started);
   }
@@ -50,14 +50,14 @@ class Endpoint {
     const std::string& address = server_->http_address();
     return static_cast<uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
   }
-  HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
-                const std::string& body = "") {
-    return HttpClient(port()).Ask(method, target, headers, body);
+  server::HttpReply Ask(const std::string& method, const std::string& target, const std::string& headers = "",
+                        const std::string& body = "") {
+    return server::HttpClient(port()).Ask(method, target, headers, body);
   }
 
  private:
   std::filesystem::path folder_;
-  std::unique_ptr<Server> server_;
+  std::unique_ptr<server::Server> server_;
 };
 
 struct HttpTest {
@@ -89,7 +89,7 @@ class Exchange {
   std::string Run(const Term& entry) {
     for (const Term& data : graph_.All(entry, std::string(kUt) + "graphData")) {
       const std::string label = graph_.One(data, Concat(kRdfsNs, "label")).lexical;
-      const HttpReply reply =
+      const server::HttpReply reply =
           endpoint_.Ask("PUT", "/rdf-graphs?graph=" + label, "Content-Type: application/n-triples\r\n",
                         ReadText(W3cFile(graph_.One(data, std::string(kUt) + "graph").lexical)));
       if (reply.status >= 300) return "its data: " + reply.body;
@@ -141,7 +141,7 @@ class Exchange {
     if (Text(body_node, std::string(kCnt) + "characterEncoding") == "UTF-16") body = Utf16(body);
     const std::string method = Text(request, ht + "methodName");
     if (body.empty() && method != "GET" && method != "HEAD") headers += "Content-Length: 0\r\n";
-    const HttpReply reply = endpoint_.Ask(method, target, headers, body);
+    const server::HttpReply reply = endpoint_.Ask(method, target, headers, body);
     const Term expected = graph_.One(request, ht + "resp");
     std::string why = CheckStatus(expected, reply);
     if (why.empty()) why = CheckAnswer(expected, reply);
@@ -154,7 +154,7 @@ class Exchange {
     return "";
   }
 
-  std::string CheckStatus(const Term& expected, const HttpReply& reply) const {
+  std::string CheckStatus(const Term& expected, const server::HttpReply& reply) const {
     static const std::map<std::string, int> kNames = {
         {"OK", 200}, {"Created", 201}, {"NoContent", 204}, {"NotFound", 404}, {"BadRequest", 400}};
     const std::vector<Term> wanted = graph_.All(expected, std::string(kMf) + "expectedStatus");
@@ -169,7 +169,7 @@ class Exchange {
     return wanted.empty() ? "" : absl::StrCat("status ", reply.status);
   }
 
-  std::string CheckAnswer(const Term& expected, const HttpReply& reply) const {
+  std::string CheckAnswer(const Term& expected, const server::HttpReply& reply) const {
     const std::string type = reply.headers.count("content-type") ? reply.headers.at("content-type") : "";
     const std::string format = graph_.One(expected, std::string(kMf) + "expectedFormat").lexical;
     const std::optional<sparql::ResultFormat> rows = sparql::ResultFormatOfMediaType(type);
@@ -182,11 +182,11 @@ class Exchange {
     return answer.boolean == (boolean.lexical == "true") ? "" : "not the boolean expected";
   }
 
-  std::string CheckBody(const Term& expected, const HttpReply& reply) const {
+  std::string CheckBody(const Term& expected, const server::HttpReply& reply) const {
     const std::map<std::string, std::string> headers = Headers(expected);
     if (headers.contains("content-type") &&
-        MediaTypeOnly(reply.headers.count("content-type") ? reply.headers.at("content-type") : "") !=
-            MediaTypeOnly(headers.at("content-type"))) {
+        server::MediaTypeOnly(reply.headers.count("content-type") ? reply.headers.at("content-type") : "") !=
+            server::MediaTypeOnly(headers.at("content-type"))) {
       return "not the content type expected";
     }
     const Term body = graph_.One(expected, std::string(kHt) + "body");
@@ -237,7 +237,7 @@ TEST(HttpSuites, GraphStore) {
 // The tests are prose: what they say is checked here, once for each format.
 std::string CheckDescription(const std::string& test, Endpoint* endpoint) {
   for (const char* accept : {"", "text/turtle", "application/rdf+xml", "application/n-triples"}) {
-    const HttpReply reply =
+    const server::HttpReply reply =
         endpoint->Ask("GET", "/sparql", *accept ? absl::StrCat("Accept: ", accept, "\r\n") : std::string());
     const std::optional<RdfFormat> format = FormatOfMediaType(reply.headers.at("content-type"));
     if (reply.status != 200 || !format) return "no RDF";

@@ -19,7 +19,7 @@
 #include "graph/log/sqlite_log.h"
 #include "tests/graph/log/test_records.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 namespace fs = std::filesystem;
@@ -352,4 +352,4 @@ TEST(FolderCopyTest, NothingIsOverwrittenAndDamageIsNotCopied) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::log

@@ -13,7 +13,7 @@
 #include "graph/log/sqlite_log.h"
 #include "tests/graph/log/test_records.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 using ::testing::HasSubstr;
@@ -275,4 +275,4 @@ TEST(LogDamageTest, KilledServerLosesNothingThatWasAcknowledged) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::log

@@ -17,7 +17,7 @@
 #include "graph/log/sqlite_log.h"
 #include "tests/graph/log/test_records.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 #define REQUIRE_IN_CHILD(condition) \
@@ -239,4 +239,4 @@ TEST(LogDiskTest, UnreadableDatabaseIsPermissionDenied) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::log

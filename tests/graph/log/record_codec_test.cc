@@ -7,7 +7,7 @@
 
 #include "tests/graph/log/test_records.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ TEST(TurnRecordTest, ManyDifferencesAreCountedNotListed) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::log

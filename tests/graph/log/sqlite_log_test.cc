@@ -11,7 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "tests/graph/log/test_records.h"
 
-namespace docent {
+namespace docent::log {
 namespace {
 
 using ::testing::HasSubstr;
@@ -387,4 +387,4 @@ TEST(SqliteLogTest, OtherDatabasesAndFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::log

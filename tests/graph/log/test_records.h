@@ -10,7 +10,7 @@
 
 #include "graph/log/turn_record.h"
 
-namespace docent {
+namespace docent::log {
 
 // A folder of its own for one test, removed at the end. Where a test opens a log thousands of times it asks
 // for one in memory, where a sync costs nothing.
@@ -82,6 +82,6 @@ inline TurnRecord FullRecord() {
   return record;
 }
 
-}  // namespace docent
+}  // namespace docent::log
 
 #endif  // DOCENT_TESTS_GRAPH_LOG_TEST_RECORDS_H_

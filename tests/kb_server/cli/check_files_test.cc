@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "kb_server/cli/consistency_check.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::AllOf;
@@ -266,4 +266,4 @@ TEST_F(ConsistencyLimitsTest, TooManyInconsistencies) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

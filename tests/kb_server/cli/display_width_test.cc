@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 TEST(DisplayWidthTest, WideCharactersTakeTwoColumnsAndMarksNone) {
@@ -44,4 +44,4 @@ TEST(DisplayWidthTest, WhatIsPrintedCannotCommandATerminal) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -60,4 +60,4 @@ TEST_F(FactArgumentsTest, AMistakeIsToldInTheTextAsItWasGiven) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -89,4 +89,4 @@ TEST_F(PartLoaderTest, APartThatIsRefusedEndsTheLoad) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

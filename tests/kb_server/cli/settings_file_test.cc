@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -160,4 +160,4 @@ TEST(SettingsFileTest, ThePrintedFileHasEveryOptionAndReadsBack) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 Table Robots() {
@@ -77,4 +77,4 @@ TEST(TerminalTest, ColoursAreForTerminalsUnlessTheyAreAskedFor) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

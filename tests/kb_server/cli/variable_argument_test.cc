@@ -5,7 +5,7 @@
 
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST(VariableArgument, ANameIsNeeded) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 TEST(Descriptors, OpenOnesAreCounted) {
@@ -35,4 +35,4 @@ TEST(Descriptors, TheSoftLimitIsRaised) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,4 +116,4 @@ TEST_F(FleetLeasesTest, AfterARestartAJoinIsToldOnce) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

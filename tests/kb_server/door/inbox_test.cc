@@ -10,7 +10,7 @@
 #include "kb_server/door/query_port.h"
 #include "kb_server/door/request_memory.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST(QueryPortTest, AWaiterSeesThePublication) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

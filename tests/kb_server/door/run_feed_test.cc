@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::ElementsAre;
@@ -85,4 +85,4 @@ TEST(RunFeedTest, ASubscriberThatDoesNotKeepUpIsDropped) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -7,7 +7,7 @@
 
 #include "absl/time/clock.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // A stream that gives back what it holds when it is cut.
@@ -103,4 +103,4 @@ TEST(SendBudget, StreamsMayComeAndGoWhileOthersAreCut) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

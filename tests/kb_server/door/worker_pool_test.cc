@@ -9,7 +9,7 @@
 #include "absl/time/clock.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 TEST(WorkerPoolTest, OnlySoManyRunAtTheSameTime) {
@@ -227,4 +227,4 @@ TEST(WorkerPoolTest, WhatWorkHoldsIsGoneWhenItEnds) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 TEST(ToGrpcTest, KeepsCodeAndMessage) {
@@ -39,4 +39,4 @@ TEST(ToGrpcTest, CutsOneLongLineBetweenCodePoints) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

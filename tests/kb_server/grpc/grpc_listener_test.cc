@@ -17,7 +17,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST(GrpcListener, AddressesThatCannotBeListenedOnAreNamed) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 
 #include "absl/synchronization/mutex.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // The threads on which the ends of `count` calls under way at once come.
@@ -76,4 +76,4 @@ TEST(OneCallbackThreadTest, ComesAndGoesAgain) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

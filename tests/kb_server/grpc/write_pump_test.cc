@@ -10,7 +10,7 @@
 #include "absl/time/clock.h"
 #include "docent/v1/workflows.pb.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using Message = v1::RunEvent;
@@ -218,4 +218,4 @@ TEST(WritePump, TheLinkOutlivesTheStream) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

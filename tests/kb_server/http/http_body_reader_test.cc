@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -160,4 +160,4 @@ TEST(HttpBodyReader, AnEndlessExtensionIsRefused) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include <map>
 #include <string>
 
-namespace docent {
+namespace docent::server {
 
 struct HttpReply {
   int status = 0;                              // 0: no answer
@@ -148,6 +148,6 @@ class HttpClient {
   std::string buffer_;
 };
 
-}  // namespace docent
+}  // namespace docent::server
 
 #endif  // DOCENT_TESTS_KB_SERVER_HTTP_HTTP_CLIENT_H_

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -224,4 +224,4 @@ TEST(HttpHeadReader, LimitsHoldAtTheLimitAndBeyond) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

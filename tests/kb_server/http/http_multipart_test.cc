@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kType[] = "multipart/form-data; boundary=xyz";
@@ -58,4 +58,4 @@ TEST(HttpMultipart, ManySmallPartsEndAtTheirLimit) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

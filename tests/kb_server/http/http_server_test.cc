@@ -10,7 +10,7 @@
 #include "absl/synchronization/notification.h"
 #include "tests/kb_server/http/http_client.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -557,4 +557,4 @@ TEST(HttpServerTest, ManyClientsAtOnce) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -12,7 +12,7 @@
 #include "graph/store/graph_writer.h"
 #include "tests/kb_server/http/http_client.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -263,4 +263,4 @@ TEST_F(HttpSparqlTest, QueryTextLimit) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

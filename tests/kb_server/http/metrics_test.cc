@@ -8,7 +8,7 @@
 #include "kb_server/http/http_health.h"
 #include "tests/kb_server/http/http_client.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -113,4 +113,4 @@ TEST(HttpHealthTest, PagesAreServed) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,13 +4,14 @@
 
 #include "graph/sparql/syntax/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 std::optional<SubscribedForm> FormOf(const std::string& text) {
   sparql::ParsedQuery parsed = sparql::ParseQuery("PREFIX : <http://example.org/>\n" + text);
   EXPECT_TRUE(parsed.ok()) << text;
-  return SubscribedFormOf(parsed.query, AnalyseTriggers(WithoutModifiers(*parsed.query.algebra)));
+  return SubscribedFormOf(parsed.query,
+                          matching::AnalyseTriggers(matching::WithoutModifiers(*parsed.query.algebra)));
 }
 
 using Names = std::vector<std::string>;
@@ -65,4 +66,4 @@ TEST(SubscribedForm, WhatHasToBeAskedWhole) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

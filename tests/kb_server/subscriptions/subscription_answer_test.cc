@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 // One row that stays and one with another value each time, long after the first values are of no use.
@@ -77,4 +77,4 @@ TEST(SubscriptionAnswer, AValueLearntMeanwhileKeepsItsTime) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

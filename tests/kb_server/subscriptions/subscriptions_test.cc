@@ -11,7 +11,7 @@
 #include "tests/property/reasoner_random.h"
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kPrefix[] = "PREFIX : <http://example.org/>\n";
@@ -581,4 +581,4 @@ TEST_P(SubscriptionsReplayTest, ReplayedChangesAreTheAnswerAtEachRevision) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

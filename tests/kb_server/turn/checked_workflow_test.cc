@@ -11,7 +11,7 @@
 #include "workflow/cawl/check.h"
 #include "workflow/cawl/parser.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -133,7 +133,8 @@ TEST(CheckedWorkflow, WhatTheCheckPassesIsDeployedAndRuns) {
   int passed = 0, refused = 0, late = 0;
   for (uint32_t seed = 0; seed < 1500; ++seed) {
     const std::string text = RandomWorkflow(seed).Text();
-    const Limits limits = seed % 3 == 0 ? Limits() : TightLimits();
+    Limits limits = seed % 3 == 0 ? Limits() : TightLimits();
+    limits.runs_live = 100;
     const cawl::CheckReport report = cawl::CheckDocument(text, "w", nullptr, limits);
     (report.ok() ? passed : refused) += 1;
     late += !report.ok() && cawl::ParseCawl(text, "w", limits).ok();
@@ -145,6 +146,10 @@ TEST(CheckedWorkflow, WhatTheCheckPassesIsDeployedAndRuns) {
     const auto must = [&](WriteBatch batch) {
       batch.time_us = static_cast<TimeMicros>(1'700'000'000'000'000 + 10'000'000 * head);
       const absl::StatusOr<TurnResult> result = RunTurn(&stages, std::move(batch), ++head);
+      if (absl::IsResourceExhausted(result.status())) {
+        ASSERT_THAT(std::string(result.status().message()), testing::HasSubstr("the limit runs_live is 100"));
+        return;  // a condition of patterns that share no variable starts a run for each pair
+      }
       ASSERT_TRUE(result.ok()) << "seed " << seed << ": " << result.status() << "\n" << text;
     };
     must(test::WorldFacts());
@@ -165,4 +170,4 @@ TEST(CheckedWorkflow, WhatTheCheckPassesIsDeployedAndRuns) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -17,14 +17,14 @@
 #include "graph/store/graph_writer.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 constexpr char kPrefix[] = "PREFIX : <urn:w:> ";
 
 // Presence for 5, a join of it with something that has no time, absence for 7, two times, a number for 3, a part
 // without variables.
-std::vector<ConditionRequest> Shapes() {
+std::vector<engine::ConditionRequest> Shapes() {
   const auto ask = [](const std::string& where) { return absl::StrCat(kPrefix, "ASK { ", where, " }"); };
   const std::string unseen = "?v a :Visitor . FILTER NOT EXISTS { ?c :sees ?v }";
   const std::string battery = "?r :battery ?b . FILTER(?b < 3)";
@@ -49,13 +49,14 @@ std::vector<ConditionRequest> Shapes() {
 // What a condition is, by definition: every query anew, and since when each of its solutions has been there.
 class Reference {
  public:
-  explicit Reference(const ConditionRequest& request) : request_(request), since_(request.lasting.size()) {}
+  explicit Reference(const engine::ConditionRequest& request)
+      : request_(request), since_(request.lasting.size()) {}
 
   void Look(const GraphVersion& version, const Dictionary& dictionary, TimeMicros now_us) {
     for (size_t i = 0; i < request_.lasting.size(); ++i) {
-      std::map<TermBinding, TimeMicros> now;
-      for (const TermBinding& solution : Select(request_.lasting[i].ask, version, dictionary)) {
-        const TermBinding key = Only(solution, request_.lasting[i].variables);
+      std::map<engine::TermBinding, TimeMicros> now;
+      for (const engine::TermBinding& solution : Select(request_.lasting[i].ask, version, dictionary)) {
+        const engine::TermBinding key = Only(solution, request_.lasting[i].variables);
         const auto before = since_[i].find(key);
         now[key] = before == since_[i].end() ? now_us : before->second;
       }
@@ -63,10 +64,10 @@ class Reference {
     }
     solutions_.clear();
     keys_.clear();
-    for (const TermBinding& solution : Select(request_.ask, version, dictionary)) {
+    for (const engine::TermBinding& solution : Select(request_.ask, version, dictionary)) {
       bool open = true;
       for (size_t i = 0; i < request_.lasting.size(); ++i) {
-        const LastingPart& part = request_.lasting[i];
+        const engine::LastingPart& part = request_.lasting[i];
         const auto since = since_[i].find(Only(solution, part.variables));
         open = open && since != since_[i].end() && since->second + part.at_least_us <= now_us;
       }
@@ -75,30 +76,31 @@ class Reference {
       keys_.insert(Only(solution, request_.key_variables));
     }
   }
-  const std::set<TermBinding>& solutions() const { return solutions_; }
-  const std::set<TermBinding>& keys() const { return keys_; }
+  const std::set<engine::TermBinding>& solutions() const { return solutions_; }
+  const std::set<engine::TermBinding>& keys() const { return keys_; }
 
  private:
-  static TermBinding Only(const TermBinding& solution, const std::vector<std::string>& names) {
-    TermBinding part;
+  static engine::TermBinding Only(const engine::TermBinding& solution,
+                                  const std::vector<std::string>& names) {
+    engine::TermBinding part;
     for (const std::string& name : names) {
       if (const auto found = solution.find(name); found != solution.end()) part.insert(*found);
     }
     return part;
   }
-  static std::set<TermBinding> Select(const std::string& ask, const GraphVersion& version,
-                                      const Dictionary& dictionary) {
+  static std::set<engine::TermBinding> Select(const std::string& ask, const GraphVersion& version,
+                                              const Dictionary& dictionary) {
     std::string text = ask;
     text.replace(text.find("ASK"), 3, "SELECT * WHERE");
     sparql::ParsedQuery parsed = sparql::ParseQuery(text);
     EXPECT_TRUE(parsed.ok()) << text;
     auto prepared = sparql::PreparedQuery::Prepare(parsed.query, dictionary);
     EXPECT_TRUE(prepared.ok()) << prepared.status();
-    std::set<TermBinding> out;
+    std::set<engine::TermBinding> out;
     const std::vector<std::string>& names = (*prepared)->variables();
     const absl::Status status =
         (*prepared)->Select({.version = &version}, {}, [&](absl::Span<const TermId> row) {
-          TermBinding solution;
+          engine::TermBinding solution;
           for (size_t i = 0; i < names.size(); ++i) {
             if (!row[i].IsNone()) solution.emplace(names[i], dictionary.Decode(row[i]));
           }
@@ -109,9 +111,9 @@ class Reference {
     return out;
   }
 
-  ConditionRequest request_;
-  std::vector<std::map<TermBinding, TimeMicros>> since_;
-  std::set<TermBinding> solutions_, keys_;
+  engine::ConditionRequest request_;
+  std::vector<std::map<engine::TermBinding, TimeMicros>> since_;
+  std::set<engine::TermBinding> solutions_, keys_;
 };
 
 // A port with all that it stands on.
@@ -119,7 +121,7 @@ struct Side {
   explicit Side(Dictionary* dictionary_in)
       : dictionary(dictionary_in), standing(*dictionary), port(dictionary, &standing) {}
   Dictionary* dictionary;
-  StandingConditions standing;
+  conditions::StandingConditions standing;
   ConditionPort port;
 };
 
@@ -140,9 +142,9 @@ class Timeline {
 
  private:
   struct Followed {
-    ConditionRequest request;
+    engine::ConditionRequest request;
     Reference reference;
-    std::set<TermBinding> keys;  // as the edges said
+    std::set<engine::TermBinding> keys;  // as the edges said
     bool holds = false;
   };
 
@@ -181,7 +183,7 @@ class Timeline {
     const Delta delta = Change();
     Take(delta, now_us_ + Below(6));
     if (!conditions_.empty() && Below(2) == 0) side_->port.Disarm({conditions_.begin()->first});
-    ConditionRequest request = Shapes()[Below(6)];
+    engine::ConditionRequest request = Shapes()[Below(6)];
     request.handle = next_handle_ + 1000;
     ASSERT_TRUE(side_->port.Arm({request}, writer_.current(), now_us_).ok());
     writer_.Rollback();
@@ -198,7 +200,7 @@ class Timeline {
   }
 
   void Arm() {
-    ConditionRequest request = Shapes()[Below(6)];
+    engine::ConditionRequest request = Shapes()[Below(6)];
     request.handle = next_handle_++;
     ASSERT_TRUE(side_->port.Arm({request}, writer_.current(), now_us_).ok());
     Followed followed{request, Reference(request), {}, false};
@@ -246,22 +248,22 @@ class Timeline {
   }
 
   void Compare() {
-    for (const ConditionEdge& edge : side_->port.edges()) {
+    for (const engine::ConditionEdge& edge : side_->port.edges()) {
       const auto found = conditions_.find(edge.handle);
       ASSERT_NE(found, conditions_.end());
       Followed& followed = found->second;
       ASSERT_TRUE(!edge.rose || !followed.holds) << "it rises twice";
       if (edge.rose) followed.holds = true, ++opened_;
       if (edge.fell) followed.holds = false;
-      for (const TermBinding& key : edge.disappeared) ASSERT_EQ(followed.keys.erase(key), 1u);
-      for (const TermBinding& key : edge.appeared) ASSERT_TRUE(followed.keys.insert(key).second);
+      for (const engine::TermBinding& key : edge.disappeared) ASSERT_EQ(followed.keys.erase(key), 1u);
+      for (const engine::TermBinding& key : edge.appeared) ASSERT_TRUE(followed.keys.insert(key).second);
     }
     for (auto& [handle, followed] : conditions_) {
       SCOPED_TRACE(absl::StrCat("condition ", handle, ": ", followed.request.ask));
       followed.reference.Look(writer_.current(), dictionary_, now_us_);
       const auto solutions = side_->port.Solutions(handle, {}, 1000);
       ASSERT_TRUE(solutions.ok()) << solutions.status();
-      const std::set<TermBinding> now(solutions->begin(), solutions->end());
+      const std::set<engine::TermBinding> now(solutions->begin(), solutions->end());
       ASSERT_EQ(now, followed.reference.solutions());
       ASSERT_EQ(side_->port.Holds(handle), !followed.reference.solutions().empty());
       ASSERT_EQ(followed.holds, !followed.reference.solutions().empty());
@@ -276,8 +278,8 @@ class Timeline {
   GraphWriter writer_{nullptr};
   TermId graph_;
   std::unique_ptr<Side> side_;
-  std::map<ConditionHandle, Followed> conditions_;
-  ConditionHandle next_handle_ = 1;
+  std::map<engine::ConditionHandle, Followed> conditions_;
+  engine::ConditionHandle next_handle_ = 1;
   TimeMicros now_us_ = 1000;
   uint64_t revision_ = 0;
   size_t opened_ = 0;
@@ -295,4 +297,4 @@ TEST(ConditionPortTest, TimesAreAsIfEverythingWereAskedAtEveryMoment) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

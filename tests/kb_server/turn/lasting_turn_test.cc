@@ -6,7 +6,7 @@
 #include "kb_server/writer/server_state.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -110,4 +110,4 @@ TEST(LastingTurnTest, ASnapshotInBetweenKeepsTheTime) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -5,7 +5,7 @@
 #include "kb_server/turn/turn.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -81,7 +81,7 @@ RULE { ?r docent:isNear ?d } WHERE {
 }
 
 TEST_F(SpatialFunctionsTest, ConditionsFollowPositions) {
-  ConditionRequest request;
+  engine::ConditionRequest request;
   request.handle = 1;
   request.ask =
       "PREFIX docent: <https://w3id.org/docent#> ASK { ?r docent:x ?x ; docent:y ?y "
@@ -100,4 +100,4 @@ TEST_F(SpatialFunctionsTest, ConditionsFollowPositions) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

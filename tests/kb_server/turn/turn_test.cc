@@ -1,4 +1,5 @@
 #include "kb_server/turn/turn.h"
+#include "reasoner/rules/rule_sets.h"
 
 #include <algorithm>
 #include <memory>
@@ -7,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "tests/kb_server/test_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -329,7 +330,7 @@ TEST_F(FailingTurnTest, TooManyEqualThings) {
   world_.stages.cancellation = &cancellation;
   for (World* world : {&world_, &twin_}) {
     world->stages.cancellation = nullptr;
-    world->Must(Put(Document::Kind::kRules, "owl2rl", BuiltInRuleSet("owl2rl")));
+    world->Must(Put(Document::Kind::kRules, "owl2rl", rules::BuiltInRuleSet("owl2rl")));
   }
   world_.stages.cancellation = &cancellation;
   WriteBatch batch;
@@ -367,7 +368,7 @@ TEST_F(FailingTurnTest, AStandingConditionWithACostlyJoin) {
   for (World* world : {&world_, &twin_}) {
     world->Must(Tell(facts));
     ASSERT_TRUE(world->stages.conditions
-                    .Arm({{ConditionHandle{1} << 40,
+                    .Arm({{engine::ConditionHandle{1} << 40,
                            "ASK { ?a <urn:w:in> ?x . ?b <urn:w:in> ?y . ?c <urn:w:in> ?z . ?go <urn:w:go> ?d "
                            "FILTER(?a = ?z) }"}},
                          world->stages.writer.current(), world->now_us)
@@ -466,7 +467,7 @@ TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
   batches.push_back(Tell({Fact("Adam", "docent:feels", "docent:Glad")}));
 
   World first;
-  std::vector<TurnRecord> records;
+  std::vector<log::TurnRecord> records;
   size_t commands = 0;
   for (WriteBatch& batch : batches) {
     if (!batch.reports.empty()) batch.reports[0].command = OpenCommandOf(first, "Greet-1");
@@ -484,8 +485,8 @@ TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
   reversed.dictionary.Intern(Iri("urn:docent:operation:greet"));
   for (World* world : {&again, &reversed}) {
     for (size_t i = 0; i < batches.size(); ++i) {
-      TurnRecord record = world->Must(batches[i]).record;
-      EXPECT_EQ(DecisionDifference(records[i], record), std::nullopt);
+      log::TurnRecord record = world->Must(batches[i]).record;
+      EXPECT_EQ(log::DecisionDifference(records[i], record), std::nullopt);
       EXPECT_EQ(record, records[i]);
     }
     EXPECT_EQ(Dump(*world), Dump(first));
@@ -493,4 +494,4 @@ TEST(TurnReplayTest, TheSameBatchesGiveTheSameRecordsWhateverTheIdsOfTerms) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

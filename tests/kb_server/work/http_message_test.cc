@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using Types = std::vector<std::string_view>;
@@ -69,4 +69,4 @@ TEST(HttpMessageTest, StatusCodes) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using List = std::vector<std::pair<std::string, std::string>>;
@@ -60,4 +60,4 @@ TEST(KnownPrefixesTest, ModulesRulesAndWorkflowsDeclareThem) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -11,7 +11,7 @@
 #include "kb_server/http/http_server.h"
 #include "kb_server/work/http_fetch.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using ::testing::HasSubstr;
@@ -225,4 +225,4 @@ TEST_F(RemoteAccessHttpTest, ADocumentIsReadInItsType) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

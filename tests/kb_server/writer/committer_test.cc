@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "tests/kb_server/writer_node.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -281,8 +281,8 @@ TEST(CommitterTest, WhatIsAcknowledgedIsInTheLogAndWhatIsRefusedIsNot) {
   std::set<std::string> logged;
   const auto entries = log.Read(1, SIZE_MAX);
   ASSERT_TRUE(entries.ok());
-  for (const LogEntry& entry : *entries)
-    logged.insert(DecodeTurnRecord(entry.offset, entry.data)->batch.request_id);
+  for (const log::LogEntry& entry : *entries)
+    logged.insert(log::DecodeTurnRecord(entry.offset, entry.data)->batch.request_id);
   size_t acknowledged = 0;
   for (const auto& client : told) {
     for (const auto& [id, ok] : client) {
@@ -301,4 +301,4 @@ TEST(CommitterTest, WhatIsAcknowledgedIsInTheLogAndWhatIsRefusedIsNot) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -10,7 +10,7 @@
 #include "graph/rdf/vocabulary.h"
 #include "tests/kb_server/server_world.h"
 
-namespace docent::test {
+namespace docent::server::test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -39,7 +39,7 @@ class FolderStoreTest : public ServerWorkflowTest {
     return quad;
   }
   uint64_t Head() {
-    auto log = SqliteLog::Open(folder_ / "data");
+    auto log = log::SqliteLog::Open(folder_ / "data");
     EXPECT_TRUE(log.ok()) << log.status();
     return (*log)->Head()->offset;
   }
@@ -117,7 +117,7 @@ TEST_F(FolderStoreTest, SnapshotsCutTheReplayShortAndTheLogIsTrimmed) {
     ASSERT_TRUE(store->Apply({{kAdd, facts[i]}}).ok());
   }
   {
-    auto log = SqliteLog::Open(folder_ / "data");
+    auto log = log::SqliteLog::Open(folder_ / "data");
     ASSERT_TRUE(log.ok()) << log.status();
     EXPECT_GT(*(*log)->First(), 1u) << "trimmed";
     EXPECT_FALSE((*log)->SnapshotOffsets()->empty());
@@ -148,4 +148,4 @@ TEST_F(FolderStoreTest, RefusalsAreOneClearLine) {
 }
 
 }  // namespace
-}  // namespace docent::test
+}  // namespace docent::server::test

@@ -12,7 +12,7 @@
 #include "tests/graph/log/test_records.h"
 #include "tests/kb_server/random_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Lines;
@@ -24,9 +24,9 @@ using ::testing::HasSubstr;
 class WrittenLog {
  public:
   WrittenLog(uint32_t seed, int turns, size_t snapshots_kept) : world_(seed) {
-    SqliteLogOptions options;
+    log::SqliteLogOptions options;
     options.snapshots_kept = snapshots_kept;
-    auto opened = SqliteLog::Open(folder_.path(), options);
+    auto opened = log::SqliteLog::Open(folder_.path(), options);
     EXPECT_TRUE(opened.ok()) << opened.status();
     log = *std::move(opened);
     expected.push_back({});
@@ -54,9 +54,9 @@ class WrittenLog {
     ASSERT_TRUE(log->SnapshotPut(head, *state).ok());
   }
 
-  TestFolder folder_{TestFolder::Where::kMemory};
+  log::TestFolder folder_{log::TestFolder::Where::kMemory};
   RandomWorld world_;
-  std::unique_ptr<SqliteLog> log;
+  std::unique_ptr<log::SqliteLog> log;
   Dictionary dictionary;
   sparql::FunctionRegistry functions;
   Stages stages{&dictionary, &functions, Limits()};
@@ -231,21 +231,21 @@ TEST(RecoveryTest, EverySnapshotLeadsToTheSameEnd) {
 TEST(RecoveryTest, ALogOfAnotherEngineThatDecidedOtherwiseSaysWhatToDo) {
   WrittenLog written(7, 60, 2);
   // the same log, but one record says that an older engine decided something else
-  TestFolder folder(TestFolder::Where::kMemory);
-  auto log = SqliteLog::Open(folder.path());
+  log::TestFolder folder(log::TestFolder::Where::kMemory);
+  auto log = log::SqliteLog::Open(folder.path());
   ASSERT_TRUE(log.ok());
   auto entries = written.log->Read(1, 1000);
   ASSERT_TRUE(entries.ok());
   uint64_t changed = 0;
-  for (const LogEntry& entry : *entries) {
-    auto record = DecodeTurnRecord(entry.offset, entry.data);
+  for (const log::LogEntry& entry : *entries) {
+    auto record = log::DecodeTurnRecord(entry.offset, entry.data);
     ASSERT_TRUE(record.ok());
     if (changed == 0 && !record->transitions.empty()) {
       record->engine_version = "0";
       record->transitions[0].to = "elsewhere";
       changed = entry.offset;
     }
-    const std::string data = *EncodeTurnRecord(*record);
+    const std::string data = *log::EncodeTurnRecord(*record);
     ASSERT_TRUE((*log)->Append(absl::MakeConstSpan(&data, 1), 1, entry.offset - 1).ok());
   }
   ASSERT_GT(changed, 0u);
@@ -260,4 +260,4 @@ TEST(RecoveryTest, ALogOfAnotherEngineThatDecidedOtherwiseSaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

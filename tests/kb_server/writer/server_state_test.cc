@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "tests/kb_server/random_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -51,7 +51,7 @@ struct Side {
 void ExpectSame(const absl::StatusOr<TurnResult>& a, const absl::StatusOr<TurnResult>& b) {
   ASSERT_EQ(a.status(), b.status());
   if (!a.ok()) return;
-  EXPECT_EQ(a->record, b->record) << DecisionDifference(a->record, b->record).value_or("");
+  EXPECT_EQ(a->record, b->record) << log::DecisionDifference(a->record, b->record).value_or("");
   EXPECT_EQ(a->cancels, b->cancels);
   EXPECT_EQ(a->started, b->started);
   EXPECT_EQ(a->inferred, b->inferred);
@@ -158,4 +158,4 @@ TEST(ServerStateTest, BytesThatAreNoStateAreRefused) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -14,7 +14,7 @@
 #include "tests/graph/log/test_records.h"
 #include "tests/kb_server/random_world.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -28,9 +28,9 @@ using ::testing::IsEmpty;
 class Keeper {
  public:
   Keeper(const std::string& folder, const Limits& limits) : inbox(&clock, limits) {
-    SqliteLogOptions options;
+    log::SqliteLogOptions options;
     options.snapshots_kept = limits.snapshots_kept;
-    auto opened = SqliteLog::Open(folder, options);
+    auto opened = log::SqliteLog::Open(folder, options);
     recovered = opened.status();
     if (!opened.ok()) return;
     log = *std::move(opened);
@@ -90,7 +90,7 @@ class Keeper {
   RunFeed feed;
   Dictionary dictionary;
   sparql::FunctionRegistry functions;
-  std::unique_ptr<SqliteLog> log;
+  std::unique_ptr<log::SqliteLog> log;
   std::unique_ptr<SnapshotKeeper> snapshots;
   std::unique_ptr<History> history;
   std::unique_ptr<Writer> writer;
@@ -116,7 +116,7 @@ void Damage(const std::string& file) {
 }
 
 TEST(SnapshotKeeperTest, SnapshotsAreTakenWhileServingAndTheNextStartUsesThem) {
-  TestFolder folder;
+  log::TestFolder folder;
   std::vector<std::string> quads;
   {
     Keeper keeper(folder.path(), Often());
@@ -131,7 +131,7 @@ TEST(SnapshotKeeperTest, SnapshotsAreTakenWhileServingAndTheNextStartUsesThem) {
     keeper.AwaitSnapshots(2);
     quads = keeper.Quads();
   }
-  const auto report = CheckFolder(folder.path(), nullptr);
+  const auto report = log::CheckFolder(folder.path(), nullptr);
   ASSERT_TRUE(report.ok());
   EXPECT_THAT(report->faults, IsEmpty());
   ASSERT_GE(report->snapshots.size(), 2u);
@@ -151,7 +151,7 @@ TEST(SnapshotKeeperTest, SnapshotsAreTakenWhileServingAndTheNextStartUsesThem) {
 }
 
 TEST(SnapshotKeeperTest, ADamagedSnapshotMakesRoomForTheOneBeforeAndTheLog) {
-  TestFolder folder;
+  log::TestFolder folder;
   std::vector<std::string> quads;
   {
     Keeper keeper(folder.path(), Often());
@@ -162,7 +162,7 @@ TEST(SnapshotKeeperTest, ADamagedSnapshotMakesRoomForTheOneBeforeAndTheLog) {
     quads = keeper.Quads();
     ASSERT_TRUE(keeper.StopWithSnapshot().ok());
   }
-  auto report = CheckFolder(folder.path(), nullptr);
+  auto report = log::CheckFolder(folder.path(), nullptr);
   ASSERT_GE(report->snapshots.size(), 3u);
   ASSERT_EQ(report->snapshots.back(), 130u);
   for (auto it = report->snapshots.rbegin(); it != report->snapshots.rend(); ++it) {
@@ -174,7 +174,7 @@ TEST(SnapshotKeeperTest, ADamagedSnapshotMakesRoomForTheOneBeforeAndTheLog) {
 }
 
 TEST(SnapshotKeeperTest, TheLogIsTrimmedAndWithoutAGoodSnapshotThereIsNoStart) {
-  TestFolder folder;
+  log::TestFolder folder;
   Limits limits = Often();
   limits.log_bytes_kept = 20000;
   limits.snapshots_kept = 2;
@@ -187,7 +187,7 @@ TEST(SnapshotKeeperTest, TheLogIsTrimmedAndWithoutAGoodSnapshotThereIsNoStart) {
     }
     quads = keeper.Quads();
   }
-  auto report = CheckFolder(folder.path(), nullptr);
+  auto report = log::CheckFolder(folder.path(), nullptr);
   ASSERT_TRUE(report.ok());
   EXPECT_THAT(report->faults, IsEmpty());
   EXPECT_GT(report->first, 1u);
@@ -201,7 +201,7 @@ TEST(SnapshotKeeperTest, TheLogIsTrimmedAndWithoutAGoodSnapshotThereIsNoStart) {
     const absl::Status old = again.history->At(Revision(3), &cancellation).status();
     EXPECT_EQ(old.code(), absl::StatusCode::kOutOfRange);
   }
-  report = CheckFolder(folder.path(), nullptr);
+  report = log::CheckFolder(folder.path(), nullptr);
   for (const uint64_t offset : report->snapshots) Damage(File(folder.path(), offset));
   Keeper lost(folder.path(), limits);
   EXPECT_EQ(lost.recovered.code(), absl::StatusCode::kDataLoss);
@@ -209,7 +209,7 @@ TEST(SnapshotKeeperTest, TheLogIsTrimmedAndWithoutAGoodSnapshotThereIsNoStart) {
 }
 
 TEST(SnapshotKeeperTest, AnOrderlyEndLeavesASnapshotOfTheLastTurn) {
-  TestFolder folder;
+  log::TestFolder folder;
   {
     Keeper keeper(folder.path(), {});
     keeper.Tells(0, 5);
@@ -223,8 +223,8 @@ TEST(SnapshotKeeperTest, AnOrderlyEndLeavesASnapshotOfTheLastTurn) {
 }
 
 TEST(SnapshotKeeperTest, TurnsThatTheLogRefusedLeaveNoSnapshot) {
-  TestFolder folder;
-  auto log = SqliteLog::Open(folder.path());
+  log::TestFolder folder;
+  auto log = log::SqliteLog::Open(folder.path());
   ASSERT_TRUE(log.ok());
   Dictionary dictionary;
   sparql::FunctionRegistry functions;
@@ -243,7 +243,7 @@ TEST(SnapshotKeeperTest, TurnsThatTheLogRefusedLeaveNoSnapshot) {
 }
 
 TEST(SnapshotKeeperTest, ALargeGraphIsNotWrittenAgainForAFewRecords) {
-  TestFolder folder;
+  log::TestFolder folder;
   Limits limits = Often();
   Keeper keeper(folder.path(), limits);
   WriteBatch many;
@@ -260,4 +260,4 @@ TEST(SnapshotKeeperTest, ALargeGraphIsNotWrittenAgainForAFewRecords) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -13,7 +13,7 @@
 #include "tests/kb_server/scripted_adapter.h"
 #include "tests/kb_server/writer_node.h"
 
-namespace docent {
+namespace docent::server {
 namespace {
 
 using test::Fact;
@@ -313,7 +313,7 @@ TEST(WriterTest, RecoveryGivesTheStateBeforeAndGoesOn) {
   std::vector<std::string> quads;
   TimeMicros last_us = 0;
   {
-    auto log = SqliteLog::Open(folder.string());
+    auto log = log::SqliteLog::Open(folder.string());
     ASSERT_TRUE(log.ok()) << log.status();
     Node node(log->get());
     node.clock.Advance(std::chrono::hours(1));
@@ -322,7 +322,7 @@ TEST(WriterTest, RecoveryGivesTheStateBeforeAndGoesOn) {
     quads = node.Quads();
     EXPECT_EQ(node.writer->counters().live_runs, 1u);
   }
-  auto log = SqliteLog::Open(folder.string());
+  auto log = log::SqliteLog::Open(folder.string());
   ASSERT_TRUE(log.ok()) << log.status();
   uint64_t done = 0, all = 0;
   Node node(log->get());
@@ -346,7 +346,7 @@ TEST(WriterTest, RecoveryGivesTheStateBeforeAndGoesOn) {
   ASSERT_TRUE(node.End().ok());
   auto entries = (*log)->Read(6, 1);
   ASSERT_TRUE(entries.ok());
-  EXPECT_GE(DecodeTurnRecord(6, (*entries)[0].data)->time_us, last_us) << "time does not go back";
+  EXPECT_GE(log::DecodeTurnRecord(6, (*entries)[0].data)->time_us, last_us) << "time does not go back";
   std::filesystem::remove_all(folder);
 }
 
@@ -357,11 +357,11 @@ TEST(WriterTest, ALogThatWasDecidedOtherwiseIsRefusedWithItsOffset) {
     for (const auto& outcome : node.AskTogether(Story())) ASSERT_TRUE(outcome.ok()) << outcome.status();
   }
   const std::string good = log.record(5);
-  auto record = DecodeTurnRecord(5, good);
+  auto record = log::DecodeTurnRecord(5, good);
   ASSERT_TRUE(record.ok());
   ASSERT_EQ(record->commands.size(), 1u);
   record->commands[0].operation = "dance";
-  log.record(5) = *EncodeTurnRecord(*record);
+  log.record(5) = *log::EncodeTurnRecord(*record);
   {
     Node node(&log);
     EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
@@ -374,9 +374,9 @@ TEST(WriterTest, ALogThatWasDecidedOtherwiseIsRefusedWithItsOffset) {
     EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
     EXPECT_THAT(std::string(node.recovered.message()), HasSubstr("5"));
   }
-  record = DecodeTurnRecord(5, good);
+  record = log::DecodeTurnRecord(5, good);
   record->batch.run_requests.push_back({RunRequest::Kind::kStart, "Nobody", {}});
-  log.record(5) = *EncodeTurnRecord(*record);
+  log.record(5) = *log::EncodeTurnRecord(*record);
   {
     Node node(&log);
     EXPECT_EQ(node.recovered.code(), absl::StatusCode::kDataLoss);
@@ -448,4 +448,4 @@ TEST(WriterTest, CommandsThatWereOpenAreAskedForAfterARestart) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::server

@@ -4,7 +4,7 @@
 #include "graph/rdf/dictionary.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 using ::testing::ElementsAre;
@@ -140,4 +140,4 @@ TEST_F(LastingConditionTest, TimesArePutBack) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::conditions

@@ -5,7 +5,7 @@
 
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::conditions {
 namespace {
 
 using ::testing::ElementsAre;
@@ -443,4 +443,4 @@ TEST_F(StandingConditionsTest, EvaluationsThatNothingNarrowsAreCounted) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::conditions

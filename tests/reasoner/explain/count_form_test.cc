@@ -30,7 +30,7 @@ class CountForm : public ExplainWorld {
   // The query without its counts; nullopt: it has none that can be written out.
   std::optional<sparql::Query> Written(const std::string& ask) {
     sparql::Query query = Parse(ask);
-    query.algebra = explain::WithoutCounts(WithoutModifiers(*query.algebra));
+    query.algebra = explain::WithoutCounts(matching::WithoutModifiers(*query.algebra));
     if (query.algebra == nullptr) return std::nullopt;
     return query;
   }

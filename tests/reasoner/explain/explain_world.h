@@ -29,7 +29,7 @@ class ExplainWorld : public testing::Test, public TestWorld {
         {name, std::make_shared<const std::string>("PREFIX : <http://example.org/>\n" + text)});
     EXPECT_TRUE(engine_.PutRules(name, *settings_.rules.back().text).empty());
   }
-  void BuiltIn(const std::string& name) { Rules(name, BuiltInRuleSet(name)); }
+  void BuiltIn(const std::string& name) { Rules(name, rules::BuiltInRuleSet(name)); }
 
   void Tell(const std::vector<std::string>& facts) {
     const absl::StatusOr<Delta> delta = engine_.Update(writer, Apply(facts));
@@ -60,7 +60,7 @@ class ExplainWorld : public testing::Test, public TestWorld {
   }
 
  private:
-  RuleEngine engine_;
+  rules::RuleEngine engine_;
   explain::Explainer::Settings settings_;
   explain::Prefixes prefixes_;
 };

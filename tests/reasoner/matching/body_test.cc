@@ -8,7 +8,7 @@
 
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using ::testing::ElementsAre;
@@ -213,4 +213,4 @@ TEST_F(BodyTest, GuardsComeFromFiltersOnThePatternsObject) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::matching

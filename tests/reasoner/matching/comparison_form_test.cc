@@ -4,7 +4,7 @@
 
 #include "graph/sparql/syntax/parser.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 // "?x >= 3", or "" for what is no comparison with a number.
@@ -36,4 +36,4 @@ TEST(ComparisonForm, OnlyWithANumberThatFitsIntoAnId) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::matching

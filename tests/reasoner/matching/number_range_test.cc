@@ -5,7 +5,7 @@
 #include "graph/rdf/term.h"
 #include "graph/rdf/vocabulary.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 TermId Number(const std::string& text, std::string_view datatype) {
@@ -60,4 +60,4 @@ TEST(NumberRange, LongDecimalsKeepTheirOrder) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::matching

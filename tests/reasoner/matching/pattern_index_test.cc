@@ -10,7 +10,7 @@
 
 #include "graph/rdf/term.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using ::testing::ElementsAre;
@@ -170,4 +170,4 @@ TEST(PatternIndex, ManyKeysComeAndGo) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::matching

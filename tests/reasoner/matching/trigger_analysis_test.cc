@@ -9,7 +9,7 @@
 
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::matching {
 namespace {
 
 using ::testing::ElementsAre;
@@ -88,4 +88,4 @@ TEST(TriggerAnalysis, KnowsWhatDependsOnTheClock) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::matching

@@ -197,7 +197,7 @@ TEST_F(OntologyCheckTest, UnusedPrefixesAndNamespacesThatAreNearlyRight) {
 }
 
 TEST_F(OntologyCheckTest, RulesAndQueries) {
-  const ParsedRules rules = ParseRules(
+  const rules::ParsedRules rules = rules::ParseRules(
       "PREFIX : <http://e/>\nRULE { ?r a :Robott } WHERE {\n  ?r :isat ?p . FILTER NOT EXISTS { ?p :sped 1 } "
       "}",
       "f.rules");

@@ -13,7 +13,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::HasSubstr;
@@ -198,4 +198,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

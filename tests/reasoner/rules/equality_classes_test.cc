@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -85,4 +85,4 @@ TEST_F(EqualityClassesTest, ADissolvedClassLeavesTheOthers) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -10,7 +10,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -232,4 +232,4 @@ TEST_F(NegationOrderTest, AxiomsThatTwoRulesWithNegationMakeAreSeenTogether) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -15,7 +15,7 @@
 #include "reasoner/rules/rule_parser.h"
 #include "reasoner/rules/rule_sets.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 struct Case {
@@ -456,4 +456,4 @@ TEST(Rdfs, TheSetIsReadAndInfers) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -11,7 +11,7 @@
 #include "reasoner/rules/rule_sets.h"
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -606,4 +606,4 @@ TEST_F(RuleEngineTest, ReportsAreSeenBesideNegation) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

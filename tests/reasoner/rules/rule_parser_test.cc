@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -154,4 +154,4 @@ TEST(RuleParser, ReportsEveryMistakeOfADocument) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -8,7 +8,7 @@
 #include "reasoner/rules/rule_parser.h"
 #include "tests/reasoner/test_world.h"
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,4 +116,4 @@ TEST(ShaclRulesImport, ARuleIsCalledByItsLineInTheDocument) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace docent {
+namespace docent::rules {
 namespace {
 
 using ::testing::ElementsAre;
@@ -42,4 +42,4 @@ TEST(Stratification, ALongChainNeedsNoDeepStack) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::rules

@@ -6,7 +6,7 @@
 
 #include "absl/synchronization/notification.h"
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 TEST(EventLoopTest, RunsTimersWhenTheyAreDueAndNoneThatWasTakenBack) {
@@ -29,4 +29,4 @@ TEST(EventLoopTest, RunsTimersWhenTheyAreDueAndNoneThatWasTakenBack) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::proxy

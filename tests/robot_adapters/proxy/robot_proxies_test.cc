@@ -15,7 +15,7 @@
 #include "gtest/gtest.h"
 #include "robot_adapters/sdk/robot_adapter.h"
 
-namespace docent {
+namespace docent::proxy {
 namespace {
 
 using Outcome = CommandReport::Outcome;
@@ -623,4 +623,4 @@ TEST_F(MisbehavingAdapterTest, DestructionWithCommandsUnderWayEndsAtOnce) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::proxy

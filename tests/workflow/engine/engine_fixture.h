@@ -12,7 +12,7 @@
 #include "workflow/cawl/parser.h"
 #include "workflow/engine/engine.h"
 
-namespace docent {
+namespace docent::engine {
 
 // Step until quiet, then Commit.
 class EngineTest : public ::testing::Test {
@@ -106,6 +106,6 @@ class EngineTest : public ::testing::Test {
   std::vector<Quad> facts_;
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_TESTS_WORKFLOW_ENGINE_ENGINE_FIXTURE_H_

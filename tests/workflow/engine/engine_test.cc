@@ -10,7 +10,7 @@
 #include "workflow/cawl/parser.h"
 #include "workflow/rsel/parser.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 using ::testing::ElementsAre;
@@ -632,4 +632,4 @@ TEST_F(EngineTest, AServiceIsInvokedWithoutAWorkflow) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::engine

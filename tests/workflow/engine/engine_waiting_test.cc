@@ -6,7 +6,7 @@
 #include "tests/workflow/engine/engine_fixture.h"
 #include "workflow/rsel/parser.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 using ::testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST_F(EngineWaitingTest, NoRobotOnlineIsSaidAndWaitedFor) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::engine

@@ -10,7 +10,7 @@
 #include "absl/strings/match.h"
 #include "workflow/engine/engine.h"
 
-namespace docent {
+namespace docent::engine {
 
 // Conditions are told by a text that their ASK contains.
 class FakeConditions final : public ConditionView {
@@ -109,6 +109,6 @@ class FakeRobots final : public RobotDirectory {
   bool changed() const override { return news; }
 };
 
-}  // namespace docent
+}  // namespace docent::engine
 
 #endif  // DOCENT_TESTS_WORKFLOW_ENGINE_FAKE_CONDITIONS_H_

@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace docent {
+namespace docent::engine {
 namespace {
 
 using ::testing::ElementsAre;
@@ -61,4 +61,4 @@ TEST(WaitingRoomTest, WhoLeavesOrWaitsForSomethingElseIsNotFound) {
 }
 
 }  // namespace
-}  // namespace docent
+}  // namespace docent::engine
