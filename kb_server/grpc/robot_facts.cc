@@ -96,7 +96,7 @@ std::optional<std::string> FaultOf(const std::string& name, std::set<std::string
 // Of what is too long to be shown, the beginning.
 std::string Shown(const std::string& name) {
   constexpr size_t kShown = 60;
-  return Concat("\"", name.size() <= kShown ? name : name.substr(0, kShown) + "…", "\"");
+  return Concat("\"", name.substr(0, kShown), name.size() <= kShown ? "\"" : "…\"");
 }
 
 void TakeParts(const std::string& operation, std::string_view what,
