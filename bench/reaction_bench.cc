@@ -112,7 +112,8 @@ std::string WorkflowText(size_t i) {
                       "\" namespace=\"urn:mix:\" version=\"1\"><activator name=\"a\"><activate flow=\"F", i,
                       "\"/><condition><context name=\"c\">", CawlRuleNumber(i),
                       "</context></condition></activator><flow name=\"F", i,
-                      "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping\"/></node><sink "
+                      "\"><source name=\"s\"/><node name=\"n\"><invoke operation=\"ping_", TokenVariable(i),
+                      "\"/></node><sink "
                       "name=\"t\"/><link from=\"s\" to=\"n\"/>"
                       "<link from=\"n\" to=\"t\"/></flow></CAWL>");
 }
@@ -128,7 +129,12 @@ grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::s
       quads.push_back({robot, Term::Iri(DocentIri(local)), std::move(object), Term()});
     };
     quads.push_back({robot, Term::Iri(std::string(kRdfType)), Term::Iri(DocentIri("Robot")), Term()});
-    say("offers", Term::Iri("urn:docent:operation:ping"));
+    for (const char* variable : {"t", "v"}) {
+      const Term ping = Term::Iri(absl::StrCat("urn:docent:operation:ping_", variable));
+      say("offers", ping);
+      quads.push_back({ping, Term::Iri(DocentIri("input")), Term::Literal(variable), robot});
+      quads.push_back({ping, Term::Iri(DocentIri("inputsKnown")), Term::Boolean(true), robot});
+    }
     say("incarnation", Term::Literal("bench"));
     say("adapterAddress", Term::Literal(adapter));
   }
@@ -138,8 +144,8 @@ grpc::Status Prepare(const std::shared_ptr<grpc::Channel>& channel, const std::s
     std::vector<TermQuad> chunk(quads.begin() + from, quads.begin() + std::min(quads.size(), from + kChunk));
     v1::LoadRequest request;
     request.set_kind(v1::LoadRequest::DATA);
-    request.set_media_type("application/n-triples");
-    request.set_text(*SerializeRdf(chunk, RdfFormat::kNTriples));
+    request.set_media_type("application/n-quads");
+    request.set_text(*SerializeRdf(chunk, RdfFormat::kNQuads));
     v1::LoadReply reply;
     grpc::ClientContext context;
     grpc::Status status = ontologies->Load(&context, request, &reply);

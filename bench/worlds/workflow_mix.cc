@@ -88,6 +88,10 @@ std::string CawlRuleNumber(size_t i) {
   return "";
 }
 
+std::string TokenVariable(size_t i) {
+  return KindOf(i) == Kind::kThreshold ? "t" : "v";
+}
+
 std::vector<TermQuad> Background(size_t triples, size_t conditions) {
   std::vector<TermQuad> quads;
   quads.reserve(triples + conditions);

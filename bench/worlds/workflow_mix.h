@@ -20,6 +20,8 @@ namespace docent::bench {
 
 // The condition of workflow `i`: one <rule> element of CAWL.
 std::string CawlRuleNumber(size_t i);
+// The variable of condition `i` that a token is bound to.
+std::string TokenVariable(size_t i);
 
 // About `triples` triples: visitors with topics and names, sensors, items with owners.
 std::vector<TermQuad> Background(size_t triples, size_t conditions);
