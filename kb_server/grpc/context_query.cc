@@ -1,14 +1,9 @@
 // Context.Query: SPARQL on the newest version or a past one, rows as they are found.
 #include "absl/strings/str_cat.h"
-#include "graph/rdf/text_bytes.h"
-#include "graph/sparql/run/describe.h"
-#include "graph/sparql/run/federation.h"
-#include "graph/sparql/syntax/parser.h"
-#include "kb_server/door/history_port.h"
 #include "kb_server/grpc/convert.h"
 #include "kb_server/grpc/grpc_services.h"
 #include "kb_server/grpc/stream_reactor.h"
-#include "kb_server/work/remote_access.h"
+#include "kb_server/work/query_runner.h"
 
 namespace docent::server {
 namespace {
@@ -29,108 +24,87 @@ struct Output {
   }
 };
 
-sparql::DefaultGraph DefaultGraphOf(const v1::QueryRequest& request, const ServicePorts& ports) {
-  if (request.default_graph() == v1::QueryRequest::UNION) return sparql::DefaultGraph::kUnion;
-  if (request.default_graph() == v1::QueryRequest::STRICT) return sparql::DefaultGraph::kStrict;
-  return ports.default_graph;
-}
+// Sends the header, then a message for each row or triple.
+class GrpcSink final : public QuerySink {
+ public:
+  GrpcSink(const Output& out, size_t message_bytes) : out_(out), message_bytes_(message_bytes) {}
 
-// The header, then all rows or triples.
-absl::Status Evaluate(const ServicePorts& ports, sparql::Query& query, const v1::QueryRequest& request,
-                      const QueryGraph& graph, Cancellation* cancellation, const Output& out) {
-  const GraphVersion& version = *graph.version;
-  const Dictionary& dictionary = *graph.dictionary;
-  sparql::PrepareOptions options;
-  options.default_graph = DefaultGraphOf(request, ports);
-  options.functions = ports.functions;
-  options.memory_bytes = ports.limits.query_memory_bytes;
-  options.all_memory = ports.query_memory;
-  sparql::RunOptions run_options;
-  run_options.version = &version;
-  run_options.cancellation = cancellation;
-  run_options.now_us = ports.clock->Now();
-  run_options.seed = static_cast<uint64_t>(run_options.now_us);
-  absl::Status resolved = sparql::ResolveServices(&query, ports.remote, dictionary, options, run_options);
-  if (!resolved.ok()) return resolved;
-  const WorkerPool::SharedWork shared(ports.workers, cancellation);
-  auto prepared = sparql::PreparedQuery::Prepare(query, dictionary, options);
-  if (!prepared.ok()) return prepared.status();
-  sparql::PreparedQuery& run = **prepared;
-
-  v1::QueryReply header;
-  header.mutable_header()->set_revision(version.revision().value());
-  if (request.explain()) {
-    auto plan = run.ExplainRun(run_options);
-    if (!plan.ok()) return plan.status();
-    header.mutable_header()->set_plan(*std::move(plan));
-    out.Send(std::move(header));
-    return absl::OkStatus();
+  bool OnBegin(sparql::Query::Form, Revision revision) override {
+    header_.mutable_header()->set_revision(revision.value());
+    return true;
   }
-  if (query.form == sparql::Query::Form::kAsk) {
-    auto answer = run.Ask(run_options);
-    if (!answer.ok()) return answer.status();
-    header.mutable_header()->set_is_boolean(true);
-    header.mutable_header()->set_boolean(*answer);
-    out.Send(std::move(header));
-    return absl::OkStatus();
+  void OnPlan(std::string plan) override {
+    header_.mutable_header()->set_plan(std::move(plan));
+    SendHeader().IgnoreError();
   }
-  if (query.form != sparql::Query::Form::kSelect) {
-    auto triples = sparql::AnswerGraph(run, query, dictionary, options, run_options);
-    if (!triples.ok()) return triples.status();
-    out.Send(std::move(header));
-    for (const TermQuad& triple : *triples) {
+  void OnBoolean(bool answer) override {
+    header_.mutable_header()->set_is_boolean(true);
+    header_.mutable_header()->set_boolean(answer);
+    SendHeader().IgnoreError();
+  }
+  void OnHeader(const std::vector<std::string>& variables) override {
+    for (const std::string& name : variables) header_.mutable_header()->add_variables(name);
+    SendHeader().IgnoreError();
+  }
+  absl::Status CheckRow(size_t bytes) override {
+    if (bytes <= message_bytes_) return absl::OkStatus();
+    return absl::ResourceExhaustedError(
+        absl::StrCat("a row of the answer is longer than the limit grpc_message_bytes = ", message_bytes_,
+                     "; ask for fewer columns"));
+  }
+  absl::Status OnRow(const std::vector<std::optional<Term>>& row) override {
+    v1::QueryReply reply;
+    for (const std::optional<Term>& term : row) {
+      v1::Term* value = reply.mutable_row()->add_values();
+      if (term) ToProto(*term, value);
+    }
+    return Send(std::move(reply));
+  }
+  void OnEnd() override {}
+  absl::Status OnGraph(std::vector<TermQuad> triples,
+                       const std::vector<std::pair<std::string, std::string>>&) override {
+    absl::Status status = SendHeader();
+    for (const TermQuad& triple : triples) {
+      if (!status.ok()) break;
       v1::QueryReply reply;
       ToProto(triple.subject, reply.mutable_quad()->mutable_subject());
       ToProto(triple.predicate, reply.mutable_quad()->mutable_predicate());
       ToProto(triple.object, reply.mutable_quad()->mutable_object());
-      if (!out.Send(std::move(reply))) break;
+      status = Send(std::move(reply));
     }
-    return absl::OkStatus();
+    return status;
   }
-  for (const std::string& name : run.variables()) header.mutable_header()->add_variables(name);
-  out.Send(std::move(header));
-  Term term;
-  bool too_long = false;
-  const size_t limit = ports.limits.grpc_message_bytes;
-  const absl::Status status = run.Select(run_options, {}, [&](absl::Span<const TermId> row) {
-    v1::QueryReply reply;
-    size_t bytes = 0;
-    for (TermId id : row) {
-      v1::Term* value = reply.mutable_row()->add_values();
-      if (id.IsNone()) continue;
-      run.DecodeTo(id, &term);
-      bytes += TextBytes(term);
-      too_long = bytes > limit;
-      if (too_long) return false;
-      ToProto(term, value);
-    }
-    return out.Send(std::move(reply));
-  });
-  if (!status.ok() || !too_long) return status;
-  return absl::ResourceExhaustedError(
-      absl::StrCat("a row of the answer is longer than the limit grpc_message_bytes = ", limit,
-                   "; ask for fewer columns"));
-}
+
+ private:
+  absl::Status SendHeader() { return Send(std::move(header_)); }
+  absl::Status Send(v1::QueryReply reply) {
+    if (out_.Send(std::move(reply))) return absl::OkStatus();
+    return absl::CancelledError("the client takes no more of the answer");
+  }
+
+  const Output& out_;
+  const size_t message_bytes_;
+  v1::QueryReply header_;
+};
 
 absl::Status Answer(const ServicePorts& ports, const v1::QueryRequest& request, Cancellation* cancellation,
                     const Output& out) {
-  if (request.query().size() > ports.limits.query_text_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("the query has ", request.query().size(),
-                                                     " bytes; the limit query_text_bytes is ",
-                                                     ports.limits.query_text_bytes));
-  }
   if (!v1::QueryRequest::DefaultGraph_IsValid(request.default_graph())) {
     return absl::InvalidArgumentError(absl::StrCat("default_graph ",
                                                    static_cast<int>(request.default_graph()),
                                                    " is not known; give AS_STARTED, UNION or STRICT"));
   }
-  sparql::ParseOptions options = sparql::ParseOptionsWith(ports.limits, ports.functions);
-  sparql::ParsedQuery parsed = sparql::ParseQuery(request.query(), options);
-  if (!parsed.ok()) return ToStatus(parsed.diagnostics, request.query());
-  auto graph =
-      GraphForQuery(ports, Revision(request.min_revision()), request.as_of(), out.deadline, cancellation);
-  if (!graph.ok()) return graph.status();
-  return Evaluate(ports, parsed.query, request, *graph, cancellation, out);
+  QueryRequest query;
+  query.text = request.query();
+  query.min_revision = Revision(request.min_revision());
+  query.as_of = request.as_of();
+  query.explain = request.explain();
+  query.deadline = out.deadline;
+  if (request.default_graph() == v1::QueryRequest::UNION) query.default_graph = sparql::DefaultGraph::kUnion;
+  if (request.default_graph() == v1::QueryRequest::STRICT)
+    query.default_graph = sparql::DefaultGraph::kStrict;
+  GrpcSink sink(out, ports.limits.grpc_message_bytes);
+  return QueryRunner(&ports).Run(query, cancellation, &sink);
 }
 
 }  // namespace
