@@ -139,7 +139,7 @@ absl::Status DataFolder::CheckPlace() const {
                      now ? " is another file than the one that this server opened"
                          : " is gone: it was deleted or moved while the server ran",
                      "; nothing is written any more, since it would be lost. Put the data folder ", path_,
-                     " back as it was and start the server again"));
+                     " back as it was: then writing goes on"));
   }
   return absl::OkStatus();
 }
